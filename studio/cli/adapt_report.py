@@ -92,7 +92,8 @@ def constraint_records(request: AdaptRequest, adapted: AdaptedMotion, report: Re
     it was kept off in every frame, null where there is none.
     """
     records = []
-    for row, asked in enumerate(fully_asked(request)[:, adapted.first_frame :]):
+    frames = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
+    for row, asked in enumerate(fully_asked(request)[:, frames]):
         constraint = request.constraints[row]
         factor = math.degrees(1.0) if constraint.unit == "rad" else 1000.0
         misses, kept_by = report.misses[row], [_winner(int(code), request.constraints) for code in report.winners[row]]

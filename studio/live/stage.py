@@ -170,8 +170,8 @@ class LiveStage:
         given, seen = self.project, self._seen
         players = {key: each for key, each in given.performers.items() if _plays(given, each)}
         for key, part in list(self._parts.items()):
-            if key not in players or (part.act and part.act.clip.motion_id not in given.motions):
-                del self._parts[key]  # of who plays on without its act, the row begins again
+            if key not in players:
+                del self._parts[key]
             elif part.wish and part.wish.clip.motion_id not in given.motions:
                 part.wish = None
         if given is seen and players.keys() == self._parts.keys():
@@ -181,6 +181,8 @@ class LiveStage:
         self._seen, self._staged = given, _staged(given, self._parts)
         for key, performer in players.items():
             try:
+                if key in self._parts and self._is_lost(key):
+                    self._begin_row(key)
                 self._take_performer(key, performer, seen)
             except StudioError as error:
                 self._parts.pop(key, None)
@@ -196,6 +198,25 @@ class LiveStage:
             part.playing, part.row = restood(given, key, part.playing, self._prepare), performer.all_clips
         else:
             part.playing, part.row = asked_anew(given, key, part.playing), performer.all_clips
+
+    def _is_lost(self, key: str) -> bool:
+        """Whether what a performer plays was taken away: its motion, or its clip out of the row."""
+        part, given = self._parts[key], self.project
+        clip = _clip_of(part)
+        return clip.motion_id not in given.motions or (
+            part.act is None and clip.id not in {each.id for each in given.performers[key].clips}
+        )
+
+    def _begin_row(self, key: str) -> None:
+        """Go over from where a performer is to the first clip of its row, or begin the row anew where that is short."""
+        part = self._parts[key]
+        part.row = self.project.performers[key].all_clips
+        act = self._first_of_row(part)
+        if act is None or part.result is None:
+            del self._parts[key]
+            self._staged = _staged(self.project, self._parts)
+        else:
+            self._begin(key, act)
 
     def _act(self) -> None:
         """Let behaviours go on: who comes into another state wishes to play what that lets it play, or to step."""
@@ -241,11 +262,17 @@ class LiveStage:
         """
         behaviour = self.project.behaviours.get(self.project.behaviour_of(key) or "")
         state = behaviour.state(self.running[key].state) if behaviour and key in self.running else None
-        act = Act(part.row[0])
-        if state is not None:
-            if part.act is None or state.clip is None or not state.loop:
-                return None
-            act = replace(part.act, clip=replace(state.clip, ease=part.act.clip.ease), steps=False)
+        if state is None:
+            return self._first_of_row(part)
+        if part.act is None or state.clip is None or not state.loop:
+            return None
+        return self._going_on(replace(part.act, clip=replace(state.clip, ease=part.act.clip.ease), steps=False))
+
+    def _first_of_row(self, part: _Part) -> Act | None:
+        return self._going_on(Act(part.row[0]))
+
+    def _going_on(self, act: Act) -> Act | None:
+        """The same from where a body is; None where it is too short to be gone over to."""
         if act.clip.length(self.project.frame_rate_of(act.clip)) < SHORTEST:
             return None
         return replace(act, clip=replace(act.clip, joined=True, turn=0.0, offset=(0.0, 0.0)))
@@ -259,13 +286,17 @@ class LiveStage:
             if part.result is not None and part.wish is not None and self._settled(part):
                 waiting.append(key)
         for key in waiting[:BEGUN_A_STEP]:
-            part = self._parts[key]
-            assert part.wish is not None
-            act, part.wish = replace(part.wish, clip=replace(part.wish.clip, start=self.seconds)), None
-            staged = _staged(self.project, self._parts, {key: act})
-            part.playing = taken_over(staged, key, part.playing, part.frame, part.tracks, self._prepare)
-            part.act, self._staged = act, staged
-            self._note(key)
+            wish, self._parts[key].wish = self._parts[key].wish, None
+            assert wish is not None
+            self._begin(key, wish)
+
+    def _begin(self, key: str, act: Act) -> None:
+        """Let what a performer does take over now."""
+        part, act = self._parts[key], replace(act, clip=replace(act.clip, start=self.seconds))
+        staged = _staged(self.project, self._parts, {key: act})
+        part.playing = taken_over(staged, key, part.playing, part.frame, part.tracks, self._prepare)
+        part.act, self._staged = act, staged
+        self._note(key)
 
     def _note(self, key: str) -> None:
         """Remember what a performer has just begun."""

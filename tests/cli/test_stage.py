@@ -8,11 +8,15 @@ import pytest
 
 from studio.cli.main import main
 from studio.cli.render import performances
+from studio.core.body.canonical import BodyPart
+from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.constraints.position import PositionConstraint
 from studio.core.project import Performer
 from studio.core.stage.clip import Clip
 from studio.io.importing import load_capture
 from studio.io.project_file import new_document_id, read_project, write_project
 from tests.builders import make_capture, make_project
+from tests.core.motions import ALWAYS
 
 
 @pytest.fixture
@@ -43,6 +47,20 @@ def test_every_performer_is_a_file_and_a_report_and_one_that_fails_keeps_nobody_
     assert json.loads((out / "report.json").read_text()) == report
     assert main(["adapt", "--stage", str(play), "--out", str(out)]) == 1
     assert "is there already" in capsys.readouterr().err
+
+
+def test_a_clip_that_ends_before_its_capture_is_reported_with_what_is_asked_of_it(play, capsys, tmp_path):
+    """It ended in a fault: frames after the clip's last one were counted as well."""
+    project = read_project(play).project.with_entity("performers", "lost", None)
+    wrist = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
+    asked = PositionConstraint("motion", "Reach", wrist, Chain(), 0, ALWAYS, target=(0.3, -0.2, 1.2))
+    [clip] = project.performers["performer 1"].clips
+    short = replace(project.performers["performer 1"], clips=(replace(clip, first=4, last=clip.last - 6),))
+    project = project.with_entity("constraints", "reach", asked).with_entity("performers", "performer 1", short)
+    write_project(tmp_path / "short.studio", project, new_document_id())
+    assert main(["adapt", "--stage", str(tmp_path / "short.studio"), "--out", str(tmp_path / "o"), "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert 0 < report["performers"][1]["constraints"][0]["frames_asked"] <= clip.last - 9
 
 
 def test_what_a_project_has_itself_is_refused_in_a_sentence(play, capsys, tmp_path):

@@ -180,6 +180,27 @@ def test_who_grows_and_who_shrinks_keeps_its_feet_where_they_stand() -> None:
         assert contact_quality(performance.adapted, heels, Ground()).slide < 2e-3
 
 
+@pytest.mark.parametrize("height", [0.9, 1.0, 1.15])
+def test_wrists_stay_above_a_table_of_any_height_that_is_seen(height: float) -> None:
+    scene = exact(papers.table())
+    tables = [
+        (key, replace(each, size=(*each.size[:2], height), position=(*each.position[:2], height / 2)), None)
+        for key, each in scene.props.items()
+    ]
+    scene = scene.with_entities("props", tables)
+    made = perform(scene, scene.performers, prepared, adapt)
+    inside = 0
+    for key, performance in made.performances.items():
+        half = np.array(scene.props[f"table {key}"].size) / 2
+        for wrist in papers.WRISTS:
+            places = Placement.of(scene.performers[key]).to_stage(place_of(wrist, performance.adapted))
+            off = np.abs(places - np.array(scene.props[f"table {key}"].position))
+            over = (off[:, :2] < half[:2] - 2e-3).all(axis=1)
+            inside += int(over.sum())
+            assert places[over, 2].min(initial=height) > height - 1e-3
+    assert inside > 100
+
+
 def test_a_wrist_comes_before_an_elbow_and_balance_costs_no_reach() -> None:
     wrist = exact(SCENES[4].make())
     made = perform(wrist, wrist.performers, prepared, adapt).performances

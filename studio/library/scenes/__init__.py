@@ -39,7 +39,8 @@ SCENES = (
     ),
     Scene(
         "Wrists above a table",
-        "Both wrists stay above the table on every body. Select the table and change its height or size.",
+        "Three bodies reach over a table each: both wrists stay above it. Select a table and change its height or move"
+        " it: they still do.",
         "papers.table",
     ),
     Scene(

@@ -7,11 +7,13 @@ from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
+from studio.core.constraints.follow import FollowProp
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.slope import Slope
 from studio.core.project import GROUND_ID, Performer, Project
 from studio.core.stage.clip import Clip
+from studio.core.stage.prop import Prop, PropShape
 from studio.core.stage.scope import Scope
 from studio.library.scenes.stagehand import RATE, Material, around, bodies, material
 
@@ -27,16 +29,24 @@ def five_bodies() -> Project:
 
 
 def table() -> Project:
-    """Wrists above a table whose height is changed (figure 6)."""
+    """Three bodies reach, each over a table of its own, above which its wrists stay (figure 6)."""
     project = row(material(reach=("Reach", "reach_grasp")), "reach", 3)
-    asked = {
-        f"table {place}": AreaConstraint(
-            "reach", f"{('Left', 'Right')[place]} wrist above the table", wrist, Chain(), 0, ALWAYS,
-            shape=AreaShape.TABLE, centre=(0.55, 0.0, 0.5), size=(0.8, 1.2, 1.0),
-        )
-        for place, wrist in enumerate(WRISTS)
-    }  # fmt: skip
-    return replace(project, constraints=asked)
+    props, asked = {}, dict[str, Constraint]()
+    for key, performer in project.performers.items():
+        name = f"Table of {performer.name.lower()}"
+        x, y = AHEAD, performer.position[1]
+        props[f"table {key}"] = Prop(name, TABLE, (x, y, TABLE[2] / 2), shape=PropShape.TABLE)
+        top = FollowProp(f"table {key}", (0.0, 0.0, -TABLE[2] / 2), share=(0.0, 0.0, 1.0))
+        for side, wrist in zip(("left", "right"), WRISTS, strict=True):
+            asked[f"{side} {key}"] = AreaConstraint(
+                "reach", f"{side.capitalize()} wrist above {name}", wrist, Chain(), 0, ALWAYS, scope=Scope(key),
+                shape=AreaShape.TABLE, centre=top, size=TABLE,
+            )  # fmt: skip
+    return replace(project, props=props, constraints=asked)
+
+
+AHEAD, TABLE = 0.6, (0.8, 0.9, 1.0)
+"""Metres: how far ahead a table stands, and its length, breadth and height."""
 
 
 def balance() -> Project:

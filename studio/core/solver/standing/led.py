@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from studio.core.body.morphology import AnimatedMorphology
 from studio.core.captures.contacts import FOOT_POINTS, ContactInterval, spans_of
@@ -28,8 +27,9 @@ from studio.core.normalized.transition import SHORTEST, halts_of, pace_left, pla
 from studio.core.rotations import from_matrix, sign_continuous
 from studio.core.solver.standing.blends import smooth_drops
 from studio.core.solver.standing.footing import Footing, leg_stretches
+from studio.core.solver.standing.held_foot import FootPath, HeldFoot, turned, turns_between
 from studio.core.solver.standing.stand import Standing, legs_of
-from studio.core.solver.standing.stepping import Flight, flights_of, states_of
+from studio.core.solver.standing.stepping import Flight, carrying, flights_of, states_of
 
 FloatArray = NDArray[np.float64]
 
@@ -125,13 +125,9 @@ def _contacts(standing: Standing, states: NDArray[np.int64]) -> tuple[ContactInt
 
 
 class _LedFoot(NamedTuple):
-    """What a foot does: ``ankles`` (F, 3), ``feet`` and ``toes`` (F, 3, 3); ``carries`` (F, 3) how far it stands aside
-    over the ground, which the body goes along with.
-    """
+    """Where a foot goes; ``carries`` (F, 3) how far it stands aside over the ground, which the body goes along with."""
 
-    ankles: FloatArray
-    feet: FloatArray
-    toes: FloatArray
+    path: FootPath
     carries: FloatArray
 
 
@@ -174,7 +170,7 @@ class _Change:
         """(2, S, 3) rotation vectors from each segment in its carrier as it is by itself to how it was seen."""
         carriers = np.array(self.standing.morphology.layout.parent_segments())
         own, seen = (_in_carriers(each.rotations, carriers) for each in (self.own, self.seen))
-        return np.stack([_gaps(*both) for both in zip(own, seen, strict=True)])
+        return np.stack([turns_between(*both) for both in zip(own, seen, strict=True)])
 
     @cached_property
     def seconds(self) -> float:
@@ -192,28 +188,27 @@ class _Change:
         return np.asarray(place[:, None] * gaps[1] + pace[:, None] * speed)
 
     @cached_property
-    def aside(self) -> FloatArray:
-        """(2, 2, 3) metres from where what each foot turns about is by itself to where it was seen, in two frames."""
-        gaps = []
-        for side in range(2):
-            pivot = self.pivot(side)
-            seen, own = (each.ankles[side] + each.feet[side] @ pivot for each in (self.seen, self.own))
-            gaps.append(seen - own)
-        return np.array(gaps)
+    def feet(self) -> tuple[HeldFoot, HeldFoot]:
+        """Each foot, by itself and as it was seen."""
+        left, right = (self.foot(side) for side in range(2))
+        return left, right
 
-    def pivot(self, side: int) -> FloatArray:
-        """(3,) in the foot's axes, from its ankle: its heel while that alone stands, else its ball."""
-        body = self.standing.morphology.still
-        if self.seen.states[side] == HEEL:
-            return np.array([-body.heel_length[side], 0.0, -body.ankle_height[side]])
-        return np.asarray(body.foot[side])
+    def foot(self, side: int) -> HeldFoot:
+        """One of ``feet``."""
+        footing, seen, body = self.standing.footing, self.seen, self.standing.morphology.still
+        on, state = slice(self.first, None), int(seen.states[side])
+        own = FootPath(footing.ankles[side, on, :3], footing.feet[side, on], footing.toes[side, on])
+        before = FootPath(seen.ankles[side], seen.feet[side], seen.toes[side])
+        heel = np.array([-body.heel_length[side], 0.0, -body.ankle_height[side]])
+        known = own, footing.states[side, on], before, state, heel, np.asarray(body.foot[side])
+        return HeldFoot(*known, self.legs[side, 1:], self.rate)
 
     @cached_property
     def flights(self) -> tuple[Flight, ...]:
         """When each foot is in the air to where the motion has it."""
-        ways = np.linalg.norm(self.aside[:, 1], axis=1) / self.leg
+        ways = np.array([np.linalg.norm(foot.aside) for foot in self.feet]) / self.leg
         joints = np.linalg.norm(self.turns[1], axis=1)
-        turns = [abs(_gaps(self.own.feet[side], self.seen.feet[side])[1, 2]) for side in range(2)]
+        turns = [abs(foot.heading) for foot in self.feet]
         stepping = [seconds_of(np.array(each), leg[:2]) for *each, leg in zip(ways, turns, self.legs, strict=True)]
         swinging = [seconds_of(joints[legs], self.peaks[legs]) for legs in self.leg_segments]
         needed = np.array([stepping, swinging])
@@ -233,7 +228,7 @@ class _Change:
         states, comforts, ankles = own.states.copy(), own.comforts.copy(), own.ankles.copy()
         feet, toes = own.feet[:].copy(), own.toes[:].copy()
         for side, flight in enumerate(self.flights):
-            foot = self.swung_foot(side, flight, bases[side], positions, rotations)
+            foot = self.swung_foot(side, flight, bases[side].path, positions, rotations)
             ankles[side, on, :3], feet[side, on], toes[side, on] = foot.ankles, foot.feet, foot.toes
             states[side, : self.first], states[side, on] = self.seen.states[side], self.states(side, flight)
         comforts[:, on] += place_left(self.times, self.seconds) * (self.seen.comforts[:, None] - comforts[:, on])
@@ -242,41 +237,20 @@ class _Change:
 
     def states(self, side: int, flight: Flight) -> NDArray[np.int64]:
         """(F,) how a foot stands from the change on."""
-        own = self.standing.footing.states[side, self.first :]
-        return states_of(own, int(self.seen.states[side]), flight, round(self.settling(side) * self.rate))
-
-    def settling(self, side: int) -> float:
-        """Seconds in which a foot that stands comes to lie as it does by itself: on its heel, until that is lifted."""
-        if self.seen.states[side] != HEEL:
-            return self.seconds
-        off = np.flatnonzero(self.standing.footing.states[side, self.first :] & HEEL == 0)
-        return min(self.seconds, max(int(off[0]), 2) / self.rate) if len(off) else self.seconds
+        foot = self.feet[side]
+        return states_of(foot.states, foot.state, flight, round(foot.settling(flight, self.seconds) * self.rate))
 
     def held_foot(self, side: int, flight: Flight) -> _LedFoot:
         """It stands aside until it is lifted, then what is different dies away until it lands."""
-        footing, own, seen = self.standing.footing, self.own, self.seen
-        ankles, feet, toes = (
-            each[side, self.first :] for each in (footing.ankles[..., :3], footing.feet, footing.toes)
-        )
+        foot = self.feet[side]
         if not flight.held:
-            return _LedFoot(ankles, feet, toes, np.zeros_like(ankles))
-        pivot, gaps, (leg, ankle, ball) = self.pivot(side), self.aside[side], self.legs[side].tolist()
-        turns, bends = _gaps(own.feet[side], seen.feet[side]), _gaps(own.toes[side], seen.toes[side])
-        kept = place_left(self.times - flight.leaves / self.rate, flight.seconds)
-        lies = self.settling(side)
-        off = self.left(gaps, leg, self.leg)
-        of_foot, of_toes = self.left(turns, ankle, 1.0, lies), self.left(bends, ball, 1.0, lies)
-        off[:, :2] = kept[:, None] * gaps[1, :2]
-        heading = (kept - place_left(self.times, lies)) * turns[1, 2]
-        of_foot[:, 2] += heading
-        of_toes[:, 2] += heading
-        carries = off * [1.0, 1.0, 0.0]
+            return _LedFoot(foot.own, np.zeros_like(foot.own.ankles))
+        path, carries = foot.path(flight, self.seconds, self.times)
         if flight.height > 0.0:  # who steps with both feet goes there in one way
             lands = max(each.lands for each in self.flights if each.height > 0.0)
-            carries[:, :2] = place_left(self.times, lands / self.rate)[:, None] * gaps[1, :2]
-        off[:, 2] += flight.rise(self.times, self.rate) * self.leg
-        led_feet, led_toes = _turn(of_foot, feet), _turn(of_toes, toes)
-        return _LedFoot(ankles + feet @ pivot + off - led_feet @ pivot, led_feet, led_toes, carries)
+            carries = place_left(self.times, lands / self.rate)[:, None] * foot.aside * [1.0, 1.0, 0.0]
+        path.ankles[:, 2] += flight.rise(self.times, self.rate) * self.leg
+        return _LedFoot(path, carries)
 
     def carried(self, bases: Sequence[_LedFoot], positions: FloatArray) -> FloatArray:
         """(F,) metres by which a body whose joints are led rises for standing legs to be as long as their joints have
@@ -285,10 +259,10 @@ class _Change:
         layout, ways, shares = self.standing.morphology.layout, [], []
         for side, (flight, base) in enumerate(zip(self.flights, bases, strict=True)):
             hips, ankles = (positions[self.first :, point] for point in (layout.hip(side), layout.ankle(side)))
-            off = base.ankles - hips
+            off = base.path.ankles - hips
             below = np.sum((ankles - hips) ** 2, axis=1) - np.sum(off[:, :2] ** 2, axis=1)
             ways.append(off[:, 2] + np.sqrt(np.maximum(below, 0.0)))
-            shares.append(flight.carries(self.times, self.rate))
+            shares.append(carrying(self.states(side, flight), self.rate))
         both = np.array(shares) / (1.0 + shares[0] * shares[1])
         return np.asarray((both * np.array(ways)).sum(axis=0))
 
@@ -306,19 +280,19 @@ class _Change:
         return smooth_drops(needed, self.rate) * (1.0 - place_left(self.times, SHORTEST))
 
     def swung_foot(
-        self, side: int, flight: Flight, base: _LedFoot, positions: FloatArray, rotations: FloatArray
-    ) -> _LedFoot:
+        self, side: int, flight: Flight, base: FootPath, positions: FloatArray, rotations: FloatArray
+    ) -> FootPath:
         """In the air it goes as the joints of its leg do, of a body that is led: from its ``base``, and back there."""
         if flight.height > 0.0:
             return base
         layout, free = self.standing.morphology.layout, flight.free(self.times, self.rate)[:, None]
         segment = layout.spine_count + 12 + 4 * side
         feet, toes = (
-            _turn(free * _ways(part, rotations[self.first :, segment + off]), part)
+            turned(free * _ways(part, rotations[self.first :, segment + off]), part)
             for off, part in enumerate((base.feet, base.toes))
         )
         ankles = base.ankles + free * (positions[self.first :, layout.ankle(side)] - base.ankles)
-        return _LedFoot(ankles, feet, toes, base.carries)
+        return FootPath(ankles, feet, toes)
 
     def lead_body(self, goes: FloatArray, positions: FloatArray, rotations: FloatArray) -> slice:
         """Root by ``goes`` (F, 3), and it and all joints by what is left of where they were, in place.
@@ -339,12 +313,12 @@ class _Change:
         for segment in range(len(self.peaks)):
             left = self.left(self.turns[:, segment], float(self.peaks[segment]), 1.0, seconds[segment])[:count]
             if segment == 0:
-                led.turns[:, 0] = _turn(left, led.old_turns[:, 0])
+                led.turns[:, 0] = turned(left, led.old_turns[:, 0])
                 continue
             carrier = parents[segment]
             led.carry(proximal[segment], carrier, proximal[carrier])
             local = np.swapaxes(led.old_turns[:, carrier], 1, 2) @ led.old_turns[:, segment]
-            led.turns[:, segment] = led.turns[:, carrier] @ _turn(left, local)
+            led.turns[:, segment] = led.turns[:, carrier] @ turned(left, local)
         hands = [(layout.wrist(side) + 1, layout.spine_count + 5 + 4 * side) for side in range(2)]
         toes = [(layout.ankle(side) + 2, layout.spine_count + 13 + 4 * side) for side in range(2)]
         for end, segment in ((layout.head_end, layout.spine_count + 1), *hands, *toes):
@@ -382,17 +356,7 @@ def _in_carriers(rotations: FloatArray, carriers: NDArray[np.int64]) -> FloatArr
     return np.asarray(local)
 
 
-def _gaps(own: FloatArray, seen: FloatArray) -> FloatArray:
-    """(N, 3) rotation vectors from ``own`` turns (N, 3, 3) to how they were ``seen``."""
-    return np.asarray(Rotation.from_matrix(seen @ np.swapaxes(own, 1, 2)).as_rotvec())
-
-
 def _ways(own: FloatArray, led: FloatArray) -> FloatArray:
     """(F, 3) the same over time: from the last frame backwards they go on, where the shorter way would change."""
     turns = sign_continuous(from_matrix(led @ np.swapaxes(own, 1, 2))[::-1])[::-1]
     return rotation_vectors(turns * np.where(turns[-1, 3] < 0.0, -1.0, 1.0))
-
-
-def _turn(vectors: FloatArray, turns: FloatArray) -> FloatArray:
-    """``turns`` (F, 3, 3), turned further by rotation ``vectors`` (F, 3)."""
-    return np.asarray(Rotation.from_rotvec(vectors).as_matrix() @ turns)

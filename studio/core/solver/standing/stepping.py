@@ -33,15 +33,10 @@ class Flight:
         lifted = 1.0 - place_left(times - self.leaves / rate, self.seconds) if self.held else 1.0
         return np.asarray(lifted * place_left(times - (self.lands / rate - self.seconds), self.seconds))
 
-    def carries(self, times: FloatArray, rate: float) -> FloatArray:
-        """(F,) in [0, 1] how far its leg carries the body: no more as it leaves, again once it has landed."""
-        until = place_left(times - (self.leaves / rate - SHORTEST), SHORTEST) if self.held else 0.0
-        return np.asarray(until + 1.0 - place_left(times - self.lands / rate, SHORTEST))
-
     def rise(self, times: FloatArray, rate: float) -> FloatArray:
         """(F,) leg lengths by which it is lifted ``times`` seconds after what was seen last."""
         share = np.clip((times - self.leaves / rate) / self.seconds, 0.0, 1.0)
-        return np.asarray(self.height * (4.0 * share * (1.0 - share)) ** 2)
+        return np.asarray(self.height * (4.0 * share * (1.0 - share)) ** 3)
 
 
 def flights_of(
@@ -50,25 +45,39 @@ def flights_of(
     """The flight of each foot, which the motion lets stand as ``own`` (2, F) has it, and which was ``seen`` (2,) last.
 
     ``ways`` (2,) leg lengths that it is aside, ``needed`` (2, 2) seconds to get there from the ground, and through the
-    air; steps take ``given`` seconds all together, 0 as many as they need. One foot steps after the other.
+    air; steps take ``given`` seconds all together, 0 as many as they need. A foot steps while the other stands,
+    once the weight is there; one that the motion lifts before goes to its place in that.
     """
     flights: dict[int, Flight] = {}
+    shifted = 0 if given else round(SHORTEST * rate)
     standing = (seen != 0) & (own[:, 0] != 0) & ((seen & own[:, 0]) != 0)
     steps = standing & (ways >= SAME_PLACE)
     free = 0
     for side in sorted(range(2), key=lambda side: bool(standing[side])):
-        if standing[side] and not steps[side]:
-            flights[side] = _lifted(own[side], needed[0, side], rate)
-            continue
         leaves, height, seconds = 0, 0.0, needed[1, side]
-        if steps[side]:
-            leaves = min(free, _run(own[side]))
-            seconds = given / steps.sum() or max(needed[0, side], STEP_SECONDS + 2.0 * ways[side])
+        if standing[side]:
+            seconds = given / max(steps.sum(), 1) or max(needed[0, side], STEP_SECONDS + 2.0 * ways[side])
+            leaves = (
+                _free_to_step(own[1 - side], max(free, shifted), round(seconds * rate))
+                if steps[side]
+                else len(own[side])
+            )
+            if leaves >= _run(own[side]):
+                flights[side] = _lifted(own[side], needed[0, side], rate)
+                continue
             height = float(np.clip(STEP_HEIGHT * ways[side], *STEP_HEIGHTS))
-        lands = _landing(own[side], leaves + round(seconds * rate))
+        lands = _landing(own[side], leaves + round(seconds * rate), rate)
         flights[side] = Flight(leaves, lands, seconds, height, bool(standing[side]))
         free = max(free, lands)
     return flights[0], flights[1]
+
+
+def _free_to_step(other: States, free: int, frames: int) -> int:
+    """The first frame from ``free`` on from which the ``other`` foot stands for some ``frames``; if none, the last."""
+    for first, stop in runs_of(other != 0):
+        if stop - max(first, free) >= min(frames, len(other) - max(first, free)) > 0:
+            return max(first, free)
+    return len(other)
 
 
 def states_of(own: States, seen: int, flight: Flight, settles: int) -> States:
@@ -83,6 +92,17 @@ def states_of(own: States, seen: int, flight: Flight, settles: int) -> States:
     return states
 
 
+def carrying(states: States, rate: float) -> FloatArray:
+    """(F,) in [0, 1] how far a leg carries the body whose foot stands as ``states`` (F,): no more as the foot leaves,
+    again once it has landed.
+    """
+    times, shares = np.arange(1, len(states) + 1) / rate, np.ones(len(states))
+    for leaves, lands in runs_of(states == 0):
+        until = place_left(times - (leaves / rate - SHORTEST), SHORTEST)
+        shares *= until + 1.0 - place_left(times - lands / rate, SHORTEST)
+    return shares
+
+
 def _run(states: States) -> int:
     """Frames for which a foot stands on."""
     lifted = np.flatnonzero(states == 0)
@@ -91,13 +111,19 @@ def _run(states: States) -> int:
 
 def _lifted(own: States, needed: float, rate: float) -> Flight:
     """The first flight of the motion itself that lasts long enough: until then it goes aside."""
-    for leaves, lands in runs_of(own == 0):
+    stands = [*runs_of(own != 0), (len(own), 2 * len(own))]
+    for (leaves, lands), (_, next_leaves) in zip(runs_of(own == 0), stands[1:], strict=False):
         if lands - leaves >= SHORTEST * rate or lands == len(own):
+            late = min(leaves + round(needed * rate), (lands + next_leaves) // 2)
+            lands = min(max(lands, late), len(own))
             return Flight(leaves, lands, min(needed, (lands - leaves) / rate), held=True)
     return Flight(len(own), len(own), needed, held=True)
 
 
-def _landing(own: States, earliest: int) -> int:
-    """The frame in which the motion has a foot stand that lands no earlier than that."""
-    stands = np.flatnonzero(own[earliest:])
-    return earliest + int(stands[0]) if len(stands) else len(own)
+def _landing(own: States, earliest: int, rate: float) -> int:
+    """The frame in which the motion has a foot stand that lands no earlier than that, not to leave again at once."""
+    for first, stop in runs_of(own != 0):
+        lands = max(first, earliest)
+        if lands < stop and (stop - lands >= SHORTEST * rate or stop == len(own)):
+            return lands
+    return len(own)
