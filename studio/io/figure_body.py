@@ -9,7 +9,14 @@ from numpy.typing import NDArray
 from studio.core.body.body_shape import body_by_shape
 from studio.core.body.canonical import BodyPart
 from studio.core.body.character import Character
-from studio.core.body.embodiment import bound_mesh, measured, measured_by_mesh, segment_weights, segments_of_joints
+from studio.core.body.embodiment import (
+    bound_mesh,
+    measured,
+    measured_by_mesh,
+    rolling_on_balls,
+    segment_weights,
+    segments_of_joints,
+)
 from studio.core.body.humanoid import LIMBS, BodyMap
 from studio.core.body.reference_pose import faults
 from studio.core.body.skeleton import Skeleton
@@ -213,6 +220,7 @@ def _embodied(body: _Body, guesses: list[Guess]) -> ReadCharacter:
     marks = standing_points(measures, stance)
     marks = marks + (root - marks[0])
     measures = measured_by_mesh(measures, stance, marks, vertices, shares)
+    measures, shares = rolling_on_balls(measures, stance, marks, vertices, shares)
     turn = body.to_world / np.cbrt(np.linalg.det(body.to_world))
     normals = unit(np.concatenate([piece.normals for piece in pieces]) @ turn.T)
     first = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])

@@ -10,6 +10,7 @@ from studio.core.body.body_shape import body_by_shape
 from studio.core.body.canonical import BodyPart
 from studio.core.body.character import Character
 from studio.core.body.character_skeleton import t_pose_rotations
+from studio.core.body.embodiment import rolling_on_balls
 from studio.core.body.morphology import Proportions
 from studio.core.body.rest_pose import rest_pose
 from studio.core.body.skeleton import Skeleton
@@ -188,3 +189,24 @@ def test_the_soles_of_a_tailored_mannequin_are_on_the_ground_however_high_its_an
     made = tailored("Actor", "#112233", body, bundled_characters().values())
     feet = made.skin.segments[:, 0] >= body.layout.spine_count + 12
     assert made.skin.vertices[feet, 2].min() == pytest.approx(0.0, abs=0.006)
+
+
+def test_a_foot_bends_at_its_ball_though_its_toe_joint_lies_under_the_ankle(character: Character) -> None:
+    body, (vertices, stance) = character.build, (character.skin.vertices.astype(float), rest_pose(character.build)[1])
+    shares = np.zeros((len(vertices), body.layout.segment_count))
+    np.put_along_axis(shares, character.skin.segments, character.skin.weights, axis=1)
+    near, tip = replace(body, foot=body.foot * [0.1, 1.0, 1.0]), body.foot[:, 0] + body.toe[:, 0]
+    near = replace(near, toe=body.toe + [[1.0, 0.0, 0.0]] * 2 * (0.9 * body.foot[:, :1]))
+    points = rest_pose(near)[0]
+    mended, moved = rolling_on_balls(near, stance, points, vertices, shares)
+    assert mended.foot[:, 0] == pytest.approx(body.foot[:, 0], rel=0.1)
+    assert mended.foot[:, 0] + mended.toe[:, 0] == pytest.approx(tip)
+    for side in range(2):
+        foot, ankle = body.layout.segment(BodyPart.LEFT_FOOT) + 4 * side, points[body.layout.ankle(side)]
+        ahead, both = vertices[:, 0] - ankle[0], moved[:, foot : foot + 2]
+        assert both.sum(axis=1) == pytest.approx(shares[:, foot : foot + 2].sum(axis=1))
+        assert not both[ahead < 0.7 * mended.foot[side, 0], 1].any()
+        assert not both[ahead > 1.4 * mended.foot[side, 0], 0].any()
+    kept, same = rolling_on_balls(body, stance, points, vertices, shares)
+    assert kept == body
+    assert np.array_equal(same, shares)

@@ -5,15 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from studio.core.body.rest_pose import rest_pose
 from studio.core.captures.contacts import FOOT_POINTS, ContactInterval, ContactPoint
 from studio.core.grounds.ground import Ground
 from studio.core.grounds.slope import Slope
 from studio.core.grounds.steps import Steps
+from studio.core.mesh.volume import BodyVolume, usual_volume
 from studio.core.normalized.realize import realize
 from studio.core.quality.contact_tracks import contact_tracks
 from studio.core.quality.metrics import acceleration_ratio, angular_acceleration, contact_quality
+from studio.core.quality.motion_quality import motion_quality
 from studio.core.rotations import to_matrix
 from studio.core.solver.adapt import adapt
+from studio.core.solver.asking.clearance import rooms
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from tests.builders import make_morphology
 from tests.core.motions import RATE, about, walk
@@ -136,3 +140,26 @@ def test_the_ground_is_level_and_its_height_a_number() -> None:
     assert Ground(0.3).height_at(np.zeros((4, 5, 3))).tolist() == np.full((4, 5), 0.3).tolist()
     with pytest.raises(ValueError, match="finite number of metres"):
         Ground(np.nan)
+
+
+def test_a_body_of_other_proportions_that_does_the_same_does_not_jump() -> None:
+    """Hands of arms three times as long beside the legs go three times as far in the same posture."""
+    motion, contacts = walk()
+    chibi = replace(
+        BODY, arm=3.0 * BODY.arm, hand=3.0 * BODY.hand, spine=3.0 * BODY.spine, collar_base=3.0 * BODY.collar_base
+    )
+    shown = []
+    for body in (BODY, chibi):
+        positions, rotations = realize(motion, body)
+        shown.append(AdaptedMotion(body, RATE, 0, positions, rotations, np.zeros((0, len(positions)))))
+    assert motion_quality(shown[1], shown[0], contacts, Ground()).jump < 1.2
+
+
+def test_what_is_inside_its_body_at_rest_may_be_so_in_motion() -> None:
+    thin, thick = (
+        BodyVolume(v.segments, v.places, v.radii, g * v.girths) for v in [usual_volume(BODY)] for g in (1, 15)
+    )
+    positions, rotations = (np.tile(each, (10, *[1] * each.ndim)) for each in rest_pose(BODY))
+    still = [AdaptedMotion(BODY, RATE, 0, positions, rotations, np.zeros((0, 10)), volume=v) for v in (thin, thick)]
+    assert rooms(still[1]).min() < -0.1
+    assert motion_quality(still[1], still[0], (), Ground()).inside == 0.0

@@ -7,11 +7,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Proportions
 from studio.core.kernels import layout as at
 from studio.core.kernels.body.realize import sample_spine
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import girdle_of, realize
 from tests.builders import make_morphology
 from tests.core.motions import walk
 from tests.core.twins import body as body_twin
@@ -117,6 +118,26 @@ def test_hips_and_head_stray_only_where_the_actor_is_played() -> None:
     assert moved[body.layout.hip(0)] == pytest.approx(0.1 * body.leg_length * np.sqrt(3))
     assert moved[body.layout.head_joint] == pytest.approx(0.1 * body.neck * np.sqrt(3))
     assert moved[body.layout.neck_base] == 0.0
+
+
+@given(st.floats(1.2, 5.0))
+@settings(max_examples=10)
+def test_wide_hips_rise_beside_each_other_as_far_as_the_actors(wider: float) -> None:
+    """Legs of a stocky body stay as they are meant, and its trunk is as upright."""
+    body = make_morphology()
+    wide = replace(body, hip_offset=body.hip_offset * [1.0, wider, 1.0])
+    channels, half = WALK.channels.copy(), np.linspace(-0.1, 0.1, WALK.frame_count)
+    channels[:, at.PELVIS : at.PELVIS + 4] = np.stack([np.sin(half), 0 * half, 0 * half, np.cos(half)], axis=1)
+    motion = replace(WALK, channels=channels, girdle=girdle_of(body))
+    poses = [realize(motion, each) for each in (body, wide)]
+    left, right = (body.layout.hip(side) for side in (0, 1))
+    rises = [positions[:, left, 2] - positions[:, right, 2] for positions, _ in poses]
+    assert np.abs(rises[0]).max() > 0.03
+    assert np.allclose(*rises, atol=1e-9)
+    for part in (1, body.layout.segment(BodyPart.LEFT_THIGH), body.layout.segment(BodyPart.RIGHT_FOOT)):
+        assert np.allclose(poses[0][1][:, part], poses[1][1][:, part], atol=1e-12)
+    again = realize(replace(motion, girdle=girdle_of(wide)), wide)
+    assert np.allclose(again[1], poses[0][1], atol=1e-12)
 
 
 def test_channels_that_do_not_fit_their_spine_are_refused() -> None:

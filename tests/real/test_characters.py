@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from studio.core.body.rest_pose import rest_pose
 from studio.core.grounds.ground import Ground
 from studio.core.mesh.skin import Blending, bound_pose, skin_vertices
 from studio.core.quality.metrics import acceleration_ratio, contact_quality
@@ -54,6 +55,15 @@ def test_it_is_read_with_legs_as_long_as_its_file_says(path: Path):
     build = read(path).character.build
     hips = build.leg.sum(axis=1) + build.ankle_height
     assert hips == pytest.approx([HIPS_TO_SOLE[path.stem]] * 2, abs=0.06)
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+def test_its_head_is_above_its_neck_though_the_file_has_none(path: Path):
+    build = read(path).character.build
+    positions, layout = rest_pose(build)[0], build.layout
+    away = positions[layout.head_end] - positions[layout.neck_base]
+    assert away[2] > 0.1
+    assert np.linalg.norm(away[:2]) < 0.5 * away[2]
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)

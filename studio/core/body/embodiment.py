@@ -25,6 +25,8 @@ IntArray = NDArray[np.int64]
 
 _LEAST_WEIGHT = 0.004
 _SHORTEST_HAND = 0.02
+_LEAST_BALL, _USUAL_BALL, _BENDS_OVER = 0.5, 0.72, 0.2
+"""Parts of a sole from its heel on: before which no ball is, where it is else, and how much of the sole bends there."""
 
 
 def measured(skeleton: Skeleton, body_map: BodyMap) -> tuple[Morphology, FloatArray]:
@@ -126,3 +128,27 @@ def measured_by_mesh(
     return replace(
         body, hand=hands, toe=toes, ankle_height=ankle_height, toe_height=toe_height, heel_length=heel_length
     )
+
+
+def rolling_on_balls(
+    body: Morphology, stance: FloatArray, points: FloatArray, vertices: FloatArray, weights: FloatArray
+) -> tuple[Morphology, FloatArray]:
+    """The body, ``measured_by_mesh``, and weights (V, S) so that a foot bends at its ball.
+
+    A toe joint under the ankle carries the whole front of a foot: who rolled over that would not rise on its toes. Then
+    the foot bends where feet usually do.
+    """
+    layout, foot, toe, weights = body.layout, body.foot.copy(), body.toe.copy(), weights.copy()
+    for side in range(2):
+        segment = layout.spine_count + 12 + 4 * side
+        heel, tip = float(body.heel_length[side]), float(foot[side, 0] + toe[side, 0])
+        if foot[side, 0] + heel >= _LEAST_BALL * (tip + heel):
+            continue
+        ball = _USUAL_BALL * (tip + heel) - heel
+        foot[side] = [ball, 0.0, body.toe_height[side] - body.ankle_height[side]]
+        toe[side, :2] = [tip - ball, 0.0]
+        ahead = ((vertices - points[layout.ankle(side)]) @ stance[segment])[:, 0] - ball
+        bends = np.clip(0.5 + ahead / (_BENDS_OVER * (tip + heel)), 0.0, 1.0)
+        of_foot = weights[:, segment : segment + 2].sum(axis=1)
+        weights[:, segment : segment + 2] = of_foot[:, None] * np.stack([1.0 - bends, bends], axis=1)
+    return replace(body, foot=foot, toe=toe), weights

@@ -4,10 +4,11 @@ What keeps an arm out of its own body needs a form of the body that is measured 
 same capsules in the same order, so that one body's can be set beside another's.
 """
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import FloatArray, Morphology
 from studio.core.body.rest_pose import rest_pose
+from studio.core.mesh.outline import outline_at
 from studio.core.mesh.skin import SkinnedMesh, bound_pose, fit_vertices
 
 LEVELS = (0.03, 0.30, 0.58, 0.80)
@@ -25,7 +27,17 @@ PALM = PROBES[3][1]
 """The same of the palm."""
 CAPSULES_OF = {"hips": (0, 1), "trunk": (2, 3, 4, 5), "head": (6,), "thigh": (7, 8)}
 """The capsules of a body by the part that they stand for."""
+_BAND = 0.015
+"""How far above and below its level the trunk is measured, in parts of the length of leg and spine together."""
+_FEWEST, _THINNEST = 8, 0.4
+"""Places of an outline, and part of the usual breadth and depth, that a trunk has at least: less is a rod, or a gap."""
+_HEAD_LEVELS, _LOWEST_HEAD = (0.25, 0.5), -0.6
+"""Heights at which the head is measured, and its lowest, parts of its length: brims and long hair do not count."""
 _THIGH = (0.2, 0.9)
+_ARM_BANDS = ((0.0, 0.15), (0.4, 0.6), (0.85, 1.0), (0.3, 0.6), (0.7, 1.0))
+"""Where each of ``PROBES`` is measured, parts of its bone's length."""
+_ARM_SHARES = (0.5, 0.5, 0.5, 0.25, 0.25)
+"""How many of the vertices there it goes round."""
 _SECTIONS = ((0.123, 0.071, -0.096), (0.100, 0.069, -0.060), (0.118, 0.095, -0.057), (0.122, 0.090, -0.051))
 _THIGH_GIRTH, _HEAD, _ARM_GIRTH = (0.065, 0.036), (0.066, 0.018, 0.27, 0.50), (0.024, 0.022, 0.016, 0.015, 0.011)
 """An ordinary body's sections (half width, front, back), thigh, head (radius, forward, from, to in head lengths) and
@@ -66,66 +78,35 @@ class BodyVolume:
 def fitted_volume(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> BodyVolume:
     """The volume of a skin of ``build`` fitted to ``morphology``, as it is bound there (``skin.bound_pose``).
 
-    Where the mesh has no vertices to measure, the body's proportions say what is usual.
+    Where the mesh has nothing to measure, or but a rod, the body's proportions say what is usual.
     """
-    usual, girth_unit = _Usual(morphology), _girth_unit(morphology)
     positions, rotations = bound_pose(mesh, morphology)
-    layout, main, vertices = morphology.layout, mesh.segments[:, 0], fit_vertices(mesh, build, morphology)
-    of_trunk = np.where(mesh.segments < layout.spine_count, mesh.weights, 0.0).sum(axis=1) > 0.5
-    origins = positions[list(layout.proximal_points())]
-
-    def in_bone(segment: int) -> tuple[FloatArray, FloatArray]:
-        """Vertices of a segment in its axes, z in parts of its length; and their distances from it."""
-        local = (vertices[main == segment] - origins[segment]) @ rotations[segment]
-        length = float(np.linalg.norm(positions[layout.distal_points()[segment]] - origins[segment]))
-        return local / [1.0, 1.0, length], np.hypot(local[:, 0], local[:, 1])
-
-    def section(level: int, height: float) -> tuple[float, float, float]:
-        near = of_trunk & (np.abs(vertices[:, 2] - height) < 0.025 * girth_unit)
-        if near.sum() < 8:
-            return usual.section(level, height)
-        x, y = vertices[near, 0].astype(np.float64), vertices[near, 1].astype(np.float64)
-        return float(np.abs(y).max()), float(x.max()), float(x.min())
-
-    def girth(segment: int, begin: float, end: float, share: float, otherwise: float) -> float:
-        local, away = in_bone(segment)
-        near = (local[:, 2] >= begin) & (local[:, 2] <= end)
-        return float(np.quantile(away[near], share)) if near.sum() >= 4 else otherwise
-
-    def head() -> tuple[float, float, float, float]:
-        local, _ = in_bone(layout.segment(BodyPart.HEAD))
-        if len(local) < 8:
-            return usual.head()
-        low, high = local.min(axis=0), local.max(axis=0)
-        radius = 0.25 * (high[0] - low[0] + high[1] - low[1])
-        inset = radius / morphology.head
-        middle = 0.5 * (low[2] + high[2])
-        return radius, 0.5 * (low[0] + high[0]), min(low[2] + inset, middle), max(high[2] - inset, middle)
-
-    thigh, forearm, hand = (
-        layout.segment(part) for part in (BodyPart.LEFT_THIGH, BodyPart.LEFT_FOREARM, BodyPart.LEFT_HAND)
-    )
-    thighs = [girth(thigh, t - 0.1, t + 0.1, 0.5, usual.thigh(k)) for k, t in enumerate(_THIGH)]
-    # Of a flat hand what lies between palm and back counts, not its width.
-    bands = (
-        (forearm, 0.0, 0.15, 0.5), (forearm, 0.4, 0.6, 0.5), (forearm, 0.85, 1.0, 0.5),
-        (hand, 0.3, 0.6, 0.25), (hand, 0.7, 1.0, 0.25),
-    )  # fmt: skip
-    arms = [girth(*band, usual.arm(k)) for k, band in enumerate(bands)]
-    return _assembled(morphology, positions, rotations, section, thighs, head(), arms)
+    vertices = np.asarray(fit_vertices(mesh, build, morphology), dtype=np.float64)
+    return _assembled(morphology, positions, rotations, _Measured(morphology, mesh, vertices, positions, rotations))
 
 
 @lru_cache(maxsize=64)
 def usual_volume(morphology: Morphology) -> BodyVolume:
     """The volume of a body of which only the measures are known: as thick as bodies of its length usually are."""
-    usual = _Usual(morphology)
-    arms = [usual.arm(k) for k in range(len(PROBES))]
-    thighs = [usual.thigh(0), usual.thigh(1)]
-    return _assembled(morphology, *rest_pose(morphology), usual.section, thighs, usual.head(), arms)
+    return _assembled(morphology, *rest_pose(morphology), _Usual(morphology))
+
+
+class _Girths(Protocol):
+    """How thick a body is, in metres."""
+
+    def section(self, level: int, height: float) -> tuple[float, float, float]:
+        """Half width, front and back of the trunk at one of ``LEVELS``, which lies at a ``height``."""
+
+    def thigh(self, end: int) -> float: ...
+
+    def head(self) -> tuple[float, float, float, float]:
+        """Radius, how far forward it lies, and where it begins and ends in head lengths."""
+
+    def arm(self, probe: int) -> float: ...
 
 
 @dataclass(frozen=True)
-class _Usual:
+class _Usual(_Girths):
     """Girths of an ordinary body with these measures."""
 
     morphology: Morphology
@@ -146,6 +127,75 @@ class _Usual:
         return _ARM_GIRTH[probe] * _girth_unit(self.morphology)
 
 
+@dataclass(frozen=True, eq=False)
+class _Measured(_Girths):
+    """Girths of a mesh whose ``vertices`` (V, 3) stand round a body that is posed so; what it has not is usual."""
+
+    morphology: Morphology
+    mesh: SkinnedMesh
+    vertices: FloatArray
+    positions: FloatArray
+    rotations: FloatArray
+
+    def section(self, level: int, height: float) -> tuple[float, float, float]:
+        band = _BAND * _girth_unit(self.morphology)
+        shares = self._shares(self.mesh.segments < self.morphology.layout.spine_count)
+        around = [outline_at(height + way * band, self.mesh, self.vertices, shares) for way in (-1.0, 1.0)]
+        x, y = np.concatenate(around).T
+        width, front, back = _Usual(self.morphology).section(level, height)
+        if len(y) < _FEWEST or np.abs(y).max() < _THINNEST * width or np.ptp(x) < _THINNEST * (front - back):
+            return width, front, back
+        return float(np.abs(y).max()), float(x.max()), float(x.min())
+
+    def thigh(self, end: int) -> float:
+        around = _THIGH[end] - 0.1, _THIGH[end] + 0.1
+        return self._girth(BodyPart.LEFT_THIGH, around, 0.5, _Usual(self.morphology).thigh(end))
+
+    def head(self) -> tuple[float, float, float, float]:
+        low, high = self._rings(BodyPart.HEAD, _HEAD_LEVELS)
+        if np.isnan(low).any():
+            return _Usual(self.morphology).head()
+        radius = 0.25 * float((high - low).sum())
+        own = self._in_bone(BodyPart.HEAD)[self._main(BodyPart.HEAD), 2]
+        bottom, inset = max(float(own.min()), _LOWEST_HEAD), radius / self.morphology.head
+        middle = 0.5 * (bottom + 1.0)
+        return radius, 0.5 * float(low[0] + high[0]), min(bottom + inset, middle), max(1.0 - inset, middle)
+
+    def arm(self, probe: int) -> float:
+        """Of a flat hand what lies between palm and back counts, not its width; a fist is as thick as it is wide."""
+        part = BodyPart.LEFT_HAND if PROBES[probe][0] else BodyPart.LEFT_FOREARM
+        least = self._girth(part, _ARM_BANDS[probe], _ARM_SHARES[probe], _Usual(self.morphology).arm(probe))
+        if part is BodyPart.LEFT_FOREARM:
+            return least
+        return float(np.fmax(least, 0.5 * np.ptp(self._rings(part, (PROBES[probe][1],)), axis=0).min()))
+
+    def _girth(self, part: BodyPart, band: tuple[float, float], share: float, otherwise: float) -> float:
+        """How far from the bone a ``share`` of the vertices in a ``band`` of its length are at most."""
+        own = self._in_bone(part)[self._main(part)]
+        near = own[(own[:, 2] >= band[0]) & (own[:, 2] <= band[1])]
+        return float(np.quantile(np.hypot(near[:, 0], near[:, 1]), share)) if len(near) >= 4 else otherwise
+
+    def _rings(self, part: BodyPart, heights: Sequence[float]) -> FloatArray:
+        """(2, 2) least and greatest x, y of the outlines across a part, at parts of its length; or NaN."""
+        own, shares = self._in_bone(part), self._shares(self.mesh.segments == self.morphology.layout.segment(part))
+        found = np.concatenate([outline_at(height, self.mesh, own, shares) for height in heights])
+        return np.stack([found.min(axis=0), found.max(axis=0)]) if len(found) >= _FEWEST else np.full((2, 2), np.nan)
+
+    def _in_bone(self, part: BodyPart) -> FloatArray:
+        """The vertices in the axes of a segment, z in parts of its length."""
+        layout = self.morphology.layout
+        segment = layout.segment(part)
+        begin, end = (self.positions[points[segment]] for points in (layout.proximal_points(), layout.distal_points()))
+        local = (self.vertices - begin) @ self.rotations[segment]
+        return np.asarray(local / [1.0, 1.0, float(np.linalg.norm(end - begin))])
+
+    def _main(self, part: BodyPart) -> NDArray[np.bool_]:
+        return np.asarray(self.mesh.segments[:, 0] == self.morphology.layout.segment(part))
+
+    def _shares(self, counted: NDArray[np.bool_]) -> FloatArray:
+        return np.asarray(np.where(counted, self.mesh.weights, 0.0).sum(axis=1), dtype=np.float64)
+
+
 def _girth_unit(morphology: Morphology) -> float:
     return morphology.leg_length + morphology.spine_length
 
@@ -161,10 +211,7 @@ def _assembled(
     morphology: Morphology,
     positions: FloatArray,
     rotations: FloatArray,
-    section: Callable[[int, float], tuple[float, float, float]],
-    thighs: list[float],
-    head: tuple[float, float, float, float],
-    arms: list[float],
+    girths: _Girths,
 ) -> BodyVolume:
     """Two capsules side by side from each level of the trunk to the next, then the head and both thighs.
 
@@ -175,7 +222,7 @@ def _assembled(
     ends = []
     for level, share in enumerate(LEVELS):
         height = hips + share * (spine[-1, 2] - hips)
-        width, front, back = section(level, height)
+        width, front, back = girths.section(level, height)
         radius = min(width, 0.5 * (front - back))
         segment = int(np.clip(np.searchsorted(spine[:, 2], height) - 1, 0, layout.spine_count - 1))
         # A belly deeper than it is wide is measured from its front: that is where hands meet it.
@@ -188,7 +235,7 @@ def _assembled(
             segments.append([low[0], high[0]])
             places.append([low[1][side], high[1][side]])
             radii.append([low[2], high[2]])
-    radius, forward, begin, end = head
+    radius, forward, begin, end = girths.head()
     segments.append([layout.segment(BodyPart.HEAD)] * 2)
     places.append([np.array([forward, 0.0, share * morphology.head]) for share in (begin, end)])
     radii.append([radius] * 2)
@@ -196,5 +243,7 @@ def _assembled(
         length = morphology.leg[side, 0]
         segments.append([layout.segment(BodyPart.LEFT_THIGH) + 4 * side] * 2)
         places.append([np.array([0.0, 0.0, 0.12 * length]), np.array([0.0, 0.0, length])])
-        radii.append(thighs)
-    return BodyVolume(np.array(segments), np.array(places), np.array(radii), np.array(arms))
+        radii.append([girths.thigh(0), girths.thigh(1)])
+    return BodyVolume(
+        np.array(segments), np.array(places), np.array(radii), np.array([girths.arm(k) for k in range(len(PROBES))])
+    )

@@ -1,5 +1,6 @@
 """Where the canonical points lie in a capture's own skeleton, in its reference pose and in every frame."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,8 @@ IntArray = NDArray[np.int64]
 
 _SIDES = ("left", "right")
 _ENOUGH = 4096
+_NECK = 0.15
+"""The neck of a body without a head, in parts of its trunk."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,8 +130,10 @@ def _place_neck(
         points[:, layout.neck_base] = 0.5 * (shoulders[0] + shoulders[1])
     if head is None:
         carrier = neck if neck is not None else body_map.spine[-1]
-        end = _far_child(skeleton, carrier)
-        points[:, layout.head_joint] = positions[:, carrier if end is None else end]
+        arms = {body_map.parts[BodyPart(f"{side}_upper_arm")] for side in _SIDES}
+        end = _far_child(skeleton, carrier, carries_none_of=arms)
+        base = points[:, layout.neck_base]
+        points[:, layout.head_joint] = base + _NECK * (base - points[:, 0]) if end is None else positions[:, end]
         points[:, layout.head_end] = points[:, layout.head_joint]
     else:
         end = _far_child(skeleton, head)
@@ -179,10 +184,12 @@ def _place_foot_end(
     points[:, layout.toe(side) + 1] = np.where(short[:, None], points[:, layout.toe(side)] + 0.35 * along, tip)
 
 
-def _far_child(skeleton: Skeleton, joint: int) -> int | None:
+def _far_child(skeleton: Skeleton, joint: int, carries_none_of: Collection[int] = ()) -> int | None:
     """The child that lies farthest from ``joint``: the end of its bone."""
-    children = skeleton.children[joint]
+    children = [
+        child for child in skeleton.children[joint] if not {child, *skeleton.descendants(child)} & set(carries_none_of)
+    ]
     if not children:
         return None
-    lengths = np.linalg.norm(skeleton.offsets[list(children)], axis=1)
+    lengths = np.linalg.norm(skeleton.offsets[children], axis=1)
     return children[int(np.argmax(lengths))] if lengths.max() > 1e-6 else None

@@ -14,12 +14,16 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Girdle:
-    """The actor's shoulders: a motion holds how clavicles turn, and what that does depends on how they lie at rest."""
+    """The actor's shoulders and hips: a motion holds how clavicles and pelvis turn, and what that does depends on how
+    they lie at rest, and on how broad they are.
+    """
 
     length: float
     """Of the clavicles in parts of half the breadth of the shoulders, as ``realize.girdles`` has it."""
     rest: FloatArray
     """(2, 3) direction of each clavicle at rest, thorax axes."""
+    hips: float
+    """Distance of the hip joints in leg lengths."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "rest", unwritten(self.rest))
@@ -40,7 +44,7 @@ class NormalizedMotion:
     spine_places: FloatArray
     girdle: Girdle | None = None
     """The actor's: where other clavicles are longer they turn by less, so that shoulders go as far, and they come no
-    nearer to each other than the actor's do. None where it is not known: clavicles turn alike."""
+    nearer to each other than the actor's do; wider hips roll by less. None where it is not known: all turn alike."""
 
     def __post_init__(self) -> None:
         for name in ("channels", "spine_places"):

@@ -27,7 +27,8 @@ def realize(
     positions = np.empty((motion.frame_count, layout.point_count, 3))
     rotations = np.empty((motion.frame_count, layout.segment_count, 3, 3))
     girdle = motion.girdle or girdle_of(morphology.still)
-    actor = kernel.Shoulders(np.minimum(girdle.length / girdles(morphology), 1.0), girdle.rest)
+    lengths, hips = girdle.length / girdles(morphology), girdle.hips / hip_breadths(morphology)
+    actor = kernel.Girdles(np.minimum(lengths, 1.0), girdle.rest, np.minimum(hips, 1.0))
     kernel.realize_frames(
         motion.channels, motion.spine_places, morphology.rows, actor, float(play), positions, rotations
     )
@@ -37,8 +38,8 @@ def realize(
 
 
 def girdle_of(body: Morphology) -> Girdle:
-    """The shoulders of a body that is taken for the actor."""
-    return Girdle(float(girdles(body)[0]), body.clavicle_rest)
+    """Shoulders and hips of a body that is taken for the actor."""
+    return Girdle(float(girdles(body)[0]), body.clavicle_rest, float(hip_breadths(body)[0]))
 
 
 def girdles(body: AnyMorphology) -> FloatArray:
@@ -47,6 +48,13 @@ def girdles(body: AnyMorphology) -> FloatArray:
     lengths = rows[:, at.M_CLAVICLE : at.M_CLAVICLE + 2]
     bases, rests = (np.abs(rows[:, [m + 1, m + 4]]) for m in (at.M_COLLAR_BASE, at.M_CLAVICLE_REST))
     return np.asarray(lengths.sum(axis=1) / np.maximum((bases + lengths * rests).sum(axis=1), 1e-9))
+
+
+def hip_breadths(body: AnyMorphology) -> FloatArray:
+    """(F or 1,) distance of the hip joints from each other, in leg lengths."""
+    rows = body.rows
+    apart = np.abs(rows[:, at.M_HIP_OFFSET + 1] - rows[:, at.M_HIP_OFFSET + 4])
+    return np.asarray(np.maximum(apart, 1e-9) / (rows[:, at.M_LEG : at.M_FOOT].sum(axis=1) / 2.0))
 
 
 def _drift(hips: FloatArray, morphology: AnyMorphology) -> FloatArray:

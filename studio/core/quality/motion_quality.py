@@ -10,11 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
+from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactInterval
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.support.sole import FLAT
+from studio.core.mesh.volume import usual_volume
 from studio.core.quality.metrics import QUIET, angular_acceleration
-from studio.core.solver.asking.clearance import rooms
+from studio.core.solver.asking.clearance import rest_rooms, rooms
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.footing import foot_states
 
@@ -59,11 +61,11 @@ class MotionQuality:
     hands: float
     """Mean error of the wrists' distance while the source's are near each other."""
     jump: float
-    """Greatest step of a joint in a frame beside the same joint's in the source."""
+    """Greatest step of a joint in a frame beside the same joint's in the source, on bones as long as that's."""
     peaks: Mapping[str, float]
     """Greatest angular acceleration of the segments of each of ``PARTS`` beside their own in the source."""
     inside: float
-    """How much deeper an arm is in its own body than the actor's in the actor's, most."""
+    """How much deeper an arm is in its own body than the actor's in the actor's, or than at rest, most."""
 
     @property
     def peak(self) -> float:
@@ -101,7 +103,7 @@ def motion_quality(
         hands=_hands(adapted, source),
         jump=_jump(adapted, source),
         peaks={part: float(peaks[list(segments)].max()) for part, segments in PARTS.items()},
-        inside=max(0.0, min(0.0, float(rooms(source).min())) - float(rooms(adapted).min())),
+        inside=_inside(adapted, source),
     )
 
 
@@ -177,18 +179,37 @@ def _hands(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
 
 
 def _jump(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
-    """Along the ground joints count from the root."""
-    mine, theirs = _steps(adapted), _steps(source)
-    ends = len(theirs) - 20, len(mine) - 20
-    ratios = [mine[0] / max(theirs[0], LEAST_STEP)]
-    ratios += [mine[ends[1] + k] / max(theirs[ends[0] + k], LEAST_STEP) for k in range(20)]
-    return float(max(ratios))
+    """Joints count from the middle of the hips along the bones that carry them, which are as long as the source's."""
+    reaches = _reaches(source.morphology) * (LEG / source.morphology.leg_length)
+    mine, theirs = (_steps(motion, reaches) for motion in (adapted, source))
+    return float((mine / np.maximum(theirs, LEAST_STEP)).max())
 
 
-def _steps(motion: AdaptedMotion) -> FloatArray:
-    """(P,) metres: the greatest step of each point in one frame."""
-    away = _scaled(motion) - _scaled(motion)[:, :1] * [1.0, 1.0, 0.0]
-    return np.asarray(np.linalg.norm(np.diff(away, axis=0), axis=2).max(axis=0, initial=0.0))
+def _steps(motion: AdaptedMotion, reaches: FloatArray) -> FloatArray:
+    """(21,) metres: greatest step in one frame of the hips, up or down, and of the limbs' points."""
+    hips, limbs = _hips(motion)[:, None], motion.positions[:, -20:]
+    middle = hips * (motion.morphology.leg_length / LEG)
+    up = hips * [0.0, 0.0, 1.0]
+    places = np.concatenate([up, up + (limbs - middle) * (reaches / _reaches(motion.morphology))[:, None]], axis=1)
+    return np.asarray(np.linalg.norm(np.diff(places, axis=0), axis=2).max(axis=0, initial=0.0))
+
+
+def _reaches(body: Morphology) -> FloatArray:
+    """(20,) metres from the middle of the hips along the bones to each point of both arms, then of both legs."""
+    middle, (collars, hips) = body.hip_offset.mean(axis=0), (body.collar_base, body.hip_offset)
+    trunk = float(np.linalg.norm(middle)) + body.spine_length
+    bases = trunk + np.linalg.norm(collars, axis=1), np.linalg.norm(hips - middle, axis=1)
+    ends = np.linalg.norm(body.hand, axis=1), np.linalg.norm(body.foot, axis=1), np.linalg.norm(body.toe, axis=1)
+    arms = np.column_stack([bases[0], body.clavicle, body.arm, ends[0]])
+    legs = np.column_stack([bases[1], body.leg, *ends[1:]])
+    return np.concatenate([arms, legs]).cumsum(axis=1).ravel()
+
+
+def _inside(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
+    """Sleeves, skirts and thick arms that are in each other at rest may be so as deep in motion."""
+    body, volume = adapted.morphology, adapted.volume or usual_volume(adapted.morphology)
+    allowed = np.minimum(rest_rooms(body, volume), min(0.0, float(rooms(source).min())))
+    return max(0.0, float((allowed - rooms(adapted)).max()))
 
 
 def _segments(adapted: AdaptedMotion, source: AdaptedMotion) -> list[tuple[int, int]]:

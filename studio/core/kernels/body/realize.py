@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from studio.core.kernels import layout as at
+from studio.core.kernels.algebra.eases import smoothstep
 from studio.core.kernels.algebra.turns import (
     along,
     product,
@@ -13,6 +14,7 @@ from studio.core.kernels.algebra.turns import (
     put_turn,
     shortest,
     sine_and_cosine,
+    turn_in,
     turn_of,
 )
 from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
@@ -23,13 +25,19 @@ NARROWED = 0.003
 """Part of a clavicle by which it goes inwards farther than the actor's before it is half held back."""
 
 
-class Shoulders(NamedTuple):
+UPRIGHT = (0.0, 0.8)
+"""Cosines of how far a pelvis leans at which wide hips begin to rise less, and do so wholly."""
+
+
+class Girdles(NamedTuple):
     """Of the actor, beside those of the body that is posed."""
 
     lengths: Array
     """(F or 1,) of the actor's clavicles in parts of the body's, both in parts of the shoulders' breadth, 1 at most."""
     rests: Array
     """(2, 3) directions of the actor's clavicles at rest, in the thorax."""
+    hips: Array
+    """(F or 1,) breadth of the actor's hips in parts of the body's, both in parts of the legs' length, 1 at most."""
 
 
 @allocating_kernel
@@ -37,7 +45,7 @@ def realize_frames(channels, places, measures, actor, play, out_positions, out_r
     """Pose a body at every frame (METHOD 3; eq. 2 of K05).
 
     ``channels`` (F, 89 + 4 K_motion); ``places`` (K_motion,) along the trunk; ``measures`` (F or 1, 57 + 3 K);
-    ``actor`` has Shoulders; ``play`` 1 keeps the actor's stray of hips and head, 0 drops it. Out: (F, K + 23, 3)
+    ``actor`` has Girdles; ``play`` 1 keeps the actor's stray of hips and head, 0 drops it. Out: (F, K + 23, 3)
     metres, (F, K + 18, 3, 3), motion space.
     """
     spine_from, spine_share = sample_spine(places, measures[0])
@@ -51,7 +59,8 @@ def realize_each(channels, measures, actor, spine_from, spine_share, play, out_p
         row = measures[frame if measures.shape[0] > 1 else 0]
         pose = Pose(out_positions[frame], out_rotations[frame])
         shoulders = actor.lengths[frame % actor.lengths.shape[0]], actor.rests
-        realize_frame(channels[frame], row, shoulders, spine_from, spine_share, play, pose)
+        hips = actor.hips[frame % actor.hips.shape[0]]
+        realize_frame(channels[frame], row, (shoulders, hips), spine_from, spine_share, play, pose)
 
 
 @allocating_kernel
@@ -78,19 +87,24 @@ def sample_spine(places, measures):
 
 
 @kernel
-def realize_frame(channels, measures, shoulders, spine_from, spine_share, play, pose):
-    """One frame of ``realize_frames``."""
-    root, pelvis, neck_base, thorax = realize_trunk(channels, measures, spine_from, spine_share, pose)
+def realize_frame(channels, measures, girdles, spine_from, spine_share, play, pose):
+    """One frame of ``realize_frames``; ``girdles`` those of the actor: its shoulders, and its hips' breadth."""
+    root, pelvis, neck_base, thorax = realize_trunk(channels, measures, girdles[1], spine_from, spine_share, pose)
     realize_head(channels, measures, play, neck_base, thorax, pose)
     for side in range(2):
-        realize_arm(channels, measures, shoulders, side, neck_base, thorax, pose)
+        realize_arm(channels, measures, girdles[0], side, neck_base, thorax, pose)
         realize_leg(channels, measures, side, play, root, pelvis, pose)
 
 
 @small_kernel
-def realize_trunk(channels, measures, spine_from, spine_share, pose):
-    """Pelvis and spine (METHOD 3.1, 3.2); place and turn of the pelvis and, at the neck base, of the thorax."""
-    pelvis = pelvis_turn(channels)
+def realize_trunk(channels, measures, breadth, spine_from, spine_share, pose):
+    """Pelvis and spine (METHOD 3.1, 3.2); place and turn of the pelvis and, at the neck base, of the thorax.
+
+    The pelvis itself rolls by less where hips are wider than the actor's, of which ``breadth`` says; trunk and legs do
+    not turn with it.
+    """
+    upright = pelvis_turn(channels)
+    pelvis = upright if breadth == 1.0 else levelled(upright, breadth)
     leg, m = mean_leg(measures), at.M_HIP_OFFSET
     hips = (
         channels[at.HIPS] * leg,
@@ -108,11 +122,21 @@ def realize_trunk(channels, measures, spine_from, spine_share, pose):
     place, turn = root, pelvis
     for k in range(spine_from.shape[0]):
         if k > 0:
-            turn = product(pelvis, spine_turn(channels, spine_from[k], spine_share[k]))
+            turn = product(upright, spine_turn(channels, spine_from[k], spine_share[k]))
         put_turn(turn, pose.rotations[k])
         m = at.M_SPINE + 3 * k
         place = put_beside(place, turn, measures[m], measures[m + 1], measures[m + 2], pose.positions[k + 1])
-    return root, pelvis, place, turn
+    return root, upright, place, turn
+
+
+@small_kernel
+def levelled(pelvis, share):
+    """A pelvis of which the hips rise beside each other but by a ``share``, the less the more it leans."""
+    rise = pelvis[7]
+    stands = smoothstep(min(max((pelvis[8] - UPRIGHT[0]) / (UPRIGHT[1] - UPRIGHT[0]), 0.0), 1.0))
+    held = (1.0 - (1.0 - share) * stands) * rise
+    level = math.sqrt((1.0 - held * held) / max(1.0 - rise * rise, 1e-12))
+    return product(shortest(pelvis[1], pelvis[4], rise, level * pelvis[1], level * pelvis[4], held), pelvis)
 
 
 @small_kernel
@@ -231,10 +255,10 @@ def realize_arm(channels, measures, shoulders, side, neck_base, thorax, pose):
 
 @small_kernel
 def realize_leg(channels, measures, side, play, root, pelvis, pose):
-    """Leg, foot and toe (METHOD 3.4, 3.5); the foot lies in the pelvis."""
+    """Leg, foot and toe (METHOD 3.4, 3.5); leg and foot lie in the ``pelvis`` as the actor turns it."""
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
     point, segment = spine_count + 13 + 5 * side, spine_count + 10 + 4 * side
-    put_hip(channels, measures, side, play, root, pelvis, pose.positions[point])
+    put_hip(channels, measures, side, play, root, turn_in(pose.rotations[0]), pose.positions[point])
     bones = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
     ankle, _ = realize_limb(2 + side, channels, bones, pelvis, point, segment, pose)
     foot = product(pelvis, turn_of(channels, at.FOOT + 4 * side))
