@@ -18,6 +18,8 @@ from studio.io.replacing import replacing
 _PIECE = 1 << 20
 _ALIGNMENT, _HEADER = 64, 30
 _FIELD, _UNREAD = struct.Struct("<HH"), 0x1986
+LONGEST_REASON = 200
+"""Characters of what zipfile says; it quotes what may be all the rest of the file."""
 _DAMAGE = (
     *(zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error, EOFError, OSError),
     *(KeyError, OverflowError, NotImplementedError, RuntimeError, MemoryError),
@@ -66,7 +68,8 @@ def unpacked(content: bytes, most: int, names: Sequence[str] = ()) -> dict[str, 
                 raise UnpacksTooFarError(f"would unpack to more than {most // 1_000_000} MB")
             return {entry.filename: archive.read(entry) for entry in entries if not entry.is_dir()}
     except _DAMAGE as error:
-        raise ValueError(str(error.args[0] if error.args else error) or "it is no archive") from error
+        reason = str(error.args[0] if error.args else error)[:LONGEST_REASON]
+        raise ValueError(reason or "it is no archive") from error
 
 
 def npy(array: NDArray[Any]) -> bytes:

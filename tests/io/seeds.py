@@ -92,11 +92,21 @@ def _member_spoiled(random: Random, content: bytes) -> bytes:
     if name.endswith(".json") and random.random() < 0.5:
         members[name] = numbers_changed(random, members[name])
     members = _sealed(name, members)
+    return _packed(random, members)
+
+
+def _packed(random: Random, members: dict[str, bytes]) -> bytes:
+    """Mostly as the studio does it; also as other programs might, and then perhaps damaged."""
+    method = random.choice((zipfile.ZIP_STORED,) * 5 + (zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA))
     packed = BytesIO()
-    with zipfile.ZipFile(packed, "w") as archive:
-        for each, member in members.items():
-            archive.writestr(zipfile.ZipInfo(each), member)
-    return packed.getvalue()
+    with zipfile.ZipFile(packed, "w", method) as archive:
+        for name, member in members.items():
+            archive.writestr(zipfile.ZipInfo(name), member, method)
+    content = bytearray(packed.getvalue())
+    if method != zipfile.ZIP_STORED and random.random() < 0.5:
+        for _ in range(random.choice([1, 5, 50])):  # nothing moves, so that what unpacks it comes upon it
+            content[random.randrange(len(content))] ^= random.randrange(256)
+    return bytes(content)
 
 
 def _sealed(name: str, members: dict[str, bytes]) -> dict[str, bytes]:
