@@ -93,7 +93,9 @@ def missed_by(project: Project, performer_id: str, motion: AdaptedMotion | None,
     amounts = np.full(capture.frame_count, np.nan)
     for row in rows:
         each = next(one for one in composite.played if one.piece.origin == (asked[row].clip, asked[row].repeat))
-        frames = np.arange(each.first, each.last + 1)
+        frames = motion.first_frame + np.flatnonzero(
+            np.isfinite(motion.residuals[row])
+        )  # on into parts of a split clip
         own = np.rint(each.motion_frames(frames, composite.timing)).astype(np.int64).clip(0, capture.frame_count - 1)
         np.fmax.at(amounts, own, motion.residuals[row, frames - motion.first_frame])
     return Missed(0, capture.frame_rate, amounts)

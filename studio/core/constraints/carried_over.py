@@ -22,6 +22,8 @@ FloatArray = NDArray[np.float64]
 
 COMING = 0.2
 """Seconds in which what is asked at the very ends of a clip comes and goes."""
+NEVER = ActivationCurve(-10.0, -10.0, -10.0, -10.0)
+"""Of what is not asked: nothing plays then."""
 _HINGED = ("upper_arm", "forearm", "hand", "thigh", "shank")
 """Segments whose x is a hinge, which a mirror turns round."""
 _SWAPPED = {Arms.LEFT: Arms.RIGHT, Arms.RIGHT: Arms.LEFT, Arms.BOTH: Arms.BOTH}
@@ -43,6 +45,13 @@ class Carry:
     mirrored: bool
     first: float
     last: float
+
+    def goes_on_in(self, after: "Carry", pause: float) -> bool:
+        """Whether a clip that plays no more than ``pause`` seconds later goes on as this one would."""
+        ours, others = (
+            np.array([each.begin, each.speed, each.turn, *each.shift, each.mirrored]) for each in (self, after)
+        )
+        return bool(-1e-9 <= after.first - self.last <= pause and np.allclose(ours, others, rtol=0.0, atol=1e-4))
 
     def times(self, times: ArrayLike) -> FloatArray:
         """Seconds where the clip plays, of those of the motion."""
@@ -179,15 +188,17 @@ def _chain(chain: Chain, carry: Carry) -> Chain:
 
 
 def _activation(curve: ActivationCurve, carry: Carry) -> ActivationCurve:
-    """The curve within the clip: what would be asked before it begins comes as it begins."""
+    """The curve within the clip: what would be asked before it begins comes as it begins.
+
+    What the clip leaves no time to come, or to go again, is not asked.
+    """
     start, full, full_end, end = carry.times((curve.start, curve.full, curve.full_end, curve.end)).tolist()
     coming = min(COMING, (carry.last - carry.first) / 2)
     if start < carry.first:
         start, full = carry.first, max(full, carry.first + coming)
     if end > carry.last:
         full_end, end = min(full_end, carry.last - coming), carry.last
-    start, full, full_end = np.maximum.accumulate([min(time, end) for time in (start, full, full_end)]).tolist()
-    return ActivationCurve(start, full, full_end, max(end, full_end), curve.shape)
+    return ActivationCurve(start, full, max(full, full_end), end, curve.shape) if full <= full_end + 1e-9 else NEVER
 
 
 def _keys(keyed: Keys, carry: Carry) -> tuple[float, ...]:

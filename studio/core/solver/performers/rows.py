@@ -1,12 +1,12 @@
 """What a performer plays and what is asked of it: its row as one motion, constraints in that motion's space."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from studio.core.constraints.base import Constraint
-from studio.core.constraints.carried_over import Carry, carried_over
+from studio.core.constraints.carried_over import NEVER, Carry, carried_over
 from studio.core.normalized.compose import Composite, compose
 from studio.core.normalized.joining import Planar
 from studio.core.normalized.layers import Overlay, layered
@@ -113,13 +113,44 @@ def carry_of(played: Played, timing: Timing, leg_length: float) -> Carry:
 
 
 def constraints_in(asked: tuple[Asked, ...], composite: Composite, leg_length: float) -> tuple[Constraint, ...]:
-    """What is asked, each where its clip plays, in the same order."""
+    """What is asked, each where its clip plays, in the same order.
+
+    Where a clip goes on as the one before it would, as parts of a split clip do, what both ask is asked through both.
+    """
     if composite.is_plain:
         return tuple(each.constraint for each in asked)
-    played = {each.piece.origin: each for each in composite.played}
-    return tuple(
-        carried_over(each.constraint, carry_of(played[each.clip, each.repeat], composite.timing, leg_length))
-        for each in asked
+    carries = [carry_of(each, composite.timing, leg_length) for each in composite.played]
+    places = {each.piece.origin: place for place, each in enumerate(composite.played)}
+    by_place: dict[int, list[Asked]] = {place: [] for place in range(len(carries))}
+    for each in asked:
+        by_place[places[each.clip, each.repeat]].append(each)
+
+    def goes_on(each: Asked, place: int) -> bool:
+        """Whether it is asked in the clip of a ``place`` as well, which goes on as the one before."""
+        return (
+            0 < place < len(carries)
+            and carries[place - 1].goes_on_in(carries[place], 1.5 / composite.timing.frame_rate)
+            and all(any(_is_same(each, other) for other in by_place[at]) for at in (place - 1, place))
+        )
+
+    def carried(each: Asked) -> Constraint:
+        place = until = places[each.clip, each.repeat]
+        while goes_on(each, until + 1):
+            until += 1
+        whole = carried_over(each.constraint, replace(carries[place], last=carries[until].last))
+        return replace(whole, activation=NEVER) if goes_on(each, place) else whole
+
+    return tuple(carried(each) for each in asked)
+
+
+def _is_same(one: Asked, other: Asked) -> bool:
+    """Whether two clips ask the same: one constraint, or a copy that each part of a split clip has."""
+    if one.constraint_id == other.constraint_id:
+        return True
+    first, second = vars(one.constraint), vars(other.constraint)
+    return type(one.constraint) is type(other.constraint) and all(
+        name == "scope" or first[name] is second[name] or (name != "mesh" and first[name] == second[name])
+        for name in first
     )
 
 
