@@ -110,7 +110,8 @@ class Foothold:
         self.weight = min(max(self.weight + (grows if state else -grows), 0.0), 1.0)
         self._own = [*self._own[-1:], own]
         aimed = self._led(self._aimed(own))
-        return aimed if state else self._above_ground(aimed)
+        printed = self._printed
+        return self._above_ground(aimed) if printed is None else self._out_of_ground(aimed, printed)
 
     def show(self, shown: FootPose) -> None:
         """What became of it: legs reach no farther than they do."""
@@ -188,6 +189,23 @@ class Foothold:
         height = float(self.ground.height_at(self.points_of(pose)).max())
         keep_above(sole_rows(self.body, self.side), np.zeros(2, np.int64), height, 1.0, ankles, feet, toes)
         return FootPose(ankles[0], feet[0], toes[0])
+
+    def _out_of_ground(self, pose: FootPose, printed: _Print) -> FootPose:
+        """A foot that stands raised where its heel or ball, whichever stands, would be in the ground, and tipped about
+        it where the other one would be.
+        """
+        normal, pivot, other = printed.tilt[:, 2], printed.pivot, FLAT ^ printed.pivot
+        stands = pose.ankle + pose.foot @ self._lever(pivot)
+        height = float(normal @ (stands - printed.place))
+        stands, height = stands + max(-height, 0.0) * normal, max(height, 0.0)
+        arm = pose.foot @ (self._lever(other) - self._lever(pivot))
+        length, least = float(np.linalg.norm(arm)), self._thickness(other) - self._thickness(pivot) - height
+        falls, may_fall = (math.asin(max(-1.0, min(up / length, 1.0))) for up in (float(arm @ normal), least))
+        axis = np.cross(arm, normal)
+        angle = max(may_fall - falls, 0.0) / max(float(np.linalg.norm(axis)), 1e-9)
+        turn = Rotation.from_rotvec(angle * axis).as_matrix()
+        foot, toe = turn @ pose.foot, pose.toe if self.state & TOE else turn @ pose.toe
+        return FootPose(stands - foot @ self._lever(pivot), foot, toe)
 
     def _gap(self, shown: FootPose, aimed: FootPose) -> FloatArray:
         """(3, 3) from a foot as it is aimed to what was shown: what it turns about, and the turns of foot and toes."""
