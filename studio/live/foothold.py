@@ -20,6 +20,7 @@ from studio.core.kernels.support.swing import FREED_AFTER, keep_above
 from studio.core.normalized.transition import pace_left, place_left
 from studio.core.solver.standing.blends import GOES_ALONG
 from studio.core.solver.standing.footprints import planes_under, soles_of, tilts_of
+from studio.core.solver.standing.tipping import Feet, depths_of, out_of_ground
 
 FloatArray = NDArray[np.float64]
 
@@ -110,8 +111,7 @@ class Foothold:
         self.weight = min(max(self.weight + (grows if state else -grows), 0.0), 1.0)
         self._own = [*self._own[-1:], own]
         aimed = self._led(self._aimed(own))
-        printed = self._printed
-        return self._above_ground(aimed) if printed is None else self._out_of_ground(aimed, printed)
+        return self._out_of_ground(aimed) if state else self._above_ground(aimed)
 
     def show(self, shown: FootPose) -> None:
         """What became of it: legs reach no farther than they do."""
@@ -190,22 +190,9 @@ class Foothold:
         keep_above(sole_rows(self.body, self.side), np.zeros(2, np.int64), height, 1.0, ankles, feet, toes)
         return FootPose(ankles[0], feet[0], toes[0])
 
-    def _out_of_ground(self, pose: FootPose, printed: _Print) -> FootPose:
-        """A foot that stands raised where its heel or ball, whichever stands, would be in the ground, and tipped about
-        it where the other one would be.
-        """
-        normal, pivot, other = printed.tilt[:, 2], printed.pivot, FLAT ^ printed.pivot
-        stands = pose.ankle + pose.foot @ self._lever(pivot)
-        height = float(normal @ (stands - printed.place))
-        stands, height = stands + max(-height, 0.0) * normal, max(height, 0.0)
-        arm = pose.foot @ (self._lever(other) - self._lever(pivot))
-        length, least = float(np.linalg.norm(arm)), self._thickness(other) - self._thickness(pivot) - height
-        falls, may_fall = (math.asin(max(-1.0, min(up / length, 1.0))) for up in (float(arm @ normal), least))
-        axis = np.cross(arm, normal)
-        angle = max(may_fall - falls, 0.0) / max(float(np.linalg.norm(axis)), 1e-9)
-        turn = Rotation.from_rotvec(angle * axis).as_matrix()
-        foot, toe = turn @ pose.foot, pose.toe if self.state & TOE else turn @ pose.toe
-        return FootPose(stands - foot @ self._lever(pivot), foot, toe)
+    def _out_of_ground(self, pose: FootPose) -> FootPose:
+        feet, measures = Feet(*(each[None] for each in pose)), sole_rows(self.body, self.side)
+        return FootPose(*(each[0] for each in out_of_ground(feet, measures, depths_of(feet, measures, self.ground))))
 
     def _gap(self, shown: FootPose, aimed: FootPose) -> FloatArray:
         """(3, 3) from a foot as it is aimed to what was shown: what it turns about, and the turns of foot and toes."""

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from studio.core.body.morphology import AnimatedMorphology
+from studio.core.body.morphology import AnimatedMorphology, sole_rows
 from studio.core.captures.contacts import FOOT_POINTS, ContactInterval, spans_of
 from studio.core.kernels import layout as at
 from studio.core.kernels.adapt import place_frames
@@ -30,6 +30,7 @@ from studio.core.solver.standing.blends import smooth_drops
 from studio.core.solver.standing.footing import Footing, leg_stretches
 from studio.core.solver.standing.stand import Standing, legs_of
 from studio.core.solver.standing.stepping import Flight, flights_of, states_of
+from studio.core.solver.standing.tipping import Feet, depths_of, out_of_ground, seen_coming
 
 FloatArray = NDArray[np.float64]
 
@@ -233,9 +234,10 @@ class _Change:
         states, comforts, ankles = own.states.copy(), own.comforts.copy(), own.ankles.copy()
         feet, toes = own.feet[:].copy(), own.toes[:].copy()
         for side, flight in enumerate(self.flights):
-            foot = self.swung_foot(side, flight, bases[side], positions, rotations)
-            ankles[side, on, :3], feet[side, on], toes[side, on] = foot.ankles, foot.feet, foot.toes
             states[side, : self.first], states[side, on] = self.seen.states[side], self.states(side, flight)
+            swung = self.swung_foot(side, flight, bases[side], positions, rotations)
+            foot = self.above_ground(side, swung, states[side, on])
+            ankles[side, on, :3], feet[side, on], toes[side, on] = foot.ankles, foot.feet, foot.toes
         comforts[:, on] += place_left(self.times, self.seconds) * (self.seen.comforts[:, None] - comforts[:, on])
         _, runs = leg_stretches(motion, states)
         return replace(own, states=states, comforts=comforts, runs=runs, ankles=ankles, feet=feet, toes=toes)
@@ -264,6 +266,8 @@ class _Change:
         turns, bends = _gaps(own.feet[side], seen.feet[side]), _gaps(own.toes[side], seen.toes[side])
         kept = place_left(self.times - flight.leaves / self.rate, flight.seconds)
         lies = self.settling(side)
+        if flight.lands < len(self.times):  # it has come to lie so when it lands
+            lies = min(lies, flight.lands / self.rate)
         off = self.left(gaps, leg, self.leg)
         of_foot, of_toes = self.left(turns, ankle, 1.0, lies), self.left(bends, ball, 1.0, lies)
         off[:, :2] = kept[:, None] * gaps[1, :2]
@@ -319,6 +323,16 @@ class _Change:
         )
         ankles = base.ankles + free * (positions[self.first :, layout.ankle(side)] - base.ankles)
         return _LedFoot(ankles, feet, toes, base.carries)
+
+    def above_ground(self, side: int, foot: _LedFoot, states: NDArray[np.int64]) -> _LedFoot:
+        """No deeper in the ground than the motion has it by itself."""
+        own, on, measures = self.standing.footing, slice(self.first, None), sole_rows(self.standing.morphology, side)
+        measures, ground = measures if len(measures) == 1 else measures[on], self.standing.ground
+        by_itself = Feet(own.ankles[side, on, :3], own.feet[side, on], own.toes[side, on])
+        led = Feet(*foot[:3])
+        deeper = np.maximum(depths_of(led, measures, ground) - depths_of(by_itself, measures, ground), 0.0)
+        raised = seen_coming(deeper, states != 0, self.rate)
+        return _LedFoot(*out_of_ground(led, measures, raised), foot.carries)
 
     def lead_body(self, goes: FloatArray, positions: FloatArray, rotations: FloatArray) -> slice:
         """Root by ``goes`` (F, 3), and it and all joints by what is left of where they were, in place.
