@@ -61,6 +61,11 @@ class Blow:
         """From its start to its hit."""
         return (self.hit - self.start) / self.motion.frame_rate
 
+    def piece(self, begins: float) -> Piece:
+        """What of it plays from ``begins`` seconds on; it has taken over some time before it hits."""
+        ease = min(EASED_IN * self.seconds, 1.0)
+        return Piece(self.motion, self.contacts, self.start, self.last, begins, ease=ease)
+
 
 @dataclass(frozen=True, eq=False)
 class Strike:
@@ -93,13 +98,14 @@ def make_strike(playing: Piece, at_frame: int, blow: Blow, body: Morphology, tar
     rate = playing.motion.frame_rate * playing.speed
     before = replace(playing, last=at_frame)
     begin = before.end + 1.0 / rate
-    ease = min(EASED_IN * blow.seconds, 1.0)
-    after = Piece(blow.motion, blow.contacts, blow.start, blow.last, begin, ease=ease)
-    whole = compose((before, after))
-    timing = whole.timing
-    change = round((begin - timing.begin) * timing.frame_rate)
-    hit = change + round(blow.seconds * timing.frame_rate)
-    return Strike(whole, body, _aim(whole, change, hit, blow.label, body, target), change, hit)
+    whole = compose((before, blow.piece(begin)))
+    return strike_in(whole, round((begin - whole.timing.begin) * whole.timing.frame_rate), blow, body, target)
+
+
+def strike_in(composite: Composite, change: int, blow: Blow, body: Morphology, target: Place) -> Strike:
+    """The strike that a ``composite`` is which plays ``blow`` from its frame ``change`` on, on ``body``."""
+    hit = change + round(blow.seconds * composite.timing.frame_rate)
+    return Strike(composite, body, _aim(composite, change, hit, blow.label, body, target), change, hit)
 
 
 @dataclass(frozen=True, eq=False)

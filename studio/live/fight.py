@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.morphology import Morphology
 from studio.library.clips import Kind, Limb
-from studio.live.fighter import Fighter, Hit, State
+from studio.live.fighter import Fighter, Hit
 
 FloatArray = NDArray[np.float64]
 Order = tuple[tuple[Limb, ...], tuple[Kind, ...]]
@@ -73,7 +73,7 @@ def fight(
             ordered, waiting = start, True
         positions, rotations = fighter.step(target)
         report.slowest_frame = max(report.slowest_frame, clock() - start)
-        if waiting and fighter.plan.state is State.STRIKE:
+        if waiting and not fighter.waits:
             report.latencies.append(clock() - ordered)
             waiting = False
         show(positions, rotations, fighter.body, now)

@@ -7,7 +7,7 @@ with the target where it is then.
 
 import math
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
@@ -20,7 +20,7 @@ from studio.core.captures.contacts import ContactInterval
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
-from studio.core.normalized.compose import compose
+from studio.core.normalized.compose import Composite, compose
 from studio.core.normalized.encode import encode
 from studio.core.normalized.joining import Planar
 from studio.core.normalized.motion import NormalizedMotion
@@ -30,20 +30,27 @@ from studio.core.solver.standing.stand import Standing, stand
 from studio.library.clips import Kind, Limb
 from studio.library.hitting import hit_places, limb_root
 from studio.library.library import Library
-from studio.library.searching import Asked, find
-from studio.library.striking import Blow, make_strike
+from studio.library.searching import Asked, Result, find
+from studio.library.striking import Blow, Strike, strike_in
 from studio.live.keeping import STEP_SECONDS
+from studio.live.takeover import SEEN, Takeover, take_over
 
 FloatArray = NDArray[np.float64]
 
-HELD = 2.0
-"""Seconds for which what was shown last is held before what is played next: feet that stand go on standing there."""
-SEEN = 3
-"""Frames that were shown last, from which what comes next takes its speed over."""
 LONGEST_STEP, WIDEST_TURN = 0.4, 0.7
 """Leg lengths and radians of one step."""
 NEAR_ENOUGH, TURNED_ENOUGH = 0.12, 0.25
 """Leg lengths and radians by which it may stand otherwise than it wants to."""
+OF_LATE = 0.2
+"""Seconds of the target's way by which it is known where it goes."""
+USUAL_BLOW = 0.5
+"""Seconds to a hit for which blows are searched; each is tried for its own."""
+CALMING = 0.4
+"""Seconds in which it comes to stand on guard."""
+TRIED, MET = 4, 0.001
+"""Strikes that are tried for a target, the best first, until one misses it by less than so many metres."""
+STEPS_UP = 3
+"""Steps at most that it takes towards a target that no strike meets, before it strikes all the same."""
 
 
 class State(StrEnum):
@@ -56,18 +63,59 @@ class State(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """What is played: a motion standing on the ground, from frame ``first`` on, and what makes it hit."""
+    """What is played: a motion standing on the ground, from frame ``first`` on, and the blow that it is, if it is one,
+    with what makes it hit.
+    """
 
     state: State
     standing: Standing
     first: int
-    constraint: PositionConstraint | None = None
     blow: Blow | None = None
+    constraint: PositionConstraint | None = None
     hit: int = -1
 
     @property
     def last(self) -> int:
         return self.standing.motion.frame_count - 1
+
+
+@dataclass(frozen=True, eq=False)
+class Coming:
+    """A plan in the making: what takes over, not yet led on from where the body is when it does."""
+
+    state: State
+    takes: Takeover
+    found: Result | None = None
+    strike: Strike | None = None
+
+    def plan(self, before: Standing, rows: NDArray[np.int64]) -> Plan:
+        """Led on from frames ``rows`` of ``before``."""
+        standing, first = self.takes.led(before, rows), self.takes.first
+        if self.found is None or self.strike is None:
+            return Plan(self.state, standing, first)
+        return Plan(self.state, standing, first, Blow.of(self.found), self.strike.constraint, self.strike.hit)
+
+    @property
+    def missed(self) -> float:
+        """Metres by which its hit misses the target, as it stands by itself then."""
+        if self.strike is None:
+            return math.inf
+        hit = self.strike.hit
+        return float(hold(self.takes.standing, [self.strike.constraint], hit, hit).residuals[0, 0])
+
+
+@dataclass(frozen=True, eq=False)
+class Begins:
+    """Where something begins: in the frames ``rows`` of ``before``, the target at ``place`` and going at ``speed``."""
+
+    before: Standing
+    rows: NDArray[np.int64]
+    place: FloatArray
+    speed: FloatArray
+
+    def place_in(self, seconds: float) -> FloatArray:
+        """(3,) where the target will be."""
+        return self.place + seconds * self.speed
 
 
 @dataclass(frozen=True)
@@ -89,7 +137,7 @@ class Hit:
 class Fighter:
     """``step`` it once a frame; ``strike`` asks for a blow. ``guard`` is what it plays between, its feet in place.
 
-    ``distance`` is how far from the target its root keeps, in leg lengths. With an ``executor`` plans are made beside
+    ``distance`` is how far from the target its root keeps, in leg lengths. With an ``executor`` blows are made beside
     the animation, without one at once. ``follows`` says whether a blow goes for where the target is, or was.
     """
 
@@ -99,24 +147,38 @@ class Fighter:
     distance: float = 1.05
     executor: Executor | None = None
     follows: bool = True
-    frame: int = 0
     frames_played: int = 0
     hits: list[Hit] = field(default_factory=list)
-    _wanted: Future[Plan] | None = None
+    _wanted: Future[Coming] | None = None
+    _order: tuple[Sequence[Limb], Sequence[Kind]] | None = None
+    """What was asked for and is not under way yet."""
+    _steps_left: int = 0
     _reach: float = 0.0
-    _shown: deque[tuple[FloatArray, FloatArray]] = field(default_factory=lambda: deque(maxlen=SEEN))
+    _passed: int = 0
+    """Frames that were shown of the plan."""
+    _places: deque[FloatArray] = field(default_factory=deque)
+    """Where the target was of late."""
 
     def __post_init__(self) -> None:
         whole = compose((replace(self.guard, start=0.0),))
         span = self.guard.first, self.guard.last
         cut = NormalizedMotion("guard", whole.motion.frame_rate, whole.motion.channels[span[0] : span[1] + 1].copy(),
                                whole.motion.spine_places)  # fmt: skip
-        self.plan = self._plan(State.GUARD, cut, _cut(whole.contacts, *span), 0)
+        self.plan = Plan(State.GUARD, stand(cut, self.body, _cut(whole.contacts, *span), Ground()), 0)
+        self.rate = cut.frame_rate
+        """Frames a second, whatever the rate of what it plays."""
+        self._places = deque(maxlen=1 + round(OF_LATE * self.rate))
 
     @property
-    def rate(self) -> float:
-        """Frames a second."""
-        return self.plan.standing.motion.frame_rate
+    def frame(self) -> int:
+        """The frame of the plan that is shown next."""
+        shown = round(self._passed * self.plan.standing.motion.frame_rate / self.rate)
+        return min(self.plan.first + shown, self.plan.last)
+
+    @property
+    def waits(self) -> bool:
+        """Whether what answers an order is still in the making."""
+        return self._wanted is not None
 
     def change_body(self, body: Morphology) -> None:
         """Another character goes on with what plays."""
@@ -126,39 +188,51 @@ class Fighter:
         channels[:, at.HIPS : at.HIPS + 2] *= leg / body.leg_length  # it stays where it is on the ground
         standing = stand(replace(old.motion, channels=channels), body, old.contacts, Ground())
         self.plan = replace(self.plan, standing=standing)
-        self._shown.clear()
 
     def strike(self, target: ArrayLike, limbs: Sequence[Limb] = (), kinds: Sequence[Kind] = ()) -> bool:
-        """Strike at ``target`` (3,) as soon as a plan for it is made; False while another blow is under way."""
-        if self._wanted is not None or self.plan.state is State.STRIKE:
+        """Strike at ``target`` (3,) as soon as a plan for it is made; False while another blow is under way.
+
+        Who is too far off for any blow that was asked for steps up to the target first.
+        """
+        if self._order is not None or self.plan.state is State.STRIKE:
             return False
-        place, played = np.array(target, dtype=np.float64), self._played()
-        self._make(lambda: self._strike(played, place, limbs, kinds))
+        self._order, self._steps_left = (limbs, kinds), STEPS_UP
+        self._ask(np.array(target, dtype=np.float64))
         return True
 
     def step(self, target: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """The next frame, positions (K+23, 3) and rotations (K+18, 3, 3), with the target where it is now."""
-        place = np.asarray(target, dtype=np.float64)
+        place = np.array(target, dtype=np.float64)
+        self._places.append(place)
+        if self._order is not None and self._wanted is None and self._played_for(STEP_SECONDS):
+            self._ask(place)
         self._take_plan()
         if self.frame >= self.plan.last or (self.plan.state is State.GUARD and self._stands_wrong(place)):
-            self._next(place)
-        plan = self.plan
+            self._go_on(self._next(place))
+        plan, frame = self.plan, self.frame
         asked = [] if plan.constraint is None else [self._aimed(plan.constraint, place)]
-        posed = hold(plan.standing, asked, self.frame, self.frame)
-        if self.frame == plan.hit and plan.blow is not None:
-            self._note_hit(plan.blow, posed.positions[:], posed.rotations[:], np.array(asked[0].target))
-        self.frame = min(self.frame + 1, plan.last)
+        posed = hold(plan.standing, asked, frame, frame)
+        self._passed += 1
         self.frames_played += 1
-        self._shown.append((posed.positions[0], posed.rotations[0]))
+        if plan.blow is not None and frame <= plan.hit < self.frame:
+            self._note_hit(plan.blow, posed.positions[:], posed.rotations[:], np.array(asked[0].target))
         return posed.positions[0], posed.rotations[0]
 
     # Plans
 
-    def _make(self, work: Callable[[], Plan]) -> None:
+    def _ask(self, place: FloatArray) -> None:
+        """Let what was ordered be made, beside the animation where that can be."""
+        assert self._order is not None
+        begins = Begins(self.plan.standing, self._rows, place, self._speed())
+        order, step = self._order, self._step_up(begins.place_in(STEP_SECONDS)) if self._steps_left else None
+
+        def work() -> Coming:
+            return self._strike(begins, *order, step)
+
         if self.executor is not None:
             self._wanted = self.executor.submit(work)
             return
-        made: Future[Plan] = Future()
+        made: Future[Coming] = Future()
         made.set_result(work())
         self._wanted = made
 
@@ -167,72 +241,96 @@ class Fighter:
         if self._wanted is None or not self._wanted.done():
             return
         made, self._wanted = self._wanted.result(), None
-        self.plan, self.frame = made, made.first
+        if made.state is State.STEP:
+            self._steps_left -= 1
+        else:
+            self._order = None
+        if made.found is not None:
+            self._reach = made.found.reach
+        self._go_on(made)
 
-    def _next(self, place: FloatArray) -> None:
+    def _go_on(self, coming: Coming) -> None:
+        self.plan = coming.plan(self.plan.standing, self._rows)
+        self._passed = 0
+
+    def _next(self, place: FloatArray) -> Coming:
         turn, offset = self._correction(place)
         wrong = abs(turn) > TURNED_ENOUGH or float(np.hypot(*offset)) > NEAR_ENOUGH
-        self.plan = self._stepping(turn, offset) if wrong else self._guarding()
-        self.frame = self.plan.first
+        state, piece = (State.STEP, self._stepping(turn, offset)) if wrong else (State.GUARD, self._guarding)
+        return self._coming(state, Begins(self.plan.standing, self._rows, place, np.zeros(3)), piece)
 
-    def _guarding(self) -> Plan:
-        played = self._played()
-        start, change = self._after(played)
-        whole = compose((played, replace(self.guard, start=start, ease=0.4)))
-        return self._plan(State.GUARD, whole.motion, whole.contacts, change)
+    @property
+    def _guarding(self) -> Piece:
+        return replace(self.guard, start=0.0, ease=CALMING)
 
-    def _stepping(self, turn: float, offset: FloatArray) -> Plan:
+    def _stepping(self, turn: float, offset: FloatArray) -> Piece:
         own = Planar(turn, (float(offset[0]), float(offset[1])))
-        played = self._played()
-        start, change = self._after(played)
-        whole = compose((played, replace(self.guard, start=start, own=own, ease=STEP_SECONDS)))
-        return self._plan(State.STEP, whole.motion, whole.contacts, change)
+        return replace(self.guard, start=0.0, own=own, ease=STEP_SECONDS)
 
-    def _strike(self, played: Piece, place: FloatArray, limbs: Sequence[Limb], kinds: Sequence[Kind]) -> Plan:
-        motion = played.motion
-        pose = replace(motion, channels=motion.channels[-1:])
-        best = find(self.library, Asked(pose, self.body, place, limbs, kinds), 1)
-        if not best:
-            return self._guarding()
-        blow = Blow.of(best[0])
-        x, y, z = place.tolist()
-        made = make_strike(played, played.last, blow, self.body, (x, y, z))
-        standing = stand(made.composite.motion, self.body, made.composite.contacts, Ground())
-        self._reach = best[0].reach
-        return Plan(State.STRIKE, standing, made.change, made.constraint, blow, made.hit)
+    def _step_up(self, place: FloatArray) -> Piece | None:
+        """What it plays to come nearer to a place; None where it is not too far off."""
+        turn, offset = self._correction(place)
+        return self._stepping(turn, offset) if self._apart(place) - self.distance > NEAR_ENOUGH else None
 
-    def _plan(self, state: State, motion: NormalizedMotion, contacts: tuple[ContactInterval, ...], first: int) -> Plan:
-        return Plan(state, stand(motion, self.body, contacts, Ground()), first)
+    def _strike(self, begins: Begins, limbs: Sequence[Limb], kinds: Sequence[Kind], step: Piece | None) -> Coming:
+        """The first of the best blows that will meet the target; where none does a ``step`` up, else the nearest."""
+        before, last = begins.before, begins.rows[-1:]
+        pose = encode(before.positions[last], before.rotations[last], self.body, self.rate, "shown")
+        found = find(self.library, Asked(pose, self.body, begins.place_in(USUAL_BLOW), limbs, kinds), TRIED)
+        nearest, missed = None, math.inf
+        for each in found:
+            coming = self._blow(begins, each)
+            if coming.missed < missed:
+                nearest, missed = coming, coming.missed
+            if missed < MET:
+                break
+        if nearest is None:
+            return self._coming(State.GUARD, begins, self._guarding)
+        return nearest if step is None or missed < MET else self._coming(State.STEP, begins, step)
 
-    def _played(self) -> Piece:
-        """What was shown last as a motion, held before: what comes next begins where the body is seen to be."""
-        shown = list(self._shown) or [(each[0], each[1]) for each in [self._posed()]]
-        held = [shown[-1]] * round(HELD * self.rate)
-        positions, rotations = (np.stack(each) for each in zip(*held, *shown, strict=True))
-        motion = encode(positions, rotations, self.body, self.rate, "shown")
-        last, now = motion.frame_count - 1, max(self.frame - 1, 0)
-        standing = [each for each in self.plan.standing.contacts if each.first <= now <= each.last]
-        return Piece(motion, tuple(replace(each, first=0, last=last) for each in standing), 0, last)
+    def _blow(self, begins: Begins, found: Result) -> Coming:
+        blow = Blow.of(found)
+        x, y, z = begins.place_in(blow.seconds).tolist()
+        coming = self._coming(State.STRIKE, begins, blow.piece(0.0))
+        strike = strike_in(coming.takes.composite, coming.takes.first, blow, self.body, (x, y, z))
+        return replace(coming, found=found, strike=strike)
 
-    def _posed(self) -> tuple[FloatArray, FloatArray]:
-        return self.plan.standing.positions[self.frame], self.plan.standing.rotations[self.frame]
+    def _coming(self, state: State, begins: Begins, piece: Piece) -> Coming:
+        def stood(whole: Composite) -> Standing:
+            return stand(whole.motion, self.body, whole.contacts, Ground())
 
-    def _after(self, played: Piece) -> tuple[float, int]:
-        """When, and in which frame, what comes behind ``played`` begins."""
-        return (played.last + 1) / self.rate, played.last + 1
+        return Coming(state, take_over(begins.before, begins.rows, [piece], stood))
+
+    @property
+    def _rows(self) -> NDArray[np.int64]:
+        """(SEEN,) the frames of the plan that were shown last."""
+        every = self.plan.standing.motion.frame_rate / self.rate
+        shown = self.plan.first + np.rint((self._passed - np.arange(SEEN, 0, -1)) * every).astype(np.int64)
+        return np.asarray(shown.clip(max(self.plan.first - 1, 0), self.plan.last))
+
+    def _speed(self) -> FloatArray:
+        """(3,) metres a second of the target of late; none where blows go for where it was."""
+        first, last = (self._places[0], self._places[-1]) if self.follows and self._places else (0.0, 0.0)
+        return np.asarray(np.zeros(3) + (last - first) * self.rate / max(len(self._places) - 1, 1))
+
+    def _played_for(self, seconds: float) -> bool:
+        return self._passed >= round(seconds * self.rate)
 
     # Where it stands
 
+    def _apart(self, place: FloatArray) -> float:
+        """Leg lengths over the ground from its root to a place."""
+        root = self.plan.standing.positions[self.frame, 0]
+        return float(np.linalg.norm((place - root)[:2])) / self.body.leg_length
+
     def _correction(self, place: FloatArray) -> tuple[float, FloatArray]:
         """The turn (rad) and the way over the ground (2,), in leg lengths, of its next step."""
-        leg = self.body.leg_length
-        channels = self.plan.standing.motion.channels[self.frame]
-        root = channels[at.HIPS : at.HIPS + 2]
-        away = place[:2] / leg - root
-        apart = float(np.linalg.norm(away))
+        root = self.plan.standing.positions[self.frame, 0]
+        away, apart = (place - root)[:2] / self.body.leg_length, self._apart(place)
         forward = away / max(apart, 1e-9)
         facing = math.atan2(forward[1], forward[0]) + self._stance()
-        turn = (facing - float(channels[at.YAW]) + math.pi) % (2.0 * math.pi) - math.pi
+        yaw = float(self.plan.standing.motion.channels[self.frame, at.YAW])
+        turn = (facing - yaw + math.pi) % (2.0 * math.pi) - math.pi
         way = float(np.clip(apart - self.distance, -LONGEST_STEP, LONGEST_STEP))
         return float(np.clip(turn, -WIDEST_TURN, WIDEST_TURN)), way * forward
 
@@ -241,7 +339,7 @@ class Fighter:
         return float(np.median(self.guard.motion.channels[self.guard.first : self.guard.last + 1, at.YAW]))
 
     def _stands_wrong(self, place: FloatArray) -> bool:
-        if self._wanted is not None or self.frame < self.plan.first + round(0.4 * self.rate):
+        if self._order is not None or not self._played_for(CALMING):
             return False
         turn, offset = self._correction(place)
         return abs(turn) > TURNED_ENOUGH or float(np.hypot(*offset)) > NEAR_ENOUGH

@@ -20,6 +20,8 @@ from studio.core.kernels.support.swing import FREED_AFTER, keep_above
 from studio.core.normalized.transition import pace_left, place_left
 from studio.core.solver.standing.blends import GOES_ALONG
 from studio.core.solver.standing.footprints import planes_under, soles_of, tilts_of
+from studio.core.solver.standing.held_foot import FootPath
+from studio.core.solver.standing.tipping import depths_of, out_of_ground
 
 FloatArray = NDArray[np.float64]
 
@@ -110,7 +112,7 @@ class Foothold:
         self.weight = min(max(self.weight + (grows if state else -grows), 0.0), 1.0)
         self._own = [*self._own[-1:], own]
         aimed = self._led(self._aimed(own))
-        return aimed if state else self._above_ground(aimed)
+        return self._out_of_ground(aimed) if state else self._above_ground(aimed)
 
     def show(self, shown: FootPose) -> None:
         """What became of it: legs reach no farther than they do."""
@@ -188,6 +190,11 @@ class Foothold:
         height = float(self.ground.height_at(self.points_of(pose)).max())
         keep_above(sole_rows(self.body, self.side), np.zeros(2, np.int64), height, 1.0, ankles, feet, toes)
         return FootPose(ankles[0], feet[0], toes[0])
+
+    def _out_of_ground(self, pose: FootPose) -> FootPose:
+        feet, measures = FootPath(*(each[None] for each in pose)), sole_rows(self.body, self.side)
+        freed = out_of_ground(feet, measures, depths_of(feet, measures, self.ground))
+        return FootPose(freed.ankles[0], freed.feet[0], freed.toes[0])
 
     def _gap(self, shown: FootPose, aimed: FootPose) -> FloatArray:
         """(3, 3) from a foot as it is aimed to what was shown: what it turns about, and the turns of foot and toes."""

@@ -10,35 +10,23 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.morphology import AnimatedMorphology
-from studio.core.captures.contacts import FOOT_POINTS, on_ground
 from studio.core.constraints.activation import ActivationCurve, ease
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.carried_over import COMING
-from studio.core.grounds.ground import Ground
-from studio.core.normalized.compose import Composite, by_itself, go_on
-from studio.core.normalized.encode import encode
-from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.pieces import Piece
+from studio.core.normalized.compose import Composite
 from studio.core.project import Project
 from studio.core.solver.asking.tracks import Tracks, fixed_at
 from studio.core.solver.performers.performing import Prepare, motion_of, unasked_request
 from studio.core.solver.performers.rows import composite_of, constraints_in, pieces_of
 from studio.core.solver.performers.stage import asked_of
 from studio.core.solver.solved_window import targets_of
-from studio.core.solver.standing.led import Stance, led_from
-from studio.core.solver.standing.stand import Standing, stand, standing_of
+from studio.core.solver.standing.stand import Standing, standing_of
+from studio.live.takeover import HELD, SEEN, take_over
 
 FloatArray = NDArray[np.float64]
 
-HELD = 2.0
-"""Seconds for which the last pose is held before a clip that takes over: feet that stand go on standing there."""
-SEEN = 3
-"""Frames of what played before that give its speed."""
 AROUND = 0.5
 """Seconds around what is asked in which it has to do with how a body is solved."""
-OF_LATE = 1.0
-"""Seconds of what played by which it is known how its joints accelerate."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,14 +93,11 @@ def taken_over(project: Project, key: str, before: Playing, frame: int, tracks: 
     clip = project.performers[key].clips[0]
     pieces = pieces_of(project, key, clip, lambda motion_id: motion_of(project, motion_id, prepare))
     seen = _last_seen(before, frame, pieces[0].start)
-    composite = go_on(_shown(before, seen, pieces[0].start), _played(before, frame), pieces)
-    first = round(composite.timing.frame_at(pieces[0].start))
-    # who is carried by hands, knees or seat as well may turn over meanwhile: that blend is set on the ground itself
-    carried = any(each.point not in FOOT_POINTS for each in on_ground(composite.contacts))
-    stands = composite if carried else by_itself(composite)
-    standing = standing_of(unasked_request(project, key, stands, prepare))
-    standing = led_from(standing, first, Stance.of(before.standing, seen), pieces[0].ease)
-    composite = replace(composite, contacts=standing.contacts)
+    made = take_over(
+        before.standing, seen, pieces, lambda stands: standing_of(unasked_request(project, key, stands, prepare))
+    )
+    standing, first = made.led(before.standing, seen), made.first
+    composite = replace(made.composite, contacts=standing.contacts)
     playing = Playing(composite, standing, _asked(project, key, composite, standing, frozenset()))
     begins = playing.time_of(first)
     kept = _kept(before, frame, project, key, playing, begins)
@@ -148,33 +133,6 @@ def _last_seen(before: Playing, frame: int, start: float) -> NDArray[np.int64]:
     held = round((start - timing.end) * timing.frame_rate) - 1 if frame == timing.last else 0
     rows = np.arange(frame - SEEN + 1, frame + 1) + max(held, 0)
     return np.asarray(rows.clip(0, frame))
-
-
-def _shown(before: Playing, rows: NDArray[np.int64], start: float) -> Piece:
-    """Frames of what played, on the level floor, as a piece that ends where ``start`` begins.
-
-    They are held: a foot that stands is found where it stands, whatever the clip does with it next.
-    """
-    standing, rate = before.standing, before.composite.timing.frame_rate
-    if not standing.ground.is_level:
-        known = standing.motion, standing.morphology, standing.contacts, Ground(), standing.volume, standing.actor
-        standing = stand(*known, standing.limited)
-    frame = rows[-1]
-    body = standing.morphology
-    still = body.at(frame) if isinstance(body, AnimatedMorphology) else body
-    positions = standing.positions[rows] - [0.0, 0.0, standing.ground.height]
-    seen = encode(positions, standing.rotations[rows], still, rate, "before")
-    held = np.concatenate([np.tile(seen.channels[-1], (round(HELD * rate), 1)), seen.channels])
-    motion = replace(seen, channels=held)
-    last = len(held) - 1
-    stands = tuple(replace(each, first=0, last=last) for each in standing.contacts if each.first <= frame <= each.last)
-    return Piece(motion, stands, 0, last, start - len(held) / rate)
-
-
-def _played(before: Playing, frame: int) -> NormalizedMotion:
-    motion = before.standing.motion
-    first = max(frame - round(OF_LATE * motion.frame_rate), 0)
-    return replace(motion, channels=motion.channels[first : frame + 1])
 
 
 def _kept(before: Playing, frame: int, project: Project, key: str, playing: Playing, begins: float) -> frozenset[str]:

@@ -1,15 +1,17 @@
 """A fighter keeps at striking distance of a head that moves, strikes when told, and hits."""
 
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from benchmarks.fighting import IN_REACH, fought
+from benchmarks.fighting import IN_REACH, ducking, fought
 from examples.keyed.strikes import HIT, STRIKES, Kick
 from studio.cli.live import guard_of, swaying
 from studio.cli.main import main
+from studio.core.captures.contacts import touching_points
 from studio.io.character_file import bundled_characters
 from studio.library.catalogue import Catalogue
 from studio.library.clips import Kind, Limb
@@ -91,6 +93,57 @@ def test_nothing_jumps_and_feet_that_stand_stay(library):
         assert np.linalg.norm(ankle[stays] - ankle[np.array(stays) - 1], axis=1).max() < 0.005
 
 
+@pytest.mark.parametrize("name", ["child", "adult_woman", "giant"])
+def test_feet_that_stand_stay_in_place_as_blows_and_steps_take_over(bundled, name):
+    """A foot that stood turned by 24 mm, on a giant by 36, within the first frame of every other blow."""
+    body, before, slides = BODIES[name], {}, []
+    fighter = Fighter(bundled, body, GUARD)
+
+    def show(positions, *_):
+        frame = fighter.frame - 1
+        now = {
+            each.point: positions[touching_points(each.point, body.layout)[0]]
+            for each in fighter.plan.standing.contacts
+            if each.point.is_foot and each.first <= frame <= each.last
+        }
+        slides.extend(float(np.linalg.norm((now[point] - before[point])[:2])) for point in now.keys() & before.keys())
+        before.clear()
+        before.update(now)
+
+    orders = orders_every(1.5, [*ORDERS.values(), ANY_STRIKE])
+    fight(fighter, lambda now: ducking(now, body.stature), orders, 26.0, show)
+    assert len(fighter.hits) >= 15
+    assert np.mean(np.array(slides) > 1e-3) < 0.01  # who is called on while it steps still turns on its heel
+
+
+def test_who_is_too_far_off_steps_up_before_it_strikes(bundled):
+    body = BODIES["child"]
+    fighter = Fighter(bundled, body, GUARD)
+    place = np.array([2.0 * body.leg_length, 0.0, 0.75 * body.stature])
+    assert fighter.strike(place, *ORDERS["left punch"])
+    states = []
+    while not fighter.hits:
+        fighter.step(place)
+        states.append(fighter.plan.state)
+        assert len(states) < 240
+    assert states[0] is State.STEP
+    assert fighter.hits[0].missed < 1e-3
+
+
+def test_a_blow_recorded_at_another_rate_lasts_as_long_as_it_did(bundled):
+    fast = [
+        replace(clip, take=replace(clip.take, motion=replace(clip.take.motion, frame_rate=120.0)))
+        for clip in bundled.clips
+    ]
+    body = BODIES["adult_woman"]
+    fighter = Fighter(Library.of_clips(fast), body, GUARD)
+    assert fighter.strike(near(body))
+    while not fighter.hits:
+        fighter.step(near(body))
+    blow = fighter.plan.blow
+    assert fighter.hits[0].seconds == pytest.approx(blow.seconds, abs=0.04)
+
+
 def test_it_follows_a_target_that_walks_away_and_turns_to_it(library):
     body = BODIES["child"]
     fighter = Fighter(library, body, GUARD)
@@ -161,7 +214,7 @@ def test_the_bundled_fighter_strikes_for_a_minute_at_a_head_that_ducks(bundled, 
     in_reach = [hit.missed for hit in report.hits if hit.apart <= IN_REACH]
     assert len(in_reach) >= 10
     assert max(in_reach) < 1e-3
-    assert sum(hit.missed < 1e-3 for hit in report.hits) >= 0.85 * len(report.hits)
+    assert sum(hit.missed < 1e-3 for hit in report.hits) >= 0.95 * len(report.hits)
     assert max(report.latencies) < 0.05  # seconds of processor time
     print(report.words)
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.morphology import AnimatedMorphology
+from studio.core.body.morphology import AnimatedMorphology, sole_rows
 from studio.core.captures.contacts import FOOT_POINTS, ContactInterval, spans_of
 from studio.core.kernels import layout as at
 from studio.core.kernels.adapt import place_frames
@@ -30,6 +30,7 @@ from studio.core.solver.standing.footing import Footing, leg_stretches
 from studio.core.solver.standing.held_foot import FootPath, HeldFoot, turned, turns_between
 from studio.core.solver.standing.stand import Standing, legs_of
 from studio.core.solver.standing.stepping import Flight, carrying, flights_of, states_of
+from studio.core.solver.standing.tipping import depths_of, out_of_ground, seen_coming
 
 FloatArray = NDArray[np.float64]
 
@@ -228,9 +229,10 @@ class _Change:
         states, comforts, ankles = own.states.copy(), own.comforts.copy(), own.ankles.copy()
         feet, toes = own.feet[:].copy(), own.toes[:].copy()
         for side, flight in enumerate(self.flights):
-            foot = self.swung_foot(side, flight, bases[side].path, positions, rotations)
-            ankles[side, on, :3], feet[side, on], toes[side, on] = foot.ankles, foot.feet, foot.toes
             states[side, : self.first], states[side, on] = self.seen.states[side], self.states(side, flight)
+            swung = self.swung_foot(side, flight, bases[side].path, positions, rotations)
+            foot = self.above_ground(side, swung, states[side, on])
+            ankles[side, on, :3], feet[side, on], toes[side, on] = foot.ankles, foot.feet, foot.toes
         comforts[:, on] += place_left(self.times, self.seconds) * (self.seen.comforts[:, None] - comforts[:, on])
         _, runs = leg_stretches(motion, states)
         return replace(own, states=states, comforts=comforts, runs=runs, ankles=ankles, feet=feet, toes=toes)
@@ -293,6 +295,14 @@ class _Change:
         )
         ankles = base.ankles + free * (positions[self.first :, layout.ankle(side)] - base.ankles)
         return FootPath(ankles, feet, toes)
+
+    def above_ground(self, side: int, foot: FootPath, states: NDArray[np.int64]) -> FootPath:
+        """No deeper in the ground than the motion has it by itself."""
+        measures, ground = sole_rows(self.standing.morphology, side), self.standing.ground
+        measures = measures if len(measures) == 1 else measures[self.first :]
+        own = depths_of(self.feet[side].own, measures, ground)
+        deeper = np.maximum(depths_of(foot, measures, ground) - own, 0.0)
+        return out_of_ground(foot, measures, seen_coming(deeper, states != 0, self.rate))
 
     def lead_body(self, goes: FloatArray, positions: FloatArray, rotations: FloatArray) -> slice:
         """Root by ``goes`` (F, 3), and it and all joints by what is left of where they were, in place.

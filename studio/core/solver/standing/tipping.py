@@ -1,0 +1,82 @@
+"""Feet brought out of the ground as little as can be: tipped about what of them is not in it (METHOD 4).
+
+What stands stays where it stands: a foot whose heel is in the ground tips about its ball, and the other way round.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from studio.core.grounds.ground import Ground
+from studio.core.kernels.support.swing import EARLY, bend_early
+from studio.core.solver.standing.held_foot import FootPath
+
+FloatArray = NDArray[np.float64]
+
+UNSEEN = 0.005
+"""Metres in the ground that nobody sees: where a foot is no deeper it is hardly raised."""
+
+
+def depths_of(foot: FootPath, measures: FloatArray, ground: Ground) -> FloatArray:
+    """(2, F) metres by which the heel, and the ball or the tip, are in the ground.
+
+    ``measures`` (F or 1, 6) as ``morphology.sole_rows`` has them.
+    """
+    heel, joint, thickness, tip = _arms(measures)
+    up, ball = foot.ankles, foot.ankles + _turned(foot.feet, joint)
+    lows = (
+        up + _turned(foot.feet, heel),
+        ball - _turned(foot.feet, thickness),
+        ball - _turned(foot.toes, thickness),
+        ball + _turned(foot.toes, tip),
+    )
+    heel_deep, *others = (np.maximum(ground.height_at(low) - low[:, 2], 0.0) for low in lows)
+    return np.stack([heel_deep, np.max(others, axis=0)])
+
+
+def out_of_ground(foot: FootPath, measures: FloatArray, depths: FloatArray) -> FootPath:
+    """``foot`` raised by ``depths`` (2, F) at its heel and its ball; toes are turned as they were."""
+    if not depths.any():
+        return foot
+    heel, joint, _, _ = _arms(measures)
+    heels, balls = (foot.ankles + _turned(foot.feet, each) for each in (heel, joint))
+    arms, tips = balls - heels, depths[1] - depths[0]
+    tips = tips * (arms[:, :2] ** 2).sum(axis=1) / np.maximum((arms**2).sum(axis=1), 1e-9)  # a steep foot is raised
+    feet = _tipped(arms, tips) @ foot.feet
+    about_heel = (tips > 0.0)[:, None]
+    ankles = np.where(about_heel, heels - _turned(feet, heel), balls - _turned(feet, joint))
+    ankles[:, 2] += depths.max(axis=0) - np.abs(tips)
+    return FootPath(ankles, feet, foot.toes)
+
+
+def seen_coming(depths: FloatArray, stands: NDArray[np.bool_], frame_rate: float) -> FloatArray:
+    """``depths`` (N, F) by which to raise what is in the ground: smooth, and begun before it must be.
+
+    Not where the foot ``stands`` (F,), nor in the first frame, before which nobody knew.
+    """
+    surely = stands | (np.arange(len(stands)) == 0)
+    raised, early = depths - UNSEEN * (1.0 - np.exp(-depths / UNSEEN)), np.empty_like(depths)
+    for each, out in zip(raised, early, strict=True):
+        bend_early(surely, round(EARLY * frame_rate), each, out)
+    return early
+
+
+def _arms(measures: FloatArray) -> tuple[FloatArray, ...]:
+    """From the ankle to heel and to the joint of the toes, what is below that, and from it to the tip; (F or 1, 3)."""
+    forward, left, down, height, heel, length = measures.T
+    zero = np.zeros_like(height)
+    arms = (-heel, zero, -height), (forward, left, down), (zero, zero, height + down), (length, zero, -height - down)
+    return tuple(np.column_stack(each) for each in arms)
+
+
+def _turned(turns: FloatArray, arms: FloatArray) -> FloatArray:
+    return np.asarray((turns @ arms[..., None])[..., 0])
+
+
+def _tipped(arms: FloatArray, rises: FloatArray) -> FloatArray:
+    """(F, 3, 3) turns about level axes that raise the ends of ``arms`` (F, 3) by so many metres, as far as they can."""
+    lengths = np.maximum(np.linalg.norm(arms, axis=1), 1e-9)
+    slopes = [np.arcsin(np.clip(height / lengths, -1.0, 1.0)) for height in (arms[:, 2], arms[:, 2] + rises)]
+    axes = np.column_stack([arms[:, 1], -arms[:, 0], np.zeros(len(arms))])
+    axes /= np.maximum(np.linalg.norm(axes, axis=1, keepdims=True), 1e-9)
+    return np.asarray(Rotation.from_rotvec((slopes[1] - slopes[0])[:, None] * axes).as_matrix())

@@ -1,0 +1,84 @@
+"""A motion that takes over at any frame, without warning, from one that stands on the ground: placed where the body is.
+
+It goes on behind the last poses of what played, so its feet stand where they stood; it stands as it does by itself and
+is led on from where the body is (``solver.standing.led``).
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.morphology import AnimatedMorphology
+from studio.core.captures.contacts import FOOT_POINTS, on_ground
+from studio.core.grounds.ground import Ground
+from studio.core.normalized.compose import Composite, by_itself, go_on
+from studio.core.normalized.encode import encode
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.pieces import Piece
+from studio.core.solver.standing.led import Stance, led_from
+from studio.core.solver.standing.stand import Standing, stand
+
+HELD = 2.0
+"""Seconds for which the last pose is held before what takes over: feet that stand go on standing there."""
+SEEN = 3
+"""Frames of what played before that give its speed."""
+OF_LATE = 1.0
+"""Seconds of what played by which it is known how its joints accelerate."""
+
+
+@dataclass(frozen=True, eq=False)
+class Takeover:
+    """``composite``, in which what takes over plays from frame ``first`` on, ``standing`` as it does by itself.
+
+    What is different then dies away in ``seconds``; 0 in as many as it needs.
+    """
+
+    composite: Composite
+    standing: Standing
+    first: int
+    seconds: float
+
+    def led(self, before: Standing, rows: NDArray[np.int64]) -> Standing:
+        """As it stands from where ``before`` was in its frames ``rows``, the last ones that were seen."""
+        return led_from(self.standing, self.first, Stance.of(before, rows), self.seconds)
+
+
+def take_over(
+    before: Standing, rows: NDArray[np.int64], pieces: Sequence[Piece], stood: Callable[[Composite], Standing]
+) -> Takeover:
+    """What ``pieces`` are that begin behind the frames ``rows`` (``SEEN``,) of ``before``; ``stood`` on the ground."""
+    begins, ease = pieces[0].start, pieces[0].ease
+    composite = go_on(_shown(before, rows, begins), _played(before, int(rows[-1])), pieces)
+    # who is carried by hands, knees or seat as well may turn over meanwhile: that blend is set on the ground itself
+    carried = any(each.point not in FOOT_POINTS for each in on_ground(composite.contacts))
+    standing = stood(composite if carried else by_itself(composite))
+    return Takeover(composite, standing, round(composite.timing.frame_at(begins)), ease)
+
+
+def _shown(before: Standing, rows: NDArray[np.int64], start: float) -> Piece:
+    """Frames of what played, on the level floor, as a piece that ends where ``start`` begins.
+
+    They are held: a foot that stands is found where it stands, whatever comes next does with it.
+    """
+    standing, rate = before, before.motion.frame_rate
+    if not standing.ground.is_level:
+        known = standing.motion, standing.morphology, standing.contacts, Ground(), standing.volume, standing.actor
+        standing = stand(*known, standing.limited)
+    frame = rows[-1]
+    body = standing.morphology
+    still = body.at(frame) if isinstance(body, AnimatedMorphology) else body
+    positions = standing.positions[rows] - [0.0, 0.0, standing.ground.height]
+    seen = encode(positions, standing.rotations[rows], still, rate, "before")
+    held = np.concatenate([np.tile(seen.channels[-1], (round(HELD * rate), 1)), seen.channels])
+    motion = replace(seen, channels=held)
+    last = len(held) - 1
+    stands = tuple(replace(each, first=0, last=last) for each in standing.contacts if each.first <= frame <= each.last)
+    return Piece(motion, stands, 0, last, start - len(held) / rate)
+
+
+def _played(before: Standing, frame: int) -> NormalizedMotion:
+    motion = before.motion
+    first = max(frame - round(OF_LATE * motion.frame_rate), 0)
+    return replace(motion, channels=motion.channels[first : frame + 1])
