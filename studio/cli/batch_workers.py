@@ -1,5 +1,6 @@
 """The jobs of a batch on worker processes of this machine: each has one job at a time; one that dies is replaced."""
 
+import gc
 import multiprocessing
 import os
 import signal
@@ -84,6 +85,7 @@ def run_here(jobs: Sequence[Job], count: int | None) -> Iterator[Record]:
     count = min(count or os.cpu_count() or 1, len(jobs))
     if sys.platform == "linux" and count > 1:
         load_kernels()
+    gc.freeze()  # a fork that looked among all that is loaded for what is lost would copy it
     workers, deaths = [Worker() for _ in range(count)], Counter[str]()
     try:
         for worker in workers:

@@ -139,6 +139,8 @@ class LiveAdaptation(QObject):
             self._interactive = value
             self._hand.listen(value)
             if not value and not self.play.running:
+                if self._telling.isActive():
+                    self._telling.start()  # what is told is told once: with all that is asked now
                 self._rest.stop()
                 self._turn.start(0)
             self.interactive_changed.emit(value)

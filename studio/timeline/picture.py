@@ -22,6 +22,7 @@ class Picture:
         self.plot = PlotPicture(parent)
         self.pixmap = QPixmap()
         self._stale: set[tuple[str, str]] = set()
+        self._stale_lanes: set[tuple[str, str]] = set()
         self._all_stale = True
 
     def close(self) -> None:
@@ -33,6 +34,10 @@ class Picture:
         self._stale.update(rows)
         self._all_stale |= not rows
 
+    def expire_lanes(self, *rows: tuple[str, str]) -> None:
+        """Only what these rows show over time; their labels stay as they are."""
+        self._stale_lanes.update(rows)
+
     def refresh(self, sheet: Sheet, scale: float) -> None:
         """Draw what is out of date, on a screen of ``scale`` pixels a unit."""
         size = QSize(round(sheet.size.width() * scale), round(sheet.size.height() * scale))
@@ -40,11 +45,12 @@ class Picture:
             self.pixmap = QPixmap(size)
             self.pixmap.setDevicePixelRatio(scale)
             self._all_stale = True
-        if not self._all_stale and not self._stale:
+        if not (self._all_stale or self._stale or self._stale_lanes):
             return
         with QPainter(self.pixmap) as painter:
             self._paint_stale(painter, sheet)
         self._stale.clear()
+        self._stale_lanes.clear()
         self._all_stale = False
 
     def _paint_stale(self, painter: QPainter, sheet: Sheet) -> None:
@@ -56,28 +62,14 @@ class Picture:
             ruler.paint_ruler(painter, sheet.ruler, shown.axis, shown.document.playhead, shown.live.play.running)
             remarks.paint_remarks(painter, sheet.ruler, sheet.shown)
         for row in sheet.rows:
-            if self._is_stale((row.kind, row.id)):
-                self._paint_row(painter, sheet, row)
+            labelled = self._is_stale((row.kind, row.id))
+            if labelled or (row.kind, row.id) in self._stale_lanes:
+                _paint_row(painter, sheet, row, labelled)
         if self._is_stale(PLOT):
             self._paint_plot(painter, sheet)
 
     def _is_stale(self, row: tuple[str, str]) -> bool:
         return self._all_stale or row in self._stale
-
-    def _paint_row(self, painter: QPainter, sheet: Sheet, row: Row) -> None:
-        area = sheet.rect(row)
-        if not area.intersects(sheet.viewport):
-            return
-        painter.save()
-        painter.setClipRect(area.intersected(sheet.viewport))
-        _paint_ground(painter, area, sheet.shown)
-        _paint_label(painter, area, sheet.shown, row)
-        painter.save()
-        painter.setClipRect(time_area(area).intersected(sheet.viewport))
-        _paint_content(painter, area, sheet.shown, row)
-        painter.restore()
-        painter.fillRect(area.left(), area.bottom(), area.width(), 1, translucent(colours.EDGE, 0.5))
-        painter.restore()
 
     def _paint_plot(self, painter: QPainter, sheet: Sheet) -> None:
         painter.save()
@@ -89,6 +81,26 @@ class Picture:
         self.plot.paint_label(painter, sheet.plot, sheet.shown)
         painter.fillRect(0, sheet.plot.top(), sheet.size.width(), 1, QColor(colours.EDGE))
         painter.restore()
+
+
+def _paint_row(painter: QPainter, sheet: Sheet, row: Row, labelled: bool) -> None:
+    """All of a row, or all but its label."""
+    area = sheet.rect(row)
+    lane = time_area(area)
+    drawn = (area if labelled else lane).intersected(sheet.viewport)
+    if drawn.isEmpty():
+        return
+    painter.save()
+    painter.setClipRect(drawn)
+    _paint_ground(painter, area, sheet.shown)
+    if labelled:
+        _paint_label(painter, area, sheet.shown, row)
+    painter.save()
+    painter.setClipRect(lane.intersected(sheet.viewport))
+    _paint_content(painter, area, sheet.shown, row)
+    painter.restore()
+    painter.fillRect(area.left(), area.bottom(), area.width(), 1, translucent(colours.EDGE, 0.5))
+    painter.restore()
 
 
 def _paint_ground(painter: QPainter, area: QRect, shown: Shown) -> None:

@@ -131,14 +131,16 @@ class TrackView(QWidget):
 
     def _redraw(self, *rows: tuple[str, str]) -> None:
         """Draw these rows again, and no more of the widget than they take."""
-        sheet = self.sheet
-        if not rows or sheet is None:
+        if not rows or self.sheet is None:
             return
         self.picture.expire(*rows)
         for row in rows:
-            found = sheet.find(*row)
-            if row == PLOT or found is not None:
-                self.update(sheet.rect(found) if found is not None else sheet.plot)
+            self._update_row(row)
+
+    def _update_row(self, row: tuple[str, str]) -> None:
+        found = self.sheet.find(*row) if self.sheet else None
+        if self.sheet is not None and (row == PLOT or found is not None):
+            self.update(self.sheet.rect(found) if found is not None else self.sheet.plot)
 
     def _show_project(self) -> None:
         self.handle = self.apart = None
@@ -185,7 +187,12 @@ class TrackView(QWidget):
             self._redraw(*((row.kind, row.id) for row in self.sheet.rows if row.kind == "lane"))
         elif self._looks.get(entity_id) != (look := looks_of(self.document.project.constraints.get(entity_id))):
             self._looks[entity_id] = look  # a target that is dragged changes nothing here until it is solved
-            self._redraw(("constraints", entity_id))
+            row = ("constraints", entity_id)
+            if self.live.interactive:  # how well it holds is told some times a second, in its label as well
+                self.picture.expire_lanes(row)
+                self._update_row(row)
+            else:
+                self._redraw(row)
 
     def _show_results(self) -> None:
         """Draw what tells of results again: while something is dragged, only the strips of what is worked on."""

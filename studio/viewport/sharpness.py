@@ -2,9 +2,9 @@
 
 SHARES = (1.0, 2 / 3, 1 / 2)
 """Of the width and the height."""
-DRAGGED, PLAYED = 0.012, 0.022
-"""Seconds of drawing above which fewer pixels are drawn from then on: a hand waits for each picture, and what plays
-needs 30 of them a second, of which drawing may take two thirds."""
+DRAGGED, PLAYED = 0.006, 0.022
+"""Seconds of drawing above which fewer pixels are drawn from then on: a hand waits for each picture, of whose 33 ms
+drawing may take a fifth, and what plays needs 30 of them a second, of which drawing may take two thirds."""
 PATIENCE = 6
 """How many more pictures were slow than quick before that, so that a hiccup of the machine changes nothing."""
 RETRY = 60

@@ -85,6 +85,26 @@ def test_a_moved_playhead_draws_no_row_again(document, timeline, monkeypatch):
     assert drawn == []
 
 
+def test_a_dragged_curve_is_drawn_with_every_move_and_its_label_when_results_are_told(timeline, live, monkeypatch):
+    timeline.grab()
+    drawn = []
+    for name in ("_paint_content", "_paint_label"):
+        monkeypatch.setattr(f"studio.timeline.picture.{name}", lambda *each, name=name: drawn.append(name))
+    document = timeline.tracks.document
+    live.interactive = True
+    asked = document.project.constraints["kick"]
+    later = replace(asked, activation=replace(asked.activation, end=asked.activation.end + 0.1))
+    document.replace("constraints", "kick", later, "Drag")
+    timeline.grab()
+    assert drawn == ["_paint_content"]
+    document.selection.set(("constraints", "kick"))
+    timeline.grab()
+    drawn.clear()
+    live.told_changed.emit()
+    timeline.grab()
+    assert sorted(drawn) == ["_paint_content", "_paint_label"]
+
+
 def test_rows_follow_the_constraints_in_order_of_priority(document, timeline):
     added = document.add("constraints", make_constraint(name="First", priority=0), "")
     document.replace("constraints", "kick", make_constraint(name="Kick", priority=1), "")
