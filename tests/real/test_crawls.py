@@ -45,26 +45,14 @@ def _path(kind: str) -> Path:
 
 @lru_cache
 def _adapted(kind: str) -> tuple[AdaptedMotion, dict[str, AdaptedMotion], float]:
-    """The source, the adapted motions, and the greatest jump of them all, for arms as long as the source's.
-
-    An elbow of an arm twice as long goes twice as far in the same posture.
-    """
+    """The source, the adapted motions, and the greatest jump of them all."""
     capture = load_capture(_path(kind))
     motion, actor = normalize(capture)
     contacts, source = contacts_of(capture), source_motion(motion, actor)
     own = actor.morphology
     adapted = {name: adapt(AdaptRequest(motion, body or own, contacts, actor=own)) for name, body in BODIES.items()}
-    jumps = [
-        motion_quality(each, source, contacts, Ground(), capture.first_frame).jump / _longer(each, source)
-        for each in adapted.values()
-    ]
+    jumps = [motion_quality(each, source, contacts, Ground(), capture.first_frame).jump for each in adapted.values()]
     return source, adapted, max(jumps)
-
-
-def _longer(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
-    """How much longer an upper arm or forearm is than the source's, beside the legs; at least 1."""
-    arms, theirs = (each.morphology.arm / each.morphology.leg_length for each in (adapted, source))
-    return max(1.0, float((arms / theirs).max()))
 
 
 def _turned(kind: str, name: str) -> NDArray[np.float64]:
@@ -112,7 +100,7 @@ def test_arms_keep_their_posture_but_for_moments(captures: Path, kind: str, name
 @pytest.mark.parametrize("kind", FILES)
 def test_nothing_jumps(captures: Path, kind: str) -> None:
     """A hand in the air pulls no body along, and has all the time that the actor's has for its way."""
-    assert _adapted(kind)[2] < 1.55
+    assert _adapted(kind)[2] < 1.6
 
 
 @pytest.mark.parametrize("name", BODIES)

@@ -59,7 +59,7 @@ class MotionQuality:
     hands: float
     """Mean error of the wrists' distance while the source's are near each other."""
     jump: float
-    """Greatest step of a joint in a frame beside the same joint's in the source."""
+    """Greatest step of a joint in a frame beside the same joint's in the source, for arms as long as the source's."""
     peaks: Mapping[str, float]
     """Greatest angular acceleration of the segments of each of ``PARTS`` beside their own in the source."""
     inside: float
@@ -177,12 +177,24 @@ def _hands(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
 
 
 def _jump(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
-    """Along the ground joints count from the root."""
+    """Along the ground joints count from the root; those of arms that are longer than the source's go as much farther
+    in the same posture.
+    """
     mine, theirs = _steps(adapted), _steps(source)
     ends = len(theirs) - 20, len(mine) - 20
+    longer = np.maximum(_arm_reaches(adapted) / _arm_reaches(source), 1.0)
     ratios = [mine[0] / max(theirs[0], LEAST_STEP)]
-    ratios += [mine[ends[1] + k] / max(theirs[ends[0] + k], LEAST_STEP) for k in range(20)]
+    ratios += [mine[ends[1] + k] / (longer[k] * max(theirs[ends[0] + k], LEAST_STEP)) for k in range(20)]
     return float(max(ratios))
+
+
+def _arm_reaches(motion: AdaptedMotion) -> FloatArray:
+    """(20,) how far elbow, wrist and finger tips are from the shoulder along the arm, in legs; 1 for other joints."""
+    body, reaches = motion.morphology, np.ones((4, 5))
+    for side in range(2):
+        bones = *body.arm[side], float(np.linalg.norm(body.hand[side]))
+        reaches[side, 2:] = np.cumsum(bones) / body.leg_length
+    return reaches.ravel()
 
 
 def _steps(motion: AdaptedMotion) -> FloatArray:
