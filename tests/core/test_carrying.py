@@ -10,6 +10,7 @@ from hypothesis.extra.numpy import arrays
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
+from studio.core.body.morphology import Morphology
 from studio.core.body.pose import PoseSequence
 from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.grounds import Bumps, Slope, Steps
@@ -20,10 +21,12 @@ from studio.core.kernels.records import Arms, Legs, Links, Pose
 from studio.core.kernels.support import carrying as kernel
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize
+from studio.core.normalized.realize import realize
 from studio.core.quality.metrics import contact_quality
 from studio.core.rotations import multiply
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.standing.arching import arch_trunk
 from studio.core.solver.standing.blends import averaged, eased
 from studio.core.solver.standing.carrying import find_carrying, leaning
 from studio.io.character_file import bundled_characters
@@ -101,6 +104,35 @@ def test_longer_legs_do_not_raise_a_handstand_and_longer_arms_do() -> None:
     usual = height(body)
     assert height(replace(body, leg=1.2 * body.leg)) == pytest.approx(usual, abs=0.02)
     assert height(replace(body, arm=1.2 * body.arm)) == pytest.approx(usual + 0.2 * body.arm[0].sum(), abs=0.02)
+
+
+def _plank(body: Morphology) -> AdaptedMotion:
+    """A plank that ``BODY`` performed, on arms that hang."""
+    contacts = _contacts(60, "left_hand", "right_hand", "left_toe", "right_toe")
+    return adapt(AdaptRequest(_posed(60, 1.3, 1.3, 0.0, 0.0), body, contacts, actor=BODY))
+
+
+def test_longer_arms_raise_a_level_trunk_and_leave_the_hips() -> None:
+    longer = replace(BODY, arm=1.2 * BODY.arm)
+    usual, raised = (_plank(body).positions[30] for body in (BODY, longer))
+    hip, neck = BODY.layout.hip(0), BODY.layout.neck_base
+    gain = raised[neck, 2] - usual[neck, 2]
+    assert gain > 0.6 * 0.2 * BODY.arm[0].sum()
+    assert raised[hip, 2] - usual[hip, 2] < 0.4 * gain
+
+
+def test_a_trunk_that_arches_keeps_arms_and_gaze() -> None:
+    positions, rotations = (each.copy() for each in realize(_posed(5, 1.3, 1.3, 0.0, 0.0), BODY))
+    before, turned, layout = positions.copy(), rotations.copy(), BODY.layout
+    arch_trunk(np.full(5, 0.05), BODY, positions, rotations)
+    assert positions[:, layout.neck_base, 2] - before[:, layout.neck_base, 2] == pytest.approx(0.05, abs=0.01)
+    assert np.array_equal(positions[:, layout.hip(0) :], before[:, layout.hip(0) :])
+    assert np.array_equal(rotations[:, layout.head_joint], turned[:, layout.head_joint])
+    for side in range(2):
+        shoulder, wrist = layout.collar(side) + 1, layout.wrist(side)
+        assert positions[:, wrist] - positions[:, shoulder] == pytest.approx(before[:, wrist] - before[:, shoulder])
+        bones = np.linalg.norm(np.diff(positions[:, shoulder : wrist + 1], axis=1), axis=2)
+        assert bones == pytest.approx(np.broadcast_to(BODY.arm[side], bones.shape))
 
 
 def test_palms_lie_flat() -> None:

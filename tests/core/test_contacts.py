@@ -15,6 +15,7 @@ from studio.core.captures.contacts import (
     detect_body_contacts,
     detect_contacts,
     faces_down,
+    lying,
     staying,
     tipped_over,
     without,
@@ -180,9 +181,24 @@ def test_the_leg_of_a_plank_is_tipped_over_and_that_of_a_crouch_is_not(hip: tupl
     assert tipped_over(np.array([[hip[0], 0.0, hip[1]]]), ankle, toe).item() is tipped
 
 
+@pytest.mark.parametrize(("degrees", "lies"), [(0.0, True), (10.0, True), (20.0, False), (90.0, False)])
+def test_a_shank_lies_that_is_nearly_level(degrees: float, lies: bool) -> None:
+    knee = 0.4 * np.array([[np.cos(np.radians(degrees)), 0.0, np.sin(np.radians(degrees))]])
+    assert lying(knee, np.zeros((1, 3)))[0] == lies
+
+
 def test_what_creeps_along_the_ground_touches_only_while_it_stays() -> None:
     first, last = _touching(ContactPoint.LEFT_KNEE, _above_floor(0.06, drift=0.2))[0]
     assert 0.2 * (last - first) / RATE <= 2 * WANDER + 0.01
+
+
+def test_a_hand_that_goes_on_slowly_stands_where_it_was_and_where_it_comes_to() -> None:
+    place = np.interp(np.arange(120), [0, 40, 60, 119], [0.0, 0.0, 0.2, 0.2])
+    found = _touching(ContactPoint.LEFT_HAND, _above_floor(0.06) + place[:, None] * [1.0, 0.0, 0.0])
+    assert len(found) == 2
+    assert found[0][0] == 0
+    assert found[1][1] == 119
+    assert found[1][0] - found[0][1] > 0.1 * RATE
 
 
 def test_knees_carry_nothing_while_the_seat_does() -> None:

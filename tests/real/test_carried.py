@@ -28,6 +28,7 @@ from tests.real.test_characters import FILES, read
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}
 CARRIED = {
     "accad_female1_D6_CartWheel": {"left_hand", "right_hand"},
+    "accad_female1_D5_RandomStuff2": {"left_hand", "right_hand"},
     "mass_cart": {"left_hand", "right_hand"},
     "accad_female1_A11_CrawlForward": {"left_hand", "right_hand", "left_knee", "right_knee", "seat"},
     "accad_female1_A08_CrouchToLie": {"left_hand", "right_hand", "seat"},
@@ -184,7 +185,7 @@ def test_nothing_that_is_asked_elsewhere_moves_what_stands(captures: Path, stem:
             far = random.choice([0.05, 0.2, 0.6])
             chain = Chain(trunk=1.0, root=float(random.integers(2)))
             wishes.append(target(part.value, place + far * random.normal(size=3), chain, priority))
-        assert contact_quality(hold(standing, wishes), contacts, Ground()).slide < 2e-4, seed
+        assert contact_quality(hold(standing, wishes), contacts, Ground()).slide < 3e-4, seed
 
 
 def test_the_head_of_who_crawls_goes_aside_beside_hands_knees_and_toes_that_stand(captures: Path) -> None:

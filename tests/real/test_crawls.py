@@ -1,6 +1,7 @@
 """Real crawls and planks: bodies keep the posture of who performed them, and do not fall on their bellies."""
 
 from functools import lru_cache
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from studio.core.captures.contacts import ContactPoint
 from studio.core.grounds import Slope
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.normalize import capture_contacts, normalize
-from studio.core.quality.motion_quality import motion_quality, rises
+from studio.core.quality.motion_quality import LEG, motion_quality, rises
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.source import source_motion
@@ -44,26 +45,14 @@ def _path(kind: str) -> Path:
 
 @lru_cache
 def _adapted(kind: str) -> tuple[AdaptedMotion, dict[str, AdaptedMotion], float]:
-    """The source, the adapted motions, and the greatest jump of them all, for arms as long as the source's.
-
-    An elbow of an arm twice as long goes twice as far in the same posture.
-    """
+    """The source, the adapted motions, and the greatest jump of them all."""
     capture = load_capture(_path(kind))
     motion, actor = normalize(capture)
     contacts, source = contacts_of(capture), source_motion(motion, actor)
     own = actor.morphology
     adapted = {name: adapt(AdaptRequest(motion, body or own, contacts, actor=own)) for name, body in BODIES.items()}
-    jumps = [
-        motion_quality(each, source, contacts, Ground(), capture.first_frame).jump / _longer(each, source)
-        for each in adapted.values()
-    ]
+    jumps = [motion_quality(each, source, contacts, Ground(), capture.first_frame).jump for each in adapted.values()]
     return source, adapted, max(jumps)
-
-
-def _longer(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
-    """How much longer an upper arm or forearm is than the source's, beside the legs; at least 1."""
-    arms, theirs = (each.morphology.arm / each.morphology.leg_length for each in (adapted, source))
-    return max(1.0, float((arms / theirs).max()))
 
 
 def _turned(kind: str, name: str) -> NDArray[np.float64]:
@@ -73,13 +62,30 @@ def _turned(kind: str, name: str) -> NDArray[np.float64]:
     return np.asarray(np.degrees(np.abs(rises(adapted[name]) - rises(source)))[first : last + 1])
 
 
+def _hips(motion: AdaptedMotion) -> NDArray[np.float64]:
+    """(F,) metres of the hips above the ground on legs of 85 cm."""
+    layout = motion.morphology.layout
+    heights = motion.positions[:, [layout.hip(0), layout.hip(1)], 2].mean(axis=1)
+    return np.asarray(heights * LEG / motion.morphology.leg_length)
+
+
 @pytest.mark.parametrize("name", BODIES)
 @pytest.mark.parametrize("kind", FILES)
 def test_trunk_and_legs_keep_their_posture(captures: Path, kind: str, name: str) -> None:
-    """A knee that is dragged along and a leg that lies back pull nobody to the ground."""
+    """A knee that is dragged along and a leg that lies back pull nobody to the ground; long arms raise the trunk."""
     turned = _turned(kind, name)
-    assert turned[:, 0].max() < 10.0
-    assert turned[:, 5:].max() < 26.0
+    assert turned[:, 0].max() < 15.0
+    assert turned[:, 5:].max() < 20.0
+
+
+@pytest.mark.parametrize("name", BODIES)
+@pytest.mark.parametrize("kind", ["plank", "on the belly", "on all fours", "lying down"])
+def test_hips_are_no_higher_for_longer_arms(captures: Path, kind: str, name: str) -> None:
+    """They were by 18 cm on legs of 85; floors that a capture has wrong are told from it by the median."""
+    source, adapted, _ = _adapted(kind)
+    _, first, last = FILES[kind]
+    own, theirs = (_hips(motion)[first : last + 1] for motion in (adapted[name], source))
+    assert np.abs(own - theirs - np.median(own - theirs)).max() < 0.06
 
 
 @pytest.mark.parametrize("name", BODIES)
@@ -94,7 +100,7 @@ def test_arms_keep_their_posture_but_for_moments(captures: Path, kind: str, name
 @pytest.mark.parametrize("kind", FILES)
 def test_nothing_jumps(captures: Path, kind: str) -> None:
     """A hand in the air pulls no body along, and has all the time that the actor's has for its way."""
-    assert _adapted(kind)[2] < 1.55
+    assert _adapted(kind)[2] < 1.6
 
 
 @pytest.mark.parametrize("name", BODIES)
@@ -144,3 +150,18 @@ def test_toes_stand_through_a_plank(captures: Path) -> None:
     found = capture_contacts(load_capture(_path("plank")))
     for toe in (ContactPoint.LEFT_TOE, ContactPoint.RIGHT_TOE):
         assert any(first <= 254 and last >= 271 for first, last in found[toe])
+
+
+def test_no_foot_is_flat_under_a_shank_that_lies(captures: Path) -> None:
+    """It would show a floor 5 cm too low, and lift the whole body."""
+    found = capture_contacts(load_capture(_path("on the belly")))
+    assert not found[ContactPoint.LEFT_HEEL]
+    assert not found[ContactPoint.RIGHT_HEEL]
+
+
+def test_hands_stand_in_turn_all_along_a_crawl(captures: Path) -> None:
+    """One that rests at two places, with a slow way between them, rests at both."""
+    found = capture_contacts(load_capture(_path("on all fours")))
+    for hand in (ContactPoint.LEFT_HAND, ContactPoint.RIGHT_HAND):
+        spans = sorted(found[hand])
+        assert all(later - last < 80 for (_, last), (later, _) in pairwise(spans))

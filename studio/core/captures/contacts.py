@@ -186,6 +186,8 @@ LOW_KNEE = 0.14
 """The same of the knee of a leg that lies, or kneels: its toes may trail."""
 WANDER = 0.08
 """Metres from its own middle that a standing hand, knee or seat may stray: what creeps farther does not stand."""
+RESTS = 0.5
+"""Seconds that it stands at another place, before or after; what creeps on is nowhere for so long."""
 TRAILING = 0.05
 """The same of the toes of who kneels or lies."""
 FLAT = 0.14
@@ -196,6 +198,9 @@ FARTHEST_OVER = np.radians(35.0)
 """Radians by which the leg of a heel that stands leans over its toes: ankles bend no farther, and a bent knee leaves
 the hip behind.
 """
+
+FLATTEST_SHANK = np.radians(15.0)
+"""Radians from level that the shank of a foot that is flat on the ground rises at least: ankles stretch no farther."""
 
 
 def detect_contacts(soles: FloatArray, frame_rate: float, first_frame: int = 0) -> dict[ContactPoint, list[Span]]:
@@ -276,7 +281,8 @@ def detect_body_contacts(
         near = track[first_frame:, 2] < BODY_HEIGHTS[point.member] * leg_length
         standing = near & (_speeds(track[first_frame:], frame_rate) < BODY_SPEEDS[point.member]) if near.any() else near
         spans = _without_flicker(standing, round(SHORTEST * frame_rate))
-        stays = (staying(track[first_frame:], first, last) for first, last in spans)
+        rest = round(RESTS * frame_rate)
+        stays = [stay for first, last in spans for stay in _stays(track[first_frame:], first, last, rest)]
         least = BODY_SHORTEST[point.member] * frame_rate
         found[point] = [(a + first_frame, b + first_frame) for a, b in stays if b - a + 1 > least]
     for knee in (ContactPoint.LEFT_KNEE, ContactPoint.RIGHT_KNEE):
@@ -299,6 +305,12 @@ def tipped_over(hip: FloatArray, ankle: FloatArray, toe: FloatArray) -> NDArray[
     return np.asarray(over > np.tan(FARTHEST_OVER) * (hip - ankle)[:, 2])
 
 
+def lying(knee: FloatArray, ankle: FloatArray) -> NDArray[np.bool_]:
+    """(F,) where a shank lies, of points (F, 3): no foot is flat on the ground under it."""
+    shank = knee - ankle
+    return np.asarray(shank[:, 2] < np.sin(FLATTEST_SHANK) * np.linalg.norm(shank, axis=1))
+
+
 def staying(track: FloatArray, first: int, last: int, wander: float = WANDER) -> Span:
     """The longest part of a span in which the track (F, 3) strays no farther than ``wander`` metres from its middle."""
     while True:
@@ -310,6 +322,14 @@ def staying(track: FloatArray, first: int, last: int, wander: float = WANDER) ->
             return first, first
         begin, end = max(spans_of(near), key=lambda run: run[1] - run[0])
         first, last = first + begin, first + end
+
+
+def _stays(track: FloatArray, first: int, last: int, rest: int) -> list[Span]:
+    """``staying``, and what stays for ``rest`` frames before and after it, a quarter of that on the way."""
+    begin, end = staying(track, first, last)
+    sides = (first, begin - 1 - rest // 4), (end + 1 + rest // 4, last)
+    others = [stay for a, b in sides if b - a >= rest for stay in _stays(track, a, b, rest)]
+    return sorted([(begin, end), *((a, b) for a, b in others if b - a >= rest)])
 
 
 def trailed(spans: list[Span], toes: FloatArray, down: NDArray[np.bool_], frame_rate: float) -> list[Span]:

@@ -1,6 +1,6 @@
 """From a capture to its morphology-independent motion (K05 section 4; METHOD 2)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from studio.core.captures.contacts import (
     detect_body_contacts,
     detect_contacts,
     faces_down,
+    lying,
     tipped_over,
     touching_points,
     trailed,
@@ -44,8 +45,14 @@ from studio.core.windows import smoothed
 FloatArray = NDArray[np.float64]
 Contacts = dict[ContactPoint, list[tuple[int, int]]]
 
+HEELS = (ContactPoint.LEFT_HEEL, ContactPoint.RIGHT_HEEL)
+FEET = (HEELS[0], ContactPoint.LEFT_TOE), (HEELS[1], ContactPoint.RIGHT_TOE)
 HEADING_SMOOTHING = 0.25
 """Seconds, standard deviation of the low-pass on the pelvis' heading."""
+UPRIGHT = 0.5
+"""Parts of a leg's length that its hip is above its ankle while it stands on its heel."""
+LOWEST = 0.05
+"""Part of the heights at which a heel stands that are below its lowest floor: those are noise."""
 
 
 def normalize(
@@ -98,10 +105,9 @@ def sole_heights(capture: Capture) -> list[list[float]]:
     """Metres at which the ankle of each foot stands, one a contact of its heel, of a mapped capture."""
     marks, contacts = _SEEN(capture)
     ankles = [marks.points[:, marks.layout.ankle(side), 2] for side in range(2)]
-    heels = (ContactPoint.LEFT_HEEL, ContactPoint.RIGHT_HEEL)
     return [
         [float(np.median(track[first : last + 1])) for first, last in contacts[heel]]
-        for track, heel in zip(ankles, heels, strict=True)
+        for track, heel in zip(ankles, HEELS, strict=True)
     ]
 
 
@@ -132,22 +138,43 @@ _SEEN = Shared(_seen)
 """A capture that is opened is normalised while its contacts are asked for: both need the same."""
 
 
+def _risen(marks: Landmarks, heels: Sequence[NDArray[np.bool_]], leg_length: float) -> FloatArray:
+    """(F,) metres by which the floor is higher than at its lowest, as the ``heels`` (F,) show it that legs stand on.
+
+    Hands stand on the same floor: captured ones are tilted, and drift by centimetres. It says less of knees and seats,
+    which come down long after a leg has stood.
+    """
+    frames, shown = np.arange(len(marks.points)), []
+    for side, stands in enumerate(heels):
+        hips, ankles = (marks.points[:, marks.layout.hip(side) + step, 2] for step in (0, 2))
+        known = np.flatnonzero(stands & (hips - ankles > UPRIGHT * leg_length))
+        if len(known):
+            heights = ankles[known]
+            shown.append(np.interp(frames, known, np.maximum(heights - np.quantile(heights, LOWEST), 0.0)))
+    return np.mean(shown, axis=0) if shown else np.zeros(len(frames))
+
+
 def _contacts_of(marks: Landmarks, capture: Capture) -> Contacts:
     layout, points = marks.layout, marks.points
     toes = points[:, [layout.toe(0), layout.toe(1)]]
     hips = [layout.hip(0), layout.hip(1)]
-    ground = [0.0, 0.0, capture.floor]
-    tracks = {point: points[:, touching_points(point, layout)].mean(axis=1) - ground for point in BODY_POINTS}
     leg = np.linalg.norm(np.diff(marks.reference[hips[0] : hips[0] + 3], axis=0), axis=1).sum()
-    bodies = detect_body_contacts(tracks, float(leg), capture.frame_rate, capture.first_frame)
-    feet = detect_contacts(sole_points(marks, float(leg), capture.first_frame), capture.frame_rate, capture.first_frame)
     shortest = round(SHORTEST * capture.frame_rate)
-    for side, name in enumerate(("left", "right")):
-        heel, toe, knee = (ContactPoint(f"{name}_{member}") for member in ("heel", "toe", "knee"))
-        # A heel does not stand while its knee does, or is lower, nor in a plank; who lies or kneels may trail its toes.
+    feet = detect_contacts(sole_points(marks, float(leg), capture.first_frame), capture.frame_rate, capture.first_frame)
+    for side, (heel, toe) in enumerate(FEET):  # none stands in a plank, over its knee, or flat under a shank that lies
         hip_track, knee_track, ankle, _ = np.moveaxis(points[:, hips[side] : hips[side] + 4], 1, 0)
         raised = (knee_track[:, 2] < ankle[:, 2]) | tipped_over(hip_track, ankle, toes[:, side])
-        feet[heel] = without(feet[heel], raised | contact_mask(bodies[knee], len(points)), shortest)
+        flat = contact_mask(feet[toe], len(points)) & lying(knee_track, ankle)
+        feet[heel] = [(a, b) for a, b in without(feet[heel], raised, shortest) if flat[a : b + 1].mean() < 0.5]
+    risen = _risen(marks, [contact_mask(feet[heel], len(points)) for heel in HEELS], float(leg))
+    tracks = {point: points[:, touching_points(point, layout)].mean(axis=1) for point in BODY_POINTS}
+    for point, track in tracks.items():
+        track[:, 2] -= capture.floor + (risen if point.member == "hand" else 0.0)
+    bodies = detect_body_contacts(tracks, float(leg), capture.frame_rate, capture.first_frame)
+    for side, name in enumerate(("left", "right")):
+        heel, toe, knee = (ContactPoint(f"{name}_{member}") for member in ("heel", "toe", "knee"))
+        # A heel does not stand while its knee does; who lies or kneels may trail its toes.
+        feet[heel] = without(feet[heel], contact_mask(bodies[knee], len(points)), shortest)
         rising = rising_heels(
             feet[heel], contact_mask(feet[toe], len(points)), points[:, layout.ankle(side), 2], float(leg)
         )

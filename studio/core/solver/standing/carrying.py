@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from studio.core.body.canonical import BodyLayout
 from studio.core.body.morphology import AnyMorphology, Morphology, arm_rows, leg_rows
 from studio.core.captures.contacts import (
     BODY_POINTS,
@@ -31,6 +32,7 @@ from studio.core.normalized.realize import realize
 from studio.core.rotations import normalized, shortest_arc
 from studio.core.runs import runs_of
 from studio.core.single import PoseArray
+from studio.core.solver.standing.arching import arch_trunk
 from studio.core.solver.standing.blends import AVERAGED, GOES_ALONG, LET_GO, averaged, eased, freedom, smoothstep
 from studio.core.solver.standing.footing import foot_states
 from studio.core.solver.standing.footprints import tilts_of
@@ -138,7 +140,12 @@ def find_carrying(
         leant, turned, upright = leaning(leans, body, ground, motion.frame_rate, positions, rotations)
         pose = leant, turned
     positions = pose[0]
-    bones = arm_bones(motion, body, actor, positions)
+    actors, layout = (positions, body.layout) if actor is None else (realize(motion, actor)[0], actor.layout)
+    bones = arm_bones(body, actors, layout)
+    if actor is not None and ground.is_level:
+        scale = leg_rows(body, 0).sum(axis=1) / actor.leg_length
+        lower = scale[:, None] * _hands_over_root(actors, layout) - _hands_over_root(positions, body.layout, bones)
+        arch_trunk(_raises(standing, lower, motion.frame_rate), body, positions, rotations)
     tracks = {point: _track(point, bones, body, ground, positions) for point in bearers}
     holds = tuple(_hold(point, spans[point], body, ground, tracks[point]) for point in bearers)
     shift = np.zeros((motion.frame_count, 3))
@@ -154,18 +161,32 @@ def find_carrying(
     return Carrying(holds, shift, shares[0], pose, upright)
 
 
-def arm_bones(
-    motion: NormalizedMotion, body: AnyMorphology, actor: Morphology | None, positions: FloatArray
-) -> FloatArray:
-    """(2, F, 2, 3) upper arms and forearms of a body, directed as those of the ``actor``, else as in ``positions``.
+def arm_bones(body: AnyMorphology, actors: FloatArray, layout: BodyLayout) -> FloatArray:
+    """(2, F, 2, 3) upper arms and forearms of a body, directed as in the ``actors`` pose (F, P, 3) of that ``layout``.
 
     Where a folded arm keeps the way from shoulder to wrist, bones of other lengths look elsewhere.
     """
-    pose, layout = (positions, body.layout) if actor is None else (realize(motion, actor)[0], actor.layout)
     wrists = [layout.wrist(side) for side in range(2)]
-    ways = np.array([np.diff(pose[:, wrist - 2 : wrist + 1], axis=1) for wrist in wrists])
+    ways = np.array([np.diff(actors[:, wrist - 2 : wrist + 1], axis=1) for wrist in wrists])
     lengths = np.array([arm_rows(body, side)[..., None] for side in range(2)])
     return np.asarray(normalized(ways) * lengths)
+
+
+def _hands_over_root(positions: FloatArray, layout: BodyLayout, bones: FloatArray | None = None) -> FloatArray:
+    """(F, 2) metres of both wrists above the root, as they are or where arms of ``bones`` (2, F, 2, 3) have them."""
+    wrists = np.array([layout.wrist(side) for side in range(2)])
+    heights = positions[:, wrists, 2] if bones is None else positions[:, wrists - 2, 2] + bones[..., 2].sum(axis=2).T
+    return np.asarray(heights - positions[:, :1, 2])
+
+
+def _raises(standing: Mapping[ContactPoint, NDArray[np.bool_]], lower: FloatArray, frame_rate: float) -> FloatArray:
+    """(F,) metres by which hands that stand hang ``lower`` (F, 2) than the actor's, eased in and out."""
+    shares = np.zeros_like(lower)
+    for point, stands in standing.items():
+        if point.member == "hand":
+            shares[:, point.side] = 1.0 - freedom(stands, frame_rate, GOES_ALONG)
+    mean = (shares * lower).sum(axis=1, keepdims=True) / np.maximum(shares.sum(axis=1, keepdims=True), 1e-9)
+    return np.asarray(averaged(shares.max(axis=1, keepdims=True) * mean, AVERAGED, frame_rate)[:, 0])
 
 
 def _track(
