@@ -1,13 +1,16 @@
-"""Collector: looks for what is lost while a window is open, on the window's thread alone."""
+"""Collector: looks for what is lost while a window is open, on the window's thread alone, and gives it back."""
 
 import gc
 
 from PySide6.QtCore import QObject, QTimer
 
 from studio.app.main_window import MainWindow
+from studio.cli.process import give_back_freed_memory
 
 INTERVAL = 200
 """Milliseconds between two looks at whether there is enough to look for."""
+SETTLES = 5_000
+"""Milliseconds after which nothing of the project before is in use any more."""
 
 
 class Collector(QObject):
@@ -23,6 +26,10 @@ class Collector(QObject):
         timer = QTimer(self, interval=INTERVAL)
         timer.timeout.connect(collect_what_is_due)
         timer.start()
+        emptied = QTimer(self, interval=SETTLES, singleShot=True)
+        emptied.timeout.connect(give_back_freed_memory)
+        emptied.start()
+        window.bench.document.project_opened.connect(emptied.start)
 
 
 def collect_what_is_due() -> None:

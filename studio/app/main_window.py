@@ -326,7 +326,9 @@ class MainWindow(QMainWindow):
 
     def _bound_timeline(self) -> None:
         most, dock = round(self.height() * TIMELINE_MOST), self.docks["Timeline"]
-        if dock.height() > most and not dock.isFloating():
+        # One that was dragged out onto another, as its tab, floats with that one and not by itself.
+        placed = self.dockWidgetArea(dock) is not Qt.DockWidgetArea.NoDockWidgetArea and not dock.isFloating()
+        if dock.height() > most and placed:
             self.resizeDocks([dock], [most], Qt.Orientation.Vertical)
 
     def closeEvent(self, event: QCloseEvent) -> None:

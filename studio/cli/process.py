@@ -7,7 +7,7 @@ import hashlib
 import os
 import sys
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import platformdirs
@@ -48,11 +48,20 @@ def keep_freed_memory() -> None:
     Poses of a clip are a few megabytes. By itself glibc returns them when a clip has been solved and asks for them anew
     for the next: the pages that the system then has to bring and clear cost more than to retarget the clip.
     """
-    mallopt = getattr(ctypes.CDLL(None), "mallopt", None) if sys.platform.startswith("linux") else None
-    if mallopt is not None:
+    if (mallopt := _of_glibc("mallopt")) is not None:
         mallopt(_MMAP_THRESHOLD, LARGEST_KEPT)
         mallopt(_TRIM_THRESHOLD, MOST_KEPT)
         mallopt(_ARENA_MAX, ARENAS)
+
+
+def give_back_freed_memory() -> None:
+    """Give the system what was freed and lies between what is still in use; for moments at which much has gone."""
+    if (malloc_trim := _of_glibc("malloc_trim")) is not None:
+        malloc_trim(0)
+
+
+def _of_glibc(name: str) -> Callable[..., int] | None:
+    return getattr(ctypes.CDLL(None), name, None) if sys.platform.startswith("linux") else None
 
 
 def writable_kernel_cache() -> Path:

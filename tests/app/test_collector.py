@@ -6,9 +6,11 @@ import threading
 import pytest
 from PySide6.QtCore import QObject
 
+from studio.app import collector
 from studio.app.application import make_application, make_window, settle
 from studio.app.collector import Collector
 from studio.app.settings import Settings
+from studio.core.project import Project
 from studio.document.document import Document
 
 
@@ -59,5 +61,19 @@ def test_what_the_start_has_loaded_is_never_looked_through(qtbot, tmp_path):
     assert looked == []
     assert gc.get_freeze_count() > 10_000
     gc.unfreeze()
+    window.leave()
+    window.deleteLater()
+
+
+def test_what_a_project_took_goes_back_to_the_system_when_another_is_opened(qtbot, tmp_path, monkeypatch):
+    given: list[bool] = []
+    monkeypatch.setattr(collector, "SETTLES", 50)
+    monkeypatch.setattr(collector, "give_back_freed_memory", lambda: given.append(True))
+    make_application()
+    window = make_window(Settings(tmp_path / "studio.ini"), Document())
+    Collector(window)
+    qtbot.waitUntil(lambda: len(given) == 1)
+    window.bench.document.new(Project())
+    qtbot.waitUntil(lambda: len(given) == 2)
     window.leave()
     window.deleteLater()

@@ -105,6 +105,27 @@ done.wait()
     assert int(done.stdout) < 100e6
 
 
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="elsewhere the system's allocator is left as it is")
+def test_what_was_freed_between_things_in_use_is_given_back():
+    script = """
+import os
+from studio.cli.process import give_back_freed_memory, keep_freed_memory
+def resident():
+    return int(open("/proc/self/statm").read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+keep_freed_memory()
+before = resident()
+pieces = [bytearray(10_000) for _ in range(10_000)]
+pieces = pieces[::100]
+kept = resident() - before
+give_back_freed_memory()
+print(kept, resident() - before)
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    kept, left = map(int, done.stdout.split())
+    assert kept > 80e6
+    assert left < 10e6
+
+
 @pytest.fixture
 def bare(monkeypatch):
     """A system without the library that Qt and VTK draw with."""

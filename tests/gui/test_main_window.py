@@ -198,6 +198,16 @@ def test_a_small_window_keeps_every_menu_and_leaves_the_stage_more_than_half(qtb
     qtbot.waitUntil(lambda: window.docks["Timeline"].height() <= 0.46 * window.height(), timeout=PATIENCE)
 
 
+def test_a_timeline_that_floats_as_a_tab_of_another_panel_is_left_as_large_as_it_is(window, qtbot, qtlog):
+    timeline = window.docks["Timeline"]
+    window.removeDockWidget(timeline)  # Qt has it in a window of tabs then, which a test cannot drag it to
+    timeline.resize(400, 3 * window.height())
+    assert not timeline.isFloating()
+    window.resize(1200, 800)
+    qtbot.wait(20)
+    assert [record.message for record in qtlog.records if "resizeDocks" in record.message] == []
+
+
 def test_a_sentence_covers_the_view_and_does_not_change_its_size(qtbot, window):
     window.actions_by_id.by_id["open_sample"].trigger()
     wait_until_idle(qtbot, window)
