@@ -276,10 +276,16 @@ class Fighter:
         return self._stepping(turn, offset) if self._apart(place) - self.distance > NEAR_ENOUGH else None
 
     def _strike(self, begins: Begins, limbs: Sequence[Limb], kinds: Sequence[Kind], step: Piece | None) -> Coming:
-        """The first of the best blows that will meet the target; where none does a ``step`` up, else the nearest."""
+        """The first of the best blows that will meet the target, else the nearest; a ``step`` up where there is one and
+        the best does not.
+        """
         before, last = begins.before, begins.rows[-1:]
         pose = encode(before.positions[last], before.rotations[last], self.body, self.rate, "shown")
-        found = find(self.library, Asked(pose, self.body, begins.place_in(USUAL_BLOW), limbs, kinds), TRIED)
+        found = find(
+            self.library,
+            Asked(pose, self.body, begins.place_in(USUAL_BLOW), limbs, kinds),
+            TRIED if step is None else 1,
+        )
         nearest, missed = None, math.inf
         for each in found:
             coming = self._blow(begins, each)
