@@ -92,7 +92,8 @@ class Striking:
                 more = (
                     f" {len(report.problems) - 1} others could not be used either." if len(report.problems) > 1 else ""
                 )
-                self.bench.said.emit(f"{Path(name).name}: {problem}{more} Everything else was added.")
+                named = problem if problem.startswith(Path(name).name) else f"{Path(name).name}: {problem}"
+                self.bench.said.emit(f"{named}{more} Everything else was added.")
 
         task: int = self.bench.runner.run(f"Indexing {folder.name}", work, done)
         return task

@@ -1,5 +1,6 @@
 """``search``: which clip of the motion library hits a place best, for a character in a pose, and why."""
 
+import math
 from argparse import ArgumentParser, Namespace
 from dataclasses import replace
 from pathlib import Path
@@ -59,7 +60,7 @@ def run(arguments: Namespace) -> int:
 
 
 def asked_by(arguments: Namespace) -> Asked:
-    """The arguments as the library takes them; StudioError for a frame there is not."""
+    """The arguments as the library takes them; StudioError for a frame there is not, or what is no number."""
     ready = ready_capture(arguments.capture, GUESS_ALL)
     motion, frame = ready.motion, arguments.frame
     if not 0 <= frame < motion.frame_count:
@@ -68,6 +69,9 @@ def asked_by(arguments: Namespace) -> Asked:
     body = ready.actor.morphology
     if not own:
         body = next(iter(chosen_characters([arguments.character]).values())).morphology
+    weights = arguments.posture_weight, arguments.reach_weight
+    if not all(map(math.isfinite, (*arguments.target, *weights))) or min(weights) < 0.0:
+        raise StudioError("--target and weights have to be finite numbers, weights 0 or more.")
     pose = replace(motion, channels=motion.channels[frame : frame + 1])
     return Asked(
         pose,
@@ -76,8 +80,8 @@ def asked_by(arguments: Namespace) -> Asked:
         limbs=[LIMBS[name] for name in arguments.limb],
         kinds=[KINDS[name] for name in arguments.kind],
         tags=arguments.tag,
-        posture_weight=arguments.posture_weight,
-        reach_weight=arguments.reach_weight,
+        posture_weight=weights[0],
+        reach_weight=weights[1],
         in_box=arguments.in_box,
     )
 

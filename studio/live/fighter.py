@@ -47,7 +47,7 @@ USUAL_BLOW = 0.5
 """Seconds to a hit for which blows are searched; each is tried for its own."""
 CALMING = 0.4
 """Seconds in which it comes to stand on guard."""
-TRIED, MET = 4, 0.001
+TRIED, MET = 3, 0.001
 """Strikes that are tried for a target, the best first, until one misses it by less than so many metres."""
 STEPS_UP = 3
 """Steps at most that it takes towards a target that no strike meets, before it strikes all the same."""
@@ -241,6 +241,9 @@ class Fighter:
         if self._wanted is None or not self._wanted.done():
             return
         made, self._wanted = self._wanted.result(), None
+        if made.takes.standing.morphology is not self.body:  # the character was changed meanwhile
+            self._ask(self._places[-1])
+            return
         if made.state is State.STEP:
             self._steps_left -= 1
         else:
@@ -273,10 +276,16 @@ class Fighter:
         return self._stepping(turn, offset) if self._apart(place) - self.distance > NEAR_ENOUGH else None
 
     def _strike(self, begins: Begins, limbs: Sequence[Limb], kinds: Sequence[Kind], step: Piece | None) -> Coming:
-        """The first of the best blows that will meet the target; where none does a ``step`` up, else the nearest."""
+        """The first of the best blows that will meet the target, else the nearest; a ``step`` up where there is one and
+        the best does not.
+        """
         before, last = begins.before, begins.rows[-1:]
         pose = encode(before.positions[last], before.rotations[last], self.body, self.rate, "shown")
-        found = find(self.library, Asked(pose, self.body, begins.place_in(USUAL_BLOW), limbs, kinds), TRIED)
+        found = find(
+            self.library,
+            Asked(pose, self.body, begins.place_in(USUAL_BLOW), limbs, kinds),
+            TRIED if step is None else 1,
+        )
         nearest, missed = None, math.inf
         for each in found:
             coming = self._blow(begins, each)

@@ -4,8 +4,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QPainter, QPaintEvent
+from PySide6.QtCore import QEvent, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QKeyEvent, QKeySequence, QPainter, QPaintEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLineEdit, QScrollArea, QVBoxLayout, QWidget
 
 from studio.document import colours
@@ -68,6 +68,20 @@ class ClipForm(QScrollArea):
         """The catalogue has it."""
         self.hint.setText(SAID)
         self.confirm.setEnabled(False)
+
+    def event(self, event: QEvent) -> bool:
+        """Undo is meant for the label while the hand is in here, not for the project."""
+        if event.type() == QEvent.Type.ShortcutOverride and _undoes(event):
+            event.accept()
+            return True
+        return super().event(event)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Ctrl+Z takes the last step back."""
+        if _undoes(event):
+            self._undo()
+        else:
+            super().keyPressEvent(event)
 
     # What the user does
 
@@ -174,6 +188,10 @@ class ClipForm(QScrollArea):
         self.hint.setContentsMargins(SIDE, 0, SIDE, 0)
         column.addWidget(self.hint)
         column.addStretch(1)
+
+
+def _undoes(event: QEvent) -> bool:
+    return isinstance(event, QKeyEvent) and event.matches(QKeySequence.StandardKey.Undo)
 
 
 class Figures(QWidget):

@@ -60,6 +60,7 @@ class ClipLine(QWidget):
         self.setAccessibleName("Speed of hands and feet; drag the ends of the cut and the moment of the hit")
         self.setToolTip("How fast each hand and foot is. Drag the ends of the cut, and the moment of the hit.")
         self.setMouseTracking(True)
+        self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)  # keys are meant for what was dragged last
         self.setFixedHeight(HEIGHT)
         self._speeds: NDArray[np.float64] = np.zeros((4, 2))
         self._rate = 30.0

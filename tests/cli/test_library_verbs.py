@@ -49,6 +49,15 @@ def test_search_of_a_frame_there_is_not_says_which_there_are(library, capsys):
     assert "has frames 0 to" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    "wrong", [["--target", "nan", "0", "1"], ["--posture-weight", "-1"], ["--reach-weight", "inf"]]
+)
+def test_search_for_what_is_no_place_or_weight_is_refused(library, capsys, wrong):
+    ask = ["search", str(EXAMPLES / "walk_turn.bvh"), "--target", "1", "0", "1", "--library", library]
+    assert main([*ask, *wrong]) == 1
+    assert "finite numbers" in capsys.readouterr().err
+
+
 def test_search_of_an_empty_library_says_how_to_fill_it(tmp_path, capsys):
     assert main(["search", str(EXAMPLES / "walk_turn.bvh"), "--target", "1", "0", "1", "--library", str(tmp_path)]) == 1
     assert "`index FOLDER`" in capsys.readouterr().err

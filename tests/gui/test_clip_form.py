@@ -6,6 +6,7 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
+from studio.core.stage.prop import Prop
 from studio.library.catalogue import Catalogue
 from studio.library.clips import HitSegment, Kind, Limb
 from studio.library.indexing import index
@@ -55,6 +56,17 @@ def test_marks_are_dragged_and_keep_their_order_and_a_drag_is_one_step_back(stri
     QTest.mouseClick(form.undo, LEFT)
     assert form.label == before
     assert not form.undo.isEnabled()
+
+
+def test_ctrl_z_after_a_drag_takes_back_the_drag_and_no_edit_of_the_project(striking, window):
+    form, document = striking.labelling.form, window.bench.document
+    document.add("props", Prop("Box", (0.1, 0.1, 0.1), (1.0, 0.0, 0.1)), "Add Box")
+    before, edits = form.label, document.undo_stack.index()
+    drag(form, Mark.HIT, -12)
+    assert form.label != before
+    QTest.keyClick(form.line, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert form.label == before
+    assert document.undo_stack.index() == edits
 
 
 def test_another_limb_brings_its_own_kind_and_segments(striking):

@@ -120,6 +120,7 @@ def test_a_folder_without_use_is_told_and_nothing_changes(striking, window, qtbo
     striking.add_folder(tmp_path / "takes")
     wait_until_idle(qtbot, window)
     assert said[-1].startswith("broken.bvh")
+    assert said[-1].count("broken.bvh") == 1
     assert window.bench.document.project is before
 
 

@@ -176,6 +176,20 @@ def test_the_character_can_be_changed_while_it_plays(library):
     assert fighter.body is BODIES["giant"]
 
 
+def test_a_character_that_is_changed_while_its_blow_is_made_strikes_as_it_is_then(library):
+    with ThreadPoolExecutor(1) as beside:
+        fighter = Fighter(library, BODIES["adult_woman"], GUARD, executor=beside)
+        fighter.step(near(BODIES["giant"]))
+        assert fighter.strike(near(BODIES["giant"]))
+        fighter.change_body(BODIES["giant"])
+        for _ in range(2000):
+            fighter.step(near(BODIES["giant"]))
+            assert fighter.plan.standing.morphology is BODIES["giant"]
+            if fighter.hits:
+                break
+    assert fighter.hits[0].missed < 1e-3
+
+
 def test_what_is_made_beside_the_animation_holds_up_no_frame(library):
     body = BODIES["adult_woman"]
     with ThreadPoolExecutor(1) as beside:
