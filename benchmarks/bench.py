@@ -19,7 +19,7 @@ from benchmarks.machine import machine
 from benchmarks.peers import PEERS, our_answer, run_peers
 from benchmarks.quality import Quality, quality
 from benchmarks.report import fill, tables
-from benchmarks.stages import with_performers
+from benchmarks.stages import fight_live, played_live, with_performers
 from benchmarks.start_up import start_up
 from studio.cli.adaptation import ReadyCapture
 from studio.cli.bench import frame_cases
@@ -54,7 +54,7 @@ def main(arguments: Sequence[str]) -> int:
     constraints = with_constraints(*clip_of(longest, FEW), body, QUICK_ROUNDS)
     crowd = with_characters(*clip_of(longest, SHORT), list(characters.values()))
     say("a stage of a thousand")
-    stage = with_performers()
+    stage, live = with_performers(), played_live()
     say("peers")
     tasks = make_tasks(*clip_of(longest), body.morphology)
     own = {case["name"]: case["median"] for case in times[most]}
@@ -69,6 +69,8 @@ def main(arguments: Sequence[str]) -> int:
         "constraints": asdict(constraints),
         "characters": asdict(crowd),
         "stage": asdict(stage),
+        "live": asdict(live),
+        "fight": fight_live(),
         "peers": peers,
         "peer_notes": {peer.name: peer.note for peer in PEERS},
         "peer_clip": most,
@@ -76,7 +78,7 @@ def main(arguments: Sequence[str]) -> int:
         "load": os.getloadavg()[0],
     }
     (DOCS / "benchmark.json").write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
-    draw_growth(constraints, crowd, stage, DOCS / "pictures" / "growth.svg")
+    draw_growth(constraints, crowd, stage, live, DOCS / "pictures" / "growth.svg")
     fill(record, DOCS)
     print(tables(record))
     return 0

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -9,19 +10,26 @@ from benchmarks.growth import CHARACTERS, Growth, fitted
 from studio.cli.render import prepared
 from studio.core.body.canonical import BodyPart
 from studio.core.body.character import Character
+from studio.core.body.morphology import Morphology
+from studio.core.captures.capture import Capture
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.position import PositionConstraint
+from studio.core.normalized.motion import NormalizedMotion
 from studio.core.project import Performer, Project
 from studio.core.solver.adapt import adapt
-from studio.core.solver.performers.performing import perform
+from studio.core.solver.performers.performing import Prepare, perform
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.clip import Clip
-from studio.library.scenes.stagehand import bodies, material
+from studio.library.scenes.fight import fight_training
+from studio.library.scenes.stagehand import RATE, bodies, material
+from studio.live.stage import LiveStage
 
 ROW = Clip("walk", 100, 160, 0.0, "before"), Clip("walk", 300, 370, 0.8, "after", mirrored=True)
 """Two clips that blend; a row of two seconds."""
+STEPS, FIGHT_STEPS, KICK = 20, 600, 180
+"""Steps of a stage of which the least counts, of the fight, and after how many of these they kick."""
 WRISTS = tuple(BodyPoint(BodyPart(f"{side}_forearm"), at_end=True) for side in ("left", "right"))
 
 
@@ -37,6 +45,49 @@ def with_performers() -> Growth:
         assert not made.failures
         costs.append(1e6 * spent / (timing_of(stage, stage.performers[keys[0]]).last + 1))
     return fitted(list(CHARACTERS), np.array([costs[1:]]))
+
+
+def played_live() -> Growth:
+    """The same of one step of a stage that plays live, solver in the loop, the least of a few steps."""
+    stage = prepared_stage(bodies(5))
+    costs = []
+    for count in (1, *CHARACTERS):
+        keys = list(stage.performers)[:count]
+        live = LiveStage(replace(stage, performers={key: stage.performers[key] for key in keys}), kept())
+        live.step(0.0)
+        costs.append(1e6 * min(_step(live) for _ in range(STEPS)))
+    return fitted(list(CHARACTERS), np.array([costs[1:]]))
+
+
+def fight_live() -> tuple[float, float, float]:
+    """Milliseconds of a step of the fight training, median, 95 of 100 and most, where all in white kick at times."""
+    live = LiveStage(fight_training(), kept(), 1.0)
+    live.step(0.0)
+    spent = []
+    for step in range(FIGHT_STEPS):
+        if step % KICK == 0:
+            live.press("X")
+        spent.append(1e3 * _step(live))
+    median, most_often, most = np.percentile(spent, [50, 95, 100]).tolist()
+    return median, most_often, most
+
+
+def _step(live: LiveStage) -> float:
+    start = time.process_time()
+    live.step(1.0 / RATE)
+    return time.process_time() - start
+
+
+def kept() -> Prepare:
+    """Motions of captures, each found once."""
+    known: dict[int, tuple[Capture, tuple[NormalizedMotion, Morphology]]] = {}
+
+    def prepare(capture: Capture) -> tuple[NormalizedMotion, Morphology]:
+        if id(capture) not in known:
+            known[id(capture)] = capture, prepared(capture)
+        return known[id(capture)][1]
+
+    return prepare
 
 
 def prepared_stage(characters: Mapping[str, Character]) -> Project:

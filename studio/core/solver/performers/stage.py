@@ -49,8 +49,7 @@ def asked_of(project: Project, performer_id: str) -> tuple[Asked, ...]:
 
 
 def _asked_of(project: Project, performer_id: str) -> tuple[Asked, ...]:
-    clips = project.performers[performer_id].clips
-    playing = {key for key, performer in project.performers.items() if performer.clips}
+    clips, playing = project.performers[performer_id].clips, _playing(project)
     asked = [
         Asked(key, concerned, place, repeat)
         for place, clip in enumerate(clips)
@@ -60,6 +59,14 @@ def _asked_of(project: Project, performer_id: str) -> tuple[Asked, ...]:
         for repeat in range(clip.repeats)
     ]
     return tuple(sorted(asked, key=lambda each: each.constraint.priority))
+
+
+def _playing(project: Project) -> Collection[str]:
+    """Who plays anything: found once, or every performer would look at all the others."""
+    known = project.known.get(_playing)
+    if known is None:
+        known = project.known[_playing] = {key for key, each in project.performers.items() if each.clips}
+    return cast(Collection[str], known)
 
 
 def leaders_of(project: Project, performer_id: str) -> set[str]:
@@ -90,7 +97,7 @@ def in_order(project: Project, performer_ids: Iterable[str]) -> tuple[tuple[str,
         if key not in leaders:
             leaders[key] = leaders_of(project, key)
             waiting += leaders[key]
-    keys = sorted(leaders, key=list(project.performers).index)
+    keys = [key for key in project.performers if key in leaders]
     circles = _circles(keys, leaders)
     ordered: dict[tuple[str, ...], None] = {}
 
