@@ -6,7 +6,7 @@ from PySide6.QtCore import QObject, QTimer
 
 from studio.app.main_window import MainWindow
 
-INTERVAL = 200
+INTERVAL = 1000
 """Milliseconds between two looks at whether there is enough to look for."""
 
 
