@@ -164,6 +164,7 @@ def drag(window: MainWindow, watch: Watch, parts: Parts, name: str, seconds: flo
     released = time.monotonic()
     hand.release()
     watch.rows_current_at = None
+    window.bench.timeline.tracks.update()  # where the hand had rested, strips tell of it already
     run_window(REST)
     while watch.rows_current_at is None and time.monotonic() < released + 60.0:
         run_window(20)

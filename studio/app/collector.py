@@ -7,7 +7,7 @@ from PySide6.QtCore import QObject, QTimer
 from studio.app.main_window import MainWindow
 from studio.cli.process import give_back_freed_memory
 
-INTERVAL = 200
+INTERVAL = 1000
 """Milliseconds between two looks at whether there is enough to look for."""
 SETTLES = 5_000
 """Milliseconds after which nothing of the project before is in use any more."""
