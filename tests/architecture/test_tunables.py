@@ -35,10 +35,12 @@ def chosen_names(node: ast.Assign) -> list[str]:
 
 def is_chosen(value: ast.AST) -> bool:
     """Fractions as they are written, alone or in a table; a part of another constant follows from that, and a record
-    says what it is.
+    says what it is. The origin, and a turn by nothing, nobody chose.
     """
     if isinstance(value, ast.Constant):
         return isinstance(value.value, float)
+    if isinstance(value, ast.Tuple) and all(ast.unparse(part) in ("0.0", "1.0") for part in value.elts):
+        return False
     named = {part.id for part in ast.walk(value) if isinstance(part, ast.Name)}
     if isinstance(value, ast.BinOp) and named - {"math", "np"}:
         return False

@@ -10,11 +10,9 @@ from scipy.spatial.transform import Rotation
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.support.swing import EARLY, bend_early
 from studio.core.solver.standing.held_foot import FootPath
+from studio.core.solver.standing.swing import PLAY
 
 FloatArray = NDArray[np.float64]
-
-UNSEEN = 0.005
-"""Metres in the ground that nobody sees: where a foot is no deeper it is hardly raised."""
 
 
 def depths_of(foot: FootPath, measures: FloatArray, ground: Ground) -> FloatArray:
@@ -55,7 +53,7 @@ def seen_coming(depths: FloatArray, stands: NDArray[np.bool_], frame_rate: float
     Not where the foot ``stands`` (F,), nor in the first frame, before which nobody knew.
     """
     surely = stands | (np.arange(len(stands)) == 0)
-    raised, early = depths - UNSEEN * (1.0 - np.exp(-depths / UNSEEN)), np.empty_like(depths)
+    raised, early = depths - PLAY * (1.0 - np.exp(-depths / PLAY)), np.empty_like(depths)
     for each, out in zip(raised, early, strict=True):
         bend_early(surely, round(EARLY * frame_rate), each, out)
     return early
