@@ -2,13 +2,17 @@
 
 import math
 
-from studio.core.kernels.algebra.vectors import between
+from studio.core.kernels.algebra.vectors import between, distance
 from studio.core.kernels.compiling import kernel
 
 YIELDING = 0.2
 """What a metre counts that a body moves along the ground; up or down, or by which a standing leg is longer or shorter,
 it counts 1, squares of all. Knees show by degrees what hips hide, which go 1 cm aside for 5 mm of a leg. Half as much
 brings straight knees of high ankles to a jolt.
+"""
+BENT, STRAIGHT = 0.08, 0.02
+"""Squares of the sine of half a knee's bend: of one whose metre counts 1, and what is added to both. A knee that is
+nearly straight shows what is missing of its leg many times over.
 """
 
 
@@ -43,12 +47,17 @@ def _dot(a, b):
 
 @kernel
 def _length_missing(side, off, weight, hip, positions, way, frame):
-    """A leg's direction, halfway to where it is to go, and metres it would be too long by, times its weight's root."""
+    """A leg's direction, halfway to where it is to go, and metres it would be too long by, times its weight's root: the
+    ``weight`` that it stands with, times how much its knee shows.
+    """
     points = positions[frame]
     x, y, z = between(way[frame], off[side, frame])
     along = points[hip + 2, 0] - points[hip, 0] + 0.5 * x
     aside = points[hip + 2, 1] - points[hip, 1] + 0.5 * y
     down = points[hip + 2, 2] - points[hip, 2] + 0.5 * z
-    part = math.sqrt(max(weight, 0.0)) / max(math.sqrt(along * along + aside * aside + down * down), 1e-9)
+    span = max(math.sqrt(along * along + aside * aside + down * down), 1e-9)
+    bones = distance(points[hip], points[hip + 1]) + distance(points[hip + 1], points[hip + 2])
+    bend = max(1.0 - (distance(points[hip], points[hip + 2]) / bones) ** 2, 0.0)
+    part = math.sqrt(max(weight, 0.0) * (BENT + STRAIGHT) / (bend + STRAIGHT)) / span
     along, aside, down = part * along, part * aside, part * down
     return along, aside, down, along * x + aside * y + down * z
