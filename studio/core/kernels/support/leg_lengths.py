@@ -10,9 +10,9 @@ YIELDING = 0.2
 it counts 1, squares of all. Knees show by degrees what hips hide, which go 1 cm aside for 5 mm of a leg. Half as much
 brings straight knees of high ankles to a jolt.
 """
-BENT, STRAIGHT = 0.08, 0.02
-"""Squares of the sine of half a knee's bend: of one whose metre counts 1, and what is added to both. A knee that is
-nearly straight shows what is missing of its leg many times over.
+BENT, MOST_SHOWN = 0.1, 5
+"""Square of the sine of half the bend of a knee whose leg's metre counts 1, and what that of a straight one counts: it
+shows what is missing of its leg many times over.
 """
 
 
@@ -58,6 +58,6 @@ def _length_missing(side, off, weight, hip, positions, way, frame):
     span = max(math.sqrt(along * along + aside * aside + down * down), 1e-9)
     bones = distance(points[hip], points[hip + 1]) + distance(points[hip + 1], points[hip + 2])
     bend = max(1.0 - (distance(points[hip], points[hip + 2]) / bones) ** 2, 0.0)
-    part = math.sqrt(max(weight, 0.0) * (BENT + STRAIGHT) / (bend + STRAIGHT)) / span
+    part = math.sqrt(max(weight, 0.0) / (bend / BENT + 1.0 / MOST_SHOWN)) / span
     along, aside, down = part * along, part * aside, part * down
     return along, aside, down, along * x + aside * y + down * z

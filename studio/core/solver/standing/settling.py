@@ -12,7 +12,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
 from studio.core.kernels import records
 from studio.core.kernels.limbs.legs import face_knees, knee_swivels
-from studio.core.kernels.limbs.limb import STRETCHED
+from studio.core.kernels.limbs.limb import COMFORT, STRETCHED
 from studio.core.kernels.support.carrying import move_bodies, settle_frames
 from studio.core.kernels.support.sole import HEEL, TOE
 from studio.core.kernels.support.swing import keep_above
@@ -38,8 +38,6 @@ FloatArray = NDArray[np.float64]
 
 SOFT, FIRM = 1e-2, 1e-4
 """Weights of a metre of travel beside a metre out of reach: while moves are averaged over time, and for the last."""
-SWINGING_ARM = 0.95
-"""Part of its length to which an arm on its way to or from the ground stretches freely."""
 KNEE_PLAY = 0.1
 """Part of the growth of its root's reach by which the hip of a knee that is let go may be off its thigh's length."""
 FOLDED_ROOM = 0.01
@@ -372,7 +370,7 @@ def _arms(
         placed = hold.standing | (wrists[side] != own).any(axis=1)
         free = freedom(hold.standing, motion.frame_rate) * freedom(~placed, motion.frame_rate)
         stretch = reach_of(motion, body, side) / arm_rows(body, side).sum(axis=1)
-        comforts[side] = np.where(placed, stretch - free * np.maximum(stretch - SWINGING_ARM, 0.0), 0.0)
+        comforts[side] = np.where(placed, stretch - free * np.maximum(stretch - COMFORT, 0.0), 0.0)
         for first, past in runs_of(placed):
             bends[side, first:past] = 1.0 if motion.channels[first:past, at.LIMB_BEND + side].sum() >= 0.0 else -1.0
     return Arms(wrists, hands, bends, comforts, standing)
