@@ -57,8 +57,9 @@ legs are bent, mean and most; *hips* how much lower they ride, mean, and *bob* t
 *posture* how many degrees trunk, upper arms, forearms, thighs or shanks rise otherwise; *shoulders* how much nearer to
 each other they come, beside their median; *hands* by how much the distance of near wrists is missed, mean; *sunk* how
 far any joint is deeper in the ground than the capture's deepest, *inside* how far an arm is deeper in the own body,
-there and at rest; *jump* compares each joint's greatest step with its own in the capture, seen from the hips on bones as
-long as the actor's. Other lengths are as if legs had 85 cm. The second table compares the greatest angular acceleration of each segment with its own in the capture: 1 is as smooth.
+there and at rest; *jump* compares each joint's greatest step with its own in the capture, seen from the hips on bones
+as long as the actor's. Other lengths are as if legs had 85 cm. The second table compares the greatest angular
+acceleration of each segment with its own in the capture: 1 is as smooth.
 
 Asked of walks, runs, strikes and dances are knees of 2 (walks 6 at most), hips of 5 mm, a bob of 0.9 to 1.1, shoulders
 within 0.05, hands within 1 cm, sunk 5 mm, inside 0, jumps of 1.5 and peaks of 2; of planks and crawls a posture within
@@ -79,7 +80,8 @@ OTHERS = """
 ## Characters of others
 
 KayKit's barbarian and Cesium Man, beyond twice what the bundled characters are allowed. The barbarian's trunk is 1.9
-times as long as its legs, and its arms are 1.5 times; Cesium Man's ankles are twice as high as usual.
+times as long as its legs and wider than its shoulders, its arms 1.5 times, its hips lie four times as far apart as
+people's, its feet are as long as its legs; Cesium Man's ankles are twice as high as usual.
 
 """
 ASKED = {
