@@ -80,7 +80,8 @@ OTHERS = """
 ## Characters of others
 
 KayKit's barbarian and Cesium Man, beyond twice what the bundled characters are allowed. The barbarian's trunk is 1.9
-times as long as its legs, and its arms are 1.5 times; Cesium Man's ankles are twice as high as usual.
+times as long as its legs and wider than its shoulders, its arms 1.5 times, its hips lie four times as far apart as
+people's, its feet are as long as its legs; Cesium Man's ankles are twice as high as usual.
 
 """
 ASKED = {

@@ -106,3 +106,13 @@ def test_a_bone_that_nearly_points_back_is_still_a_rotation(seed: int, nearness:
     put_turn(kernel.bone_turn(tuple(frame.ravel()), *bone, random.uniform(-3, 3)), turn)
     assert np.allclose(turn.T @ turn, np.eye(3), atol=1e-12)
     assert np.allclose(turn[:, 2] * np.linalg.norm(bone), frame @ bone, atol=1e-12)
+
+
+@given(st.floats(0.0, 1.0), st.floats(0.01, 0.45))
+def test_bones_of_other_lengths_fold_no_nearer_than_they_can_and_never_snap_shut(share: float, apart: float) -> None:
+    bones = 0.5 + 0.5 * apart, 0.5 - 0.5 * apart
+    reach, step = kernel.soft_fold(share, bones), 1e-6
+    assert reach > apart
+    assert reach >= share
+    assert -1e-9 <= kernel.soft_fold(share + step, bones) - reach <= step * (1.0 + 1e-6)
+    assert kernel.soft_fold(share, (0.5, 0.5)) == share

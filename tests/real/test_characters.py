@@ -10,6 +10,7 @@ from studio.core.body.rest_pose import rest_pose
 from studio.core.grounds.ground import Ground
 from studio.core.mesh.skin import Blending, bound_pose, skin_vertices
 from studio.core.quality.metrics import acceleration_ratio, contact_quality
+from studio.core.quality.motion_quality import motion_quality
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.source import source_motion
@@ -140,8 +141,29 @@ def test_written_with_its_motion_and_read_again_it_is_the_same_body(tmp_path: Pa
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
 @pytest.mark.parametrize("stem", ["pybvh_cmu_12_01_walk", "accad_female1_B03_Walk1", "accad_female1_C03_Run"])
 def test_it_walks_and_runs_on_the_floor_without_a_jolt(stem: str, path: Path):
+    """A foot as long as its leg is lifted over the floor in the middle of its swing, and sharper."""
     capture, motion, actor = taken(named(stem))
-    contacts = contacts_of(capture)
-    adapted = adapt(AdaptRequest(motion, read(path).character.morphology, contacts), capture.first_frame)
+    contacts, body = contacts_of(capture), read(path).character.morphology
+    adapted = adapt(AdaptRequest(motion, body, contacts), capture.first_frame)
+    sole = body.heel_length[0] + body.foot[0, 0] + body.toe[0, 0]
     assert contact_quality(adapted, contacts, Ground()).slide < 1e-3
-    assert acceleration_ratio(adapted, source_motion(motion, actor)) < 3.0
+    assert acceleration_ratio(adapted, source_motion(motion, actor)) < (3.5 if sole > body.leg_length else 3.0)
+
+
+WALKS = "bvhtoolbox_walk01", "accad_female1_B03_Walk1", "pybvh_cmu_12_01_walk"
+WALKERS = "cesium_man", "joe_hanim_kick", "jin_hanim_loa4", "openhrp_sample1_humanoid", "kaykit_barbarian_stocky"
+
+
+@pytest.mark.parametrize("path", [path for path in FILES if path.stem in WALKERS], ids=lambda path: path.name)
+@pytest.mark.parametrize("stem", WALKS)
+def test_it_walks_with_knees_as_straight_as_the_actors_and_arms_beside_its_body(stem: str, path: Path):
+    """Whatever its ankles, feet and hips are like: twice what is asked of the bundled bodies."""
+    capture, motion, actor = taken(named(stem))
+    contacts, character, own = contacts_of(capture), read(path).character, actor.morphology
+    request = AdaptRequest(motion, character.morphology, contacts, actor=own, clears=True, volume=character.volume)
+    seen = motion_quality(adapt(request), source_motion(motion, actor), contacts, Ground(), capture.first_frame)
+    assert np.degrees(seen.knee_mean) < 4.0
+    assert np.degrees(seen.knee_most) < 12.0
+    assert seen.drop < 0.01
+    assert np.degrees(seen.posture) < 60.0
+    assert max(seen.peaks["arms"], seen.peaks["clavicles"], seen.peaks["spine"]) < 2.0

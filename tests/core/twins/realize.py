@@ -76,10 +76,13 @@ def _limb(
     rotations: np.ndarray,
 ) -> None:
     frame = carrier @ from_quaternion(row[at.LIMB_FRAME + 4 * limb : at.LIMB_FRAME + 4 * limb + 4])
+    reach, apart = (1.0 - row[at.LIMB_SLACK + limb]) * bones.sum(), abs(bones[0] - bones[1])
+    if reach < 2.0 * apart:
+        reach = apart * (1.0 + np.exp(reach / apart - 2.0))
     positions[root + 1], positions[root + 2], rotations[upper], rotations[upper + 1] = place_limb(
         positions[root],
         frame,
-        (1.0 - row[at.LIMB_SLACK + limb]) * bones.sum(),
+        reach,
         (bones[0], bones[1]),
         row[at.LIMB_OFF_PLANE + limb] * bones.sum(),
         row[at.LIMB_BEND + limb],

@@ -18,7 +18,7 @@ from studio.core.kernels.algebra.turns import (
     turn_of,
 )
 from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
-from studio.core.kernels.limbs.limb import place_limb
+from studio.core.kernels.limbs.limb import place_limb, soft_fold
 from studio.core.kernels.records import Array, Limb, Pose
 
 NARROWED = 0.003
@@ -274,7 +274,7 @@ def realize_limb(limb, channels, bones, carrier, point, segment, pose):
     length, twist = bones[0] + bones[1], at.LIMB_TWIST + 2 * limb
     shape = Limb(
         bones,
-        (1.0 - channels[at.LIMB_SLACK + limb]) * length,
+        soft_fold((1.0 - channels[at.LIMB_SLACK + limb]) * length, bones),
         channels[at.LIMB_OFF_PLANE + limb] * length,
         channels[at.LIMB_BEND + limb],
         (channels[twist], channels[twist + 1]),

@@ -79,3 +79,12 @@ def soft_reach(needed, comfort):
         return needed
     room = 1.0 - comfort
     return comfort + room * (1.0 - math.exp(-(needed - comfort) / room))
+
+
+@kernel
+def soft_fold(reach, bones):
+    """Metres from its root at which a limb ends that is to end at d, ``reach``: with bones that differ by a in length
+    a (1 + exp(d / a - 2)) below 2 a, so that the middle joint never snaps shut (METHOD 3.4).
+    """
+    apart = abs(bones[0] - bones[1])
+    return reach if reach >= 2.0 * apart else apart * (1.0 + math.exp(reach / apart - 2.0))
