@@ -16,7 +16,7 @@ from studio.core.constraints.activation import ActivationCurve, ease
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.carried_over import COMING
 from studio.core.grounds.ground import Ground
-from studio.core.normalized.compose import Composite, by_itself, go_on
+from studio.core.normalized.compose import Composite, go_on, led_on
 from studio.core.normalized.encode import encode
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import Piece
@@ -105,12 +105,13 @@ def taken_over(project: Project, key: str, before: Playing, frame: int, tracks: 
     clip = project.performers[key].clips[0]
     pieces = pieces_of(project, key, clip, lambda motion_id: motion_of(project, motion_id, prepare))
     seen = _last_seen(before, frame, pieces[0].start)
-    composite = go_on(_shown(before, seen, pieces[0].start), _played(before, frame), pieces)
+    shown = _shown(before, seen, pieces[0].start)
+    composite = led_on(shown, pieces)
+    if any(each.point not in FOOT_POINTS for each in on_ground((*shown.contacts, *composite.contacts))):
+        # who is carried by hands, knees or seat as well may turn over meanwhile: that blend is set on the ground itself
+        composite = go_on(shown, _played(before, frame), pieces)
     first = round(composite.timing.frame_at(pieces[0].start))
-    # who is carried by hands, knees or seat as well may turn over meanwhile: that blend is set on the ground itself
-    carried = any(each.point not in FOOT_POINTS for each in on_ground(composite.contacts))
-    stands = composite if carried else by_itself(composite)
-    standing = standing_of(unasked_request(project, key, stands, prepare))
+    standing = standing_of(unasked_request(project, key, composite, prepare))
     standing = led_from(standing, first, Stance.of(before.standing, seen), pieces[0].ease)
     composite = replace(composite, contacts=standing.contacts)
     playing = Playing(composite, standing, _asked(project, key, composite, standing, frozenset()))
