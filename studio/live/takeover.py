@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from studio.core.body.morphology import AnimatedMorphology
 from studio.core.captures.contacts import FOOT_POINTS, on_ground
 from studio.core.grounds.ground import Ground
-from studio.core.normalized.compose import Composite, by_itself, go_on
+from studio.core.normalized.compose import Composite, go_on, led_on
 from studio.core.normalized.encode import encode
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import Piece
@@ -50,11 +50,12 @@ def take_over(
 ) -> Takeover:
     """What ``pieces`` are that begin behind the frames ``rows`` (``SEEN``,) of ``before``; ``stood`` on the ground."""
     begins, ease = pieces[0].start, pieces[0].ease
-    composite = go_on(_shown(before, rows, begins), _played(before, int(rows[-1])), pieces)
-    # who is carried by hands, knees or seat as well may turn over meanwhile: that blend is set on the ground itself
-    carried = any(each.point not in FOOT_POINTS for each in on_ground(composite.contacts))
-    standing = stood(composite if carried else by_itself(composite))
-    return Takeover(composite, standing, round(composite.timing.frame_at(begins)), ease)
+    shown = _shown(before, rows, begins)
+    composite = led_on(shown, pieces)
+    if any(each.point not in FOOT_POINTS for each in on_ground((*shown.contacts, *composite.contacts))):
+        # who is carried by hands, knees or seat as well may turn over meanwhile: that blend is set on the ground itself
+        composite = go_on(shown, _played(before, int(rows[-1])), pieces)
+    return Takeover(composite, stood(composite), round(composite.timing.frame_at(begins)), ease)
 
 
 def _shown(before: Standing, rows: NDArray[np.int64], start: float) -> Piece:

@@ -95,24 +95,18 @@ def _composed(ordered: Sequence[Piece], played: NormalizedMotion | None = None) 
         row.peaks = joint_peaks(channels, played.frame_rate)
     for piece in ordered:
         row.add(piece)
-    name = " + ".join(dict.fromkeys(piece.motion.name for piece in ordered))
-    row.channels.setflags(write=False)
-    known = [piece.motion.girdle for piece in ordered if piece.motion.girdle is not None]
-    girdle = max(known, key=lambda each: each.length, default=None)
-    motion = NormalizedMotion(name, row.timing.frame_rate, row.channels, row.spine_places, girdle)
-    return Composite(motion, row.contacts(), row.timing, tuple(row.played))
+    return row.composite()
 
 
-def by_itself(composite: Composite) -> Composite:
-    """What goes on in it behind what was shown, where that put it, as if nothing had been before but itself."""
-    _, leads, *others = composite.played
-    row = _Row(composite.motion.spine_places, composite.timing)
-    source = PieceSource(leads.piece, row.spine_places, row.timing, leads.placement)
-    row.lead(source, leads)
-    for each in others:
-        row.add(each.piece)
-    row.channels.setflags(write=False)
-    return replace(composite, motion=replace(composite.motion, channels=row.channels), contacts=row.contacts())
+def led_on(shown: Piece, pieces: Sequence[Piece]) -> Composite:
+    """``pieces`` behind what was ``shown``, where that puts them, as if nothing had been before but themselves."""
+    ordered = [shown, *pieces]
+    row = _Row(common_spine([piece.motion for piece in ordered]), timing_of_pieces(ordered))
+    row.add(shown)
+    row.lead(pieces[0])
+    for piece in pieces[1:]:
+        row.add(piece)
+    return row.composite()
 
 
 def timing_of_pieces(pieces: Sequence[Piece]) -> Timing:
@@ -168,18 +162,26 @@ class _Row:
                 self._take_over(takes_over, first, last, transition, found, piece.ease)
         self.played.append(Played(piece, first, last, self.placement))
 
-    def lead(self, source: PieceSource, played: Played) -> None:
-        """Play a piece where it ``played``, and what its motion has before that up to there."""
-        own = source.piece
-        frames = np.arange(played.last + 1)
-        there = played.motion_frames(frames, self.timing) > -0.5 * own.speed
-        frames = np.maximum(frames, frames[there][0])
-        self.channels[: played.last + 1], self.stands[:, : played.last + 1] = (
-            source.channels(frames),
-            source.stands(frames),
-        )
-        self.end, self.placement = played.last + 1, played.placement
-        self.played.append(played)
+    def lead(self, piece: Piece) -> None:
+        """Play a piece behind what is there, and instead of that what its motion has before."""
+        first, last = self.end, round((piece.end - self.timing.begin) * self.timing.frame_rate)
+        source = PieceSource(piece, self.spine_places, self.timing)
+        self.placement = self._join(source, first, first - 1, first - 1).placement
+        self.played.append(Played(piece, first, max(last, first), self.placement))
+        frames = np.arange(self.played[-1].last + 1)
+        there = self.played[-1].motion_frames(frames, self.timing) > -0.5 * piece.speed
+        source, frames = source.placed(self.placement), np.maximum(frames, frames[there][0])
+        self.channels[: len(frames)], self.stands[:, : len(frames)] = source.channels(frames), source.stands(frames)
+        self.end = len(frames)
+
+    def composite(self) -> Composite:
+        """All that was added, as one motion."""
+        name = " + ".join(dict.fromkeys(each.piece.motion.name for each in self.played))
+        self.channels.setflags(write=False)
+        known = [each.piece.motion.girdle for each in self.played if each.piece.motion.girdle is not None]
+        girdle = max(known, key=lambda each: each.length, default=None)
+        motion = NormalizedMotion(name, self.timing.frame_rate, self.channels, self.spine_places, girdle)
+        return Composite(motion, self.contacts(), self.timing, tuple(self.played))
 
     def contacts(self) -> tuple[ContactInterval, ...]:
         """What stands, as intervals."""
