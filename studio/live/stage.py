@@ -144,7 +144,8 @@ class LiveStage:
         for part in self._parts.values():
             part.frame = part.playing.frame_at(self.seconds)
         solved: dict[str, AdaptedMotion] = {}
-        for circle in in_order(self._staged, self._parts):
+        for followed in in_order(self._staged, self._parts):
+            circle = tuple(key for key in followed if key in self._parts)  # one that is hidden does not play
             try:
                 solved |= self._solved(circle, solved)
             except StudioError as error:
