@@ -19,7 +19,6 @@ from studio.core.project import GROUND_ID, Performer, Project
 from studio.core.quality.metrics import QUIET, angular_acceleration
 from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.performers.performing import perform
-from studio.core.solver.performers.props import Holder, stage_track
 from studio.core.stage.behaviour import Behaviour, Role, State, Transition
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import (
@@ -37,7 +36,6 @@ from studio.core.stage.whom import FollowPartner
 from studio.library.scenes.stagehand import bodies, material
 from studio.live.playing import own_row
 from studio.live.stage import LiveStage
-from tests.core.test_props import GIVEN, handing
 
 STEP = 1.0 / 60.0
 WRIST = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
@@ -474,30 +472,3 @@ def test_what_a_state_asks_is_asked_while_it_lasts():
         Placement.of(stage.project.performers[key]).to_stage(place_of(WRIST, each)[0]) for key, each in results.items()
     ]
     assert np.linalg.norm(hands[0] - hands[1]) < 2e-3
-
-
-def test_a_box_that_is_handed_on_goes_from_hands_to_hands_and_stays_with_them_whatever_they_play_next():
-    project, given = handing(), GIVEN
-    one, other = list(project.performers)[:2]
-    prop = project.props["box"]
-    stage = LiveStage(project, prepare, given - 0.75)
-    places = []
-    for step in range(150):
-        if step == 90:
-            stage.start(other, project.performers[other].clips[0])
-        results = stage.step(STEP if step else 0.0)
-        assert not stage.failures
-        holders = {
-            key: Holder(each, [0.0], Placement.of(project.performers[key]), timing=each.composite.timing)
-            for key, each in results.items()
-        }
-        track = stage_track(prop, [stage.seconds], holders)
-        places.append(track.places[0])
-        for key, holds in ((one, stage.seconds < given), (other, stage.seconds > given)):
-            for side, wrist in ((1.0, LEFT_WRIST), (-1.0, WRIST)):
-                there = track.places[0] + track.rotations[0] @ (np.array([-0.7, side, 0.0]) * np.array(prop.size) / 2)
-                hand = Placement.of(project.performers[key]).to_stage(place_of(wrist, results[key])[0])
-                assert not holds or step > 85 or np.linalg.norm(hand - there) < 2e-3
-    steps = np.linalg.norm(np.diff(np.array(places), axis=0), axis=1)
-    assert np.linalg.norm(places[-1] - places[0]) > 0.5
-    assert steps.max() < 0.09  # a walk, and the steepest of an ease of half a metre in 0.3 s
