@@ -26,18 +26,24 @@ Progress = Callable[[float, str], None]
 
 RENDERER = (sys.executable, "-m", "studio.viewport.film_child")
 
+MOST_PICTURES = 1_000_000
+"""Nine hours of thirty a second."""
+
 
 def film(bench: Workbench, path: Path, size: tuple[int, int], frame_rate: float) -> int:
     """Draw the range of the playhead as the viewport sees it now; returns the task.
 
     ``size`` is width and height in pixels, ``frame_rate`` pictures a second; a ``path`` that does not end with
-    .mp4 becomes a folder of pictures. Raises StudioError without a 3D view.
+    .mp4 becomes a folder of pictures. Raises StudioError without a 3D view, and for far too long a range.
     """
     if bench.viewport is None:
         raise StudioError("There is no 3D view to film.")
     playhead = bench.document.playhead
     begin, end = playhead.first / playhead.frame_rate, playhead.last / playhead.frame_rate
-    times = begin + np.arange(int((end - begin) * frame_rate + 1e-6) + 1) / frame_rate
+    count = int((end - begin) * frame_rate + 1e-6) + 1
+    if count > MOST_PICTURES:
+        raise StudioError(f"A film of {count} pictures is too long. Set a shorter range; {MOST_PICTURES} are the most.")
+    times = begin + np.arange(count) / frame_rate
     shots = Shots(_played(bench.document.project), bench.viewport.view, tuple(times.tolist()), size)
 
     def work(progress: Progress) -> list[Path]:

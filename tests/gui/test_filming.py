@@ -163,6 +163,13 @@ def test_a_film_that_is_cut_short_is_told(qtbot, window, tmp_path, monkeypatch):
     assert list((tmp_path / "out").iterdir()) == []
 
 
+@pytest.mark.timeout(20)
+def test_a_film_of_a_day_is_refused_at_once(window, tmp_path):
+    window.bench.document.playhead.set_range(0, 9_999_999)
+    with pytest.raises(StudioError, match="too long"):
+        filming.film(window.bench, tmp_path / "out" / "walk.mp4", SMALL, 240.0)
+
+
 def test_a_film_that_nobody_plays_in_is_refused(window):
     project = window.bench.document.project
     nobody = project.with_entity("performers", "performer 0", None)
