@@ -116,3 +116,4 @@ def test_bones_of_other_lengths_fold_no_nearer_than_they_can_and_never_snap_shut
     assert reach >= share
     assert -1e-9 <= kernel.soft_fold(share + step, bones) - reach <= step * (1.0 + 1e-6)
     assert kernel.soft_fold(share, (0.5, 0.5)) == share
+    assert kernel.soft_fold(-share, (0.5, 0.5)) == -share  # a channel that a spline has overshot

@@ -48,7 +48,7 @@ def test_a_mesh_is_a_file_beside(tmp_path):
         ('{"kind": "height_map", "heights": [[0, 1], [0]]}', "heights"),
         ('{"kind": "mesh", "mesh": "../block.obj"}', "leads out of its folder"),
         ('{"kind": "mesh", "mesh": "/etc/passwd"}', "does not lie in its folder"),
-        ('{"kind": "mesh", "mesh": "gone.obj"}', "gone.obj is not there"),
+        ('{"kind": "mesh", "mesh": "gone.obj"}', "gone.obj could not be read: there is no such file"),
     ],
 )
 def test_what_is_no_ground_is_refused_in_a_sentence(tmp_path, content, sentence):

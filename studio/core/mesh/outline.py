@@ -4,8 +4,6 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from studio.core.mesh.skin import SkinnedMesh
 
@@ -41,6 +39,9 @@ def outline_at(height: float, mesh: SkinnedMesh, vertices: FloatArray, shares: F
 
 def _lines(begin: NDArray[np.int64], end: NDArray[np.int64], count: int) -> NDArray[np.int64]:
     """(2 T,) the line that each cut edge of ``count`` triangles T is on: one edge of each, then the other of each."""
+    from scipy.sparse import coo_array  # late: a window opens without
+    from scipy.sparse.csgraph import connected_components
+
     edges = (np.minimum(begin, end) << 32) + np.maximum(begin, end)
     nodes = np.unique(edges, return_inverse=True)[1]
     joined = coo_array((np.ones(count), (nodes[:count], nodes[count:])), shape=(nodes.max() + 1,) * 2)

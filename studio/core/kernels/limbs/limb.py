@@ -87,4 +87,6 @@ def soft_fold(reach, bones):
     a (1 + exp(d / a - 2)) below 2 a, so that the middle joint never snaps shut (METHOD 3.4).
     """
     apart = abs(bones[0] - bones[1])
-    return reach if reach >= 2.0 * apart else apart * (1.0 + math.exp(reach / apart - 2.0))
+    if apart == 0.0 or reach >= 2.0 * apart:
+        return reach
+    return apart * (1.0 + math.exp(reach / apart - 2.0))
