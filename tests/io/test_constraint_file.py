@@ -166,5 +166,7 @@ def test_a_mesh_may_be_a_file_beside_or_stand_in_the_record(tmp_path):
     assert len(named.mesh.triangles) == 4
     [inline] = read_constraints(written(tmp_path, {"constraints": [constraint_record(named)]}), "m").constraints
     assert inline == named
-    with pytest.raises(StudioError, match=r"targets.json, constraints\[0\], mesh: .*sand.obj could not be read: there is no such file"):
+    with pytest.raises(
+        StudioError, match=r"targets.json, constraints\[0\], mesh: .*sand.obj could not be read: there is no such file"
+    ):
         read_constraints(written(tmp_path, {"constraints": [{**asked, "mesh": "sand.obj"}]}), "m")
