@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyLayout
+from studio.core.kernels.algebra.medians import geometric_median
 from studio.core.runs import runs_of
 from studio.core.stage.scope import EVERYONE, Scope
 from studio.core.windows import lowest, smoothed
@@ -315,7 +316,7 @@ def staying(track: FloatArray, first: int, last: int, wander: float = WANDER) ->
     """The longest part of a span in which the track (F, 3) strays no farther than ``wander`` metres from its middle."""
     while True:
         part = track[first : last + 1]
-        near = np.linalg.norm(part - np.median(part, axis=0), axis=1) < wander
+        near = np.linalg.norm(part - geometric_median(np.ascontiguousarray(part)), axis=1) < wander
         if near.all():
             return first, last
         if not near.any():  # round its middle, and never in it

@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 
+from studio.core.kernels.algebra.medians import geometric_median
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.support.gaps import ease_gaps
 from studio.core.kernels.support.sole import HEEL, TOE, sole_height, to_pivots, to_tip
@@ -57,7 +58,7 @@ def plant_episode(span, ankles, feet, states, soles, ground, pitches, out_ankles
     heel = last > first
     if not heel:
         first, last = longest_stretch(states, TOE, begin, end)
-    reach, count, least = np.zeros((last - first, 3)), 0, math.inf
+    reach, count, least = np.zeros((last - first, 2)), 0, math.inf
     for frame in range(first, last):
         least = min(least, soles[frame if soles.shape[0] > 1 else 0, 0])
     offsets = np.zeros((3, 3))
@@ -66,10 +67,10 @@ def plant_episode(span, ankles, feet, states, soles, ground, pitches, out_ankles
         if sole[0] - least > (SMALLEST - 1.0) * abs(least):
             continue
         to_pivots(feet[frame], sole, offsets)
-        for axis in range(3):
+        for axis in range(2):
             reach[count, axis] = offsets[0 if heel else 1, axis] + ankles[frame, axis]
         count += 1
-    anchor = np.array([np.median(reach[:count, 0]), np.median(reach[:count, 1])])
+    anchor = geometric_median(reach[:count])
     pivots = np.zeros((3, 2))
     for way in range(2):
         previous, pitched = HEEL if heel else TOE, False

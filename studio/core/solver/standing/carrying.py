@@ -24,6 +24,7 @@ from studio.core.captures.contacts import (
 )
 from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
+from studio.core.kernels.algebra.medians import geometric_median
 from studio.core.kernels.limbs.limb import OWN_COMFORT
 from studio.core.kernels.support.gaps import fill_gaps
 from studio.core.kernels.support.planting import SMALLEST
@@ -207,7 +208,9 @@ def _reached(hold: Hold, track: FloatArray, body: AnyMorphology, ground: Ground,
     places, normals = hold.places.copy(), hold.normals.copy()
     for first, last in spans_of(hold.standing):
         span = slice(first, last + 1)
-        places[span], normals[span] = _place_on(np.median(wrists[span, :2], axis=0), hold.point, body, ground)
+        places[span], normals[span] = _place_on(
+            geometric_median(np.ascontiguousarray(wrists[span, :2])), hold.point, body, ground
+        )
     return replace(hold, places=places, normals=normals)
 
 
@@ -245,7 +248,7 @@ def _hold(
     for first, last in spans:
         span = slice(first, last + 1)
         small = legs[span] <= SMALLEST * legs[span].min()
-        middle = np.median(track[span, :2][small], axis=0)
+        middle = geometric_median(np.ascontiguousarray(track[span, :2][small]))
         standing[span] = True
         places[span], normals[span] = _place_on(middle, point, body, ground)
     return Hold(point, standing, places, normals)
