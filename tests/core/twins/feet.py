@@ -114,6 +114,18 @@ def plant_ankles(
     return ankles + ease_gaps(shift, states != 0, REACH)
 
 
+def geometric_median(places: np.ndarray) -> np.ndarray:
+    """The place with the least sum of distances: 32 steps of Weiszfeld's search, among distances without a corner."""
+    middle = places.mean(axis=0)
+    apart = np.linalg.norm(places - middle, axis=1).mean()
+    if apart == 0.0:
+        return middle
+    for _ in range(32):
+        weights = 1.0 / np.hypot(np.linalg.norm(places - middle, axis=1), apart / 100)
+        middle = weights @ places / weights.sum()
+    return middle
+
+
 def _planted(
     ankles: np.ndarray, feet: np.ndarray, states: np.ndarray, sole: Sole, episode: range
 ) -> dict[int, np.ndarray]:
@@ -124,7 +136,8 @@ def _planted(
     runs = heels or [run for run in stretches(states & TOE != 0) if run[0] in episode]
     longest = max(runs, key=len)
     seed, pivot = list(longest), to_heel if heels else to_toe
-    places = {seed[0]: np.median((ankles[:, :2] + pivot)[seed], axis=0) - pivot[seed[0]]}
+    stood = (ankles[:, :2] + pivot)[seed]
+    places = {seed[0]: geometric_median(stood) - pivot[seed[0]]}
     for frames in (range(seed[0] + 1, episode[-1] + 1), range(seed[0] - 1, episode[0] - 1, -1)):
         previous = seed[0]
         for frame in frames:

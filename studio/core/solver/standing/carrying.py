@@ -208,9 +208,7 @@ def _reached(hold: Hold, track: FloatArray, body: AnyMorphology, ground: Ground,
     places, normals = hold.places.copy(), hold.normals.copy()
     for first, last in spans_of(hold.standing):
         span = slice(first, last + 1)
-        places[span], normals[span] = _place_on(
-            geometric_median(np.ascontiguousarray(wrists[span, :2])), hold.point, body, ground
-        )
+        places[span], normals[span] = _place_on(middle_of(wrists[span]), hold.point, body, ground)
     return replace(hold, places=places, normals=normals)
 
 
@@ -248,10 +246,15 @@ def _hold(
     for first, last in spans:
         span = slice(first, last + 1)
         small = legs[span] <= SMALLEST * legs[span].min()
-        middle = geometric_median(np.ascontiguousarray(track[span, :2][small]))
+        middle = middle_of(track[span][small])
         standing[span] = True
         places[span], normals[span] = _place_on(middle, point, body, ground)
     return Hold(point, standing, places, normals)
+
+
+def middle_of(track: FloatArray) -> FloatArray:
+    """The place (2,) over the ground round which a point (F, 3) is."""
+    return np.asarray(geometric_median(np.ascontiguousarray(track[:, :2])))
 
 
 def _place_on(
