@@ -66,12 +66,17 @@ class Striking:
             self._offer_targets()
 
     def _offer_targets(self) -> None:
-        """What can be hit now. A box that comes is chosen where nothing is; what is chosen stays while it is there."""
+        """What can be hit now. A box that comes is chosen where nothing is; what is chosen stays while it is there.
+
+        Whoever sees the panel sees at once what hits another target.
+        """
         targets = targets_of(self.bench.document.project)
         props = [target for target, _ in targets if target.collection == "props"]
         chosen = self.panel.target.value
         new = next((target for target in props if not self.panel.target.offers(target)), None)
         self.panel.offer_targets(targets, new if chosen is None else chosen)
+        if self.panel.target.value != chosen and self.library is not None and self.panel.isVisible():
+            self.search_in(self.library)
 
     def add_folder(self, folder: Path) -> int:
         """Index a folder in the background; returns the task."""

@@ -48,6 +48,8 @@ class Strikes(QWidget):
             Choice("Limb", ((None, "Any limb"), *limbs)),
             Choice("Kind", ((None, "Any kind"), *kinds)),
         )
+        for choice in (self.target, self.limb, self.kind):
+            choice.chosen.connect(lambda _: self.wanted.emit())
         for name, fields in (("Target", [self.target]), ("Aim", [self.aim]), ("Strike", [self.limb, self.kind])):
             section.add_row(name, *fields)
         column = QVBoxLayout(self)

@@ -84,6 +84,18 @@ def test_the_limb_that_is_chosen_is_the_only_one_that_is_found(striking, window,
     assert striking.panel.hint.text() == strikes.NOTHING
 
 
+def test_what_is_chosen_is_searched_for_at_once(striking, window, qtbot):
+    solved(window, qtbot)
+    panel, key = striking.panel, add_box(window)
+    assert panel.hint.text() == strikes.READY
+    assert "from the target" in panel.results.item(0).text()
+    for _ in range(1 + Limb.RIGHT_LEG):
+        QTest.keyClick(panel.limb, Qt.Key.Key_Down)
+    assert {clip.label.limb for clip in striking.listed} == {Limb.RIGHT_LEG}
+    window.bench.document.remove("props", key, "Delete box")
+    assert panel.hint.text() == strikes.NO_TARGET
+
+
 def test_without_a_box_it_says_that_one_is_needed(striking, window, qtbot):
     striking.add_folder(example_captures_folder())
     wait_until_idle(qtbot, window)
