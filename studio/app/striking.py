@@ -18,6 +18,7 @@ from studio.core.errors import StudioError
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.placement import Placement
 from studio.engine.performance import row_at
+from studio.engine.tasks import CancelledError
 from studio.io.importing import GUESS_ALL
 from studio.library.clips import Kind, Limb
 from studio.panels.strikes import EMPTY, NO_TARGET, NOTHING, OF_A_POSE, OWN_FACE, READY, UNSOLVED, Strikes
@@ -66,34 +67,39 @@ class Striking:
             self._offer_targets()
 
     def _offer_targets(self) -> None:
-        """What can be hit now. A box that comes is chosen where nothing is; what is chosen stays while it is there."""
+        """What can be hit now. A box that comes is chosen where nothing is; what is chosen stays while it is there.
+
+        Whoever sees the panel sees at once what hits another target.
+        """
         targets = targets_of(self.bench.document.project)
         props = [target for target, _ in targets if target.collection == "props"]
         chosen = self.panel.target.value
         new = next((target for target in props if not self.panel.target.offers(target)), None)
         self.panel.offer_targets(targets, new if chosen is None else chosen)
+        if self.panel.target.value != chosen and self.library is not None and self.panel.isVisible():
+            self.search_in(self.library)
 
     def add_folder(self, folder: Path) -> int:
-        """Index a folder in the background; returns the task."""
+        """Index a folder in the background; returns the task. Cancelled, it leaves what has been read until then."""
 
-        def work(progress: Any) -> "tuple[IndexReport, Library]":
+        def work(progress: Any) -> "tuple[IndexReport | None, Library]":
             from studio.library.catalogue import Catalogue
             from studio.library.indexing import index
             from studio.library.library import Library
 
             with Catalogue(self.folder) as catalogue:
-                return index(catalogue, [folder], progress), Library.of(catalogue)
+                try:
+                    report = index(catalogue, [folder], progress)
+                except CancelledError:
+                    report = None
+                return report, Library.of(catalogue)
 
-        def done(answer: "tuple[IndexReport, Library]") -> None:
+        def done(answer: "tuple[IndexReport | None, Library]") -> None:
             report, library = answer
             self.search_in(library)
-            if report.problems:
-                name, problem = next(iter(report.problems.items()))
-                more = (
-                    f" {len(report.problems) - 1} others could not be used either." if len(report.problems) > 1 else ""
-                )
-                named = problem if problem.startswith(Path(name).name) else f"{Path(name).name}: {problem}"
-                self.bench.said.emit(f"{named}{more} Everything else was added.")
+            words = _told(report, folder)
+            if words:
+                self.bench.said.emit(words)
 
         task: int = self.bench.runner.run(f"Indexing {folder.name}", work, done)
         return task
@@ -284,6 +290,23 @@ def label_strike(bench: Workbench) -> None:
     """Open the chosen strike, to say what it is."""
     bench.window.show_dock("Strikes")
     bench.window.striking.panel.correct.click()
+
+
+def _told(report: "IndexReport | None", folder: Path) -> str:
+    """What could not be used; nothing where all could."""
+    if report is None:
+        return f"Adding {folder.name} was cancelled. What had been read by then is in the library."
+    if not report.problems:
+        return ""
+    name, problem = next(iter(report.problems.items()))
+    others = len(report.problems) - 1
+    more = f" {others} other{'s' if others > 1 else ''} could not be used either." if others else ""
+    named = problem if problem.startswith(Path(name).name) else f"{Path(name).name}: {problem}"
+    return (
+        f"{named}{more} Everything else was added."
+        if report.read + report.kept > len(report.problems)
+        else named + more
+    )
 
 
 def _state(clip: "LibraryClip") -> str:

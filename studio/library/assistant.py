@@ -21,11 +21,13 @@ IntArray = NDArray[np.int64]
 
 SWING, AROUND, APART = 0.45, 0.15, 0.4
 """Seconds in which a limb goes out, in which a hit is the farthest, and that two hits of a limb lie apart at least."""
+SPAN = 1 / 30
+"""Seconds before and after a frame between which a speed is measured."""
 BEFORE, AFTER = 0.6, 0.5
 """Seconds of a clip before and after its hit."""
 KICKING = 0.6
 """Seconds round a raised leg in which arms keep the balance."""
-ARM = {"reach": 0.6, "rise": 0.36, "speed": 6.8, "outward": 3.3, "bent": 0.66}
+ARM = {"reach": 0.6, "rise": 0.36, "speed": 6.0, "outward": 3.3, "bent": 0.66}
 LEG = {"reach": 0.75, "rise": 0.3, "speed": 2.8, "outward": 1.5}
 """The least reach, how much of it was gained, and how fast, as a whole and outward; an arm was bent at least so far."""
 PUNCH_HEIGHTS, KICK_HEIGHT = (-0.55, 0.5), -0.35
@@ -42,6 +44,12 @@ ALIKE = 0.6
 """Part of a reach and a speed that the other arm may have at the same time: more, and both do one thing together."""
 RETRACTED = 0.6
 """Part of its reach below which an arm has come back, and may hit again at once."""
+BURST, FAST = 0.135, 8.5
+"""Seconds for which a fist goes out faster than half its best; one as fast as this may take longer, as hooks do."""
+SHOWN, STAYS = 0.3, 0.9
+"""Seconds in which a leg comes back if it kicked, and the part of its reach above which it stays out."""
+BEAT, IN_TURN = 0.7, 4
+"""Seconds from one leg's swing to the other's, and how many of those in turn are a dance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +92,7 @@ def propose(
     for limb in Limb:
         likely = [frame for frame in _peaks(track, limb, first_frame) if _strikes(track, limb, frame)]
         hits += [(frame, limb) for frame in _apart(track, limb, likely)]
+    hits = _without_dance(hits, rate)
     return [_clip(track, frame, limb, first_frame, len(positions) - 1) for frame, limb in sorted(hits)]
 
 
@@ -111,8 +120,17 @@ def _limb_track(positions: FloatArray, layout: BodyLayout, limb: Limb, hips: Flo
     end = positions[:, root + 2]
     away = (end - positions[:, root]) / length
     reach = np.linalg.norm(away[:, :2], axis=1)
-    speed = np.linalg.norm(np.gradient(end - hips, axis=0), axis=1) * rate / length
-    return LimbTrack(reach, np.linalg.norm(away, axis=1), speed, np.gradient(reach) * rate, away)
+    speed = np.linalg.norm(_slope(end - hips, rate), axis=1) / length
+    return LimbTrack(reach, np.linalg.norm(away, axis=1), speed, _slope(reach, rate), away)
+
+
+def _slope(values: FloatArray, rate: float) -> FloatArray:
+    """Change a second of ``values`` (F, ...), over the same time at every frame rate."""
+    half = max(round(SPAN * rate), 1)
+    frames = np.arange(len(values))
+    before, after = np.maximum(frames - half, 0), np.minimum(frames + half, len(values) - 1)
+    seconds = (after - before).reshape(-1, *[1] * (values.ndim - 1)) / rate
+    return (values[after] - values[before]) / seconds
 
 
 def _peaks(track: BodyTrack, limb: Limb, first_frame: int) -> list[int]:
@@ -141,7 +159,14 @@ def _stands(track: BodyTrack, limb: Limb, frame: int) -> bool:
 
 def _kicks(track: BodyTrack, limb: Limb, frame: int) -> bool:
     other = track.limbs[limb ^ 1].from_root[frame, 2]
-    return bool(track.limbs[limb].from_root[frame, 2] > KICK_HEIGHT and other < SUPPORT)
+    raised = track.limbs[limb].from_root[frame, 2] > KICK_HEIGHT
+    return bool(raised and other < SUPPORT) and not _is_shown(track, limb, frame)
+
+
+def _is_shown(track: BodyTrack, limb: Limb, frame: int) -> bool:
+    """Whether a leg stays where it is; nothing is said of one whose motion ends before that."""
+    reach, after = track.limbs[limb].reach, track.window(frame, 0.0, SHOWN)
+    return bool(after.stop <= len(reach) and reach[after].min() > STAYS * reach[frame])
 
 
 def _punches(track: BodyTrack, limb: Limb, frame: int, swing: slice, gained: float) -> bool:
@@ -153,8 +178,25 @@ def _punches(track: BodyTrack, limb: Limb, frame: int, swing: slice, gained: flo
     if track.hip_speed[track.window(frame, 0.5, 0.5)].mean() > RUNNING or _raises_a_leg(track, frame):
         return False
     thrown = slice(swing.start, frame + 2)
+    if own.speed[thrown].max() < FAST and _burst(own.outward, thrown) > BURST * track.rate:
+        return False
     together = other.reach[track.window(frame, 0.1, 0.1)].max() - other.reach[swing].min()
     return not (together > ALIKE * gained and other.speed[thrown].max() > ALIKE * own.speed[thrown].max())
+
+
+def _burst(outward: FloatArray, thrown: slice) -> float:
+    """Frames, and parts of them, round the best of ``outward`` in which it is more than half of that."""
+    best = thrown.start + int(outward[thrown].argmax())
+    half = 0.5 * outward[best]
+    slow = np.flatnonzero(outward <= half)
+    before, after = slow[slow < best], slow[slow > best]
+
+    def crossing(inner: int, outer: int) -> float:
+        return inner + (outer - inner) * float((outward[inner] - half) / (outward[inner] - outward[outer]))
+
+    begin = crossing(before[-1] + 1, before[-1]) if len(before) else 0.0
+    end = crossing(after[0] - 1, after[0]) if len(after) else len(outward) - 1.0
+    return end - begin
 
 
 def _raises_a_leg(track: BodyTrack, frame: int) -> bool:
@@ -163,6 +205,18 @@ def _raises_a_leg(track: BodyTrack, frame: int) -> bool:
     return any(
         bool(((leg.reach[around] > LEG["reach"]) & (leg.from_root[around, 2] > KICK_HEIGHT)).any()) for leg in legs
     )
+
+
+def _without_dance(hits: list[tuple[int, Limb]], rate: float) -> list[tuple[int, Limb]]:
+    """``hits`` but for those of legs that swing in turn to a beat."""
+    kicks = sorted(hit for hit in hits if not hit[1].is_arm)
+    turns = [list[tuple[int, Limb]]()]
+    for kick in kicks:
+        if turns[-1] and (kick[1] is turns[-1][-1][1] or kick[0] - turns[-1][-1][0] > BEAT * rate):
+            turns.append([])
+        turns[-1].append(kick)
+    danced = {kick for turn in turns if len(turn) >= IN_TURN for kick in turn}
+    return [hit for hit in hits if hit not in danced]
 
 
 def _apart(track: BodyTrack, limb: Limb, frames: list[int]) -> list[int]:

@@ -14,6 +14,7 @@ from studio.core.retrieval import SearchTable, pose_rows
 from studio.io.replacing import replacing_all
 from studio.library.catalogue import Actor, Catalogue, CatalogueClip, Take
 from studio.library.clips import ClipLabel, Kind
+from studio.library.copies import takes_once
 from studio.library.hitting import HitPath
 
 FloatArray = NDArray[np.float64]
@@ -56,10 +57,11 @@ class Library:
 
     @classmethod
     def of(cls, catalogue: Catalogue) -> "Library":
-        """What a catalogue holds. The poses stay on disk; they are written there again when the clips have changed."""
+        """What a catalogue holds, copies once. The poses stay on disk, and are written anew when clips have changed."""
         with catalogue.unchanging():
             takes, actors, known = catalogue.takes(), catalogue.actors(), catalogue.clips()
-        strikes = [clip for clip in known if clip.label.kind is not Kind.NONE and clip.take in takes]
+        kept = takes_once(takes.values(), known)
+        strikes = [clip for clip in known if clip.label.kind is not Kind.NONE and clip.take in kept]
         clips = [_with_take(clip, takes[clip.take], actors) for clip in strikes]
         return cls.of_clips(clips, _poses_on_disk(catalogue.folder, clips))
 

@@ -1,7 +1,8 @@
 """A clip that was found, made to hit: placed and blended in, put on the performer, driven to the target (P09 3.4).
 
-The clip takes over from what plays by the transition of all clips in a row. A constraint asks for the target, and its
-offset grows from nothing at the change to all of it at the hit, and goes again: the target may move on until the hit.
+The clip takes over from what plays by the transition of all clips in a row. A constraint asks for the target: it eases
+in from the change on, with a leg from when that swings, is all there at the hit, and goes again. The target may move on
+until the hit.
 """
 
 from collections.abc import Sequence
@@ -24,7 +25,7 @@ from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import stand
 from studio.core.stage.clip import Clip
 from studio.core.stage.scope import Scope
-from studio.library.clips import ClipLabel, hit_point
+from studio.library.clips import ClipLabel, Limb, hit_point
 from studio.library.searching import Asked, Result, metres
 
 CHAIN = Chain(limb=1.0, clavicle=1.0, trunk=0.6, root=0.4)
@@ -35,6 +36,8 @@ HELD = 0.5
 """Seconds for which a pose is held to try what takes over from it."""
 EASED_IN = 0.6
 """Part of the time to the hit in which the clip takes over from what played."""
+SWUNG = 0.25
+"""Seconds before and after its hit in which a leg is led to a target: one that is led as it is lifted goes astray."""
 HOLD = 0.03
 """Seconds for which the target is met whole, so that the frame of the hit is among them."""
 
@@ -144,10 +147,9 @@ def missed_by(found: Result, asked: Asked) -> float:
 
 
 def aimed(found: Result, clip: Clip, target: Place, body: Morphology) -> PositionConstraint:
-    """What drives a clip to a target: nothing at its start, all of it at the hit, in seconds of its motion."""
+    """What drives a clip to a target, in seconds of its motion."""
     label, rate = found.clip.label, found.clip.take.motion.frame_rate
-    hit = found.hit / rate
-    curve = _met_at(hit, found.start / rate, min(hit + found.seconds, label.last / rate))
+    curve = _met_at(found.hit / rate, found.start / rate, label.last / rate, label.limb)
     point = hit_point(label.limb, label.segment, body)
     name = f"{label.limb.words.capitalize()} {label.kind}"
     return PositionConstraint(clip.motion_id, name, point, CHAIN, 0, curve, target=target, scope=Scope(clip_id=clip.id))
@@ -157,12 +159,16 @@ def _aim(
     whole: Composite, change: int, hit: int, label: ClipLabel, body: Morphology, target: Place
 ) -> PositionConstraint:
     rate = whole.timing.frame_rate
-    end = min(hit + (hit - change), whole.motion.frame_count - 1)
-    curve = _met_at(hit / rate, change / rate, end / rate)
+    curve = _met_at(hit / rate, change / rate, (whole.motion.frame_count - 1) / rate, label.limb)
     point = hit_point(label.limb, label.segment, body)
     return PositionConstraint("", f"{label.kind} hits", point, CHAIN, 0, curve, target=target)
 
 
-def _met_at(hit: float, start: float, end: float) -> ActivationCurve:
-    """Nothing at the start, all of it round the hit, in seconds; at once where a blow is begun that late."""
-    return ActivationCurve(start, max(start, hit - HOLD), hit + HOLD, max(end, hit + 2 * HOLD))
+def _met_at(hit: float, start: float, end: float, limb: Limb) -> ActivationCurve:
+    """All of it round the hit, as long before as after, between start and end, in seconds.
+
+    At once where a blow is begun that late.
+    """
+    led = hit - start if limb.is_arm else min(hit - start, SWUNG)
+    begin, full_end = hit - led, hit + HOLD
+    return ActivationCurve(begin, max(begin, hit - HOLD), full_end, max(min(hit + led, end), full_end + HOLD))

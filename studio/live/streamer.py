@@ -78,7 +78,8 @@ class Broadcast:
                     host = host or socket.gethostbyname(self._address)
                     self._send_all(out, host)
                 except (OSError, OverflowError, UnicodeError) as error:
-                    self.problem = f"Nothing can be sent to {self._address}: {error}."
+                    reason = getattr(error, "strerror", None) or error
+                    self.problem = f"Nothing can be sent to {self._address}: {reason}. Choose another address."
                 else:
                     self.problem = ""
 

@@ -90,6 +90,11 @@ class ClipLine(QWidget):
         frame = 0 if self._label is None else getattr(self._label, mark)
         return QPointF(self._seen.x(frame), HEIGHT - FOOT - 6.0 if mark is Mark.HIT else HEAD + 6.0)
 
+    def caption(self, mark: Mark, width: float) -> QRectF:
+        """Where words of so many pixels stand at a mark: in its middle, and whole within the line at both ends."""
+        left = min(max(self.place_of(mark).x() - 0.5 * width, 0.0), self.width() - width)
+        return QRectF(left, *((HEIGHT - FOOT, width, FOOT) if mark is Mark.HIT else (0.0, width, HEAD)))
+
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Take the mark under the mouse."""
         if event.button() == Qt.MouseButton.LeftButton:
@@ -191,9 +196,8 @@ class ClipLine(QWidget):
             painter.setBrush(colour)
             painter.drawEllipse(self.place_of(mark), 4.0, 4.0)
             painter.setPen(colour)
-            row = QRectF(x - 50.0, HEIGHT - FOOT, 100.0, FOOT) if mark is Mark.HIT else QRectF(x - 50.0, 0, 100.0, HEAD)
-            row.moveLeft(min(max(row.left(), -28.0), self.width() - 72.0))
             words = f"hit {frame}" if mark is Mark.HIT else str(frame)
+            row = self.caption(mark, painter.fontMetrics().horizontalAdvance(words))
             painter.drawText(row, Qt.AlignmentFlag.AlignCenter, words)
 
 

@@ -48,6 +48,8 @@ class Strikes(QWidget):
             Choice("Limb", ((None, "Any limb"), *limbs)),
             Choice("Kind", ((None, "Any kind"), *kinds)),
         )
+        for choice in (self.target, self.limb, self.kind):
+            choice.chosen.connect(lambda _: self.wanted.emit())
         for name, fields in (("Target", [self.target]), ("Aim", [self.aim]), ("Strike", [self.limb, self.kind])):
             section.add_row(name, *fields)
         column = QVBoxLayout(self)
@@ -58,17 +60,7 @@ class Strikes(QWidget):
         self.hint = labelled(EMPTY, "hint")
         self.hint.setContentsMargins(SIDE, 0, SIDE, 0)
         column.addWidget(self.hint)
-        self.results = Results()
-        self.results.setAccessibleName("Strikes found, the best first")
-        self.results.setItemDelegate(TwoLines(self.results))
-        self.results.setResizeMode(QListWidget.ResizeMode.Adjust)
-        self.results.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.results.itemActivated.connect(lambda item: self._activate(self.results.row(item)))
-        self.results.setMouseTracking(True)
-        self.results.itemEntered.connect(lambda item: self._look(self.results.row(item)))
-        self.results.viewportEntered.connect(lambda: self._look(-1))
-        self.results.currentRowChanged.connect(self._current_changed)
-        self.results.viewport().installEventFilter(self)
+        self.results = self._make_results()
         column.addWidget(self.results, 1)
         self.use = press_button("Use on the selected performer", lambda: self.chosen.emit(self.results.currentRow()))
         self.use.setToolTip("Play it on this body from the playhead on, blended in and driven to the target")
@@ -125,6 +117,20 @@ class Strikes(QWidget):
         self.use.setEnabled(row >= 0 and self._usable)
         self.correct.setEnabled(row >= 0)
         self._look(row)
+
+    def _make_results(self) -> "Results":
+        results = Results()
+        results.setAccessibleName("Strikes found, the best first")
+        results.setItemDelegate(TwoLines(results))
+        results.setResizeMode(QListWidget.ResizeMode.Adjust)
+        results.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        results.itemActivated.connect(lambda item: self._activate(results.row(item)))
+        results.setMouseTracking(True)
+        results.itemEntered.connect(lambda item: self._look(results.row(item)))
+        results.viewportEntered.connect(lambda: self._look(-1))
+        results.currentRowChanged.connect(self._current_changed)
+        results.viewport().installEventFilter(self)
+        return results
 
     def _buttons(self) -> QHBoxLayout:
         row = QHBoxLayout()

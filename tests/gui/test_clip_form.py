@@ -44,6 +44,16 @@ def test_without_a_target_all_strikes_are_listed_and_one_opens(striking):
     assert striking.labelling.form.label == striking.library.clips[0].label
 
 
+def test_what_a_mark_says_is_whole_at_both_ends_of_the_take(striking):
+    form = striking.labelling.form
+    end = int(form.frames[Mark.LAST].maximum())
+    for first in (0, end - 2):
+        form.line.show_label(replace(form.label, first=first, hit=first + 1, last=first + 2))
+        for mark in Mark:
+            caption = form.line.caption(mark, 52.0)
+            assert 0.0 <= caption.left() < caption.right() <= form.line.width()
+
+
 def test_marks_are_dragged_and_keep_their_order_and_a_drag_is_one_step_back(striking):
     form = striking.labelling.form
     before = form.label

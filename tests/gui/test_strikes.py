@@ -12,6 +12,7 @@ from studio.app.strike_target import StrikeTarget
 from studio.core.constraints.position import PositionConstraint
 from studio.core.stage.prop import Prop
 from studio.engine.live_adaptation import LiveAdaptation
+from studio.engine.tasks import Progress
 from studio.library.clips import Limb
 from studio.panels import strikes
 from studio.resources_folder import example_captures_folder
@@ -84,6 +85,18 @@ def test_the_limb_that_is_chosen_is_the_only_one_that_is_found(striking, window,
     assert striking.panel.hint.text() == strikes.NOTHING
 
 
+def test_what_is_chosen_is_searched_for_at_once(striking, window, qtbot):
+    solved(window, qtbot)
+    panel, key = striking.panel, add_box(window)
+    assert panel.hint.text() == strikes.READY
+    assert "from the target" in panel.results.item(0).text()
+    for _ in range(1 + Limb.RIGHT_LEG):
+        QTest.keyClick(panel.limb, Qt.Key.Key_Down)
+    assert {clip.label.limb for clip in striking.listed} == {Limb.RIGHT_LEG}
+    window.bench.document.remove("props", key, "Delete box")
+    assert panel.hint.text() == strikes.NO_TARGET
+
+
 def test_without_a_box_it_says_that_one_is_needed(striking, window, qtbot):
     striking.add_folder(example_captures_folder())
     wait_until_idle(qtbot, window)
@@ -122,6 +135,24 @@ def test_a_folder_without_use_is_told_and_nothing_changes(striking, window, qtbo
     assert said[-1].startswith("broken.bvh")
     assert said[-1].count("broken.bvh") == 1
     assert window.bench.document.project is before
+
+
+def test_a_folder_that_is_cancelled_leaves_what_was_read_by_then_in_the_list(striking, window, qtbot, monkeypatch):
+    said = []
+    window.bench.said.connect(said.append)
+    report = Progress.report
+
+    def cancelled_before_the_third(progress, fraction, text=""):
+        if text == "reach_grasp.bvh":
+            progress.cancel()
+        report(progress, fraction, text)
+
+    monkeypatch.setattr(Progress, "__call__", cancelled_before_the_third)
+    striking.add_folder(example_captures_folder())
+    wait_until_idle(qtbot, window)
+    assert "front_kick" in [clip.take.motion.name for clip in striking.library.clips]
+    assert "straight_punch" not in [clip.take.motion.name for clip in striking.library.clips]
+    assert said == ["Adding captures was cancelled. What had been read by then is in the library."]
 
 
 def test_a_constraint_of_the_strike_belongs_to_its_clip_alone(striking, window, qtbot):

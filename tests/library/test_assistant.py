@@ -2,19 +2,22 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from studio.core.normalized.mirror import mirrored
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.realize import realize
 from studio.io.importing import load_capture
 from studio.library.assistant import propose
 from studio.library.clips import ClipLabel, HitSegment, Kind, Limb
+from studio.resources_folder import bundled_strikes_folder
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "captures"
 
 
-def proposals(name):
-    motion, actor = normalize(load_capture(EXAMPLES / f"{name}.bvh"))
+def proposals(path):
+    motion, actor = normalize(load_capture(path))
     return propose(*realize(motion, actor.morphology, play=True), actor.morphology, motion.frame_rate)
 
 
@@ -22,7 +25,7 @@ def proposals(name):
     ("name", "limb", "time"), [("straight_punch", Limb.RIGHT_ARM, 3.0), ("front_kick", Limb.RIGHT_LEG, 2.56)]
 )
 def test_a_strike_is_found_when_it_was_made_to_hit(name, limb, time):
-    (clip,) = proposals(name)
+    (clip,) = proposals(EXAMPLES / f"{name}.bvh")
     assert clip.limb is limb
     assert clip.hit / 60.0 == pytest.approx(time, abs=0.1)
     assert clip.kind is (Kind.PUNCH if limb.is_arm else Kind.KICK)
@@ -30,7 +33,31 @@ def test_a_strike_is_found_when_it_was_made_to_hit(name, limb, time):
 
 @pytest.mark.parametrize("name", ["walk_turn", "reach_grasp"])
 def test_walking_and_grasping_are_no_strikes(name):
-    assert proposals(name) == []
+    assert proposals(EXAMPLES / f"{name}.bvh") == []
+
+
+def legs_in_turn(seconds):
+    """The front kick again and again, now with one leg and now with the other."""
+    motion, actor = normalize(load_capture(EXAMPLES / "front_kick.bvh"))
+    points, turns = realize(motion, actor.morphology, play=True)
+    swing = slice(154 - round(30 * seconds), 154 + round(30 * seconds))
+    other = realize(mirrored(motion), actor.morphology, play=True)
+    legs = [(points[swing], turns[swing]), (other[0][swing], other[1][swing])] * 4
+    whole = [np.concatenate(parts) for parts in zip(*legs, strict=True)]
+    return propose(*whole, actor.morphology, motion.frame_rate)
+
+
+def test_legs_that_swing_in_turn_to_a_beat_dance():
+    assert len(legs_in_turn(1.5)) >= 6
+    assert legs_in_turn(0.6) == []
+
+
+def test_a_leg_that_stays_out_is_shown_and_kicks_nobody():
+    motion, actor = normalize(load_capture(EXAMPLES / "front_kick.bvh"))
+    (kick,) = proposals(EXAMPLES / "front_kick.bvh")
+    frames = np.insert(np.arange(motion.frame_count), kick.hit, [kick.hit] * 30)
+    points, turns = realize(motion, actor.morphology, play=True)
+    assert propose(points[frames], turns[frames], actor.morphology, motion.frame_rate) == []
 
 
 def test_a_clip_hits_between_its_frames_with_a_segment_of_its_limb():
@@ -38,3 +65,8 @@ def test_a_clip_hits_between_its_frames_with_a_segment_of_its_limb():
         ClipLabel(5, 20, 4, Limb.LEFT_ARM, Kind.PUNCH, HitSegment.FIST)
     with pytest.raises(ValueError, match="left arm has no heel"):
         ClipLabel(5, 20, 9, Limb.LEFT_ARM, Kind.PUNCH, HitSegment.HEEL)
+
+
+def test_every_bundled_strike_is_found_once():
+    strikes = sorted(bundled_strikes_folder().glob("*.bvh"))
+    assert [len(proposals(path)) for path in strikes] == [1] * len(strikes)

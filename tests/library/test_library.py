@@ -100,6 +100,19 @@ def test_only_what_was_asked_for_is_found(catalogue):
     assert find(library, asked_of(*far, in_box=True)) == []
 
 
+def test_copies_of_a_file_are_listed_once_with_the_labels_that_were_given(catalogue, folder, tmp_path):
+    copies = tmp_path / "copies"
+    shutil.copytree(folder, copies)
+    (copies / "front_kick.bvh").rename(copies / "renamed.bvh")
+    index(catalogue, [copies])
+    assert [clip.take.motion.name for clip in Library.of(catalogue).clips] == ["front_kick", "straight_punch"]
+    number = next(clip.number for clip in catalogue.clips() if catalogue.takes()[clip.take].motion.name == "renamed")
+    corrected(catalogue, number, replace(Library.of(catalogue).clips[0].label, tags=("mine",)))
+    assert [clip.label.tags for clip in Library.of(catalogue).clips] == [(), ("mine",)]
+    shutil.rmtree(copies)
+    assert [clip.take.motion.name for clip in Library.of(catalogue).clips] == ["front_kick", "straight_punch"]
+
+
 def test_a_label_that_somebody_gave_outlasts_a_changed_file(catalogue, folder, tmp_path):
     clip = Library.of(catalogue).clips[0]
     label = replace(clip.label, segment=HitSegment.HEEL, tags=("high",), hit=clip.label.hit - 3)
@@ -155,7 +168,7 @@ def test_a_catalogue_that_is_lost_or_damaged_is_made_anew(catalogue, folder):
 def test_a_library_opened_while_another_is_indexing_is_of_one_moment(catalogue, tmp_path, monkeypatch):
     more = tmp_path / "more"
     more.mkdir()
-    shutil.copy(EXAMPLES / "straight_punch.bvh", more)
+    shutil.copy(EXAMPLES.parent / "strikes" / "cross_low.bvh", more)
 
     def write():
         with Catalogue(catalogue.folder) as other:

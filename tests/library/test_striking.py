@@ -6,19 +6,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from studio.cli.live import guard_of
 from studio.core.body.morphology import Proportions
 from studio.core.constraints.keyed import KeyedPlace
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.pieces import Piece
 from studio.core.normalized.realize import realize
-from studio.core.quality.metrics import contact_quality
+from studio.core.quality.metrics import angular_acceleration, contact_quality, swing_depths
+from studio.core.solver.adapt import adapt
 from studio.core.stage.clip import Clip
 from studio.io.character_file import bundled_characters
 from studio.library.catalogue import Catalogue
-from studio.library.clips import Kind
+from studio.library.clips import Kind, Limb
 from studio.library.hitting import hit_places
-from studio.library.indexing import index
+from studio.library.indexing import bundled_library, index
 from studio.library.library import Library
+from studio.library.scenes.choosing import target_of
 from studio.library.searching import Asked, find, outline, place_before
 from studio.library.striking import Blow, aimed, make_strike, tried
 
@@ -31,6 +34,11 @@ def library(tmp_path_factory):
     with Catalogue(tmp_path_factory.mktemp("library")) as catalogue:
         index(catalogue, [EXAMPLES])
         return Library.of(catalogue)
+
+
+@pytest.fixture(scope="module")
+def bundled():
+    return bundled_library()
 
 
 def guard(library):
@@ -102,6 +110,28 @@ def test_the_body_goes_on_smoothly_where_the_blow_takes_over(library):
         np.linalg.norm(np.diff(adapted.positions[strike.change - 2 : strike.change + 2], axis=0), axis=2).max() < 0.05
     )
     assert contact_quality(adapted, strike.composite.contacts, Ground()).slide < 0.002
+
+
+@pytest.mark.parametrize("height", [0.2, 0.45])
+@pytest.mark.parametrize("name", BODIES)
+def test_a_kick_at_a_low_target_keeps_its_foot_above_the_ground_and_swings_as_smoothly_as_it_was_found(
+    bundled, name, height
+):
+    """A foot that was led on as it was lifted went into the ground by up to 20 cm, and turned 29 times as sharply."""
+    body, playing = BODIES[name], guard_of(None)
+    for ahead in (0.75, 1.0):
+        asked = target_of(
+            playing.motion, playing.first, body, (ahead * body.stature / 1.66, height * body.stature / 1.66)
+        )
+        [best] = find(bundled, replace(asked, limbs=[Limb.LEFT_LEG, Limb.RIGHT_LEG]), 1)
+        place = tuple(np.asarray(asked.place).tolist())
+        strike = make_strike(playing, playing.first, Blow.of(best), body, place)
+        request = strike.request()
+        led, found = adapt(request), adapt(replace(request, constraints=()))
+        assert led.residuals[0, strike.hit] < 1e-3
+        assert np.nanmax(swing_depths(led, request.contacts, Ground())) < 0.015
+        sharpness = [angular_acceleration(each.rotations[strike.change :], 60.0).max() for each in (led, found)]
+        assert sharpness[0] < 2.0 * sharpness[1]
 
 
 def test_another_body_finds_another_clip_for_the_same_target(library):

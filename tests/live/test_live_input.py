@@ -164,6 +164,8 @@ def test_several_bodies_go_out_each_to_its_own_port_and_who_cannot_be_reached_is
     nowhere = Broadcast("not an address")
     nowhere.show(bodies, 0.0)
     assert eventually(lambda: "Nothing can be sent to not an address" in nowhere.problem)
+    assert "Errno" not in nowhere.problem
+    assert nowhere.problem.endswith("Choose another address.")
     nowhere.close()
 
 

@@ -159,6 +159,16 @@ def test_a_double_click_renames_a_state_and_its_transitions_follow(document, pan
     assert document.history == ("Rename Strike",)
 
 
+def test_a_state_that_is_added_covers_no_other_no_arrow_and_no_words(panel, qtbot):
+    for count in (3, 4, 5):
+        qtbot.mouseClick(next(each for each in panel.findChildren(QPushButton) if each.text() == "Add state"), LEFT)
+        boxes = [item.rect for item in panel.diagram.states.values()]
+        assert len(boxes) == count
+        taken = boxes[:-1] + [each.label for each in panel.diagram.arrows]
+        taken += [each.boundingRect() for each in panel.diagram.arrows]
+        assert not any(boxes[-1].intersects(each) for each in taken)
+
+
 def test_a_state_that_could_not_be_added_has_no_name_to_type(panel, document, qtbot):
     [add] = [each for each in panel.findChildren(QPushButton) if each.text() == "Add state"]
     document.new(make_project(characters=0))

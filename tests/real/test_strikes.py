@@ -17,6 +17,7 @@ NO_STRIKES = (
     "accad_female1_C03_Run", "accad_female1_C20_RunToJumpToWalk", "accad_female1_D3_ConversationGestures",
     "accad_female1_D5_RandomStuff2", "accad_female1_D6_CartWheel", "mass_backflip", "mass_cart", "mass_pirouette",
     "accad_female1_B03_Walk1", "fair_dab_zup", "cmu01_03_climb", "cmu_salsa_10", "pybvh_cmu_12_01_walk",
+    "rokoko_jesse_dance", "bvh11_cmu131_metres",
 )  # fmt: skip
 
 
@@ -53,3 +54,14 @@ def test_limbs_and_hits_are_those_of_the_labels():
 @pytest.mark.parametrize("stem", NO_STRIKES)
 def test_what_is_no_strike_is_not_called_one(stem):
     assert proposals(stem)[0] == []
+
+
+@pytest.mark.skipif(not HUMANS, reason="the shared captures are not here")
+@pytest.mark.parametrize("stem", ["cmu_135_04", "cmu_135_09", "cmu_135_11", "cmu_salsa_10", "bvh11_cmu131_metres"])
+def test_a_motion_has_the_same_strikes_at_a_quarter_of_its_frame_rate(stem):
+    _, motion, actor = taken(named(stem))
+    points, turns = realize(motion, actor.morphology, play=True)
+    whole = propose(points, turns, actor.morphology, motion.frame_rate)
+    quarter = propose(points[::4], turns[::4], actor.morphology, motion.frame_rate / 4)
+    assert [clip.limb for clip in quarter] == [clip.limb for clip in whole]
+    assert all(abs(4 * few.hit - many.hit) <= 8 for few, many in zip(quarter, whole, strict=True))

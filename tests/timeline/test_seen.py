@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from PySide6.QtGui import QFontMetrics
+from PySide6.QtWidgets import QApplication
 
 from studio.core.project import Motion
 from studio.core.stage.clip import Clip
@@ -13,9 +15,12 @@ from studio.timeline.axis import TimeAxis
 from studio.timeline.curves import Curve, seen_curve
 from studio.timeline.shown import Shown
 from studio.timeline.subject import Subject
+from studio.timeline.tracks.brush import font
+from studio.timeline.tracks.clip import shortened
 from studio.timeline.tracks.contacts import LEAST_BAR, seen_bars
 
 RATE = 60.0
+WORDS = "front_leg_low · 67 frames at 60 Hz · mirrored"
 
 
 def make_shown(frames: int, width: float = 1000.0) -> Shown:
@@ -90,3 +95,15 @@ def test_of_a_long_curve_every_peak_in_sight_is_drawn(frames: int, seed: int, zo
     assert values.max() >= curve.values[seen].max()
     assert values.min() <= curve.values[seen].min()
     assert set(values) <= set(curve.values)
+
+
+@pytest.mark.parametrize(
+    ("room", "seen"), [(400, WORDS), (230, "front_leg_low · 67 frames at 60 Hz"), (110, "front_leg_low")]
+)
+def test_a_bar_says_as_many_of_its_words_as_it_has_room_for_whole(qapp: QApplication, room: int, seen: str) -> None:
+    assert shortened(WORDS, QFontMetrics(font()), room) == seen
+
+
+def test_a_name_too_long_for_its_bar_ends_in_dots(qapp: QApplication) -> None:
+    assert shortened(WORDS, QFontMetrics(font()), 60).startswith("front")
+    assert shortened(WORDS, QFontMetrics(font()), 60).endswith("…")

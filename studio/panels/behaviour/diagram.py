@@ -354,11 +354,13 @@ class Diagram(QGraphicsView):
         return arrows
 
     def _free_place(self) -> QPointF:
-        """The middle of what is seen, or beside what stands there."""
+        """The middle of what is seen, or as little below it as leaves all that stands there uncovered."""
+        taken = [item.rect for item in self.states.values()]
+        taken += [area for arrow in self.arrows for area in (arrow.boundingRect(), arrow.label)]
         place = self.mapToScene(self.viewport().rect().center())
-        while any(abs(item.box.place[0] - place.x()) < 20.0 and abs(item.box.place[1] - place.y()) < 20.0
-                  for item in self.states.values()):  # fmt: skip
-            place += QPointF(GRID, GRID)
+        new = Box("State", "holds its pose", (), (0.0, 0.0)).rect.adjusted(-GRID, -MARGIN, GRID, MARGIN)
+        while any(new.translated(place).intersects(each) for each in taken):
+            place += QPointF(0.0, GRID)
         return place
 
 

@@ -1,7 +1,7 @@
 """The clips of a performer: one bar each, over each other where one fades into the next."""
 
 from PySide6.QtCore import QPointF, QRect, QRectF, Qt
-from PySide6.QtGui import QColor, QPainter, QPainterPath, QPolygonF
+from PySide6.QtGui import QColor, QFontMetrics, QPainter, QPainterPath, QPolygonF
 
 from studio.core.constraints.activation import EaseShape, ease
 from studio.core.stage.clip import Clip
@@ -16,6 +16,7 @@ EDGE_REACH = 5.0
 """Pixels at a bar's ends by which it is trimmed; a quarter of a short bar."""
 TINT, SELECTED_TINT = 0.28, 0.6
 CURVE_STEPS = 16
+PARTED = " · "
 
 
 def clip_bar(shown: Shown, row: QRect, clip: Clip) -> QRectF:
@@ -38,7 +39,7 @@ def clip_text(shown: Shown, clip: Clip) -> str:
     words += [f"{clip.speed:g} × as fast"] if clip.speed != 1.0 else []
     words += [f"{clip.repeats} times"] if clip.repeats > 1 else []
     words += ["mirrored"] if clip.mirrored else []
-    return " · ".join(words)
+    return PARTED.join(words)
 
 
 def row_text(shown: Shown, clip: Clip) -> str:
@@ -138,12 +139,20 @@ def seen_part(shown: Shown, room: QRectF) -> QRectF:
 
 
 def paint_clip_text(painter: QPainter, words: str, room: QRectF, colour: str = colours.TEXT) -> None:
-    """Words at the left of a bar, cut where it ends."""
+    """Words at the left of a bar, as many as it has room for."""
     painter.setFont(font())
     painter.setPen(QColor(colour))
     area = room.adjusted(10, 0, -4, 0)
-    text = painter.fontMetrics().elidedText(words, Qt.TextElideMode.ElideRight, round(area.width()))
-    painter.drawText(area, Qt.AlignmentFlag.AlignVCenter, text)
+    painter.drawText(area, Qt.AlignmentFlag.AlignVCenter, shortened(words, painter.fontMetrics(), round(area.width())))
+
+
+def shortened(words: str, metrics: QFontMetrics, width: int) -> str:
+    """As many of the parts between dots as are seen whole; of the first one as much as there is room for."""
+    parts = words.split(PARTED)
+    for count in range(len(parts), 1, -1):
+        if metrics.horizontalAdvance(PARTED.join(parts[:count])) <= width:
+            return PARTED.join(parts[:count])
+    return metrics.elidedText(parts[0], Qt.TextElideMode.ElideRight, width)
 
 
 def paint_clip_label(painter: QPainter, row: QRect, shown: Shown, performer_id: str) -> None:
