@@ -8,8 +8,13 @@ from numpy.typing import NDArray
 
 from studio.core.frozen_array import unwritten
 from studio.core.kernels import layout
+from studio.core.rotations import multiply, rotate
+from studio.core.windows import smoothed
 
 FloatArray = NDArray[np.float64]
+
+HEADING_SMOOTHING = 0.25
+"""Seconds, standard deviation of the low-pass on where pelvis and feet look."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +49,7 @@ class NormalizedMotion:
     spine_places: FloatArray
     girdle: Girdle | None = None
     """The actor's: where other clavicles are longer they turn by less, so that shoulders go as far, and they come no
-    nearer to each other than the actor's do; wider hips roll by less. None where it is not known: all turn alike."""
+    nearer to each other than the actor's do; wider hips turn by less. None where it is not known: all turn alike."""
 
     def __post_init__(self) -> None:
         for name in ("channels", "spine_places"):
@@ -62,6 +67,17 @@ class NormalizedMotion:
     def times(self) -> FloatArray:
         """(F,) seconds."""
         return unwritten(np.arange(self.frame_count) / self.frame_rate)
+
+    @cached_property
+    def across(self) -> FloatArray:
+        """(F, 2) how the feet lie across, to the left, in the motion's space: what is level of both, their mean,
+        low-passed. A pelvis turns over feet that stand; this says where it would be if it did not.
+        """
+        yaw, pelvis = self.channels[:, layout.YAW], self.channels[:, layout.PELVIS : layout.PELVIS + 4]
+        feet = self.channels[:, layout.FOOT : layout.FOOT + 8].reshape(-1, 2, 4)
+        x, y, _ = rotate(multiply(pelvis[:, None], feet), np.array([0.0, 1.0, 0.0])).mean(axis=1).T
+        level = np.column_stack([np.cos(yaw) * x - np.sin(yaw) * y, np.sin(yaw) * x + np.cos(yaw) * y])
+        return unwritten(smoothed(level, HEADING_SMOOTHING * self.frame_rate))
 
     @property
     def duration(self) -> float:

@@ -28,7 +28,7 @@ def realize(
     rotations = np.empty((motion.frame_count, layout.segment_count, 3, 3))
     girdle = motion.girdle or girdle_of(morphology.still)
     lengths, hips = girdle.length / girdles(morphology), girdle.hips / hip_breadths(morphology)
-    actor = kernel.Girdles(np.minimum(lengths, 1.0), girdle.rest, np.minimum(hips, 1.0))
+    actor = kernel.Girdles(np.minimum(lengths, 1.0), girdle.rest, np.minimum(hips, 1.0), motion.across)
     kernel.realize_frames(
         motion.channels, motion.spine_places, morphology.rows, actor, float(play), positions, rotations
     )

@@ -24,9 +24,8 @@ from studio.core.kernels.records import Array, Limb, Pose
 NARROWED = 0.003
 """Part of a clavicle by which it goes inwards farther than the actor's before it is half held back."""
 
-
-UPRIGHT = (0.0, 0.8)
-"""Cosines of how far a pelvis leans at which wide hips begin to rise less, and do so wholly."""
+FACING = 0.5
+"""How far feet lie across under wide hips at which these are wholly held: 1 where both look ahead, soles level."""
 
 
 class Girdles(NamedTuple):
@@ -38,6 +37,8 @@ class Girdles(NamedTuple):
     """(2, 3) directions of the actor's clavicles at rest, in the thorax."""
     hips: Array
     """(F or 1,) breadth of the actor's hips in parts of the body's, both in parts of the legs' length, 1 at most."""
+    lines: Array
+    """(F, 2) how its feet lie across, as ``NormalizedMotion.across`` has them."""
 
 
 @allocating_kernel
@@ -59,7 +60,7 @@ def realize_each(channels, measures, actor, spine_from, spine_share, play, out_p
         row = measures[frame if measures.shape[0] > 1 else 0]
         pose = Pose(out_positions[frame], out_rotations[frame])
         shoulders = actor.lengths[frame % actor.lengths.shape[0]], actor.rests
-        hips = actor.hips[frame % actor.hips.shape[0]]
+        hips = actor.hips[frame % actor.hips.shape[0]], actor.lines[frame]
         realize_frame(channels[frame], row, (shoulders, hips), spine_from, spine_share, play, pose)
 
 
@@ -88,7 +89,7 @@ def sample_spine(places, measures):
 
 @kernel
 def realize_frame(channels, measures, girdles, spine_from, spine_share, play, pose):
-    """One frame of ``realize_frames``; ``girdles`` those of the actor: its shoulders, and its hips' breadth."""
+    """One frame of ``realize_frames``; ``girdles`` those of the actor: its shoulders, and its hips with their line."""
     root, pelvis, neck_base, thorax = realize_trunk(channels, measures, girdles[1], spine_from, spine_share, pose)
     realize_head(channels, measures, play, neck_base, thorax, pose)
     for side in range(2):
@@ -97,22 +98,22 @@ def realize_frame(channels, measures, girdles, spine_from, spine_share, play, po
 
 
 @small_kernel
-def realize_trunk(channels, measures, breadth, spine_from, spine_share, pose):
+def realize_trunk(channels, measures, hips, spine_from, spine_share, pose):
     """Pelvis and spine (METHOD 3.1, 3.2); place and turn of the pelvis and, at the neck base, of the thorax.
 
-    The pelvis itself rolls by less where hips are wider than the actor's, of which ``breadth`` says; trunk and legs do
-    not turn with it.
+    The pelvis itself turns by less where hips are wider than the actor's, of which ``hips`` say, so that they stay as
+    near over feet that stand; trunk and legs do not turn with it.
     """
-    upright = pelvis_turn(channels)
-    pelvis = upright if breadth == 1.0 else levelled(upright, breadth)
+    upright, (breadth, line) = pelvis_turn(channels), hips
+    pelvis = upright if breadth == 1.0 else levelled(upright, breadth, line)
     leg, m = mean_leg(measures), at.M_HIP_OFFSET
-    hips = (
+    middle = (
         channels[at.HIPS] * leg,
         channels[at.HIPS + 1] * leg,
         channels[at.HIPS + 2] * leg + 0.5 * (measures[at.M_ANKLE_HEIGHT] + measures[at.M_ANKLE_HEIGHT + 1]),
     )
     root = put_beside(
-        hips,
+        middle,
         pelvis,
         -0.5 * (measures[m] + measures[m + 3]),
         -0.5 * (measures[m + 1] + measures[m + 4]),
@@ -130,13 +131,20 @@ def realize_trunk(channels, measures, breadth, spine_from, spine_share, pose):
 
 
 @small_kernel
-def levelled(pelvis, share):
-    """A pelvis of which the hips rise beside each other but by a ``share``, the less the more it leans."""
-    rise = pelvis[7]
-    stands = smoothstep(min(max((pelvis[8] - UPRIGHT[0]) / (UPRIGHT[1] - UPRIGHT[0]), 0.0), 1.0))
-    held = (1.0 - (1.0 - share) * stands) * rise
-    level = math.sqrt((1.0 - held * held) / max(1.0 - rise * rise, 1e-12))
-    return product(shortest(pelvis[1], pelvis[4], rise, level * pelvis[1], level * pelvis[4], held), pelvis)
+def levelled(pelvis, share, line):
+    """A pelvis whose line of hips turns and rises but by a ``share`` beside the level ``line`` (2,) across its feet.
+
+    It does so the less, the more its feet are turned from it, or lie on their sides.
+    """
+    own = 1.0 / max(math.hypot(line[0], line[1]), 1e-9)
+    x, y = own * line[0], own * line[1]
+    faces = (line[0] * pelvis[1] + line[1] * pelvis[4]) / FACING
+    part = 1.0 - (1.0 - share) * smoothstep(min(max(faces, 0.0), 1.0))
+    if part == 1.0:
+        return pelvis
+    ahead, up = part * (x * pelvis[4] - y * pelvis[1]), part * pelvis[7]
+    along = math.sqrt(1.0 - ahead * ahead - up * up)
+    return product(shortest(pelvis[1], pelvis[4], pelvis[7], along * x - ahead * y, along * y + ahead * x, up), pelvis)
 
 
 @small_kernel
