@@ -11,6 +11,7 @@ from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Proportions
 from studio.core.kernels import layout as at
 from studio.core.kernels.body.realize import sample_spine
+from studio.core.kernels.limbs.limb import LEANS
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import girdle_of, realize
 from studio.core.rotations import inverse, normalized
@@ -151,6 +152,26 @@ def test_hips_whose_feet_lie_on_their_sides_turn_as_they_are_meant() -> None:
     channels[:, at.FOOT : at.FOOT + 8] = [0.0, 0.0, 0.0, 1.0] * 2
     motion = replace(WALK, channels=channels, girdle=girdle_of(body))
     assert np.allclose(realize(motion, wide)[1], realize(motion, body)[1], atol=1e-12)
+
+
+@given(st.floats(0.35, 0.65), st.floats(0.15, 0.98))
+@settings(max_examples=20)
+def test_bones_that_share_their_limb_otherwise_lie_nearly_as_the_actors_however_it_is_folded(part: float, reach: float):
+    """A knee that is drawn up is drawn up on a long thigh too; the limb's line gives way, not the posture."""
+    body = make_morphology()
+    body = replace(body, leg=np.full((2, 2), body.leg.mean()))
+    other = replace(body, leg=2.0 * body.leg.mean() * np.array([[part, 1.0 - part]] * 2))
+    channels = WALK.channels.copy()
+    channels[:, at.LIMB_SLACK + 2 : at.LIMB_SLACK + 4] = 1.0 - reach
+    motion = replace(WALK, channels=channels, girdle=girdle_of(body))
+    (_, own), (_, others) = (realize(motion, each) for each in (body, other))
+    for bone in (BodyPart.LEFT_THIGH, BodyPart.LEFT_SHANK):
+        ways = (rotations[:, body.layout.segment(bone), :, 2] for rotations in (own, others))
+        assert (np.sum(np.prod(np.stack(list(ways)), axis=0), axis=1) > np.cos(1.6 * LEANS)).all()
+    again = realize(replace(motion, girdle=girdle_of(other)), other)[0]
+    hip, ankle = body.layout.hip(0), body.layout.ankle(0)
+    ways = [positions[:, ankle] - positions[:, hip] for positions in (again, realize(motion, body)[0])]
+    assert np.allclose(*(way / np.linalg.norm(way, axis=1, keepdims=True) for way in ways), atol=1e-9)
 
 
 def test_channels_that_do_not_fit_their_spine_are_refused() -> None:

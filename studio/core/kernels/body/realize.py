@@ -18,14 +18,11 @@ from studio.core.kernels.algebra.turns import (
     turn_of,
 )
 from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
-from studio.core.kernels.limbs.limb import place_limb, soft_fold
+from studio.core.kernels.limbs.limb import folded, place_limb, soft_fold
 from studio.core.kernels.records import Array, Limb, Pose
 
 NARROWED = 0.003
 """Part of a clavicle by which it goes inwards farther than the actor's before it is half held back."""
-
-FACING = 0.5
-"""How far feet lie across under wide hips at which these are wholly held: 1 where both look ahead, soles level."""
 
 
 class Girdles(NamedTuple):
@@ -39,6 +36,8 @@ class Girdles(NamedTuple):
     """(F or 1,) breadth of the actor's hips in parts of the body's, both in parts of the legs' length, 1 at most."""
     lines: Array
     """(F, 2) how its feet lie across, as ``NormalizedMotion.across`` has them."""
+    limbs: Array
+    """(4,) parts of its arms and legs that are upper arm and thigh."""
 
 
 @allocating_kernel
@@ -61,7 +60,7 @@ def realize_each(channels, measures, actor, spine_from, spine_share, play, out_p
         pose = Pose(out_positions[frame], out_rotations[frame])
         shoulders = actor.lengths[frame % actor.lengths.shape[0]], actor.rests
         hips = actor.hips[frame % actor.hips.shape[0]], actor.lines[frame]
-        realize_frame(channels[frame], row, (shoulders, hips), spine_from, spine_share, play, pose)
+        realize_frame(channels[frame], row, (shoulders, hips, actor.limbs), spine_from, spine_share, play, pose)
 
 
 @allocating_kernel
@@ -89,12 +88,12 @@ def sample_spine(places, measures):
 
 @kernel
 def realize_frame(channels, measures, girdles, spine_from, spine_share, play, pose):
-    """One frame of ``realize_frames``; ``girdles`` those of the actor: its shoulders, and its hips with their line."""
+    """One frame of ``realize_frames``; ``girdles`` of the actor: its shoulders, hips with their line, and limbs."""
     root, pelvis, neck_base, thorax = realize_trunk(channels, measures, girdles[1], spine_from, spine_share, pose)
     realize_head(channels, measures, play, neck_base, thorax, pose)
     for side in range(2):
-        realize_arm(channels, measures, girdles[0], side, neck_base, thorax, pose)
-        realize_leg(channels, measures, side, play, root, pelvis, pose)
+        realize_arm(channels, measures, girdles, side, neck_base, thorax, pose)
+        realize_leg(channels, measures, girdles[2], side, play, root, pelvis, pose)
 
 
 @small_kernel
@@ -138,8 +137,8 @@ def levelled(pelvis, share, line):
     """
     own = 1.0 / max(math.hypot(line[0], line[1]), 1e-9)
     x, y = own * line[0], own * line[1]
-    faces = (line[0] * pelvis[1] + line[1] * pelvis[4]) / FACING
-    part = 1.0 - (1.0 - share) * smoothstep(min(max(faces, 0.0), 1.0))
+    faces = min(max(line[0] * pelvis[1] + line[1] * pelvis[4], 0.0), 1.0)  # one foot that does is enough
+    part = 1.0 - (1.0 - share) * smoothstep(faces)
     if part == 1.0:
         return pelvis
     ahead, up = part * (x * pelvis[4] - y * pelvis[1]), part * pelvis[7]
@@ -239,22 +238,22 @@ def clavicle_turn(channels, measures, shoulders, side):
 
 
 @small_kernel
-def realize_arm(channels, measures, shoulders, side, neck_base, thorax, pose):
+def realize_arm(channels, measures, girdles, side, neck_base, thorax, pose):
     """Clavicle, arm and hand (METHOD 3.3, 3.4); the arm lies in the thorax carried along by the actor's clavicle.
 
-    ``shoulders`` are the actor's: length of the clavicles beside the body's, and how they lie at rest.
+    ``girdles`` begin with the actor's shoulders: length of the clavicles beside the body's, and how they lie at rest.
     """
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
     point, segment = spine_count + 3 + 5 * side, spine_count + 2 + 4 * side
     carrier = product(thorax, turn_of(channels, at.CLAVICLE + 4 * side))
     m = at.M_COLLAR_BASE + 3 * side
     collar = put_beside(neck_base, thorax, measures[m], measures[m + 1], measures[m + 2], pose.positions[point])
-    turn = product(thorax, clavicle_turn(channels, measures, shoulders, side))
+    turn = product(thorax, clavicle_turn(channels, measures, girdles[0], side))
     put_turn(turn, pose.rotations[segment])
     put_beside(collar, turn, 0.0, 0.0, measures[at.M_CLAVICLE + side], pose.positions[point + 1])
     m = at.M_ARM + 2 * side
     bones = measures[m], measures[m + 1]
-    wrist, forearm = realize_limb(side, channels, bones, carrier, point + 1, segment + 1, pose)
+    wrist, forearm = realize_limb(side, channels, (bones, girdles[2][side]), carrier, point + 1, segment + 1, pose)
     hand = product(forearm, turn_of(channels, at.HAND + 4 * side))
     put_turn(hand, pose.rotations[segment + 3])
     m = at.M_HAND + 3 * side
@@ -262,13 +261,16 @@ def realize_arm(channels, measures, shoulders, side, neck_base, thorax, pose):
 
 
 @small_kernel
-def realize_leg(channels, measures, side, play, root, pelvis, pose):
-    """Leg, foot and toe (METHOD 3.4, 3.5); leg and foot lie in the ``pelvis`` as the actor turns it."""
+def realize_leg(channels, measures, limbs, side, play, root, pelvis, pose):
+    """Leg, foot and toe (METHOD 3.4, 3.5); leg and foot lie in the ``pelvis`` as the actor turns it.
+
+    ``limbs`` (4,) parts of the actor's that are upper bones.
+    """
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
     point, segment = spine_count + 13 + 5 * side, spine_count + 10 + 4 * side
     put_hip(channels, measures, side, play, root, turn_in(pose.rotations[0]), pose.positions[point])
     bones = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
-    ankle, _ = realize_limb(2 + side, channels, bones, pelvis, point, segment, pose)
+    ankle, _ = realize_limb(2 + side, channels, (bones, limbs[2 + side]), pelvis, point, segment, pose)
     foot = product(pelvis, turn_of(channels, at.FOOT + 4 * side))
     toe = product(foot, turn_of(channels, at.TOE + 4 * side))
     put_foot(side, measures, ankle, foot, toe, pose)
@@ -276,18 +278,21 @@ def realize_leg(channels, measures, side, play, root, pelvis, pose):
 
 @small_kernel
 def realize_limb(limb, channels, bones, carrier, point, segment, pose):
-    """Both bones of arm (limb 0, 1) or leg (2, 3) from its root ``point`` on, of lengths ``bones``; place and turn at
-    their end.
+    """Both bones of arm (limb 0, 1) or leg (2, 3) from its root ``point`` on; place and turn at their end.
+
+    ``bones`` are their lengths, and what part of the actor's limb its upper one is.
     """
-    length, twist = bones[0] + bones[1], at.LIMB_TWIST + 2 * limb
+    lengths, twist = bones[0], at.LIMB_TWIST + 2 * limb
+    length, reach = lengths[0] + lengths[1], 1.0 - channels[at.LIMB_SLACK + limb]
     shape = Limb(
-        bones,
-        soft_fold((1.0 - channels[at.LIMB_SLACK + limb]) * length, bones),
+        lengths,
+        soft_fold(reach * length, lengths),
         channels[at.LIMB_OFF_PLANE + limb] * length,
         channels[at.LIMB_BEND + limb],
         (channels[twist], channels[twist + 1]),
     )
-    return place_limb(point, segment, product(carrier, turn_of(channels, at.LIMB_FRAME + 4 * limb)), shape, pose)
+    frame = folded(product(carrier, turn_of(channels, at.LIMB_FRAME + 4 * limb)), shape, bones[1], reach)
+    return place_limb(point, segment, frame, shape, pose)
 
 
 @small_kernel
