@@ -94,6 +94,17 @@ def soft_fold(reach, bones):
     return apart * (1.0 + math.exp(reach / apart - 2.0))
 
 
+@kernel
+def no_nearer(reach, bones):
+    """Metres from its root to which a limb's end comes that is brought to ``reach``: where that is nearer than any
+    ``soft_fold``, softly no nearer than bones differ.
+    """
+    least, apart = soft_fold(0.0, bones), abs(bones[0] - bones[1])
+    if reach >= least:
+        return max(reach, 1e-6)
+    return apart + (least - apart) * math.exp((reach - least) / (least - apart))
+
+
 @small_kernel
 def folded(frame, limb, part, reach):
     """The ``frame`` of a ``limb`` so turned in the plane of its bones that they lie nearly as the actor's.
