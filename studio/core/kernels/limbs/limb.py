@@ -122,5 +122,5 @@ def folded(frame, limb, part, reach):
     upper = math.atan2(radius, own) - math.atan2(across, z)
     lower = math.atan2(radius, reach - own) - math.atan2(across, d - z)
     off = 0.5 * (upper - lower)
-    turn = off - LEANS * math.tanh(off / LEANS)
+    turn = off - off / math.sqrt(math.sqrt(1.0 + (off / LEANS) ** 4))
     return product(frame, turn_by(-turn * y / across, turn * x / across, 0.0))
