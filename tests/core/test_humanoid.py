@@ -33,6 +33,18 @@ def test_a_plain_body_is_found_whole() -> None:
     assert match.body_map.to_json(skeleton) == BODY_MAP
 
 
+def test_a_joint_in_the_shoulder_itself_is_no_clavicle() -> None:
+    """Robots turn their shoulders about one axis after the other, at one place."""
+    skeleton = make_skeleton()
+    offsets = np.array(skeleton.offsets)
+    offsets[skeleton.index("RightArm")] *= 1e-6
+    one_place = Skeleton(skeleton.names, skeleton.parents, offsets, skeleton.end_sites)
+    match = BodySearch(one_place, _standing(one_place)).match(_candidates(one_place))
+    assert match.body_map is not None
+    assert BodyPart.RIGHT_CLAVICLE not in match.body_map.parts
+    assert BodyPart.LEFT_CLAVICLE in match.body_map.parts
+
+
 def test_a_body_map_survives_json() -> None:
     skeleton = make_skeleton()
     body_map = BodyMap.from_json(skeleton, BODY_MAP)

@@ -117,3 +117,14 @@ def test_bones_of_other_lengths_fold_no_nearer_than_they_can_and_never_snap_shut
     assert -1e-9 <= kernel.soft_fold(share + step, bones) - reach <= step * (1.0 + 1e-6)
     assert kernel.soft_fold(share, (0.5, 0.5)) == share
     assert kernel.soft_fold(-share, (0.5, 0.5)) == -share  # a channel that a spline has overshot
+
+
+@given(st.floats(0.0, 1.0), st.floats(0.01, 0.45))
+def test_an_ankle_that_is_brought_too_near_stops_softly_and_stays_where_a_fold_has_it(share: float, apart: float):
+    bones, step = (0.5 + 0.5 * apart, 0.5 - 0.5 * apart), 1e-6
+    reach = kernel.no_nearer(share, bones)
+    assert reach > apart
+    assert reach >= share - 1e-12
+    assert -1e-9 <= kernel.no_nearer(share + step, bones) - reach <= step * (1.0 + 1e-6)
+    folded = kernel.soft_fold(share, bones)
+    assert kernel.no_nearer(folded, bones) == pytest.approx(folded, abs=1e-12)

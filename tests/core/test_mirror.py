@@ -47,7 +47,7 @@ def test_mirrored_twice_is_the_motion_itself() -> None:
 def test_the_shoulders_of_a_mirrored_motion_are_mirrored() -> None:
     motion, _ = normalize(swaying(3, hinged=True))
     steep = replace(make_morphology(), clavicle_rest=np.array([[0.0, 0.8, 0.6], [0.0, -1.0, 0.0]]))
-    asked = replace(motion, girdle=Girdle(0.8, np.array([[0.1, 0.9, -0.4], [0.0, -1.0, 0.0]]), 0.2))
+    asked = replace(motion, girdle=Girdle(0.8, np.array([[0.1, 0.9, -0.4], [0.0, -1.0, 0.0]]), 0.2, np.full(4, 0.5)))
     plain, _ = realize(asked, steep)
     seen, _ = realize(mirrored(asked), replace(steep, clavicle_rest=steep.clavicle_rest[::-1] * REFLECTED))
     left, right = (steep.layout.collar(side) + 1 for side in range(2))

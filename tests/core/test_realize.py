@@ -11,8 +11,10 @@ from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Proportions
 from studio.core.kernels import layout as at
 from studio.core.kernels.body.realize import sample_spine
+from studio.core.kernels.limbs.limb import LEANS
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import girdle_of, realize
+from studio.core.rotations import inverse, normalized
 from tests.builders import make_morphology
 from tests.core.motions import walk
 from tests.core.twins import body as body_twin
@@ -122,22 +124,54 @@ def test_hips_and_head_stray_only_where_the_actor_is_played() -> None:
 
 @given(st.floats(1.2, 5.0))
 @settings(max_examples=10)
-def test_wide_hips_rise_beside_each_other_as_far_as_the_actors(wider: float) -> None:
-    """Legs of a stocky body stay as they are meant, and its trunk is as upright."""
+def test_wide_hips_go_over_the_feet_as_far_as_the_actors(wider: float) -> None:
+    """Ahead of each other, and up: who turns on feet that stand keeps its legs, and its trunk turns as it is meant."""
     body = make_morphology()
     wide = replace(body, hip_offset=body.hip_offset * [1.0, wider, 1.0])
-    channels, half = WALK.channels.copy(), np.linspace(-0.1, 0.1, WALK.frame_count)
-    channels[:, at.PELVIS : at.PELVIS + 4] = np.stack([np.sin(half), 0 * half, 0 * half, np.cos(half)], axis=1)
+    turns = np.linspace(-1.0, 1.0, WALK.frame_count)[:, None] * [0.1, 0.0, 0.5, 0.0]
+    channels, pelvis = WALK.channels.copy(), normalized(turns + np.array([0.0, 0.0, 0.0, 1.0]))
+    channels[:, at.YAW], channels[:, at.PELVIS : at.PELVIS + 4] = 0.0, pelvis
+    channels[:, at.FOOT : at.FOOT + 8] = np.tile(inverse(pelvis), 2)
     motion = replace(WALK, channels=channels, girdle=girdle_of(body))
     poses = [realize(motion, each) for each in (body, wide)]
     left, right = (body.layout.hip(side) for side in (0, 1))
-    rises = [positions[:, left, 2] - positions[:, right, 2] for positions, _ in poses]
-    assert np.abs(rises[0]).max() > 0.03
-    assert np.allclose(*rises, atol=1e-9)
+    ways = [positions[:, left] - positions[:, right] for positions, _ in poses]
+    assert np.ptp(ways[0][:, [0, 2]], axis=0).min() > 0.03
+    assert np.allclose(ways[0][:, [0, 2]], ways[1][:, [0, 2]], atol=1e-9)
     for part in (1, body.layout.segment(BodyPart.LEFT_THIGH), body.layout.segment(BodyPart.RIGHT_FOOT)):
         assert np.allclose(poses[0][1][:, part], poses[1][1][:, part], atol=1e-12)
     again = realize(replace(motion, girdle=girdle_of(wide)), wide)
     assert np.allclose(again[1], poses[0][1], atol=1e-12)
+
+
+def test_hips_whose_feet_lie_on_their_sides_turn_as_they_are_meant() -> None:
+    body = make_morphology()
+    wide = replace(body, hip_offset=body.hip_offset * [1.0, 3.0, 1.0])
+    channels, aside = WALK.channels.copy(), [np.sin(np.pi / 4.0), 0.0, 0.0, np.cos(np.pi / 4.0)]
+    channels[:, at.PELVIS : at.PELVIS + 4] = aside
+    channels[:, at.FOOT : at.FOOT + 8] = [0.0, 0.0, 0.0, 1.0] * 2
+    motion = replace(WALK, channels=channels, girdle=girdle_of(body))
+    assert np.allclose(realize(motion, wide)[1], realize(motion, body)[1], atol=1e-12)
+
+
+@given(st.floats(0.35, 0.65), st.floats(0.15, 0.98))
+@settings(max_examples=20)
+def test_bones_that_share_their_limb_otherwise_lie_nearly_as_the_actors_however_it_is_folded(part: float, reach: float):
+    """A knee that is drawn up is drawn up on a long thigh too; the limb's line gives way, not the posture."""
+    body = make_morphology()
+    body = replace(body, leg=np.full((2, 2), body.leg.mean()))
+    other = replace(body, leg=2.0 * body.leg.mean() * np.array([[part, 1.0 - part]] * 2))
+    channels = WALK.channels.copy()
+    channels[:, at.LIMB_SLACK + 2 : at.LIMB_SLACK + 4] = 1.0 - reach
+    motion = replace(WALK, channels=channels, girdle=girdle_of(body))
+    (_, own), (_, others) = (realize(motion, each) for each in (body, other))
+    for bone in (BodyPart.LEFT_THIGH, BodyPart.LEFT_SHANK):
+        ways = (rotations[:, body.layout.segment(bone), :, 2] for rotations in (own, others))
+        assert (np.sum(np.prod(np.stack(list(ways)), axis=0), axis=1) > np.cos(1.6 * LEANS)).all()
+    again = realize(replace(motion, girdle=girdle_of(other)), other)[0]
+    hip, ankle = body.layout.hip(0), body.layout.ankle(0)
+    ways = [positions[:, ankle] - positions[:, hip] for positions in (again, realize(motion, body)[0])]
+    assert np.allclose(*(way / np.linalg.norm(way, axis=1, keepdims=True) for way in ways), atol=1e-9)
 
 
 def test_channels_that_do_not_fit_their_spine_are_refused() -> None:

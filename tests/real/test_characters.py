@@ -167,3 +167,19 @@ def test_it_walks_with_knees_as_straight_as_the_actors_and_arms_beside_its_body(
     assert seen.drop < 0.01
     assert np.degrees(seen.posture) < 60.0
     assert max(seen.peaks["arms"], seen.peaks["clavicles"], seen.peaks["spine"]) < 2.0
+
+
+@pytest.mark.parametrize("name", ["kaykit_barbarian_stocky", "vrm1_debug_robot"])
+@pytest.mark.parametrize("stem", ["accad_male2_E11_BlockLeftHigh", "accad_male2_E4_CrossRight", "cmu_salsa_10"])
+def test_wide_hips_that_turn_over_feet_that_stand_do_not_sit_down(stem: str, name: str):
+    capture, motion, actor = taken(named(stem))
+    [path] = (path for path in FILES if path.stem == name)
+    contacts, body = contacts_of(capture), read(path).character.morphology
+    seen = motion_quality(
+        adapt(AdaptRequest(motion, body, contacts, actor=actor.morphology)),
+        source_motion(motion, actor), contacts, Ground(), capture.first_frame,
+    )  # fmt: skip
+    assert np.degrees(seen.knee_mean) < 4.0
+    assert np.degrees(seen.knee_most) < 20.0
+    assert seen.drop < 0.01
+    assert seen.bob < 1.5

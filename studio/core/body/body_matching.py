@@ -19,6 +19,8 @@ _MOST_ASYMMETRY = 0.25
 """Logarithm of the ratio of left to right from which two bones are no pair."""
 _SHORTEST_BONE = 0.25
 """Of a limb's longer bone: the shorter one has at least this share."""
+_SHORTEST_CLAVICLE = 0.02
+"""Of the upper arm: joints nearer to a shoulder are one more axis of it."""
 
 
 @dataclass(frozen=True)
@@ -118,9 +120,10 @@ class BodySearch:
         named = [joint for joint in candidates.get(BodyPart.PELVIS, ())[:1] if self.skeleton.path(joint, pelvis)]
         parts[BodyPart.PELVIS] = pelvis if not named or pelvis != chest else named[0]
         clavicles = BodyPart.LEFT_CLAVICLE, BodyPart.RIGHT_CLAVICLE
-        for arm, clavicle in zip(arms, clavicles, strict=True):
+        elbows = parts[BodyPart.LEFT_FOREARM], parts[BodyPart.RIGHT_FOREARM]
+        for arm, elbow, clavicle in zip(arms, elbows, clavicles, strict=True):
             way = self.skeleton.path(chest, arm)
-            if len(way) > 2:
+            if len(way) > 2 and self._bone(way[1], arm)[0] > _SHORTEST_CLAVICLE * self._bone(arm, elbow)[0]:
                 parts[clavicle] = way[1]
         if heads:
             parts[BodyPart.HEAD] = heads[0]

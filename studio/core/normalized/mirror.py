@@ -46,7 +46,9 @@ def mirrored(motion: NormalizedMotion) -> NormalizedMotion:
             turned = [-x, y, -z, w]
         channels[:, column : column + 4] = np.stack(turned, axis=1)
     channels.setflags(write=False)
-    girdle = motion.girdle and replace(motion.girdle, rest=motion.girdle.rest[::-1] * [1.0, -1.0, 1.0])
+    girdle = motion.girdle and replace(
+        motion.girdle, rest=motion.girdle.rest[::-1] * [1.0, -1.0, 1.0], limbs=motion.girdle.limbs[[1, 0, 3, 2]]
+    )
     return replace(motion, channels=channels, girdle=girdle)
 
 

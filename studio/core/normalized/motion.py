@@ -8,14 +8,19 @@ from numpy.typing import NDArray
 
 from studio.core.frozen_array import unwritten
 from studio.core.kernels import layout
+from studio.core.rotations import multiply, rotate
+from studio.core.windows import smoothed
 
 FloatArray = NDArray[np.float64]
+
+HEADING_SMOOTHING = 0.25
+"""Seconds, standard deviation of the low-pass on where pelvis and feet look."""
 
 
 @dataclass(frozen=True, eq=False)
 class Girdle:
-    """The actor's shoulders and hips: a motion holds how clavicles and pelvis turn, and what that does depends on how
-    they lie at rest, and on how broad they are.
+    """The actor's shoulders, hips and limbs: a motion holds how clavicles, pelvis and limbs turn, and what that does
+    depends on how they lie at rest, how broad they are, and how bones share their limb's length.
     """
 
     length: float
@@ -24,9 +29,12 @@ class Girdle:
     """(2, 3) direction of each clavicle at rest, thorax axes."""
     hips: float
     """Distance of the hip joints in leg lengths."""
+    limbs: FloatArray
+    """(4,) parts of both arms and both legs that are upper arm and thigh."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "rest", unwritten(self.rest))
+        for name in ("rest", "limbs"):
+            object.__setattr__(self, name, unwritten(getattr(self, name)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +52,7 @@ class NormalizedMotion:
     spine_places: FloatArray
     girdle: Girdle | None = None
     """The actor's: where other clavicles are longer they turn by less, so that shoulders go as far, and they come no
-    nearer to each other than the actor's do; wider hips roll by less. None where it is not known: all turn alike."""
+    nearer to each other than the actor's do; wider hips turn by less. None where it is not known: all turn alike."""
 
     def __post_init__(self) -> None:
         for name in ("channels", "spine_places"):
@@ -62,6 +70,18 @@ class NormalizedMotion:
     def times(self) -> FloatArray:
         """(F,) seconds."""
         return unwritten(np.arange(self.frame_count) / self.frame_rate)
+
+    @cached_property
+    def across(self) -> FloatArray:
+        """(F, 2) how the feet lie across, to the left, in the motion's space: what of both is level, added, low-passed.
+
+        A pelvis turns over feet that stand; this says where it would be if it did not.
+        """
+        yaw, pelvis = self.channels[:, layout.YAW], self.channels[:, layout.PELVIS : layout.PELVIS + 4]
+        feet = self.channels[:, layout.FOOT : layout.FOOT + 8].reshape(-1, 2, 4)
+        x, y, _ = rotate(multiply(pelvis[:, None], feet), np.array([0.0, 1.0, 0.0])).sum(axis=1).T
+        level = np.column_stack([np.cos(yaw) * x - np.sin(yaw) * y, np.sin(yaw) * x + np.cos(yaw) * y])
+        return unwritten(smoothed(level, HEADING_SMOOTHING * self.frame_rate))
 
     @property
     def duration(self) -> float:

@@ -34,7 +34,7 @@ from studio.core.normalized.alignment import find_alignments, level_feet
 from studio.core.normalized.encode import actor_sizes
 from studio.core.normalized.landmarks import Landmarks, find_landmarks, spread
 from studio.core.normalized.measure import measure_actor
-from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.motion import HEADING_SMOOTHING, NormalizedMotion
 from studio.core.normalized.realize import girdle_of, trunk_places
 from studio.core.normalized.soles import sole_points
 from studio.core.pieces import do_over_frames
@@ -47,8 +47,6 @@ Contacts = dict[ContactPoint, list[tuple[int, int]]]
 
 HEELS = (ContactPoint.LEFT_HEEL, ContactPoint.RIGHT_HEEL)
 FEET = (HEELS[0], ContactPoint.LEFT_TOE), (HEELS[1], ContactPoint.RIGHT_TOE)
-HEADING_SMOOTHING = 0.25
-"""Seconds, standard deviation of the low-pass on the pelvis' heading."""
 UPRIGHT = 0.5
 """Parts of a leg's length that its hip is above its ankle while it stands on its heel."""
 LOWEST = 0.05

@@ -28,7 +28,7 @@ def realize(
     rotations = np.empty((motion.frame_count, layout.segment_count, 3, 3))
     girdle = motion.girdle or girdle_of(morphology.still)
     lengths, hips = girdle.length / girdles(morphology), girdle.hips / hip_breadths(morphology)
-    actor = kernel.Girdles(np.minimum(lengths, 1.0), girdle.rest, np.minimum(hips, 1.0))
+    actor = kernel.Girdles(np.minimum(lengths, 1.0), girdle.rest, np.minimum(hips, 1.0), motion.across, girdle.limbs)
     kernel.realize_frames(
         motion.channels, motion.spine_places, morphology.rows, actor, float(play), positions, rotations
     )
@@ -38,8 +38,10 @@ def realize(
 
 
 def girdle_of(body: Morphology) -> Girdle:
-    """Shoulders and hips of a body that is taken for the actor."""
-    return Girdle(float(girdles(body)[0]), body.clavicle_rest, float(hip_breadths(body)[0]))
+    """Shoulders, hips and limbs of a body that is taken for the actor."""
+    bones = np.concatenate([body.arm, body.leg])
+    limbs = bones[:, 0] / bones.sum(axis=1)
+    return Girdle(float(girdles(body)[0]), body.clavicle_rest, float(hip_breadths(body)[0]), limbs)
 
 
 def girdles(body: AnyMorphology) -> FloatArray:

@@ -18,15 +18,11 @@ from studio.core.kernels.algebra.turns import (
     turn_of,
 )
 from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
-from studio.core.kernels.limbs.limb import place_limb, soft_fold
+from studio.core.kernels.limbs.limb import folded, place_limb, soft_fold
 from studio.core.kernels.records import Array, Limb, Pose
 
 NARROWED = 0.003
 """Part of a clavicle by which it goes inwards farther than the actor's before it is half held back."""
-
-
-UPRIGHT = (0.0, 0.8)
-"""Cosines of how far a pelvis leans at which wide hips begin to rise less, and do so wholly."""
 
 
 class Girdles(NamedTuple):
@@ -38,6 +34,10 @@ class Girdles(NamedTuple):
     """(2, 3) directions of the actor's clavicles at rest, in the thorax."""
     hips: Array
     """(F or 1,) breadth of the actor's hips in parts of the body's, both in parts of the legs' length, 1 at most."""
+    lines: Array
+    """(F, 2) how its feet lie across, as ``NormalizedMotion.across`` has them."""
+    limbs: Array
+    """(4,) parts of its arms and legs that are upper arm and thigh."""
 
 
 @allocating_kernel
@@ -59,8 +59,8 @@ def realize_each(channels, measures, actor, spine_from, spine_share, play, out_p
         row = measures[frame if measures.shape[0] > 1 else 0]
         pose = Pose(out_positions[frame], out_rotations[frame])
         shoulders = actor.lengths[frame % actor.lengths.shape[0]], actor.rests
-        hips = actor.hips[frame % actor.hips.shape[0]]
-        realize_frame(channels[frame], row, (shoulders, hips), spine_from, spine_share, play, pose)
+        hips = actor.hips[frame % actor.hips.shape[0]], actor.lines[frame]
+        realize_frame(channels[frame], row, (shoulders, hips, actor.limbs), spine_from, spine_share, play, pose)
 
 
 @allocating_kernel
@@ -88,31 +88,31 @@ def sample_spine(places, measures):
 
 @kernel
 def realize_frame(channels, measures, girdles, spine_from, spine_share, play, pose):
-    """One frame of ``realize_frames``; ``girdles`` those of the actor: its shoulders, and its hips' breadth."""
+    """One frame of ``realize_frames``; ``girdles`` of the actor: its shoulders, hips with their line, and limbs."""
     root, pelvis, neck_base, thorax = realize_trunk(channels, measures, girdles[1], spine_from, spine_share, pose)
     realize_head(channels, measures, play, neck_base, thorax, pose)
     for side in range(2):
-        realize_arm(channels, measures, girdles[0], side, neck_base, thorax, pose)
-        realize_leg(channels, measures, side, play, root, pelvis, pose)
+        realize_arm(channels, measures, girdles, side, neck_base, thorax, pose)
+        realize_leg(channels, measures, girdles[2], side, play, root, pelvis, pose)
 
 
 @small_kernel
-def realize_trunk(channels, measures, breadth, spine_from, spine_share, pose):
+def realize_trunk(channels, measures, hips, spine_from, spine_share, pose):
     """Pelvis and spine (METHOD 3.1, 3.2); place and turn of the pelvis and, at the neck base, of the thorax.
 
-    The pelvis itself rolls by less where hips are wider than the actor's, of which ``breadth`` says; trunk and legs do
-    not turn with it.
+    The pelvis itself turns by less where hips are wider than the actor's, of which ``hips`` say, so that they stay as
+    near over feet that stand; trunk and legs do not turn with it.
     """
-    upright = pelvis_turn(channels)
-    pelvis = upright if breadth == 1.0 else levelled(upright, breadth)
+    upright, (breadth, line) = pelvis_turn(channels), hips
+    pelvis = upright if breadth == 1.0 else levelled(upright, breadth, line)
     leg, m = mean_leg(measures), at.M_HIP_OFFSET
-    hips = (
+    middle = (
         channels[at.HIPS] * leg,
         channels[at.HIPS + 1] * leg,
         channels[at.HIPS + 2] * leg + 0.5 * (measures[at.M_ANKLE_HEIGHT] + measures[at.M_ANKLE_HEIGHT + 1]),
     )
     root = put_beside(
-        hips,
+        middle,
         pelvis,
         -0.5 * (measures[m] + measures[m + 3]),
         -0.5 * (measures[m + 1] + measures[m + 4]),
@@ -130,13 +130,20 @@ def realize_trunk(channels, measures, breadth, spine_from, spine_share, pose):
 
 
 @small_kernel
-def levelled(pelvis, share):
-    """A pelvis of which the hips rise beside each other but by a ``share``, the less the more it leans."""
-    rise = pelvis[7]
-    stands = smoothstep(min(max((pelvis[8] - UPRIGHT[0]) / (UPRIGHT[1] - UPRIGHT[0]), 0.0), 1.0))
-    held = (1.0 - (1.0 - share) * stands) * rise
-    level = math.sqrt((1.0 - held * held) / max(1.0 - rise * rise, 1e-12))
-    return product(shortest(pelvis[1], pelvis[4], rise, level * pelvis[1], level * pelvis[4], held), pelvis)
+def levelled(pelvis, share, line):
+    """A pelvis whose line of hips turns and rises but by a ``share`` beside the level ``line`` (2,) across its feet.
+
+    It does so the less, the more its feet are turned from it, or lie on their sides.
+    """
+    own = 1.0 / max(math.hypot(line[0], line[1]), 1e-9)
+    x, y = own * line[0], own * line[1]
+    faces = min(max(line[0] * pelvis[1] + line[1] * pelvis[4], 0.0), 1.0)  # one foot that does is enough
+    part = 1.0 - (1.0 - share) * smoothstep(faces)
+    if part == 1.0:
+        return pelvis
+    ahead, up = part * (x * pelvis[4] - y * pelvis[1]), part * pelvis[7]
+    along = math.sqrt(1.0 - ahead * ahead - up * up)
+    return product(shortest(pelvis[1], pelvis[4], pelvis[7], along * x - ahead * y, along * y + ahead * x, up), pelvis)
 
 
 @small_kernel
@@ -231,22 +238,22 @@ def clavicle_turn(channels, measures, shoulders, side):
 
 
 @small_kernel
-def realize_arm(channels, measures, shoulders, side, neck_base, thorax, pose):
+def realize_arm(channels, measures, girdles, side, neck_base, thorax, pose):
     """Clavicle, arm and hand (METHOD 3.3, 3.4); the arm lies in the thorax carried along by the actor's clavicle.
 
-    ``shoulders`` are the actor's: length of the clavicles beside the body's, and how they lie at rest.
+    ``girdles`` begin with the actor's shoulders: length of the clavicles beside the body's, and how they lie at rest.
     """
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
     point, segment = spine_count + 3 + 5 * side, spine_count + 2 + 4 * side
     carrier = product(thorax, turn_of(channels, at.CLAVICLE + 4 * side))
     m = at.M_COLLAR_BASE + 3 * side
     collar = put_beside(neck_base, thorax, measures[m], measures[m + 1], measures[m + 2], pose.positions[point])
-    turn = product(thorax, clavicle_turn(channels, measures, shoulders, side))
+    turn = product(thorax, clavicle_turn(channels, measures, girdles[0], side))
     put_turn(turn, pose.rotations[segment])
     put_beside(collar, turn, 0.0, 0.0, measures[at.M_CLAVICLE + side], pose.positions[point + 1])
     m = at.M_ARM + 2 * side
     bones = measures[m], measures[m + 1]
-    wrist, forearm = realize_limb(side, channels, bones, carrier, point + 1, segment + 1, pose)
+    wrist, forearm = realize_limb(side, channels, (bones, girdles[2][side]), carrier, point + 1, segment + 1, pose)
     hand = product(forearm, turn_of(channels, at.HAND + 4 * side))
     put_turn(hand, pose.rotations[segment + 3])
     m = at.M_HAND + 3 * side
@@ -254,13 +261,16 @@ def realize_arm(channels, measures, shoulders, side, neck_base, thorax, pose):
 
 
 @small_kernel
-def realize_leg(channels, measures, side, play, root, pelvis, pose):
-    """Leg, foot and toe (METHOD 3.4, 3.5); leg and foot lie in the ``pelvis`` as the actor turns it."""
+def realize_leg(channels, measures, limbs, side, play, root, pelvis, pose):
+    """Leg, foot and toe (METHOD 3.4, 3.5); leg and foot lie in the ``pelvis`` as the actor turns it.
+
+    ``limbs`` (4,) parts of the actor's that are upper bones.
+    """
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
     point, segment = spine_count + 13 + 5 * side, spine_count + 10 + 4 * side
     put_hip(channels, measures, side, play, root, turn_in(pose.rotations[0]), pose.positions[point])
     bones = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
-    ankle, _ = realize_limb(2 + side, channels, bones, pelvis, point, segment, pose)
+    ankle, _ = realize_limb(2 + side, channels, (bones, limbs[2 + side]), pelvis, point, segment, pose)
     foot = product(pelvis, turn_of(channels, at.FOOT + 4 * side))
     toe = product(foot, turn_of(channels, at.TOE + 4 * side))
     put_foot(side, measures, ankle, foot, toe, pose)
@@ -268,18 +278,21 @@ def realize_leg(channels, measures, side, play, root, pelvis, pose):
 
 @small_kernel
 def realize_limb(limb, channels, bones, carrier, point, segment, pose):
-    """Both bones of arm (limb 0, 1) or leg (2, 3) from its root ``point`` on, of lengths ``bones``; place and turn at
-    their end.
+    """Both bones of arm (limb 0, 1) or leg (2, 3) from its root ``point`` on; place and turn at their end.
+
+    ``bones`` are their lengths, and what part of the actor's limb its upper one is.
     """
-    length, twist = bones[0] + bones[1], at.LIMB_TWIST + 2 * limb
+    lengths, twist = bones[0], at.LIMB_TWIST + 2 * limb
+    length, reach = lengths[0] + lengths[1], 1.0 - channels[at.LIMB_SLACK + limb]
     shape = Limb(
-        bones,
-        soft_fold((1.0 - channels[at.LIMB_SLACK + limb]) * length, bones),
+        lengths,
+        soft_fold(reach * length, lengths),
         channels[at.LIMB_OFF_PLANE + limb] * length,
         channels[at.LIMB_BEND + limb],
         (channels[twist], channels[twist + 1]),
     )
-    return place_limb(point, segment, product(carrier, turn_of(channels, at.LIMB_FRAME + 4 * limb)), shape, pose)
+    frame = folded(product(carrier, turn_of(channels, at.LIMB_FRAME + 4 * limb)), shape, bones[1], reach)
+    return place_limb(point, segment, frame, shape, pose)
 
 
 @small_kernel

@@ -9,7 +9,7 @@ from studio.core.kernels.algebra.eases import smoothstep
 from studio.core.kernels.algebra.turns import aimed, product, put_beside, turn_in, turn_of, twisted
 from studio.core.kernels.body.realize import put_foot, put_hip
 from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
-from studio.core.kernels.limbs.limb import middle_of, place_limb, soft_reach
+from studio.core.kernels.limbs.limb import middle_of, no_nearer, place_limb, soft_reach
 from studio.core.kernels.records import Limb
 
 KNEE, KNEE_FIRM = 3, 6
@@ -122,7 +122,7 @@ def leg_line(channels, measures, side, comfort, ankle, hip, pelvis):
     if distance > 1e-9:
         per = 1.0 / distance
         frame = aimed(frame, per * x, per * y, per * z)
-    reach = max(length * soft_reach(distance / length, comfort), abs(upper - lower) + 1e-6)
+    reach = no_nearer(length * soft_reach(distance / length, comfort), (upper, lower))
     off_plane, own = (
         channels[at.LIMB_OFF_PLANE + 2 + side] * length,
         length * (1.0 - channels[at.LIMB_SLACK + 2 + side]),

@@ -2,7 +2,7 @@
 
 import math
 
-from studio.core.kernels.algebra.turns import put_beside, put_turn, sine_and_cosine
+from studio.core.kernels.algebra.turns import product, put_beside, put_turn, sine_and_cosine, turn_by
 from studio.core.kernels.compiling import kernel, small_kernel
 
 COMFORT = 0.97
@@ -10,6 +10,8 @@ OWN_COMFORT = 0.5 * (1.0 + COMFORT)
 """Part of its length up to which a limb stretches freely (METHOD (11)): where trunk or root help, or a leg is in the
 air; and where nothing helps, or the leg stands.
 """
+LEANS = math.radians(20.0)
+"""By which the bones of a bent limb lie otherwise than the actor's at most, where they share its length otherwise."""
 STRETCHED = 0.9999
 """Part of its length to which a limb stretches at most: a straight one has no bend of its own."""
 
@@ -90,3 +92,35 @@ def soft_fold(reach, bones):
     if apart == 0.0 or reach >= 2.0 * apart:
         return reach
     return apart * (1.0 + math.exp(reach / apart - 2.0))
+
+
+@kernel
+def no_nearer(reach, bones):
+    """Metres from its root to which a limb's end comes that is brought to ``reach``: where that is nearer than any
+    ``soft_fold``, softly no nearer than bones differ.
+    """
+    least, apart = soft_fold(0.0, bones), abs(bones[0] - bones[1])
+    if reach >= least:
+        return max(reach, 1e-6)
+    return apart + (least - apart) * math.exp((reach - least) / (least - apart))
+
+
+@small_kernel
+def folded(frame, limb, part, reach):
+    """The ``frame`` of a ``limb`` so turned in the plane of its bones that they lie nearly as the actor's.
+
+    Of the actor's limb the upper bone is a ``part``, and it reaches ``reach`` of its length. Bones that share theirs
+    otherwise lie otherwise on the same line, and folded to the least the longer one lies on it: a knee that is drawn
+    up hung down. So beyond some degrees of that the line turns, not the bones.
+    """
+    x, y, z, d = middle_of(limb)
+    across, length = math.hypot(x, y), limb.bones[0] + limb.bones[1]
+    if across < 1e-9 * length or abs(limb.bones[0] - part * length) < 1e-9 * length:
+        return frame
+    own = (2.0 * part - 1.0 + reach * reach) / (2.0 * max(reach, 1e-6))  # how far along its line the actor's knee is
+    radius = math.sqrt(max(part * part - own * own, 0.0))
+    upper = math.atan2(radius, own) - math.atan2(across, z)
+    lower = math.atan2(radius, reach - own) - math.atan2(across, d - z)
+    off = 0.5 * (upper - lower)
+    turn = off - off / math.sqrt(math.sqrt(1.0 + (off / LEANS) ** 4))
+    return product(frame, turn_by(-turn * y / across, turn * x / across, 0.0))
