@@ -42,7 +42,9 @@ def prop_at(project: Project, posed: Mapping[str, Posed], prop_id: str, time: fl
     hands = {}
     for key in prop.holders & posed.keys():
         pose = posed[key]
-        timing = timing_of(project, pose.performer) if pose.performer.clips else None
+        clips = pose.performer.clips
+        known = bool(clips) and all(clip.motion_id in project.motions for clip in clips)  # it is posed as it was
+        timing = timing_of(project, pose.performer) if known else None
         hands[key] = Holder(pose.motion, [pose.row], pose.placement, pose.over_time, timing)
     track, hold = stage_track(prop, [time], hands), prop.held_at(time)
     holder = posed.get(hold.performer_id) if hold else None

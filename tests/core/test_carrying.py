@@ -144,6 +144,19 @@ def test_palms_lie_flat() -> None:
         assert np.abs(np.diff(fingers, axis=0)).max() < 1e-9
 
 
+@pytest.mark.parametrize("above", [0.0, 0.05, 0.1])
+def test_a_wrist_over_fingers_that_slope_down_is_as_high_as_the_actors(above: float) -> None:
+    motion, palm = _posed(60, 1.3, 1.3, 0.0, 0.0), 0.065 * BODY.leg_length
+    wrist, tip = BODY.layout.wrist(0), BODY.layout.wrist(0) + 1
+    lower = realize(motion, BODY)[0][0, wrist, 2] - palm - above
+    channels = motion.channels.copy()
+    channels[:, at.HIPS + 2] -= lower / BODY.leg_length
+    contacts = _contacts(60, "left_hand", "right_hand", "left_toe", "right_toe")
+    adapted = adapt(AdaptRequest(replace(motion, channels=channels), BODY, contacts, actor=BODY))
+    assert adapted.positions[30, [wrist, tip], 2] == pytest.approx([palm + above, palm], abs=2e-3)
+    assert contact_quality(adapted, contacts[:2], Ground()).rise < 2e-3
+
+
 def test_on_feet_alone_nothing_else_is_asked() -> None:
     motion, contacts = walk(60)
     positions = np.zeros((60, BODY.layout.point_count, 3))

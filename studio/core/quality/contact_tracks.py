@@ -64,13 +64,19 @@ def contact_tracks(
 def _standing_joint(
     adapted: AdaptedMotion, point: ContactPoint, stances: _Stances, ground: Ground
 ) -> tuple[FloatArray, FloatArray]:
-    """How far (n,) a hand, a knee or the seat has moved along the ground in its contact, and its heights above it."""
+    """How far (n,) a hand, a knee or the seat has moved along the ground in its contact, and its heights above it; a
+    wrist over finger tips that touch it is not.
+    """
     body = adapted.body
     joint = track_of(point, body, adapted.positions[stances.frames])
     under = joint[stances.middles]
     normals = ground.normal_at(under)[stances.of]
     under[:, 2] = ground.height_at(under)
     heights = np.einsum("nk,nk->n", joint - under[stances.of], normals) - clearance(body, point)
+    if point.member == "hand":
+        tips = adapted.positions[stances.frames, body.layout.wrist(point.side) + 1]
+        over_tips = heights + np.einsum("nk,nk->n", tips - joint, normals)
+        heights = np.minimum(heights, np.maximum(over_tips, 0.0))
     return _slide(joint, normals, stances), heights
 
 

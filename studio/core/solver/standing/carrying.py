@@ -37,6 +37,7 @@ from studio.core.solver.standing.arching import arch_trunk
 from studio.core.solver.standing.blends import AVERAGED, GOES_ALONG, LET_GO, averaged, eased, freedom, smoothstep
 from studio.core.solver.standing.footing import foot_states
 from studio.core.solver.standing.footprints import tilts_of
+from studio.core.solver.standing.shown_floor import shown_floor
 
 FloatArray = NDArray[np.float64]
 
@@ -56,25 +57,28 @@ LEVEL_BELOW = 0.7
 
 @dataclass(frozen=True, eq=False)
 class Hold:
-    """One point that stands now and then: ``standing`` (F,), and where it is to be then, ``places`` (F, 3)."""
+    """One point that stands now and then: ``standing`` (F,), and where it is to be then, ``places`` (F, 3), which are
+    ``heights`` (F,) metres above the ground along its ``normals`` (F, 3).
+    """
 
     point: ContactPoint
     standing: NDArray[np.bool_]
     places: FloatArray
     normals: FloatArray
+    heights: FloatArray
 
     def displaced(self, track: FloatArray, frame_rate: float) -> FloatArray:
         """(F, 3) the point's ``track`` led on to its places, and back on its own way soon after."""
         return track + eased(np.where(self.standing[:, None], self.places - track, 0.0), self.standing, frame_rate)
 
-    def moved(self, misses: FloatArray, body: AnyMorphology, ground: Ground) -> "Hold":
+    def moved(self, misses: FloatArray, ground: Ground) -> "Hold":
         """Each place moved along the ground by the greatest of the ``misses`` (F, 3) of its contact, itself if none."""
         places, normals, lengths = self.places.copy(), self.normals.copy(), np.linalg.norm(misses, axis=1)
         for first, past in runs_of(self.standing):
             worst = first + int(lengths[first:past].argmax())
             if lengths[worst] > MISSED:
-                on_ground = places[first] - clearance(body, self.point) * normals[first] + misses[worst]
-                places[first:past], normals[first:past] = _place_on(on_ground[:2], self.point, body, ground)
+                on_ground = places[first] - self.heights[first] * normals[first] + misses[worst]
+                places[first:past], normals[first:past] = _place_on(on_ground[:2], self.heights[first], ground)
         return self if np.array_equal(places, self.places) else replace(self, places=places, normals=normals)
 
 
@@ -93,7 +97,7 @@ class Carrying:
 
 
 def clearance(body: AnyMorphology, point: ContactPoint) -> float:
-    """Metres of a standing wrist, knee or middle of the hips above the ground."""
+    """Metres of a standing wrist, knee or middle of the hips above the ground, of a wrist over a flat palm."""
     return body.leg_length * HEIGHTS[point.member]
 
 
@@ -130,25 +134,25 @@ def find_carrying(
         point: sorted((each.first, min(each.last, motion.frame_count - 1)) for each in carrying if each.point is point)
         for point in BODY_POINTS
     }
-    bearers = [point for point in BODY_POINTS if spans[point]]
-    standing = {point: contact_mask(spans[point], motion.frame_count) for point in bearers}
+    standing = {point: contact_mask(spans[point], motion.frame_count) for point in BODY_POINTS if spans[point]}
     bearing = _bearing(body, ground, positions)
     shares = _shares(standing, foot_states(contacts, motion.frame_count), bearing, motion.frame_rate)
     pose, upright = (positions, rotations), positions
     if not ground.is_level:
-        stands = np.any(list(standing.values()), axis=0)
-        leans = averaged(stands[:, None].astype(np.float64), GOES_ALONG, motion.frame_rate)
+        leans = averaged(1.0 * np.any(list(standing.values()), axis=0)[:, None], GOES_ALONG, motion.frame_rate)
         leant, turned, upright = leaning(leans, body, ground, motion.frame_rate, positions, rotations)
         pose = leant, turned
     positions = pose[0]
     actors, layout = (positions, body.layout) if actor is None else (realize(motion, actor)[0], actor.layout)
     bones = arm_bones(body, actors, layout)
+    rises = np.zeros((motion.frame_count, 2))
     if actor is not None and ground.is_level:
         scale = leg_rows(body, 0).sum(axis=1) / actor.leg_length
         lower = scale[:, None] * _hands_over_root(actors, layout) - _hands_over_root(positions, body.layout, bones)
+        rises = scale[:, None] * _wrists_over_palms(contacts, actors, actor, motion.frame_rate) - np.maximum(lower, 0.0)
         arch_trunk(_raises(standing, lower, motion.frame_rate), body, positions, rotations)
-    tracks = {point: _track(point, bones, body, ground, positions) for point in bearers}
-    holds = tuple(_hold(point, spans[point], body, ground, tracks[point]) for point in bearers)
+    tracks = {point: _track(point, bones, body, ground, positions) for point in standing}
+    holds = tuple(_hold(point, spans[point], body, ground, tracks[point], rises) for point in standing)
     shift = np.zeros((motion.frame_count, 3))
     for hold, share in zip(holds, shares[1:], strict=True):
         away = np.where(hold.standing[:, None], hold.places - tracks[hold.point], 0.0)
@@ -208,7 +212,7 @@ def _reached(hold: Hold, track: FloatArray, body: AnyMorphology, ground: Ground,
     places, normals = hold.places.copy(), hold.normals.copy()
     for first, last in spans_of(hold.standing):
         span = slice(first, last + 1)
-        places[span], normals[span] = _place_on(middle_of(wrists[span]), hold.point, body, ground)
+        places[span], normals[span] = _place_on(middle_of(wrists[span]), hold.heights[first], ground)
     return replace(hold, places=places, normals=normals)
 
 
@@ -237,19 +241,41 @@ def leaning(
     return under + (positions - under) @ lean, turns[:, None] @ rotations, upright
 
 
+def _wrists_over_palms(
+    contacts: Sequence[ContactInterval], positions: FloatArray, body: Morphology, frame_rate: float
+) -> FloatArray:
+    """(F, 2) metres of wrists above where they are over flat palms, as far as fingers slope down from them."""
+    wrists = np.array([body.layout.wrist(side) for side in range(2)])
+    palms = shown_floor(contacts, positions, body, frame_rate)[:, None] + HEIGHTS["hand"] * body.leg_length
+    heights, tips = positions[:, wrists, 2], positions[:, wrists + 1, 2]
+    return np.maximum(heights - np.maximum(tips, palms), 0.0)
+
+
 def _hold(
-    point: ContactPoint, spans: list[tuple[int, int]], body: AnyMorphology, ground: Ground, track: FloatArray
+    point: ContactPoint,
+    spans: list[tuple[int, int]],
+    body: AnyMorphology,
+    ground: Ground,
+    track: FloatArray,
+    rises: FloatArray,
 ) -> Hold:
-    """One anchor a contact: the median place of the joint (while small, if the body grows), raised from the ground."""
+    """One anchor a contact: the median place of the joint (while small, if the body grows), raised from the ground.
+
+    A wrist that stands over fingers rises (F, 2) by its median, as far as ``LEVEL_BELOW`` lets them slope.
+    """
     legs = np.broadcast_to(leg_rows(body, 0).sum(axis=1), len(track))
     standing, places, normals = np.zeros(len(track), dtype=np.bool_), track.copy(), np.zeros_like(track)
+    heights = np.full(len(track), clearance(body, point))
     for first, last in spans:
         span = slice(first, last + 1)
         small = legs[span] <= SMALLEST * legs[span].min()
         middle = middle_of(track[span][small])
         standing[span] = True
-        places[span], normals[span] = _place_on(middle, point, body, ground)
-    return Hold(point, standing, places, normals)
+        if point.member == "hand":
+            most = LEVEL_BELOW * np.linalg.norm(_fingers(body, point.side))
+            heights[span] += np.clip(np.median(rises[span, point.side]), 0.0, most)
+        places[span], normals[span] = _place_on(middle, heights[first], ground)
+    return Hold(point, standing, places, normals, heights)
 
 
 def middle_of(track: FloatArray) -> FloatArray:
@@ -257,12 +283,15 @@ def middle_of(track: FloatArray) -> FloatArray:
     return np.asarray(geometric_median(np.ascontiguousarray(track[:, :2])))
 
 
-def _place_on(
-    place: FloatArray, point: ContactPoint, body: AnyMorphology, ground: Ground
-) -> tuple[FloatArray, FloatArray]:
-    """Where a point stands over ``place`` (2,) on the ground, (3,), and the ground's normal there."""
+def _place_on(place: FloatArray, height: float, ground: Ground) -> tuple[FloatArray, FloatArray]:
+    """What is ``height`` metres over ``place`` (2,) on the ground, (3,), and the ground's normal there."""
     normal = ground.normal_at(place)
-    return np.array([*place, ground.height_at(place)]) + clearance(body, point) * normal, normal
+    return np.array([*place, ground.height_at(place)]) + height * normal, normal
+
+
+def _fingers(body: AnyMorphology, side: int) -> FloatArray:
+    """(3,) from the wrist to the tips of the fingers, in the hand's axes."""
+    return np.asarray(body.rows[0, at.M_HAND + 3 * side : at.M_HAND + 3 * side + 3])
 
 
 def _bearing(body: AnyMorphology, ground: Ground, positions: FloatArray) -> FloatArray:
@@ -320,26 +349,32 @@ def reach_of(motion: NormalizedMotion, body: AnyMorphology, side: int) -> FloatA
 def laid_hands(hold: Hold, body: AnyMorphology, hands: FloatArray, frame_rate: float) -> FloatArray:
     """World rotations (F, 3, 3) of a hand that lies on the ground in one way through each contact.
 
-    Fingers that point into the ground, or little above it, are laid on it, and so is a palm that looks down; else the
-    hand stays as the motion has it (a fist, the back of a hand). ``hands`` (F, 3, 3) as retargeted.
+    Fingers that point into the ground, or little above it, are laid on it, sloping down from a wrist that is higher
+    than over a flat palm, and so is a palm that looks down; else the hand stays as the motion has it (a fist, the back
+    of a hand). ``hands`` (F, 3, 3) as retargeted.
     """
     corrections = np.zeros((len(hands), 3))
     side = hold.point.side
-    fingers = normalized(body.rows[0, at.M_HAND + 3 * side : at.M_HAND + 3 * side + 3])
+    fingers = _fingers(body, side)
+    length = float(np.linalg.norm(fingers))
     palm = np.array([1.0 - 2.0 * side, 0.0, 0.0])
     for first, past in runs_of(hold.standing):
         usual = Rotation.from_matrix(hands[first:past]).mean().as_matrix()
-        laid = _laid(usual, fingers, palm, hold.normals[first])
+        slope = (hold.heights[first] - clearance(body, hold.point)) / length
+        laid = _laid(usual, fingers / length, palm, hold.normals[first], slope)
         corrections[first:past] = Rotation.from_matrix(laid @ np.swapaxes(hands[first:past], 1, 2)).as_rotvec()
     return np.asarray(Rotation.from_rotvec(eased(corrections, hold.standing, frame_rate)).as_matrix() @ hands)
 
 
-def _laid(hand: FloatArray, fingers: FloatArray, palm: FloatArray, normal: FloatArray) -> FloatArray:
-    """One rotation (3, 3) of a hand, its ``fingers`` and ``palm`` (3,) in hand axes laid on the plane of ``normal``."""
+def _laid(hand: FloatArray, fingers: FloatArray, palm: FloatArray, normal: FloatArray, slope: float) -> FloatArray:
+    """One rotation (3, 3) of a hand, its ``fingers`` and ``palm`` (3,) in hand axes laid on the plane of ``normal``, or
+    by the sine ``slope`` down to it.
+    """
     along, back = hand @ fingers, -(hand @ palm)
     rise = along @ normal
     ahead = along - rise * normal + (0.3 if rise < 0.0 else 0.0) * (back - (back @ normal) * normal)
     flat = normalized(ahead) if np.linalg.norm(ahead) > 1e-6 else normalized(np.cross(normal, back))
+    normal, flat = np.sqrt(1.0 - slope**2) * normal + slope * flat, np.sqrt(1.0 - slope**2) * flat - slope * normal
     if rise < LEVEL_BELOW:
         hand = shortest_arc(along, flat) @ hand
     looks = hand @ palm

@@ -173,7 +173,7 @@ def within_reach(
             miss = _too_far(hold.places, shoulders, _shortest(arms), reach_of(motion, body, point.side))
         else:
             miss = _knees_miss(hold, footing, body, positions)
-        moved[point] = hold.moved(miss, body, ground)
+        moved[point] = hold.moved(miss, ground)
     return moved
 
 
