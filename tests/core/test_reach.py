@@ -84,8 +84,9 @@ def test_the_longest_reach_is_the_longest_of_all_bends(seed: int, limb: int) -> 
 @given(seeds, limbs)
 def test_a_bend_that_is_right_stays(seed: int, limb: int) -> None:
     reach = _Reach(seed, limb)
-    angle = kernel.bend_range(reach.shoulder, reach.elbow, reach.hinge, reach.point)[2]
-    assume(angle > -0.85 * np.pi)  # beyond it a limb counts as stretched too far, and is bent the right way
+    _, cosine, sine = kernel.levers(reach.shoulder, reach.elbow, reach.hinge, reach.point)
+    # Beyond it a limb counts as stretched too far, and is bent the right way.
+    assume(np.arctan2(sine, cosine) > -0.85 * np.pi)
     reach.bend(float(np.linalg.norm(reach.point - reach.shoulder)))
     assert np.allclose(reach.moved, reach.point, atol=1e-6)
 

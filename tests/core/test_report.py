@@ -14,7 +14,7 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import contact_quality
 from studio.core.solver.adapt import adapt, hold, place_of
-from studio.core.solver.report import CONTACTS, LIMITS, NOBODY, REACH, Report, report_of, winners
+from studio.core.solver.report import CONTACTS, LIMITS, NOBODY, REACH, Report, report_of, samples, winners
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import standing_of
 from tests.core.test_constraint_kinds import ALL, BODIES, LEFT, RIGHT, ask
@@ -100,6 +100,17 @@ def test_who_does_not_act_keeps_nobody_from_anything() -> None:
         named = winners(standing, asked, {}, adapted)
         acts = np.isfinite(adapted.residuals)
         assert all(acts[named[row, frame], frame] for row, frame in zip(*np.nonzero(named >= 0), strict=True))
+
+
+def test_a_sample_stands_for_frames_around_it_in_which_the_same_is_active_and_missed() -> None:
+    random = np.random.default_rng(0)
+    active = np.repeat(random.uniform(size=(3, 20)) < 0.7, 13, axis=1)
+    residuals = np.where(active, np.repeat(random.uniform(size=(3, 52)), 5, axis=1), np.nan)
+    limits = np.full((3, 1), 0.5)
+    frames, stands_for = samples(residuals, limits, 8)
+    assert (np.abs(frames[stands_for] - np.arange(260)) <= 8).all()
+    assert (np.isfinite(residuals[:, frames[stands_for]]) == active).all()
+    assert ((residuals > limits) == (residuals[:, frames[stands_for]] > limits)).all()
 
 
 def test_a_motion_without_constraints_or_contacts_is_reported_too() -> None:

@@ -27,9 +27,9 @@ from studio.core.kernels.records import (
     TaskRows,
 )
 from studio.core.kernels.search.levels import note_carried, solve_frame
-from studio.core.kernels.search.placing import follow
 from studio.core.kernels.search.recruiting import free_joints
 from studio.core.kernels.search.retreat import RETREAT
+from studio.core.kernels.tasks.kinds import follow
 from studio.core.kernels.tasks.targets import set_goals, weigh
 from studio.core.kernels.tasks.task import INACTIVE, ON_EDGE
 from studio.core.kernels.time.activation_blend import keep_solution, next_edge, note_misses, pose_between

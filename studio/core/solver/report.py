@@ -2,9 +2,11 @@
 
 Who kept a constraint from being met is found by asking what would be without: each other constraint of its priority or
 a higher one, the contacts of the feet, the limits of the joints, easing in time. The one without which most of the miss
-would be gone is named; where nobody's absence helps, the body reaches no further.
+would be gone is named; where nobody's absence helps, the body reaches no further. It is asked in samples that stand for
+the frames around them.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -18,7 +20,7 @@ from studio.core.quality.metrics import centre_of_mass, knee_speeds
 from studio.core.solver.asking.measured import misses
 from studio.core.solver.asking.tracks import Tracks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.solved_window import Bound, SolvedWindow, constraint_activations, targets_of
+from studio.core.solver.solved_window import BOUND, Bound, SolvedWindow, constraint_activations, targets_of
 from studio.core.solver.standing.stand import Standing
 from studio.core.solver.standing.support import outlines, standing_points, support_margins
 
@@ -31,6 +33,8 @@ NOBODY, CONTACTS, LIMITS, REACH, EASED = -1, -2, -3, -4, -5
 stand, how far joints turn, the measures of the body and the chain that may move, a moment that was eased in time."""
 MET = {"m": STRICT, "rad": float(np.radians(0.1))}
 """What counts as met, by unit."""
+EVERY = 0.2
+"""Seconds between samples: a third of the cost of asking every frame, 5 % of which are then named otherwise."""
 WORTH = 0.05
 """Part of a miss that an absence has to take away to have mattered."""
 
@@ -76,80 +80,97 @@ def winners(
     standing: Standing, constraints: Sequence[Constraint], tracks: Tracks, adapted: AdaptedMotion, eased: bool = False
 ) -> IntArray:
     """(C, F) who kept each constraint from being met; see ``Report``."""
-    residuals, first = adapted.residuals, adapted.first_frame
     if not constraints:
-        return np.empty(residuals.shape, dtype=np.int64)
-    limits = np.array([[MET[each.unit]] for each in constraints]).reshape(-1, 1)
-    missed = residuals > limits
-    found = np.where(missed, REACH, NOBODY)
-    best = np.maximum(limits, WORTH * np.nan_to_num(residuals))
-
-    def weigh(name: int, rows: list[int], asked: Sequence[Constraint], bound: Bound, acts: Mask | None = None) -> None:
-        """Solve for ``asked`` alone, the constraints of ``rows``, where any of them is missed and what is left out
-        ``acts`` (F,), and note where that is better than any so far.
-        """
-        frames = np.flatnonzero(missed[rows].any(axis=0) & (True if acts is None else acts))
-        if len(frames):
-            here = np.ix_(np.array(rows), frames)
-            gain = residuals[here] - residuals_at(standing, asked, first + frames, tracks, bound)
-            better = missed[here] & (gain > best[here])
-            found[here] = np.where(better, name, found[here])
-            best[here] = np.where(better, gain, best[here])
-
-    if missed.any():
-        everybody = list(range(len(constraints)))
-        if eased:
-            weigh(EASED, everybody, constraints, Bound())
-        weigh(CONTACTS, everybody, constraints, Bound(by_contacts=False))
-        weigh(LIMITS, everybody, constraints, Bound(by_limits=False))
-        ranks = np.array([each.priority for each in constraints])
-        for row in everybody:
-            others = [other for other in everybody if other != row]
-            if missed[others][ranks[others] >= ranks[row]].any():
-                without = [constraints[other] for other in others]
-                weigh(row, others, without, Bound(), np.isfinite(residuals[row]))
-        for row in np.flatnonzero((found == REACH).any(axis=1)).tolist():
-            _weigh_together(row, standing, constraints, tracks, adapted, found, best)
-    found[_yielding(standing, constraints, slice(first, first + adapted.frame_count))] = CONTACTS
+        return np.empty(adapted.residuals.shape, dtype=np.int64)
+    window = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
+    activations = constraint_activations(constraints, standing)
+    limits = np.array([[MET[each.unit]] for each in constraints])
+    frames, sample_of = samples(adapted.residuals, limits, round(EVERY * standing.motion.frame_rate))
+    search = _Search(
+        standing, constraints, activations, tracks, window.start + frames, adapted.residuals[:, frames], limits
+    )
+    found = search.winners(eased)[:, sample_of]
+    wanted = np.array([each.activation.at(standing.motion.times[window]) for each in constraints])
+    found[activations[:, window] < wanted - 1e-9] = CONTACTS  # what is about a limb gives way to that limb's contacts
     return found
 
 
-def residuals_at(
-    standing: Standing, constraints: Sequence[Constraint], frames: IntArray, tracks: Tracks, bound: Bound
-) -> FloatArray:
-    """(C, n) what each is missed by at some ``frames`` (n,), in order, of the whole motion, each solved by itself."""
-    window = slice(int(frames[0]), int(frames[-1]) + 1)
-    activations = constraint_activations(constraints, standing)
-    solved = SolvedWindow(standing, constraints, activations, tracks, bound, window)
-    solved.solve(frames - window.start)
-    return solved.residuals[:, frames - window.start]
+def samples(residuals: FloatArray, limits: FloatArray, apart: int) -> tuple[IntArray, IntArray]:
+    """(n,) frames that stand for those around, ``apart`` at most, and (F,) which of them stands for each frame.
+
+    They have the same constraints active and missed: of ``residuals`` (C, F), NaN where not active, beyond ``limits``
+    (C, 1).
+    """
+    state = np.concatenate([np.isfinite(residuals), residuals > limits])
+    changes = np.flatnonzero((state[:, 1:] != state[:, :-1]).any(axis=0)) + 1
+    runs = np.split(np.arange(residuals.shape[1]), changes)
+    parts = [part for run in runs for part in np.array_split(run, math.ceil(len(run) / max(apart, 1)))]
+    return np.array([part[len(part) // 2] for part in parts]), np.repeat(range(len(parts)), list(map(len, parts)))
 
 
-def _weigh_together(
-    row: int,
-    standing: Standing,
-    constraints: Sequence[Constraint],
-    tracks: Tracks,
-    adapted: AdaptedMotion,
-    found: IntArray,
-    best: FloatArray,
-) -> None:
-    """Where several stand in the way, and none of them alone, the first of them is named."""
-    own, helped = constraints[row], found[row] == REACH
-    frames = np.flatnonzero(helped)
-    alone = residuals_at(standing, [own], adapted.first_frame + frames, tracks, Bound())[0]
-    helped[frames] = adapted.residuals[row, frames] - alone > best[row, frames]
-    above = [k for k, each in enumerate(constraints) if k != row and each.priority <= own.priority]
-    for other in sorted(above, key=lambda k: constraints[k].priority):
-        here = helped & np.isfinite(adapted.residuals[other])
-        found[row, here] = other
-        helped &= ~here
+class _Search:
+    """Who kept each of C constraints from being met in n frames: the best answer so far, and what it gains."""
 
+    def __init__(
+        self,
+        standing: Standing,
+        constraints: Sequence[Constraint],
+        activations: FloatArray,
+        tracks: Tracks,
+        frames: IntArray,
+        residuals: FloatArray,
+        limits: FloatArray,
+    ) -> None:
+        """``activations`` (C, F) of the whole motion, ``frames`` (n,) of it, their ``residuals`` (C, n)."""
+        self._standing, self._constraints, self._activations, self._tracks = standing, constraints, activations, tracks
+        self._frames, self._residuals = frames, residuals
+        self._missed = residuals > limits
+        self._found = np.where(self._missed, REACH, NOBODY)
+        self._best = np.maximum(limits, WORTH * np.nan_to_num(residuals))
 
-def _yielding(standing: Standing, constraints: Sequence[Constraint], window: slice) -> NDArray[np.bool_]:
-    """(C, F) where a constraint on a limb gives way to the contacts of that limb."""
-    rate = standing.motion.frame_rate
-    times = np.arange(standing.motion.frame_count)[window] / rate
-    wanted = np.array([each.activation.at(times) for each in constraints])
-    given = constraint_activations(constraints, standing)[:, window]
-    return np.asarray(given < wanted - 1e-9)
+    def winners(self, eased: bool) -> IntArray:
+        """(C, n) as ``Report.winners``; whether the motion was ``eased``."""
+        ranks, acting = np.array([each.priority for each in self._constraints]), np.isfinite(self._residuals)
+        everybody, always = np.arange(len(ranks)), np.ones(len(self._frames), dtype=np.bool_)
+        if eased:
+            self._weigh(EASED, everybody, everybody, always)
+        self._weigh(CONTACTS, everybody, everybody, always, Bound(by_contacts=False))
+        self._weigh(LIMITS, everybody, everybody, always, Bound(by_limits=False))
+        for row in everybody.tolist():
+            others = everybody[everybody != row]
+            self._weigh(row, others, others[ranks[others] >= ranks[row]], acting[row])
+        highest_first = np.argsort(ranks, kind="stable")
+        for row in np.flatnonzero((self._found == REACH).any(axis=1)).tolist():
+            self._weigh_together(row, highest_first[(ranks[highest_first] <= ranks[row]) & (highest_first != row)])
+        return self._found
+
+    def _weigh(self, name: int, asked: IntArray, rows: IntArray, acts: Mask, bound: Bound = BOUND) -> None:
+        """Note ``name`` where what it leaves out ``acts`` (n,), and those ``asked`` alone miss less of ``rows`` than in
+        any answer so far.
+        """
+        numbers = np.flatnonzero(acts & self._missed[rows].any(axis=0))
+        if len(numbers):
+            left = self._residuals_at(asked, numbers, bound)[np.isin(asked, rows)]
+            here = np.ix_(rows, numbers)
+            gain = self._residuals[here] - left
+            better = self._missed[here] & (gain > self._best[here])
+            self._found[here] = np.where(better, name, self._found[here])
+            self._best[here] = np.where(better, gain, self._best[here])
+
+    def _weigh_together(self, row: int, above: IntArray) -> None:
+        """Where several stand in the way of one, and none of them alone, the first of them is named."""
+        helped = self._found[row] == REACH
+        alone = self._residuals_at(np.array([row]), np.flatnonzero(helped), BOUND)[0]
+        helped[helped] = self._residuals[row, helped] - alone > self._best[row, helped]
+        for other in above:
+            here = helped & np.isfinite(self._residuals[other])
+            self._found[row, here] = other
+            helped &= ~here
+
+    def _residuals_at(self, asked: IntArray, numbers: IntArray, bound: Bound) -> FloatArray:
+        """(A, m) what those ``asked`` (A,) are missed by in some of the frames (m,), each solved by itself."""
+        frames, constraints = self._frames[numbers], [self._constraints[row] for row in asked]
+        window = slice(int(frames[0]), int(frames[-1]) + 1)
+        solved = SolvedWindow(self._standing, constraints, self._activations[asked], self._tracks, bound, window)
+        solved.solve(frames - window.start)
+        return solved.residuals[:, frames - window.start]

@@ -247,3 +247,16 @@ def sine_and_cosine(angle):
     if turned & 2:
         s, c = -s, -c
     return s, c
+
+
+@kernel
+def ease_turn(begin, wanted, share):
+    """The turn a ``share`` of the shortest way from one to another."""
+    x, y, z = rotation_vector(product(wanted, inverse(begin)))
+    return product(turn_by(share * x, share * y, share * z), begin)
+
+
+@small_kernel
+def turn_error(wanted, now):
+    """Rotation vector (x, y, z), radians, that turns ``now`` to ``wanted``, both (3, 3)."""
+    return rotation_vector(product(turn_in(wanted), inverse(turn_in(now))))

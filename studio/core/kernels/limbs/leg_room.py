@@ -12,9 +12,10 @@ from studio.core.kernels.algebra.vectors import copy_point, copy_points, plus
 from studio.core.kernels.body.parts import limb_parts
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limits.root_reach import keep_feet_in_reach
-from studio.core.kernels.search.placing import carry_body, miss_of, place_limbs
+from studio.core.kernels.search.placing import carry_body, place_limbs
 from studio.core.kernels.search.step import MET
 from studio.core.kernels.tasks.goals import POSITION, end_place
+from studio.core.kernels.tasks.kinds import miss_of
 from studio.core.kernels.tasks.limb_rows import MISSED
 from studio.core.kernels.tasks.task import ACTIVE
 

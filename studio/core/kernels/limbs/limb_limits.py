@@ -10,12 +10,13 @@ from studio.core.kernels.limbs.limb import soft_reach
 from studio.core.kernels.limits.joint_limits import is_well_within, keep_joint, keep_middle
 from studio.core.kernels.limits.within_limits import NEARLY, step_within
 from studio.core.kernels.tasks.goals import ease_goal, end_place
+from studio.core.kernels.tasks.task import STRICT
 
 STEPS_WITHIN, LATE_WITHIN = 6, 3
 """Steps that a limb takes along its limits towards what it misses, at most, and those that it may add where little is
 missed: whole up to ``NEARLY``, none from twice that on.
 """
-STILL_WITHIN = 1e-4
+STILL_WITHIN = 0.5 * STRICT
 """Radians of such a step after which no other follows."""
 
 

@@ -13,7 +13,7 @@ from studio.core.kernels.algebra.vectors import copy_point, distance
 from studio.core.kernels.body.parts import lift_end, limb_parts, put_end, turn_part
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limbs.limb_limits import bent_point, comfortable, keep_within
-from studio.core.kernels.limbs.reach import BACKWARDS, aim_at, bend_range, reach_to, span_range, swivel_to, swivel_way
+from studio.core.kernels.limbs.reach import aim_at, bend_range, reach_to, span_range, swivel_to, swivel_way
 from studio.core.kernels.limbs.stiffness import stiff_span, turn_back
 from studio.core.kernels.limits.joint_limits import braked_swivel, keep_middle, soft
 from studio.core.kernels.limits.swing_twist import bend_of
@@ -77,10 +77,8 @@ def range_of(limb, segment, holds_end, point, limits, pose):
     if limits.shape[0] == 0:
         fold, reach = span_range(positions[root], positions[root + 1], hinge, tip)
         return fold, reach, own
-    c0, c1, angle = bend_range(positions[root], positions[root + 1], hinge, tip)
+    c0, c1, angle, side = bend_range(positions[root], positions[root + 1], hinge, tip)
     bend, bends = bend_of(rotations[upper], rotations[upper + 1])[0], limits[limb].bends
-    side = -1.0 if -BACKWARDS < angle < 0.0 else 1.0
-    angle = abs(angle) if angle > -BACKWARDS else angle + 2.0 * math.pi
     first, last = angle + side * min(bend - bends[1], 0.0), angle + side * max(bend - bends[0], 0.0)
     least, most = max(min(first, last), 0.0), min(max(first, last), math.pi)
     fold, reach = c0 - 2.0 * c1 * math.cos(least), c0 - 2.0 * c1 * math.cos(most)

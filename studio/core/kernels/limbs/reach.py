@@ -49,9 +49,12 @@ def levers(root, middle, hinge, point):
 
 @kernel
 def bend_range(root, middle, hinge, point):
-    """(c0, c1, angle now) of ``levers``: d^2 = c0 - 2 c1 cos(angle)."""
+    """(c0, c1, angle now, side) of ``levers``: d^2 = c0 - 2 c1 cos(angle); side is -1 where it is bent backwards."""
     c0, cosine, sine = levers(root, middle, hinge, point)
-    return c0, math.sqrt(cosine * cosine + sine * sine), math.atan2(sine, cosine)
+    angle = math.atan2(sine, cosine)
+    side = -1.0 if -BACKWARDS < angle < 0.0 else 1.0
+    angle = abs(angle) if angle > -BACKWARDS else angle + 2.0 * math.pi
+    return c0, math.sqrt(cosine * cosine + sine * sine), angle, side
 
 
 @kernel

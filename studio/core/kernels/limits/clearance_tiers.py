@@ -19,9 +19,10 @@ from studio.core.kernels.limits.clearance import place_capsules
 from studio.core.kernels.limits.clearing import measure_side, note_lacking
 from studio.core.kernels.records import KeptTier
 from studio.core.kernels.search.joints import pose_limb
-from studio.core.kernels.search.placing import carry_body, follow, miss_of
+from studio.core.kernels.search.placing import carry_body
 from studio.core.kernels.search.retreat import AIM, NEAR, begin_retreat, note_disturbance, tries_share
 from studio.core.kernels.search.step import KEPT
+from studio.core.kernels.tasks.kinds import follow, miss_of
 from studio.core.kernels.tasks.task import INACTIVE, ON_EDGE
 from studio.core.kernels.time.activation_blend import blend_kept, blend_limb, note_turns
 

@@ -7,8 +7,8 @@ import numpy as np
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.limits.clearance import PROBES, TOUCH, clear_arm, copy_arm, measure_arm, place_capsules
 from studio.core.kernels.records import CAPSULE, Clearing, Pose
-from studio.core.kernels.search.placing import follow, miss_of
 from studio.core.kernels.tasks.goals import counts, turns_segment
+from studio.core.kernels.tasks.kinds import follow, miss_of
 from studio.core.kernels.tasks.task import INACTIVE, STRICT
 
 BELOW, BESIDE, ABOVE, CONTACT = range(4)

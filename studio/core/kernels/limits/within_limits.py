@@ -10,7 +10,7 @@ import math
 from studio.core.kernels.algebra.turns import about, inverse, product, turn_by, turn_in
 from studio.core.kernels.body.parts import turn_part
 from studio.core.kernels.compiling import kernel, small_kernel
-from studio.core.kernels.limbs.reach import BACKWARDS, bend_range
+from studio.core.kernels.limbs.reach import bend_range
 from studio.core.kernels.limits.swing_twist import (
     part_of_range,
     part_of_swing,
@@ -97,11 +97,9 @@ def shortened(e, r):
 @kernel
 def bend_room(root, middle, hinge, point, spans):
     """(least, greatest) turn about the hinge that keeps ``point`` between two distances from the root."""
-    c0, c1, angle = bend_range(root, middle, hinge, point)
+    c0, c1, angle, side = bend_range(root, middle, hinge, point)
     if c1 < 1e-9:
         return 0.0, 0.0
-    side = -1.0 if -BACKWARDS < angle < 0.0 else 1.0
-    angle = abs(angle) if angle > -BACKWARDS else angle + 2.0 * math.pi
     least = math.acos(min(max((c0 - spans[0] * spans[0]) / (2.0 * c1), -1.0), 1.0))
     most = math.acos(min(max((c0 - spans[1] * spans[1]) / (2.0 * c1), -1.0), 1.0))
     if side > 0.0:

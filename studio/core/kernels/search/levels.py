@@ -29,13 +29,14 @@ from studio.core.kernels.limbs.limb_tasks import (
 from studio.core.kernels.limbs.stiffness import free_stiff, stiffen
 from studio.core.kernels.limits.joint_limits import keep_caps, note_own, restore_caps
 from studio.core.kernels.limits.root_reach import free_part
-from studio.core.kernels.search.placing import OUTLINED, carry_body, miss_of, note_idle, place_limbs, put_back
+from studio.core.kernels.search.placing import OUTLINED, carry_body, note_idle, place_limbs, put_back
 from studio.core.kernels.search.reachability import is_alone, note_reachable, reachable_way, soft_way
 from studio.core.kernels.search.recruiting import frees_limbs, note_balances
 from studio.core.kernels.search.retreat import AIM, begin_retreat, note_disturbance, tries_share
 from studio.core.kernels.search.step import KEPT, MET, step
 from studio.core.kernels.tasks.balance import centre_of_mass
 from studio.core.kernels.tasks.goals import BALANCE, POSITION, brings_point, counts, end_place, turns_segment
+from studio.core.kernels.tasks.kinds import miss_of
 from studio.core.kernels.tasks.task import ACTIVE, GIVEN_UP, INACTIVE
 
 TRIES, LATE = 4, 5

@@ -3,20 +3,11 @@
 Records are those of ``kernels.records``.
 """
 
-import math
-
 from studio.core.kernels.algebra.turns import (
-    inverse,
-    product,
-    put_beside,
-    put_turn,
-    rotation_vector,
-    shortest,
-    turn_by,
     turn_in,
     turn_of_gibbs,
 )
-from studio.core.kernels.algebra.vectors import between, copy_matrix, copy_point, distance, length, length_along
+from studio.core.kernels.algebra.vectors import copy_matrix, copy_point
 from studio.core.kernels.body.parts import limb_parts, turn_part
 from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.limbs.legs import place_leg, place_leg_points
@@ -25,29 +16,18 @@ from studio.core.kernels.limbs.stiffness import carry_leg
 from studio.core.kernels.limits.joint_limits import is_well_within, keep_joint
 from studio.core.kernels.records import Problem
 from studio.core.kernels.search.joints import carry_arm, carry_point, carry_trunk, pose_limb
-from studio.core.kernels.tasks.areas import COSINE, SINE, nearest_allowed, put_area
-from studio.core.kernels.tasks.balance import centre_of_mass
+from studio.core.kernels.tasks.areas import engage_area
 from studio.core.kernels.tasks.goals import (
     AREA,
     BALANCE,
     DISTANCE,
-    LOOK_AT,
     ORIENTATION,
-    POSITION,
-    UPRIGHT,
     counts,
-    ease_goal,
-    end_place,
-    gaze_goal,
-    part_to,
-    second_place,
-    turns_segment,
+    goes_with_body,
 )
-from studio.core.kernels.tasks.task import ACTIVE, FREE, PINNED_TURN
-from studio.core.kernels.tasks.upright import follow_upright, miss_upright
+from studio.core.kernels.tasks.kinds import follow, miss_of
+from studio.core.kernels.tasks.task import ACTIVE
 
-ENGAGED = 1e-6
-"""Metres into a forbidden area from which on a point counts as in it."""
 OUTLINED = 2
 """What an idle limb becomes once its points alone were put where they are to be."""
 AGAIN = 3
@@ -168,8 +148,7 @@ def place_limbs(level, problem):
     for c in range(tasks.shape[0]):
         row = tasks[c]
         if counts(row) and row.rank <= level:
-            follows = row.kind != DISTANCE and row.points[1] >= 0
-            moving = moving or follows or (row.kind > ORIENTATION and row.kind != BALANCE)
+            moving = moving or goes_with_body(row) or (row.kind > ORIENTATION and row.kind != BALANCE)
             row.engaged = 0
             for end in range(2):
                 if row.limbs[end] >= 0 and row.status == ACTIVE:
@@ -200,55 +179,6 @@ def place_limbs(level, problem):
 
 
 @kernel
-def follow(level, solved, problem):
-    """Goals that depend on where things are now: both ends of distances, areas, the line of sight, what is followed on
-    the own body (METHOD 5). Once limbs are ``solved``, those that depend on where the limbs have come to be.
-    """
-    tasks, areas, pose = problem.tasks, problem.areas, problem.pose
-    for c in range(tasks.shape[0]):
-        row = tasks[c]
-        if not counts(row) or row.rank > level:
-            continue
-        if row.kind != DISTANCE and row.points[1] >= 0:
-            follow_body(row, areas[c], pose, problem)
-        if row.kind == DISTANCE and not solved:
-            part_to(end_place(row, 0, pose), second_place(row, pose), row.distance, row.shares, row.places)
-        elif row.kind == LOOK_AT and row.pinned != PINNED_TURN:
-            now = turn_in(pose.rotations[row.segments[0]])
-            x, y, z = gaze_goal(row.places[1], row.places[0], end_place(row, 0, pose), row.distance)
-            put_turn(product(shortest(now[0], now[3], now[6], x, y, z), now), row.turn)
-        elif row.kind == UPRIGHT:
-            follow_upright(row, pose)
-        elif row.kind == AREA and row.status == ACTIVE and not row.engaged and not solved:
-            engage_one(c, problem)
-
-
-@kernel
-def follow_body(row, area, pose, problem):
-    """Bring what a constraint asks to where the point or segment is now that it follows on its own body."""
-    start, place, axes = problem.start, end_place(row, 1, pose), turn_in(pose.rotations[row.segments[1]])
-    if row.kind == POSITION and row.pinned != FREE:
-        put_beside(place, axes, row.relative[0, 0], row.relative[0, 1], row.relative[0, 2], row.places[0])
-    elif row.kind == POSITION:
-        copy_point(ease_goal(end_place(row, 0, start), place, row.share), row.places[0])
-    elif row.kind == ORIENTATION:
-        wanted = product(axes, turn_in(row.relative))
-        put_turn(ease_turn(turn_in(start.rotations[row.segments[0]]), wanted, row.share), row.turn)
-    elif row.kind == LOOK_AT:
-        copy_point(place, row.places[0])
-    elif row.kind == BALANCE:
-        copy_point(ease_goal(row.begin, place, row.share), row.places[0])
-        copy_point(row.places[0], row.places[1])
-    else:
-        turn = product(axes, turn_in(row.relative))
-        c, s = turn[0] + turn[4], turn[3] - turn[1]
-        size = max(math.sqrt(c * c + s * s), 1e-9)
-        put_area(area, place, row.turn)
-        cosine, sine = area[COSINE], area[SINE]
-        area[COSINE], area[SINE] = (c * cosine - s * sine) / size, (s * cosine + c * sine) / size
-
-
-@kernel
 def falls_short(level, problem):
     """Whether a distance is missed because one of its limbs could not do its share: then the other does more.
 
@@ -272,52 +202,5 @@ def engage(level, problem):
     for c in range(tasks.shape[0]):
         row = tasks[c]
         if row.kind == AREA and row.status == ACTIVE and row.rank <= level and not row.engaged:
-            found = engage_one(c, problem) or found
+            found = engage_area(row, problem.areas[c], problem.pose) or found
     return found
-
-
-@kernel
-def engage_one(c, problem):
-    """Engage one area if its point is where it may not be: the goal is the nearest place where it may."""
-    row = problem.tasks[c]
-    point = end_place(row, 0, problem.pose)
-    depth, place = nearest_allowed(problem.areas[c], point)
-    if depth > ENGAGED:
-        row.engaged = 1
-        copy_point(ease_goal(point, place, row.distance), row.places[0])
-        return True
-    return False
-
-
-@kernel
-def miss_of(c, problem):
-    """By how much a constraint is missed now: metres, or radians for an orientation or a look.
-
-    An area by the nearest place where its point may be, which may be another than it was sent to.
-    """
-    row, pose = problem.tasks[c], problem.pose
-    if row.kind == UPRIGHT:
-        return miss_upright(row, pose)
-    if turns_segment(row):
-        return length(turn_error(row.turn, pose.rotations[row.segments[0]]))
-    if row.kind == BALANCE:
-        return length_along(between(row.places[0], centre_of_mass(problem.body.shares, pose.positions)), row.axes)
-    point = end_place(row, 0, pose)
-    if row.kind == DISTANCE:
-        return abs(distance(point, second_place(row, pose)) - row.distance)
-    if row.kind == AREA:
-        return row.distance * nearest_allowed(problem.areas[c], point)[0]
-    return distance(point, row.places[0])
-
-
-@kernel
-def ease_turn(begin, wanted, share):
-    """The turn a ``share`` of the shortest way from one to another."""
-    x, y, z = rotation_vector(product(wanted, inverse(begin)))
-    return product(turn_by(share * x, share * y, share * z), begin)
-
-
-@small_kernel
-def turn_error(wanted, now):
-    """Rotation vector (x, y, z), radians, that turns ``now`` to ``wanted``, both (3, 3)."""
-    return rotation_vector(product(turn_in(wanted), inverse(turn_in(now))))

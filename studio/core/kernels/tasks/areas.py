@@ -2,8 +2,11 @@
 
 import math
 
+from studio.core.kernels.algebra.turns import product, turn_in
+from studio.core.kernels.algebra.vectors import copy_matrix, copy_point
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.tasks.distance_field import surface_place
+from studio.core.kernels.tasks.goals import ease_goal, end_place
 
 HALF_SPACE, BOX, SPHERE, CYLINDER, TABLE, MESH = 0, 1, 2, 3, 4, 5
 """Shapes of an area."""
@@ -18,6 +21,45 @@ EDGE = 0.1
 """Metres from a table's edge within which its push turns outwards, so that a hand coming from the side does not pop,
 and from its lower face within which it goes back there.
 """
+ENGAGED = 1e-6
+"""Metres into a forbidden area from which on a point counts as in it."""
+
+
+@kernel
+def begin_area(row, area, centre, turn):
+    """Put an ``area`` where it is at this frame."""
+    row.distance = row.share
+    copy_matrix(turn, row.turn)
+    put_area(area, centre, row.turn)
+
+
+@kernel
+def follow_area(row, area, pose):
+    """Put an ``area`` where the point of the own body is that it goes with, headed as that is."""
+    turn = product(turn_in(pose.rotations[row.segments[1]]), turn_in(row.relative))
+    c, s = turn[0] + turn[4], turn[3] - turn[1]
+    size = max(math.sqrt(c * c + s * s), 1e-9)
+    put_area(area, end_place(row, 1, pose), row.turn)
+    cosine, sine = area[COSINE], area[SINE]
+    area[COSINE], area[SINE] = (c * cosine - s * sine) / size, (s * cosine + c * sine) / size
+
+
+@kernel
+def engage_area(row, area, pose):
+    """Engage a task whose point is where it may not be: the goal is the nearest place where it may. Whether it is."""
+    point = end_place(row, 0, pose)
+    depth, place = nearest_allowed(area, point)
+    if depth > ENGAGED:
+        row.engaged = 1
+        copy_point(ease_goal(point, place, row.distance), row.places[0])
+        return True
+    return False
+
+
+@kernel
+def miss_area(row, area, pose):
+    """Metres from its point to the nearest place where that may be, which may be another than it was sent to."""
+    return row.distance * nearest_allowed(area, end_place(row, 0, pose))[0]
 
 
 @kernel

@@ -4,13 +4,44 @@ import math
 
 import numpy as np
 
+from studio.core.kernels.algebra.vectors import between, copy_point, length_along
 from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.search.joints import ROOT
+from studio.core.kernels.tasks.goals import ease_goal, end_place
 
 LEAST_BEND = 0.3
 """Part of a leg's length by which its knee is taken to lie off its line besides: straight, it would shoot forward."""
 MEETING = 0.005
 """Metres short of its goal from which on an arm is taken to stay with it."""
+
+
+@kernel
+def begin_balance(row, target, shares, start):
+    """Its goal, by how much it acts between where ``start`` has the centre of mass and its ``target``; NaN is there."""
+    copy_point(centre_of_mass(shares, start.positions), row.begin)
+    for axis in range(3):
+        way = 0.0 if math.isnan(target[axis]) else target[axis] - row.begin[axis]
+        row.places[0, axis] = row.begin[axis] + row.share * way
+
+
+@kernel
+def follow_balance(row, pose):
+    """Its goal with the point of the own body that it follows."""
+    copy_point(ease_goal(row.begin, end_place(row, 1, pose), row.share), row.places[0])
+    copy_point(row.places[0], row.places[1])
+
+
+@kernel
+def miss_balance(row, shares, pose):
+    """Metres from the centre of mass to its goal, along the ground unless heights count too."""
+    return length_along(between(row.places[0], centre_of_mass(shares, pose.positions)), row.axes)
+
+
+@kernel
+def pin_balance(row, shares, pose):
+    """Ask of the centre of mass to stay where a ``pose`` has it."""
+    copy_point(centre_of_mass(shares, pose.positions), row.places[0])
+    copy_point(row.places[0], row.places[1])
 
 
 @kernel

@@ -5,12 +5,12 @@ Records are those of ``kernels.records``.
 
 import math
 
+from studio.core.kernels.algebra.turns import turn_error
 from studio.core.kernels.algebra.vectors import between, distance, length
 from studio.core.kernels.body.parts import limb_parts
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limits.root_reach import root_reach_of
 from studio.core.kernels.search.joints import add_point_row, add_turn_row, may_turn
-from studio.core.kernels.search.placing import turn_error
 from studio.core.kernels.search.reachability import reachable_place
 from studio.core.kernels.tasks.balance import let_arm_reach, set_balance_rows, sum_masses
 from studio.core.kernels.tasks.goals import (
@@ -33,12 +33,10 @@ from studio.core.kernels.tasks.limb_rows import (
     add_swivel_row,
     holds_already,
 )
+from studio.core.kernels.tasks.look_at import AWAY
 from studio.core.kernels.tasks.second_order import BOUND, HOLD, begin_row, note_pull, note_row
 from studio.core.kernels.tasks.task import ACTIVE, GIVEN_UP
 from studio.core.kernels.tasks.upright import add_upright_rows
-
-AWAY = 1.0
-"""Radians of miss from which on a look that is held keeps its turn: what it misses has no clear direction there."""
 
 
 @kernel

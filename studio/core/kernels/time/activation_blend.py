@@ -11,7 +11,7 @@ and the blend its ``state`` and ``blended_turns``; misses are ``blended`` in the
 
 import math
 
-from studio.core.kernels.algebra.turns import put_turn, turn_between, turn_in
+from studio.core.kernels.algebra.turns import ease_turn, put_turn, turn_between, turn_error, turn_in
 from studio.core.kernels.algebra.vectors import (
     between,
     blend_points,
@@ -27,9 +27,10 @@ from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.limbs.limb_limits import bent_point
 from studio.core.kernels.limbs.limb_tasks import BLENDED, CLOSE_ENOUGH
 from studio.core.kernels.search.levels import disturbance, mend, note_kept
-from studio.core.kernels.search.placing import carry_body, ease_turn, miss_of, place_limbs, turn_error
+from studio.core.kernels.search.placing import carry_body, place_limbs
 from studio.core.kernels.search.step import KEPT
 from studio.core.kernels.tasks.goals import BALANCE, ORIENTATION, POSITION, TURN_ARM, ease_goal, turns_segment
+from studio.core.kernels.tasks.kinds import miss_of
 from studio.core.kernels.tasks.limb_rows import MISSED
 from studio.core.kernels.tasks.task import ACTIVE, FREE, INACTIVE, ON_EDGE, PINNED, STRICT
 

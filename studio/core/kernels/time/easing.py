@@ -2,7 +2,7 @@
 
 import math
 
-from studio.core.kernels.algebra.vectors import ORIGIN, copy_matrix, copy_point, copy_points, distance, plus
+from studio.core.kernels.algebra.vectors import ORIGIN, copy_matrix, copy_point, copy_points, plus
 from studio.core.kernels.body.parts import copy_pose
 from studio.core.kernels.compiling import kernel, pack
 from studio.core.kernels.limbs.limb_tasks import BLENDED
@@ -10,24 +10,14 @@ from studio.core.kernels.limits.clearance_tiers import measure_rooms
 from studio.core.kernels.limits.clearing import clear_after
 from studio.core.kernels.limits.root_reach import keep_feet_in_reach
 from studio.core.kernels.records import Pose
-from studio.core.kernels.search.placing import carry_body, follow, miss_of, posed
+from studio.core.kernels.search.placing import carry_body, posed
 from studio.core.kernels.search.retreat import begin_retreat, note_disturbance, tries_share
-from studio.core.kernels.tasks.balance import centre_of_mass
 from studio.core.kernels.tasks.goals import (
     BALANCE,
-    DISTANCE,
-    LOOK_AT,
-    ORIENTATION,
-    POSITION,
-    UPRIGHT,
-    end_place,
-    place_as_followed,
-    second_place,
 )
-from studio.core.kernels.tasks.rows import AWAY
+from studio.core.kernels.tasks.kinds import follow, miss_of, pin_goal
 from studio.core.kernels.tasks.targets import set_goals
-from studio.core.kernels.tasks.task import ACTIVE, FREE, INACTIVE, ON_EDGE, PINNED, PINNED_TURN, STRICT
-from studio.core.kernels.tasks.upright import pin_upright
+from studio.core.kernels.tasks.task import ACTIVE, INACTIVE, ON_EDGE, PINNED, STRICT
 from studio.core.kernels.time.activation_blend import blend_kept, next_edge, note_misses, note_turns, pose_kept
 
 ANY = 1e-9
@@ -162,27 +152,9 @@ def has_edge(frame, tasks, activations):
 @kernel
 def pin(c, stands, above):
     """Ask of a constraint, or of what ``stands``, what it has in the pose ``above``."""
-    row, search, pose = above.tasks[c], above.search, above.pose
+    row, search = above.tasks[c], above.search
     row.status, row.pinned, row.blended_miss, row.miss_change = ACTIVE, PINNED, 0.0, 0.0
-    if row.kind == DISTANCE:
-        row.distance = distance(end_place(row, 0, pose), second_place(row, pose))
-    elif row.kind == POSITION:
-        copy_point(place_as_followed(row, pose), row.relative[0] if row.points[1] >= 0 else row.places[0])
-    elif row.kind == ORIENTATION and row.points[1] < 0:
-        copy_matrix(pose.rotations[row.segments[0]], row.turn)
-    elif row.kind == UPRIGHT:
-        pin_upright(row, pose)
-    elif row.kind == BALANCE and row.points[1] < 0:
-        copy_point(centre_of_mass(above.body.shares, pose.positions), row.places[0])
-        copy_point(row.places[0], row.places[1])
-    else:
-        row.engaged = 0
-        follow(row.rank, False, above)
-        row.blended_miss = miss_of(c, above)
-        row.pinned = PINNED if row.kind == LOOK_AT else FREE
-        if row.kind == LOOK_AT and row.blended_miss >= AWAY:
-            row.pinned, row.blended_miss = PINNED_TURN, 0.0
-            copy_matrix(pose.rotations[row.segments[0]], row.turn)
+    pin_goal(c, above)
     for end in range(2):
         limb = row.limbs[end]
         if row.kind != BALANCE and limb >= 0 and row.freedoms[end, 0] > 0.0 and not (stands and limb >= 2):

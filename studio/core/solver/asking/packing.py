@@ -51,6 +51,7 @@ def pack(constraints: Sequence[Constraint], layout: BodyLayout, targets: Targets
         kind = KINDS.get(type(constraint))
         if kind is None:
             raise TypeError(f"'{constraint.name}': the solver has no kind '{constraint.kind}'.")
+        rows.asked["kind"][c] = kind.code
         kind.put(rows, c, constraint)
     for c, constraint in enumerate(constraints):
         if constraint.chain.free_arms or constraint.chain.free_legs:

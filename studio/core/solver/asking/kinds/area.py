@@ -5,13 +5,13 @@ import numpy as np
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.kernels.tasks import goals
 from studio.core.solver.asking.areas import area_row
+from studio.core.solver.asking.course import course_of_point
 from studio.core.solver.asking.kinds.kind import Kind
 from studio.core.solver.asking.rows import Rows
 
 
 def put(rows: Rows, c: int, constraint: AreaConstraint) -> None:
     """Its shape stands beside its row, longer by its field for a mesh."""
-    rows.asked["kind"][c] = goals.AREA
     if not rows.put_followed(c, constraint.centre):
         rows.places[c] = rows.targets.places(constraint.centre)
     if constraint.shape is AreaShape.HALF_SPACE:
@@ -24,4 +24,4 @@ def put(rows: Rows, c: int, constraint: AreaConstraint) -> None:
     rows.areas[c, : len(row)] = row
 
 
-AREA = Kind(put)
+AREA = Kind(goals.AREA, put, course_of_point)

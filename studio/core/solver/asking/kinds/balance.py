@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.kernels.tasks import goals
+from studio.core.solver.asking.course import Course, Unsolved, course_to
 from studio.core.solver.asking.kinds.kind import Kind
 from studio.core.solver.asking.posed import wanted_place
 from studio.core.solver.asking.rows import Rows
@@ -17,7 +18,7 @@ FloatArray = NDArray[np.float64]
 
 def put(rows: Rows, c: int, constraint: BalanceConstraint) -> None:
     """A place of NaN is the motion's own."""
-    rows.asked["kind"][c], rows.asked["axes"][c] = goals.BALANCE, 3 if constraint.vertical else 2
+    rows.asked["axes"][c] = 3 if constraint.vertical else 2
     place = constraint.place
     rows.asked["blends"][c] = not rows.put_followed(c, place)
     if isinstance(place, tuple) and len(place) == 2:
@@ -39,4 +40,9 @@ def missed(constraint: BalanceConstraint, targets: Targets, adapted: AdaptedMoti
     return np.asarray(np.linalg.norm(away[:, :axes], axis=1))
 
 
-BALANCE = Kind(put, missed)
+def course(unsolved: Unsolved) -> Course:
+    """From where the centre of mass is to its target."""
+    return course_to(unsolved.wanted, mass_path(unsolved.positions, unsolved.body))
+
+
+BALANCE = Kind(goals.BALANCE, put, course, missed)

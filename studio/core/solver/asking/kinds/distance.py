@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.kernels.tasks import goals
+from studio.core.solver.asking.course import Course, Unsolved
 from studio.core.solver.asking.kinds.kind import Kind
 from studio.core.solver.asking.posed import place_of, wanted_place
 from studio.core.solver.asking.rows import Rows, put_end
@@ -18,7 +19,7 @@ FloatArray = NDArray[np.float64]
 def put(rows: Rows, c: int, constraint: DistanceConstraint) -> None:
     """Two ends that are free share the way."""
     row = rows.asked[c]
-    row["kind"], rows.distances[c] = goals.DISTANCE, rows.targets.numbers(constraint.distance)
+    rows.distances[c] = rows.targets.numbers(constraint.distance)
     if isinstance(constraint.other, BodyPoint):
         put_end(row, 1, constraint.other, constraint.chain, rows.layout)
         # A leg comes to meet a hand only when it is asked for itself: the own thigh stays where it is.
@@ -36,4 +37,10 @@ def missed(constraint: DistanceConstraint, targets: Targets, adapted: AdaptedMot
     return np.asarray(np.abs(np.linalg.norm(apart, axis=1) - targets.numbers(constraint.distance)))
 
 
-DISTANCE = Kind(put, missed)
+def course(unsolved: Unsolved) -> Course:
+    """How much farther apart both ends are to be."""
+    now = np.linalg.norm(unsolved.place - unsolved.wanted, axis=1, keepdims=True)
+    return unsolved.rows.distances[unsolved.c][:, None] - now, goals.TURN_ARM
+
+
+DISTANCE = Kind(goals.DISTANCE, put, course, missed)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.solver.asking.course import Course, Unsolved
 from studio.core.solver.asking.rows import Rows
 from studio.core.solver.asking.tracks import Targets
 from studio.core.solver.request import AdaptedMotion
@@ -16,9 +17,12 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Kind:
-    """``put`` writes constraint c of the rows. ``missed`` measures poses: (F,) metres or radians by which a constraint
-    is missed at full activation; None where only the solver knows that.
+    """``code`` is the kind as the kernels know it. ``put`` writes constraint c of the rows. ``course`` is what one row
+    asks beside the unsolved poses. ``missed`` measures poses: (F,) metres or radians by which a constraint is missed at
+    full activation; None where only the solver knows that.
     """
 
+    code: int
     put: Callable[[Rows, int, Any], None]
+    course: Callable[[Unsolved], Course]
     missed: Callable[[Any, Targets, AdaptedMotion], FloatArray] | None = None

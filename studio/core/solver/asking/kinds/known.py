@@ -28,3 +28,5 @@ KINDS: Mapping[type[Constraint], Kind] = {
     BalanceConstraint: BALANCE,
     AreaConstraint: AREA,
 }
+BY_CODE = {kind.code: kind for kind in KINDS.values()}
+"""The same by what the kernels know each by."""

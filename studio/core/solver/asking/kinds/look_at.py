@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.kernels.tasks import goals
+from studio.core.solver.asking.course import Course, Unsolved
 from studio.core.solver.asking.kinds.kind import Kind
 from studio.core.solver.asking.points import point_indices
 from studio.core.solver.asking.posed import place_of, wanted_place
@@ -17,7 +18,6 @@ FloatArray = NDArray[np.float64]
 
 def put(rows: Rows, c: int, constraint: LookAtConstraint) -> None:
     """It turns what carries the eyes, and no limb."""
-    rows.asked["kind"][c] = goals.LOOK_AT
     if not rows.put_followed(c, constraint.target):
         rows.places[c] = rows.targets.places(constraint.target)
     rows.asked["limbs"][c, 0] = -1
@@ -32,4 +32,10 @@ def missed(constraint: LookAtConstraint, targets: Targets, adapted: AdaptedMotio
     return np.asarray(np.arctan2(across, np.sum(looks * ways, axis=1)))
 
 
-LOOK_AT = Kind(put, missed)
+def course(unsolved: Unsolved) -> Course:
+    """From where the eyes look to where they are to look, on a unit sphere."""
+    way = unsolved.wanted - unsolved.place
+    return way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-9) - unsolved.segment[..., 0], 1.0
+
+
+LOOK_AT = Kind(goals.LOOK_AT, put, course, missed)

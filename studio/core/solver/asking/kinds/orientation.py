@@ -2,11 +2,13 @@
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.kernels.tasks import goals
 from studio.core.rotations import to_matrix
+from studio.core.solver.asking.course import Course, Unsolved
 from studio.core.solver.asking.kinds.kind import Kind
 from studio.core.solver.asking.points import point_indices
 from studio.core.solver.asking.rows import Rows
@@ -18,7 +20,6 @@ FloatArray = NDArray[np.float64]
 
 def put(rows: Rows, c: int, constraint: OrientationConstraint) -> None:
     """Its turn, or what it follows."""
-    rows.asked["kind"][c] = goals.ORIENTATION
     if not rows.put_followed(c, constraint.target):
         rows.turns[c] = rows.targets.turns(constraint.target)
 
@@ -43,4 +44,10 @@ def _angle(one: FloatArray, other: FloatArray) -> FloatArray:
     return np.asarray(np.arctan2(np.linalg.norm(axis, axis=0), np.trace(turn, axis1=1, axis2=2) - 1.0))
 
 
-ORIENTATION = Kind(put, missed)
+def course(unsolved: Unsolved) -> Course:
+    """The turn from where the segment is, as a rotation vector."""
+    errors = unsolved.wanted_turn @ np.swapaxes(unsolved.segment, 1, 2)
+    return np.asarray(Rotation.from_matrix(errors).as_rotvec()), 1.0
+
+
+ORIENTATION = Kind(goals.ORIENTATION, put, course, missed)

@@ -7,6 +7,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.position import PositionConstraint
 from studio.core.kernels.tasks import goals
+from studio.core.solver.asking.course import course_of_point
 from studio.core.solver.asking.kinds.kind import Kind
 from studio.core.solver.asking.points import limb_of
 from studio.core.solver.asking.posed import place_of, wanted_place
@@ -26,7 +27,6 @@ def put(rows: Rows, c: int, constraint: PositionConstraint) -> None:
         put_end(rows.asked[c], 1, target.point, constraint.chain, rows.layout)
         rows.asked["freedoms"][c, 1] = 0.0
         return
-    rows.asked["kind"][c] = goals.POSITION
     if not rows.put_followed(c, target):
         rows.asked["blends"][c], rows.places[c] = 1, rows.targets.places(target)
 
@@ -48,4 +48,4 @@ def missed(constraint: PositionConstraint, targets: Targets, adapted: AdaptedMot
     return np.asarray(np.linalg.norm(away, axis=1))
 
 
-POSITION = Kind(put, missed)
+POSITION = Kind(goals.POSITION, put, course_of_point, missed)

@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from studio.core.constraints.upright import UprightConstraint
 from studio.core.kernels.tasks import goals
+from studio.core.solver.asking.course import Course, Unsolved
 from studio.core.solver.asking.kinds.kind import Kind
 from studio.core.solver.asking.points import point_indices
 from studio.core.solver.asking.rows import Rows
@@ -16,7 +17,7 @@ FloatArray = NDArray[np.float64]
 
 def put(rows: Rows, c: int, constraint: UprightConstraint) -> None:
     """Its axis stands where others have their second offset, its cone where they have a distance."""
-    rows.asked["kind"][c], rows.asked["offsets"][c, 1] = goals.UPRIGHT, constraint.axis
+    rows.asked["offsets"][c, 1] = constraint.axis
     rows.places[c], rows.distances[c] = np.array([constraint.direction]), np.array([constraint.cone])
 
 
@@ -26,4 +27,12 @@ def missed(constraint: UprightConstraint, _targets: Targets, adapted: AdaptedMot
     return constraint.lean(adapted.rotations[:, segment])
 
 
-UPRIGHT = Kind(put, missed)
+def course(unsolved: Unsolved) -> Course:
+    """How far the axis is beyond its cone, towards its direction."""
+    direction, cone = unsolved.rows.places[unsolved.c], unsolved.rows.distances[unsolved.c][:, None]
+    axes = unsolved.segment @ unsolved.row["offsets"][1]
+    lean = np.arccos(np.clip(np.sum(axes * direction, axis=1, keepdims=True), -1.0, 1.0))
+    return (direction - axes) * np.maximum(lean - cone, 0.0) / np.maximum(lean, 1e-9), 1.0
+
+
+UPRIGHT = Kind(goals.UPRIGHT, put, course, missed)
