@@ -109,6 +109,15 @@ def test_a_prop_in_a_hand_moves_with_it_and_is_let_go_where_it_is(document, form
     assert prop.heading == pytest.approx(0.4)
 
 
+def test_a_prop_is_where_the_picture_has_it_while_its_holder_plays_a_motion_that_is_gone(document, form, live):
+    choose(form, "Where", "In a hand, or on a body")
+    choose(form, "By whom", document.project.performers[SECOND].name)
+    posed = posed_performers(document.project, live.result, 0.0)
+    here = at(document, live, 0.0).place
+    without = replace(document.project, motions={})
+    assert prop_at(without, posed, "box", 0.0).place == pytest.approx(here)
+
+
 def test_dragging_a_prop_that_is_held_moves_it_in_the_hand(document, form, live):
     for held in (InHand(SECOND, BodyPoint(BodyPart.RIGHT_HAND), (0.1, 0.2, 0.3, 0.9)), Carried(SECOND)):
         document.replace("props", "box", replace(document.project.props["box"], held=held), "")
