@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.normalized.compose import STEP_HEIGHT, STEP_HEIGHTS, STEP_SECONDS
+from studio.core.normalized.blending import STEP_HEIGHT, STEP_HEIGHTS, STEP_SECONDS
 from studio.core.normalized.joining import SAME_PLACE
 from studio.core.normalized.transition import SHORTEST, place_left
 from studio.core.runs import runs_of
