@@ -50,7 +50,7 @@ class StandingSolver:
     def _standing(self, request: AdaptRequest, windows: Windows | None) -> "Standing":
         """How the body of ``request`` stands, in some ``windows`` at least."""
         from studio.core.solver.standing.lifted import lifted
-        from studio.core.solver.standing.stand import stand_but_for_arms
+        from studio.core.solver.standing.stand import standing_of
 
         body, on = (request.motion, request.morphology), Carried.of(request)
         whole, partly = self._whole.get(body), self._partly.get(body)
@@ -61,9 +61,8 @@ class StandingSolver:
         if whole is not None and whole.on.at_height(on.ground.height) == on:
             standing = lifted(whole.standing, on.ground.height)
         else:
-            every_frame = [slice(0, request.motion.frame_count)]
-            wanted = every_frame if windows is None else [slice(*each) for each in windows]
-            standing = stand_but_for_arms(request).with_arms_right(wanted).kept()
+            wanted = None if windows is None else [slice(*each) for each in windows]
+            standing = standing_of(request, wanted).kept()
         with self._lock:
             if windows is None:
                 self._partly.clear()  # the hand rests

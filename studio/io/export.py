@@ -13,6 +13,7 @@ from studio.core.body.rest_pose import rest_pose
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.annotations import Annotations
 from studio.core.captures.capture import Capture
+from studio.core.captures.contacts import Touch
 from studio.core.errors import StudioError
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.realize import own_poses
@@ -135,7 +136,7 @@ def _met(request: AdaptRequest | None, adapted: AdaptedMotion) -> Annotations:
     return Annotations(
         tuple(
             replace(each, first=max(each.first - start, 0), last=min(each.last - start, last))
-            for each in request.contacts
+            for each in (*adapted.contacts, *(each for each in request.contacts if isinstance(each.point, Touch)))
             if start <= each.last and each.first - start <= last
         )
     )

@@ -14,7 +14,7 @@ from studio.core.solver.asking.self_contact import self_contact_of
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.standing.footing import Footing, leg_stretches, run_out
 from studio.core.solver.standing.raised_arms import raise_arms
-from studio.core.solver.standing.stand import Standing, legs_of
+from studio.core.solver.standing.stand import Standing
 from studio.live.foothold import Follower, Foothold, FootPose
 
 FloatArray = NDArray[np.float64]
@@ -66,7 +66,7 @@ class Planted:
         aimed = [foot.step(each, low, dt) for foot, each in zip(self._feet, own, strict=True)]
         positions[:, :, 2] += np.mean([foot.climb.value for foot in self._feet])
         footing = self._footing(request, aimed, positions)
-        legs = legs_of(footing, request.motion, slice(None))
+        legs = footing.legs(request.motion)
         place_frames(body.rows, footing.drops, legs, positions, rotations)
         for foot in self._feet:
             foot.show(_posed(foot, positions, rotations))

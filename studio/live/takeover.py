@@ -82,4 +82,4 @@ def _shown(before: Standing, rows: NDArray[np.int64], start: float) -> Piece:
 def _played(before: Standing, frame: int) -> NormalizedMotion:
     motion = before.motion
     first = max(frame - round(OF_LATE * motion.frame_rate), 0)
-    return replace(motion, channels=motion.channels[first : frame + 1])
+    return replace(motion, channels=motion.channels[first : frame + 1], changes=())

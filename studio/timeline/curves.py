@@ -123,7 +123,7 @@ class Asked:
 
     def _contacts(self, adapted: AdaptedMotion) -> tuple[ContactInterval, ...]:
         if adapted.composite is not None:
-            return adapted.composite.contacts
+            return adapted.contacts
         return tuple(self.project.contacts_of(self.subject.motion_id).values())
 
     def _slide(self, performer_id: str, adapted: AdaptedMotion) -> FloatArray:

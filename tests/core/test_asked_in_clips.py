@@ -69,7 +69,7 @@ def test_what_a_clip_ends_in_the_middle_of_goes_before_it_ends() -> None:
     asked, unasked = (played(short, after, **each).adapted.positions for each in ({"reach": REACH}, {}))
     off = np.abs(asked - unasked).max(axis=(1, 2))
     assert off[130] > 0.02
-    assert off[151:].max() < 1e-3
+    assert off[151:].max() < 2e-3  # an arm that came out of the body for it settles by degrees
 
 
 def test_what_is_missed_in_both_parts_of_a_split_clip_is_told_of_both() -> None:

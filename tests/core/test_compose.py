@@ -142,7 +142,7 @@ def test_no_foot_slides_and_no_joint_jolts_where_one_clip_follows_another(
     before = example(first)
     row = compose((before, cut(example(second), start=before.end - overlap)))
     stands = standing(row)
-    quality = contact_quality(hold(stands, ()), row.contacts, Ground())
+    quality = contact_quality(hold(stands, ()), stands.contacts, Ground())
     assert quality.slide < 1e-3
     assert quality.penetration < 1e-3
     usual = np.maximum(np.maximum(peaks(first), peaks(second)), QUIET)
@@ -163,7 +163,8 @@ def test_a_cut_in_the_middle_of_a_stride_slides_no_foot() -> None:
     stride = Piece(motion, contacts, 10, 64)
     for frame in (20, 41, 55, 70):
         row = compose((stride, Piece(motion, contacts, frame, 140, start=stride.end)))
-        quality = contact_quality(hold(standing(row), ()), row.contacts, Ground())
+        stands = standing(row)
+        quality = contact_quality(hold(stands, ()), stands.contacts, Ground())
         assert quality.slide < 1e-3
 
 

@@ -109,7 +109,7 @@ def test_a_layer_is_mirrored_repeated_and_faster_as_clips_are() -> None:
     piece = part("straight_punch", 150, 210, 1.0)
     twice = tuple(cut(piece, start=1.0 + 0.5 * place, speed=2.0, mirrored=True) for place in range(2))
     composite = row_with(replace(over(piece, Region.ARMS), pieces=twice, fades=(0.1, 0.1)))
-    own = compose(twice)
+    own = compose(twice, blends=True)
     arms = columns_of(Region.ARMS, composite.motion.channels.shape[1])
     np.testing.assert_allclose(
         composite.motion.channels[70:110][:, arms], own.motion.channels[10:50][:, arms], atol=1e-9

@@ -22,13 +22,13 @@ FRAME = 30
 @pytest.fixture
 def stood(monkeypatch: pytest.MonkeyPatch) -> list[AdaptRequest]:
     """The requests for which a body was set on the ground."""
-    requests, whole = list[AdaptRequest](), stand.stand_but_for_arms
+    requests, whole = list[AdaptRequest](), stand.standing_of
 
-    def noted(request: AdaptRequest) -> Any:
+    def noted(request: AdaptRequest, *windows: Any) -> Any:
         requests.append(request)
-        return whole(request)
+        return whole(request, *windows)
 
-    monkeypatch.setattr(stand, "stand_but_for_arms", noted)
+    monkeypatch.setattr(stand, "standing_of", noted)
     return requests
 
 

@@ -98,7 +98,7 @@ def test_a_second_of_the_fight_is_solved_in_a_second(scene: Project, staged: Sta
 
 def test_feet_that_stand_stay_through_all_clips(staged: Staged) -> None:
     for performance in staged.performances.values():
-        quality = contact_quality(performance.adapted, performance.composite.contacts, Ground())
+        quality = contact_quality(performance.adapted, performance.adapted.contacts, Ground())
         assert quality.slide < 1e-3
 
 
@@ -163,7 +163,7 @@ def test_nobody_slides_on_steps_and_all_come_up() -> None:
     for key, performance in made.items():
         performer = project.performers[key]
         ground = project.ground.seen_from(performer.position, performer.heading)
-        quality = contact_quality(performance.adapted, performance.composite.contacts, ground)
+        quality = contact_quality(performance.adapted, performance.adapted.contacts, ground)
         assert quality.slide < 2e-3
         heights = performance.adapted.positions[:, performance.adapted.morphology.layout.toe(0), 2]
         assert heights.max() > changing.RISE
@@ -176,7 +176,7 @@ def test_who_grows_and_who_shrinks_keeps_its_feet_where_they_stand() -> None:
         first, last = (adapted.body.at(frame).stature for frame in (0, adapted.frame_count - 1))
         assert (last > 1.5 * first) if larger else (last < 0.65 * first)
     for performance in made.values():
-        heels = [each for each in performance.composite.contacts if each.point in HEELS]  # toes of a longer foot go on
+        heels = [each for each in performance.adapted.contacts if each.point in HEELS]  # toes of a longer foot go on
         assert contact_quality(performance.adapted, heels, Ground()).slide < 2e-3
 
 
@@ -218,7 +218,7 @@ def test_hands_carry_all_bodies_through_a_handstand_and_a_cartwheel_without_a_sl
     made = perform(scene, scene.performers, prepared, adapt)
     assert len(made.performances) == 5
     for performance in made.performances.values():
-        adapted, contacts = performance.adapted, performance.composite.contacts
+        adapted, contacts = performance.adapted, performance.adapted.contacts
         layout, leg = adapted.morphology.layout, adapted.body.leg_length
         stood = [each for each in contacts if each.point in (ContactPoint.LEFT_HAND, ContactPoint.RIGHT_HAND)]
         assert [each.point.side for each in stood] in ([0, 0, 1, 1], [0, 1, 0, 1])

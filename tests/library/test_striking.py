@@ -109,7 +109,7 @@ def test_the_body_goes_on_smoothly_where_the_blow_takes_over(library):
     assert (
         np.linalg.norm(np.diff(adapted.positions[strike.change - 2 : strike.change + 2], axis=0), axis=2).max() < 0.05
     )
-    assert contact_quality(adapted, strike.composite.contacts, Ground()).slide < 0.002
+    assert contact_quality(adapted, adapted.contacts, Ground()).slide < 0.002
 
 
 @pytest.mark.parametrize("height", [0.2, 0.45])

@@ -14,12 +14,14 @@ from numpy.typing import NDArray
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch, spans_of
 from studio.core.constraints.activation import EaseShape, ease
 from studio.core.kernels import layout as at
-from studio.core.normalized.compose import FEET, Composite, Flight, compose, flights_of, raise_feet, step_seconds
+from studio.core.normalized.blending import Flight, flights_of, raise_feet, step_seconds
+from studio.core.normalized.compose import Composite, compose
 from studio.core.normalized.differences import blended, difference, moved
 from studio.core.normalized.joining import Join, Planar, join, stepping_there
 from studio.core.normalized.mirror import mirrored
 from studio.core.normalized.pieces import POINTS, Mask, Piece
 from studio.core.normalized.resample import Resampled
+from studio.core.normalized.row import FEET
 from studio.core.normalized.transition import LONGEST, fade_seconds, joint_peaks, placed
 from studio.core.stage.layer import Region
 
@@ -47,7 +49,7 @@ class Overlay:
 @lru_cache(maxsize=64)
 def layered(pieces: tuple[Piece, ...], overlays: tuple[Overlay, ...]) -> Composite:
     """A row as ``compose`` has it, layers over it, the later over the earlier; the same ones give the same value."""
-    row = compose(pieces)
+    row = compose(pieces, blends=any(piece.is_carried for overlay in overlays for piece in overlay.pieces))
     for overlay in overlays:
         if overlay.weight > 0.0:
             row = _Over(row, overlay).composite()
@@ -59,7 +61,7 @@ class _Over:
 
     def __init__(self, row: Composite, overlay: Overlay) -> None:
         self._row, self._overlay = row, overlay
-        self._own = compose(overlay.pieces)
+        self._own = compose(overlay.pieces, blends=True)
         self._places = row.motion.spine_places
         self._columns = columns_of(overlay.region, row.motion.channels.shape[1])
         timing = row.timing

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +38,17 @@ class Girdle:
             object.__setattr__(self, name, unwritten(getattr(self, name)))
 
 
+@dataclass(frozen=True)
+class Change:
+    """Another clip takes over in frame ``first``: it goes on from where the body is then, in ``seconds``, 0 in as many
+    as it needs; where it is ``cut`` it is where it is at once.
+    """
+
+    first: int
+    seconds: float = 0.0
+    cut: bool = False
+
+
 @dataclass(frozen=True, eq=False)
 class NormalizedMotion:
     """A motion free of any body's measures: angles, and lengths as parts of the body's own.
@@ -53,6 +65,8 @@ class NormalizedMotion:
     girdle: Girdle | None = None
     """The actor's: where other clavicles are longer they turn by less, so that shoulders go as far, and they come no
     nearer to each other than the actor's do; wider hips turn by less. None where it is not known: all turn alike."""
+    changes: tuple[Change, ...] = ()
+    """Where channels jump as one clip of a row takes over from another: each stands by itself, led on from the last."""
 
     def __post_init__(self) -> None:
         for name in ("channels", "spine_places"):
@@ -82,6 +96,12 @@ class NormalizedMotion:
         x, y, _ = rotate(multiply(pelvis[:, None], feet), np.array([0.0, 1.0, 0.0])).sum(axis=1).T
         level = np.column_stack([np.cos(yaw) * x - np.sin(yaw) * y, np.sin(yaw) * x + np.cos(yaw) * y])
         return unwritten(smoothed(level, HEADING_SMOOTHING * self.frame_rate))
+
+    @property
+    def parts(self) -> tuple[slice, ...]:
+        """Its frames from change to change."""
+        ends = [0, *(each.first for each in self.changes), self.frame_count]
+        return tuple(slice(*each) for each in pairwise(ends))
 
     @property
     def duration(self) -> float:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.captures.contacts import CONTACT_POINTS, ContactInterval
+from studio.core.captures.contacts import CONTACT_POINTS, FOOT_POINTS, ContactInterval, on_ground
 from studio.core.kernels import layout as at
 from studio.core.normalized.joining import Planar
 from studio.core.normalized.mirror import mirrored, mirrored_contacts
@@ -47,6 +47,12 @@ class Piece:
     def end(self) -> float:
         """Seconds at which its last frame plays."""
         return self.start + (self.last - self.first) / (self.motion.frame_rate * self.speed)
+
+    @property
+    def is_carried(self) -> bool:
+        """Whether hands, knees or seat carry the body as well in what it plays."""
+        there = [each for each in self.contacts if each.last >= self.first and each.first <= self.last]
+        return any(each.point not in FOOT_POINTS for each in on_ground(there))
 
     @property
     def is_plain(self) -> bool:

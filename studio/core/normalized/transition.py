@@ -43,13 +43,13 @@ class Transition:
     @classmethod
     def of(cls, offset: FloatArray, speed: FloatArray, peaks: FloatArray) -> "Transition":
         """One that takes as many seconds as it needs to add no more to any joint than it may."""
-        return cls(offset, speed, peaks, seconds_of(np.linalg.norm(_joints(offset), axis=-1), peaks))
+        return cls(offset, speed, peaks, seconds_of(np.linalg.norm(joint_vectors(offset), axis=-1), peaks))
 
     @cached_property
     def halts(self) -> FloatArray:
         """(C,) seconds in which each column's speed dies: no later than it must, or a fast limb would swing past."""
         halts = np.full(len(self.offset), self.seconds)
-        halting = halts_of(np.linalg.norm(_joints(self.speed), axis=-1), self.peaks, self.seconds)
+        halting = halts_of(np.linalg.norm(joint_vectors(self.speed), axis=-1), self.peaks, self.seconds)
         turns = turn_columns(len(self.offset))
         halts[turns[:, None] + np.arange(3)] = halting[: len(turns), None]
         halts[OFF_PLANES] = halts[SLACKS] = halting[len(turns) :]
@@ -86,7 +86,7 @@ def pace_left(times: FloatArray, seconds: float | FloatArray) -> FloatArray:
 
 def fade_seconds(differences: FloatArray, peaks: FloatArray) -> float:
     """Seconds that a fade takes to add no more to any joint than it may, where two differ by (N, C) meanwhile."""
-    places = np.linalg.norm(_joints(differences), axis=-1).max(axis=0)
+    places = np.linalg.norm(joint_vectors(differences), axis=-1).max(axis=0)
     return seconds_of(places, peaks)
 
 
@@ -94,11 +94,11 @@ def joint_peaks(channels: FloatArray, frame_rate: float) -> FloatArray:
     """(T + 4,) radians a second squared: the greatest acceleration of each turn of channels (F, C), and each fold."""
     if len(channels) < 3:
         return np.zeros(len(turn_columns(channels.shape[1])) + 4)
-    speeds = _joints(difference(channels[:-1], channels[1:]))
+    speeds = joint_vectors(difference(channels[:-1], channels[1:]))
     return np.asarray(np.linalg.norm(np.diff(speeds, axis=0), axis=-1).max(axis=0) * frame_rate**2)
 
 
-def _joints(between: FloatArray) -> FloatArray:
+def joint_vectors(between: FloatArray) -> FloatArray:
     """(..., T + 4, 3) the rotation vectors in a ``difference`` (..., C), and how far elbows and knees are bent."""
     turns = between[..., turn_columns(between.shape[-1])[:, None] + np.arange(3)]
     folds = 2.0 * np.stack([between[..., OFF_PLANES], between[..., SLACKS], 0.0 * between[..., SLACKS]], axis=-1)

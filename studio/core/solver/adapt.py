@@ -99,9 +99,8 @@ def _answer(
 ) -> AdaptedMotion:
     body, rate = standing.morphology, standing.motion.frame_rate
     animated = body if isinstance(body, AnimatedMorphology) else None
-    return AdaptedMotion(
-        body.still, rate, first, positions, rotations, residuals, animated, standing.volume, standing.unasked
-    )
+    known = animated, standing.volume, standing.unasked, standing.contacts
+    return AdaptedMotion(body.still, rate, first, positions, rotations, residuals, *known)
 
 
 def place_of(point: BodyPoint, adapted: AdaptedMotion) -> FloatArray:

@@ -62,9 +62,9 @@ class Report:
 def report_of(standing: Standing, request: AdaptRequest, adapted: AdaptedMotion) -> Report:
     """All there is to say of ``adapted``, the answer to ``request``, which stands so, in any window."""
     window = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
-    stands = standing_points(request.contacts, request.motion.frame_count)[:, window]
+    stands = standing_points(standing.contacts, request.motion.frame_count)[:, window]
     areas = outlines(adapted.positions[:], adapted.rotations[:], stands, adapted.morphology)
-    slides, heights = contact_tracks(adapted, request.contacts, request.ground)
+    slides, heights = contact_tracks(adapted, standing.contacts, request.ground)
     return Report(
         adapted.residuals,
         misses(request.constraints, targets_of(standing, request.constraints, window, request.tracks), adapted),

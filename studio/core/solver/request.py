@@ -72,6 +72,8 @@ class AdaptedMotion:
     animated: AnimatedMorphology | None = None
     volume: BodyVolume | None = None
     unasked: Unasked | None = None
+    contacts: tuple[ContactInterval, ...] = ()
+    """What stands on the ground, of what the solver made: where clips take over, when feet are lifted and land."""
     composite: Composite | None = None
     """What of a stage it is, where it is of one: which clips play in which of its frames."""
     passed: Mapping[float, "AdaptedMotion"] = field(default_factory=dict)

@@ -33,7 +33,7 @@ from studio.core.solver.smoothing.easing import WIDTHS, Easing, Level, Solve
 from studio.core.solver.smoothing.limb_charts import LimbCharts
 from studio.core.solver.smoothing.root_reach import RootReach
 from studio.core.solver.smoothing.target_motion import brought
-from studio.core.solver.standing.stand import Standing, legs_of
+from studio.core.solver.standing.stand import Standing
 from studio.core.solver.standing.support import mass_path, standing_points, support_path
 
 FloatArray = NDArray[np.float64]
@@ -95,7 +95,7 @@ class SolvedWindow:
             footing.root_reaches[:, window] if bound.by_contacts else np.full((2, len(self._positions)), np.inf)
         )
         self._root_reach = np.ascontiguousarray(root_reach)
-        self._legs = legs_of(footing, standing.motion, window)
+        self._legs = footing.legs(standing.motion, window)
         limits = limits_of(body.still)[: 4 * (bound.by_limits and standing.limited)]
         masses, shares = segment_masses(body.layout), point_masses(body.layout)
         measures = at_frames(body.rows, window)

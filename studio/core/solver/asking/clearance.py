@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.morphology import Morphology
+from studio.core.body.morphology import AnyMorphology, Morphology
 from studio.core.body.rest_pose import rest_pose
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.clear import ClearConstraint
@@ -105,26 +105,27 @@ def _nothing(others: int) -> Clearance:
 def rooms(adapted: AdaptedMotion) -> FloatArray:
     """(F, 2, 5) metres from the surface of each probe of both arms to that of the body, negative inside."""
     volume = adapted.volume or usual_volume(adapted.morphology)
-    return _rooms(adapted.morphology, volume, adapted.positions[:], adapted.rotations[:])[0]
+    return rooms_of(adapted.morphology, volume, adapted.positions[:], adapted.rotations[:])[0]
 
 
 @lru_cache(maxsize=8)
 def actor_rooms(motion: NormalizedMotion, actor: Morphology) -> tuple[FloatArray, FloatArray]:
     """``rooms`` of the actor that a motion was captured from, and the ways out of its body (F, 2, 5, 3)."""
-    return _rooms(actor, usual_volume(actor), *realize(motion, actor, play=True))
+    return rooms_of(actor, usual_volume(actor), *realize(motion, actor, play=True))
 
 
 @lru_cache(maxsize=64)
 def rest_rooms(body: Morphology, volume: BodyVolume) -> FloatArray:
     """``rooms`` of a body in its rest pose, (2, 5): a thick arm may have none there."""
     positions, rotations = rest_pose(body)
-    found, _ = _rooms(body, volume, positions[None], rotations[None])
+    found, _ = rooms_of(body, volume, positions[None], rotations[None])
     return np.asarray(found[0])
 
 
-def _rooms(
-    body: Morphology, volume: BodyVolume, positions: FloatArray, rotations: FloatArray
+def rooms_of(
+    body: AnyMorphology, volume: BodyVolume, positions: FloatArray, rotations: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
+    """``rooms`` of posed frames (F, P, 3), (F, S, 3, 3), and the ways out of the body (F, 2, 5, 3)."""
     found = np.empty((len(positions), 2, len(PROBES)))
     ways = np.empty((*found.shape, 3))
     kernel.room_frames(packed(volume), np.array(body.layout.proximal_points()), positions, rotations, found, ways)

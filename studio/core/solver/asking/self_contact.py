@@ -23,7 +23,7 @@ from studio.core.kernels.records import ActorRooms
 from studio.core.mesh.volume import CAPSULES_OF, BodyVolume, usual_volume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
-from studio.core.solver.asking.clearance import actor_rooms, packed, rest_rooms
+from studio.core.solver.asking.clearance import actor_rooms, packed, rest_rooms, rooms_of
 from studio.core.solver.standing.blends import SLOWLY_LET_GO, freedom, hann_window
 from studio.core.solver.standing.carrying import limb_freedom
 
@@ -75,10 +75,46 @@ class SelfContact:
     resting: tuple[Resting, ...]
     rooms: tuple[FloatArray, FloatArray, FloatArray] | None
 
-    def as_far_as(self, shares: FloatArray) -> "SelfContact":
-        """The same of hands that touch by ``shares`` (F,) of how they do."""
-        resting = tuple(replace(each, firm=shares * each.firm) for each in self.resting)
-        return replace(self, firm=shares * self.firm, resting=resting)
+    def led(self, shares: FloatArray, positions: FloatArray, rotations: FloatArray) -> "SelfContact":
+        """The same on posed frames (F, P, 3), (F, S, 3, 3) that lie as by themselves by ``shares`` (F,) only.
+
+        Hands touch by as much of how they do, and arms have no more room than they are led with.
+        """
+        resting, rooms, led = (
+            tuple(replace(each, firm=shares * each.firm) for each in self.resting),
+            self.rooms,
+            shares < 1.0,
+        )
+        if rooms is not None:
+            wanted = rooms[0].copy()
+            there, _ = rooms_of(self.body, self.volume, positions[led], rotations[led])
+            wanted[led] = np.minimum(wanted[led], there)
+            rooms = wanted, *rooms[1:]
+        return replace(self, firm=shares * self.firm, resting=resting, rooms=rooms)
+
+    def part(self, frames: slice) -> "SelfContact":
+        """The same in some frames, which are all there are then."""
+        return replace(
+            self,
+            gaps=self.gaps[frames],
+            firm=self.firm[frames],
+            resting=tuple(replace(each, firm=each.firm[frames], spots=each.spots[frames]) for each in self.resting),
+            rooms=self.rooms and (self.rooms[0][frames], self.rooms[1][frames], self.rooms[2][frames]),
+        )
+
+    def as_in(self, parts: "Sequence[SelfContact]") -> "SelfContact":
+        """The same of hands that touch, and arms that have room, as in its ``parts``, one after the other."""
+        firm, *rests = (
+            np.concatenate(each) for each in zip(*((part.firm, *part._rests) for part in parts), strict=True)
+        )
+        resting = tuple(replace(each, firm=firm) for each, firm in zip(self.resting, rests, strict=True))
+        wanted = [part.rooms[0] for part in parts if part.rooms]
+        rooms = self.rooms and (np.concatenate(wanted), *self.rooms[1:])
+        return replace(self, firm=firm, resting=resting, rooms=rooms)
+
+    @property
+    def _rests(self) -> list[FloatArray]:
+        return [each.firm for each in self.resting]
 
     def around(self, window: slice) -> slice:
         """The frames that have to do with where the arms are in a ``window``."""

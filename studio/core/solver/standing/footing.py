@@ -7,12 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.morphology import AnyMorphology, leg_rows, sole_rows
-from studio.core.captures.contacts import ContactInterval, ContactPoint
+from studio.core.captures.contacts import FOOT_POINTS, ContactInterval, ContactPoint, spans_of
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.layout import LIMB_SLACK
 from studio.core.kernels.limbs.legs import hip_heights
 from studio.core.kernels.limbs.limb import COMFORT, OWN_COMFORT
 from studio.core.kernels.limits.root_reach import HALF_FREE_REACH
+from studio.core.kernels.records import Legs
 from studio.core.kernels.support.footing import FootPlan, plan_foot
 from studio.core.kernels.support.gaps import fill_gaps
 from studio.core.kernels.support.heels import roll_feet
@@ -65,6 +66,11 @@ class Footing:
         """
         return self.comforts + self.runs
 
+    def legs(self, motion: NormalizedMotion, window: slice = slice(None)) -> Legs:
+        """How legs stand in a stretch of frames, as kernels want it: contiguous."""
+        stance = self.comforts, self.ankles, self.feet, self.toes
+        return Legs(motion.channels[window], *(np.ascontiguousarray(each[:, window]) for each in stance))
+
 
 def foot_states(contacts: Sequence[ContactInterval], frame_count: int) -> NDArray[np.int64]:
     """(2, F) of bits: 1 where the heel stands, 2 where the toe does."""
@@ -75,6 +81,15 @@ def foot_states(contacts: Sequence[ContactInterval], frame_count: int) -> NDArra
             bit, bits = (HEEL, heels) if point.is_heel else (TOE, toes)
             bits[point.side, contact.first : contact.last + 1] = bit
     return np.asarray(toes | heels)
+
+
+def foot_contacts(states: NDArray[np.int64]) -> tuple[ContactInterval, ...]:
+    """The contacts of feet that stand as ``states`` (2, F) say: ``foot_states`` the other way round."""
+    return tuple(
+        ContactInterval("", point, first, last)
+        for point in FOOT_POINTS
+        for first, last in spans_of(states[point.side] & (HEEL if point.is_heel else TOE) != 0)
+    )
 
 
 def find_footing(

@@ -15,14 +15,11 @@ from studio.core.kernels.support.sole import HEEL
 from studio.core.normalized.differences import rotation_vectors
 from studio.core.normalized.transition import LONGEST, halts_of, pace_left, place_left
 from studio.core.rotations import from_matrix, sign_continuous
+from studio.core.runs import runs_of
 from studio.core.solver.standing.stepping import Flight
 
 FloatArray = NDArray[np.float64]
 States = NDArray[np.int64]
-
-
-ROLLS = 0.3
-"""Metres by which what a standing foot turns about moves on at most, as where it rolls over its toes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,9 +77,21 @@ class HeldFoot:
     @cached_property
     def asides(self) -> FloatArray:
         """(F, 3) the same while it stands: what it turns about moves on where it rolls, turned as the foot is."""
-        rolled = self.own.places(self.pivot) - self.own.places(self.pivot)[self.rest]
-        rolled /= (1.0 + (np.linalg.norm(rolled, axis=1, keepdims=True) / ROLLS) ** 4) ** 0.25
+        rolled = self.own.places(self.pivot) - self._came_down
         return np.asarray(self.aside + Rotation.from_rotvec([0.0, 0.0, self.heading]).apply(rolled) - rolled)
+
+    @cached_property
+    def _came_down(self) -> FloatArray:
+        """(F, 3) where what it turns about was by itself as the foot came down; in the air on the way to the next."""
+        places = self.own.places(self.pivot)
+        there = np.tile(places[self.rest], (len(places), 1))
+        for leaves, lands in runs_of(self.states == 0):
+            if self.rest < leaves and lands < len(places):
+                going = np.arange(1, lands - leaves + 1) / (lands - leaves)
+                way = places[lands] - there[leaves]
+                there[leaves:lands] += (1.0 - place_left(going, 1.0))[:, None] * way
+                there[lands:] += way
+        return there
 
     @cached_property
     def heading(self) -> float:

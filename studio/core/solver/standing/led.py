@@ -9,28 +9,29 @@ ground. A foot that stands stays where it stands until it is lifted; one in the 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.morphology import AnimatedMorphology, sole_rows
-from studio.core.captures.contacts import FOOT_POINTS, ContactInterval, spans_of
+from studio.core.captures.contacts import FOOT_POINTS
 from studio.core.kernels import layout as at
 from studio.core.kernels.adapt import place_frames
 from studio.core.kernels.limbs.legs import hip_heights
-from studio.core.kernels.support.sole import HEEL, TOE
 from studio.core.normalized.differences import rotation_vectors
 from studio.core.normalized.encode import encode
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.transition import SHORTEST, halts_of, pace_left, place_left, seconds_of
 from studio.core.rotations import from_matrix, sign_continuous
 from studio.core.solver.standing.blends import smooth_drops
-from studio.core.solver.standing.footing import Footing, leg_stretches
+from studio.core.solver.standing.footing import Footing, foot_contacts, leg_stretches
 from studio.core.solver.standing.held_foot import FootPath, HeldFoot, turned, turns_between
-from studio.core.solver.standing.stand import Standing, legs_of
 from studio.core.solver.standing.stepping import Flight, carrying, flights_of, states_of
 from studio.core.solver.standing.tipping import depths_of, out_of_ground, seen_coming
+
+if TYPE_CHECKING:
+    from studio.core.solver.standing.stand import Standing
 
 FloatArray = NDArray[np.float64]
 
@@ -54,7 +55,7 @@ class Stance:
     peaks: FloatArray
 
     @classmethod
-    def of(cls, standing: Standing, frames: NDArray[np.int64]) -> "Stance":
+    def of(cls, standing: "Standing", frames: NDArray[np.int64]) -> "Stance":
         """In the last two of ``frames``."""
         rows, footing = frames[-2:], standing.footing
         legs = footing.ankles[:, rows, :3], footing.feet[:, rows], footing.toes[:, rows]
@@ -62,7 +63,13 @@ class Stance:
         return cls(standing.positions[rows], standing.rotations[rows], *legs, *known)
 
     @classmethod
-    def before(cls, standing: Standing, first: int) -> "Stance":
+    def last_of(cls, standing: "Standing") -> "Stance":
+        """In its last two frames."""
+        last = standing.motion.frame_count - 1
+        return cls.of(standing, np.array([max(last - 1, 0), last]))
+
+    @classmethod
+    def before(cls, standing: "Standing", first: int) -> "Stance":
         """In the two frames before ``first``, as if it went there as fast as it goes on."""
         rows, footing = [first, min(first + 1, standing.motion.frame_count - 1)], standing.footing
         places = standing.positions[rows], *footing.ankles[:, rows, :3]
@@ -73,7 +80,7 @@ class Stance:
         return cls(positions, rotations, np.array(ankles), np.array(legs[:2]), np.array(legs[2:]), *known)
 
 
-def led_from(standing: Standing, first: int, seen: Stance, seconds: float = 0.0) -> Standing:
+def led_from(standing: "Standing", first: int, seen: Stance, seconds: float = 0.0) -> "Standing":
     """``standing`` from frame ``first`` on led from the body as it was ``seen`` until then, in ``seconds``.
 
     0 takes as many as it needs.
@@ -87,21 +94,22 @@ def led_from(standing: Standing, first: int, seen: Stance, seconds: float = 0.0)
     footing = change.footing(motion, bases, positions, rotations)
     drops = np.zeros(motion.frame_count)
     drops[first:] = change.drops(motion, footing, positions, rotations)
-    place_frames(standing.morphology.rows, drops, legs_of(footing, motion, slice(None)), positions, rotations)
+    place_frames(standing.morphology.rows, drops, footing.legs(motion), positions, rotations)
     positions[:first], rotations[:first] = seen.positions[1], seen.rotations[1]
+    others = [each for each in standing.contacts if each.point not in FOOT_POINTS]
     touching = np.append(np.zeros(first), 1.0 - place_left(change.times, change.seconds))
     return replace(
         standing,
         motion=motion,
-        contacts=_contacts(standing, footing.states),
+        contacts=(*others, *foot_contacts(footing.states)),
         footing=footing,
         positions=positions,
         rotations=rotations,
-        self_contact=standing.self_contact and standing.self_contact.as_far_as(touching),
+        self_contact=standing.self_contact and standing.self_contact.led(touching, positions, rotations),
     )
 
 
-def _with_limbs(standing: Standing, near: slice, positions: FloatArray, rotations: FloatArray) -> NormalizedMotion:
+def _with_limbs(standing: "Standing", near: slice, positions: FloatArray, rotations: FloatArray) -> NormalizedMotion:
     """Its motion whose limbs lie as in posed frames; ``near`` are those in which they do not as they do by themselves.
 
     Legs are put on their ankles from there, so knees look where they did.
@@ -112,17 +120,6 @@ def _with_limbs(standing: Standing, near: slice, positions: FloatArray, rotation
     posed = encode(positions[near], rotations[near], still, standing.motion.frame_rate)
     channels[near, limbs] = posed.channels[:, limbs]
     return replace(standing.motion, channels=channels)
-
-
-def _contacts(standing: Standing, states: NDArray[np.int64]) -> tuple[ContactInterval, ...]:
-    """What stands, feet by their ``states`` (2, F)."""
-    others = [each for each in standing.contacts if each.point not in FOOT_POINTS]
-    feet = [
-        ContactInterval("", point, first, last)
-        for point in FOOT_POINTS
-        for first, last in spans_of(states[point.side] & (HEEL if point.is_heel else TOE) != 0)
-    ]
-    return (*others, *feet)
 
 
 class _LedFoot(NamedTuple):
@@ -136,7 +133,7 @@ class _LedFoot(NamedTuple):
 class _Change:
     """``standing`` takes over at ``first``, where it is at its ``own`` in the frames before, and was ``seen``."""
 
-    standing: Standing
+    standing: "Standing"
     first: int
     seen: Stance
     own: Stance

@@ -13,7 +13,6 @@ from studio.core.captures.contacts import ContactInterval, on_ground
 from studio.core.grounds.ground import Ground
 from studio.core.kernels import records
 from studio.core.kernels.adapt import place_frames
-from studio.core.kernels.records import Legs
 from studio.core.kernels.support.carrying import place_arms
 from studio.core.kernels.tasks.goals import TURN_ARM
 from studio.core.kernels.time.jolts import note_peaks
@@ -26,7 +25,9 @@ from studio.core.solver.asking.self_contact import SelfContact, hands_standing, 
 from studio.core.solver.request import AdaptRequest, Unasked
 from studio.core.solver.standing.carrying import Hold, find_carrying, limb_freedom
 from studio.core.solver.standing.footing import Footing, find_footing
+from studio.core.solver.standing.led import Stance, led_from
 from studio.core.solver.standing.raised_arms import raise_arms
+from studio.core.solver.standing.row import joined, parts_of, windows_in
 from studio.core.solver.standing.settling import Arms, settle
 from studio.core.solver.standing.shown_floor import shown_floor
 
@@ -108,9 +109,27 @@ class Standing:
         return float(pushes.max(initial=0.0)) * self.motion.frame_rate**2 / TURN_ARM
 
 
-def standing_of(request: AdaptRequest) -> Standing:
-    """How the motion of ``request`` stands before its constraints."""
-    return stand_but_for_arms(request).with_arms_right([slice(0, request.motion.frame_count)])
+def standing_of(request: AdaptRequest, windows: Sequence[slice] | None = None) -> Standing:
+    """How the motion of ``request`` stands before its constraints; its arms right in some ``windows`` at least, all by
+    default: that takes most of the time.
+
+    Where one clip takes over from another, each stands by itself, led on from where the one before it left the body.
+    """
+    motion, parts = request.motion, list[Standing]()
+    known = motion, request.morphology, request.contacts, request.volume, request.actor, request.clears
+    self_contact = self_contact_of(*known)
+    for frames, part in parts_of(request):
+        own = self_contact and self_contact.part(frames)
+        alone = replace(_stand_alone(part), self_contact=own)
+        alone.with_arms_right(windows_in(frames, motion.frame_count, windows))
+        change = motion.changes[len(parts) - 1] if parts else None
+        if change and not change.cut:
+            alone = led_from(alone, 0, Stance.last_of(parts[-1]), change.seconds)
+        parts.append(alone)
+    whole = joined(request, parts)
+    if self_contact is None or len(parts) == 1:
+        return whole
+    return replace(whole, self_contact=self_contact.as_in([each.self_contact for each in parts if each.self_contact]))
 
 
 def stand(
@@ -131,12 +150,12 @@ def stand(
     return standing_of(AdaptRequest(*known, (), ground, {}, volume, actor, limited, False, clears))
 
 
-def stand_but_for_arms(request: AdaptRequest) -> Standing:
-    """``standing_of`` before ``Standing.with_arms_right``, which takes most of the time."""
+def _stand_alone(request: AdaptRequest) -> Standing:
+    """A motion without changes as it stands, but for its arms."""
     motion, morphology, contacts, ground = request.motion, request.morphology, request.contacts, request.ground
     volume, actor, limited = request.volume, request.actor, request.limited
     positions, rotations = realize(motion, morphology)
-    contacts, touches = on_ground(contacts), contacts
+    contacts = on_ground(contacts)
     ground = ground.felt_at(positions)
     positions[:, :, 2] += (ground.height - shown_floor(contacts, positions, morphology, motion.frame_rate))[:, None]
     carrying = find_carrying(motion, morphology, contacts, ground, positions, rotations, actor)
@@ -152,19 +171,10 @@ def stand_but_for_arms(request: AdaptRequest) -> Standing:
     if carrying is not None:
         footing, arms, holds = settle(carrying, footing, motion, morphology, ground, positions, rotations)
     measures = morphology.rows
-    place_frames(measures, footing.drops, legs_of(footing, motion, slice(None)), positions, rotations)
+    place_frames(measures, footing.drops, footing.legs(motion), positions, rotations)
     if arms is not None:
         stance = records.Arms(motion.channels, arms.comforts, arms.wrists, arms.hands, arms.bends)
         place_arms(measures, stance, positions, rotations)
     raise_arms(morphology, ground, arms, motion.frame_rate, positions, rotations)
-    self_contact = self_contact_of(motion, morphology, touches, volume, actor, request.clears)
     known = contacts, ground
-    return Standing(
-        motion, morphology, *known, footing, holds, arms, positions, rotations, volume, actor, limited, self_contact
-    )
-
-
-def legs_of(footing: Footing, motion: NormalizedMotion, window: slice) -> Legs:
-    """How legs stand in a stretch of frames, as kernels want it: contiguous."""
-    stance = footing.comforts, footing.ankles, footing.feet, footing.toes
-    return Legs(motion.channels[window], *(np.ascontiguousarray(each[:, window]) for each in stance))
+    return Standing(motion, morphology, *known, footing, holds, arms, positions, rotations, volume, actor, limited)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.normalized.compose import STEP_HEIGHT, STEP_HEIGHTS, STEP_SECONDS
+from studio.core.normalized.blending import STEP_HEIGHT, STEP_HEIGHTS, STEP_SECONDS
 from studio.core.normalized.joining import SAME_PLACE
 from studio.core.normalized.transition import SHORTEST, place_left
 from studio.core.runs import runs_of
@@ -56,12 +56,14 @@ def flights_of(
     for side in sorted(range(2), key=lambda side: bool(standing[side])):
         leaves, height, seconds = 0, 0.0, needed[1, side]
         if standing[side]:
-            seconds = given / max(steps.sum(), 1) or max(needed[0, side], STEP_SECONDS + 2.0 * ways[side])
-            leaves = (
-                _free_to_step(own[1 - side], max(free, shifted), round(seconds * rate))
-                if steps[side]
-                else len(own[side])
+            least, seconds = (
+                given / max(steps.sum(), 1) or max(needed[0, side], STEP_SECONDS + each * ways[side])
+                for each in (1.0, 2.0)
             )
+            leaves = len(own[side])
+            if steps[side]:
+                leaves, until = _free_to_step(own[1 - side], max(free, shifted), round(least * rate))
+                seconds = min(seconds, max((until - leaves) / rate, least))
             if leaves >= _run(own[side]):
                 flights[side] = _lifted(own[side], needed[0, side], rate)
                 continue
@@ -72,12 +74,14 @@ def flights_of(
     return flights[0], flights[1]
 
 
-def _free_to_step(other: States, free: int, frames: int) -> int:
-    """The first frame from ``free`` on from which the ``other`` foot stands for some ``frames``; if none, the last."""
+def _free_to_step(other: States, free: int, frames: int) -> tuple[int, int]:
+    """The first frame from ``free`` on from which the ``other`` foot stands for some ``frames``, and until when; if
+    there is none, the last.
+    """
     for first, stop in runs_of(other != 0):
         if stop - max(first, free) >= min(frames, len(other) - max(first, free)) > 0:
-            return max(first, free)
-    return len(other)
+            return max(first, free), stop
+    return len(other), len(other)
 
 
 def states_of(own: States, seen: int, flight: Flight, settles: int) -> States:

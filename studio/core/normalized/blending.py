@@ -1,0 +1,164 @@
+"""A row whose clips fade into each other where channels hold no lengths, before any body is known.
+
+So do those of bodies that are carried by more than their feet, and layers. Where two clips overlap one fades into the
+other; where they meet, or where nothing plays between them, what was different dies away (``transition``). What stands
+in both clips stands through their blend as one contact, so it is one footprint.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.captures.contacts import spans_of
+from studio.core.constraints.activation import EaseShape, ease
+from studio.core.kernels import layout as at
+from studio.core.normalized.differences import blended, difference, moved
+from studio.core.normalized.joining import Join, Step
+from studio.core.normalized.pieces import POINTS, Held, Mask, PieceSource, Source
+from studio.core.normalized.row import Row
+from studio.core.normalized.transition import Transition, joint_peaks
+
+FloatArray = NDArray[np.float64]
+
+OLD_UNTIL, NEW_FROM = 0.1, 0.9
+"""Parts of a blend until which a contact of the old clip alone still holds, and from which one of the new."""
+STEP_SECONDS = 0.4
+"""Seconds that a step takes in a transition, and one more for each leg length of it."""
+STEP_HEIGHT, STEP_HEIGHTS = 0.25, (0.04, 0.12)
+"""How high a foot is lifted for a step, in parts of its length, and the least and the most in leg lengths."""
+
+
+@dataclass
+class BlendedRow(Row):
+    """``peaks`` are ``joint_peaks`` of what is there before frame ``measured``; at first of what the first piece does
+    not show.
+    """
+
+    peaks: FloatArray | None = None
+    measured: int = 0
+
+    def _begin(self, source: PieceSource, first: int, last: int) -> None:
+        super()._begin(source, first, last)
+        self.measured = 0 if self.peaks is None else last + 2
+
+    def _hold(self, until: int) -> None:
+        held = Held(self.channels[self.end - 1], self.stands[:, self.end - 1])
+        transition = self._transition(held, self.end, until - 1)
+        self._take_over(held, self.end, until - 1, transition, Join(self.placement))
+
+    def _follow(self, source: PieceSource, first: int, last: int) -> int:
+        shared = (first, min(self.end - 1, last)) if first < self.end - 1 else (self.end - 1, self.end - 1)
+        found = self._join(source, first, *shared)
+        self.placement, takes_over = found.placement, source.placed(found.placement)
+        transition = self._transition(takes_over, first, last)
+        if self._fades(transition, first, last, found):
+            self._fade(takes_over, first, last, found)
+        else:
+            self.end = first
+            self._take_over(takes_over, first, last, transition, found, source.piece.ease)
+        return first
+
+    def _fade(self, source: Source, first: int, last: int, found: Join) -> None:
+        """From what is there to a piece that begins before it ends."""
+        stop = min(self.end, last + 1)
+        frames = np.arange(first, last + 1)
+        channels, over = source.channels(frames), stop - first
+        shares = ease(np.arange(1, over + 1) / (over + 1.0), EaseShape.QUINTIC)
+        channels[:over] = blended(self.channels[first:stop], channels[:over], shares)
+        self._go_on(channels, source.stands(frames), first, over, found)
+
+    def _take_over(
+        self, source: Source, first: int, last: int, transition: Transition, found: Join, seconds: float = 0.0
+    ) -> None:
+        """A piece takes over at ``first``, the end of what is there; what was different dies away in ``seconds``, or
+        in as many as it needs.
+        """
+        rate, frames = self.timing.frame_rate, np.arange(first, last + 1)
+        seconds = seconds or max(transition.seconds, step_seconds(found))
+        transition = replace(transition, seconds=seconds)
+        channels = source.channels(frames)
+        fading = min(round(seconds * rate), len(frames))
+        channels[:fading] = moved(channels[:fading], transition.left(np.arange(1, fading + 1) / rate))
+        self._go_on(channels, source.stands(frames), first, fading, found)
+
+    def _transition(self, source: Source, first: int, last: int) -> Transition:
+        """From what is there to a piece that takes over at ``first``, in as many seconds as that needs."""
+        rate, before = self.timing.frame_rate, np.arange(max(first - 2, 0), first)
+        gaps = difference(source.channels(before), self.channels[before])
+        new = joint_peaks(self.channels[max(self.measured - 2, 0) : first], rate)
+        self.peaks, self.measured = (
+            (new if self.peaks is None else np.maximum(self.peaks, new)),
+            max(first, self.measured),
+        )
+        peaks = np.maximum(self.peaks, joint_peaks(source.channels(np.arange(first, last + 1)), rate))
+        return Transition.of(gaps[-1], (gaps[-1] - gaps[0]) * rate, peaks)
+
+    def _fades(self, transition: Transition, first: int, last: int, found: Join) -> bool:
+        """Whether a piece overlaps what is there for as long as a blend needs."""
+        if first > self.end - 2:
+            return False
+        needed = max(transition.seconds, step_seconds(found))
+        return needed <= (min(self.end, last + 1) - first) / self.timing.frame_rate
+
+    def _go_on(self, channels: FloatArray, stands: Mask, first: int, blending: int, found: Join) -> None:
+        """Put ``channels`` and what ``stands`` from ``first`` on, of which ``blending`` frames are a blend."""
+        old_until, new_from = first + int(OLD_UNTIL * blending), first + int(np.ceil(NEW_FROM * blending))
+        flights = flights_of(found.steps, min(old_until, self.end - 1), new_from)
+        raise_feet(channels, flights, first)
+        self._merge(stands, first, old_until, new_from, flights)
+        last = first + len(channels) - 1
+        self.channels[first : last + 1], self.end = channels, last + 1
+
+    def _merge(self, stands: Mask, first: int, old_until: int, new_from: int, flights: Sequence["Flight"]) -> None:
+        """Contacts across a blend: one that goes on in the new clip is one; others keep clear of it.
+
+        Who steps stands until it is lifted, and again once it has landed.
+        """
+        flying = {each.step.side: each for each in flights}
+        new, old = np.zeros_like(self.stands), np.array(self.stands)
+        new[:, first : first + stands.shape[1]] = stands
+        old[:, self.end :] = False
+        self.stands[:, first:] = False
+        for row, point in enumerate(POINTS):
+            olds, news = spans_of(old[row]), spans_of(new[row])
+            flight = flying.get(point.side) if point.is_foot else None
+            leaves, lands = (flight.leaves, flight.lands) if flight else (old_until, new_from)
+            for a, b in olds:
+                meets = any(c <= b + 1 and d >= a for c, d in news)
+                until = leaves if flight and meets else min(b, leaves)
+                self.stands[row, a : (b if meets and not flight else max(until, a)) + 1] = True
+            for c, d in news:
+                meets = not flight and any(c <= b + 1 and d >= a for a, b in olds)
+                self.stands[row, (c if meets else max(c, lands)) : d + 1] = True
+
+
+def step_seconds(found: Join) -> float:
+    """Seconds that feet need for the steps they have to do."""
+    return sum(STEP_SECONDS + each.way for each in found.steps)
+
+
+@dataclass(frozen=True)
+class Flight:
+    """A step that stands last in the frame ``leaves`` and first again in ``lands``."""
+
+    step: Step
+    leaves: int
+    lands: int
+
+
+def flights_of(steps: Sequence[Step], first: int, last: int) -> list[Flight]:
+    """Steps between two frames, one after the other, all as long."""
+    ends = np.rint(np.linspace(first, last, len(steps) + 1)).astype(int).tolist()
+    return [Flight(step, *between) for step, *between in zip(steps, ends, ends[1:], strict=False)]
+
+
+def raise_feet(channels: FloatArray, flights: Sequence[Flight], first: int) -> None:
+    """Lift feet for their steps, in place, in ``channels`` that begin with frame ``first``."""
+    for each in flights:
+        frames = np.arange(each.leaves, each.lands + 1)
+        height = np.clip(STEP_HEIGHT * each.step.way, *STEP_HEIGHTS)
+        rise = height * np.sin(np.pi * (frames - each.leaves) / max(len(frames) - 1, 1)) ** 2
+        inside = frames - first < len(channels)
+        channels[frames[inside] - first, at.LIMB_SLACK + 2 + each.step.side] += rise[inside]

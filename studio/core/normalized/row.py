@@ -1,0 +1,150 @@
+"""A row of clips, filled from left to right: each takes over from the one before, placed where that leaves the body.
+
+A clip takes over in one frame, and channels jump there: who stands is led from one to the other on the ground
+(``solver.standing.led``), where feet are known. Where clips overlap it is the frame in which they are most alike: so
+the same feet stand, and no hit, step or touch comes at another time than in its clip.
+"""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.captures.contacts import FOOT_POINTS, ContactInterval, spans_of
+from studio.core.constraints.activation import EaseShape, ease
+from studio.core.kernels import layout as at
+from studio.core.normalized.differences import difference
+from studio.core.normalized.joining import FARTHEST, Join, Planar, join, stepping_there
+from studio.core.normalized.motion import Change
+from studio.core.normalized.pieces import AS_IT_IS, POINTS, Mask, Piece, PieceSource, Played, Source
+from studio.core.normalized.transition import joint_vectors
+from studio.core.stage.timing import Timing
+
+FloatArray = NDArray[np.float64]
+
+FEET = [POINTS.index(point) for point in FOOT_POINTS]
+PACE = 0.3
+"""Seconds for which joints that turn at another pace go astray, where clips are compared."""
+OTHER_FOOT = 0.5
+"""Radians squared of all joints that a heel or toe counts as that stands in one clip alone."""
+SAME_FRAME = 0.01
+"""Frames of a motion by which parts of a split clip may miss each other."""
+
+
+@dataclass
+class Row:
+    """``channels`` (F, C) and what ``stands`` (9, F), as far as ``end``, not included."""
+
+    spine_places: FloatArray
+    timing: Timing
+    channels: FloatArray = field(init=False)
+    stands: Mask = field(init=False)
+    end: int = 0
+    placement: Planar = Planar()
+    played: list[Played] = field(default_factory=list)
+    changes: list[Change] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        count = self.timing.last + 1
+        self.channels = np.empty((count, at.SPINE + 4 * (len(self.spine_places) - 1)))
+        self.stands = np.zeros((len(POINTS), count), dtype=bool)
+
+    def add(self, piece: Piece) -> None:
+        """Play a piece from its start on, over or behind what is there."""
+        first = round((piece.start - self.timing.begin) * self.timing.frame_rate)
+        last = max(round((piece.end - self.timing.begin) * self.timing.frame_rate), first)
+        source = PieceSource(piece, self.spine_places, self.timing)
+        if self.played:
+            self.hold(first)  # where nothing plays between them
+            first = self._follow(source, min(max(first, 1), self.end), last)
+        else:
+            self._begin(source, first, last)
+        self.played.append(Played(piece, first, last, self.placement))
+
+    def lead(self, piece: Piece) -> None:
+        """Play a piece behind what is there, and instead of that what its motion has before."""
+        first, last = self.end, round((piece.end - self.timing.begin) * self.timing.frame_rate)
+        source = PieceSource(piece, self.spine_places, self.timing)
+        self.placement = self._join(source, first, first - 1, first - 1).placement
+        self.played.append(Played(piece, first, max(last, first), self.placement))
+        frames = np.arange(self.played[-1].last + 1)
+        there = self.played[-1].motion_frames(frames, self.timing) > -0.5 * piece.speed
+        source, frames = source.placed(self.placement), np.maximum(frames, frames[there][0])
+        self.channels[: len(frames)], self.stands[:, : len(frames)] = source.channels(frames), source.stands(frames)
+        self.end = len(frames)
+
+    def contacts(self) -> tuple[ContactInterval, ...]:
+        """What stands, as intervals."""
+        return tuple(
+            ContactInterval("", point, first, last)
+            for point, mask in zip(POINTS, self.stands, strict=True)
+            for first, last in spans_of(mask)
+        )
+
+    def _join(self, source: PieceSource, begins: int, first: int, last: int) -> Join:
+        """How a piece that ``begins`` in a frame is placed, from what both play in frames ``first`` to ``last``."""
+        frames = np.arange(first, last + 1)
+        both = (self.stands[FEET][:, frames] & source.stands(frames)[FEET]).T
+        shares = ease((frames - first + 1.0) / (len(frames) + 1.0), EaseShape.QUINTIC)
+        weights = shares * (1.0 - shares) + 1e-3
+        piece, known = source.piece, (self.channels[frames], source.channels(frames), both, self.spine_places)
+        if not piece.joined:
+            return stepping_there(*known, source.around(begins, piece.own))
+        found = join(*known, weights)
+        if piece.own == AS_IT_IS:
+            return found
+        return stepping_there(*known, source.around(begins, piece.own, found.placement))
+
+    def _begin(self, source: PieceSource, first: int, last: int) -> None:
+        """Play what comes first."""
+        self.placement = source.around(first, source.piece.own)
+        self._put(source.placed(self.placement), first, last)
+
+    def hold(self, until: int) -> None:
+        """Hold the last pose as far as frame ``until``, not included."""
+        if until > self.end:
+            self._hold(until)
+
+    def _hold(self, until: int) -> None:
+        self.changes.append(Change(self.end))
+        frames = slice(self.end, until)
+        self.channels[frames], self.stands[:, frames] = self.channels[self.end - 1], self.stands[:, [self.end - 1]]
+        self.end = until
+
+    def _follow(self, source: PieceSource, first: int, last: int) -> int:
+        """Play what may take over from ``first`` on, no later than what is there ends; the frame in which it does."""
+        if not self._goes_on(source, first):
+            first = self._most_alike(source, first, min(self.end, last))
+            self.placement = self._join(source, first, first - 1, first - 1).placement
+            there = source.placed(self.placement).channels(np.array([first - 1]))
+            way = float(np.linalg.norm((there[0] - self.channels[first - 1])[at.HIPS : at.HIPS + 2]))
+            self.changes.append(Change(first, source.piece.ease, way > FARTHEST))
+        self._put(source.placed(self.placement), first, last)
+        self.played[-1] = replace(self.played[-1], last=min(self.played[-1].last, first - 1))
+        return first
+
+    def _goes_on(self, source: PieceSource, frame: int) -> bool:
+        """Whether it plays in a frame what the piece before it would, as parts of a split clip do."""
+        piece, before = source.piece, self.played[-1]
+        alike = piece.motion is before.piece.motion and piece.mirrored == before.piece.mirrored
+        if not alike or not piece.joined or piece.own != AS_IT_IS or piece.speed != before.piece.speed:
+            return False
+        frames = [each.motion_frames(np.array([frame]), self.timing) for each in (before, replace(before, piece=piece))]
+        return bool(np.abs(frames[1] - frames[0])[0] < SAME_FRAME)
+
+    def _most_alike(self, source: PieceSource, first: int, last: int) -> int:
+        """The frame from ``first`` to ``last`` in which what plays before it is most like what would have."""
+        if last - first < 2:
+            return first
+        frames = np.arange(first - 1, last)
+        gaps = joint_vectors(difference(self.channels[frames], source.channels(frames)))
+        paces = np.gradient(gaps, axis=0) * self.timing.frame_rate * PACE
+        others = (self.stands[FEET][:, frames] != source.stands(frames)[FEET]).sum(axis=0)
+        unlike = (gaps**2 + paces**2).sum(axis=(1, 2)) + OTHER_FOOT * others
+        return first + int(unlike.argmin())
+
+    def _put(self, source: Source, first: int, last: int) -> None:
+        frames = np.arange(first, last + 1)
+        self.stands[:, first:] = False
+        self.channels[frames], self.stands[:, frames] = source.channels(frames), source.stands(frames)
+        self.end = last + 1
