@@ -22,6 +22,10 @@ FloatArray = NDArray[np.float64]
 States = NDArray[np.int64]
 
 
+FLOWN = 0.3
+"""Metres by which a foot that has left the ground goes on at most turned as it stood."""
+
+
 @dataclass(frozen=True, eq=False)
 class FootPath:
     """``ankles`` (F, 3), ``feet`` and ``toes`` (F, 3, 3) of one foot in frames of equal length."""
@@ -74,19 +78,23 @@ class HeldFoot:
         """(3,) metres from where it rests by itself to where it was seen."""
         return np.asarray(self.seen.places(self.pivot)[1] - self.own.places(self.pivot)[self.rest])
 
-    @cached_property
-    def asides(self) -> FloatArray:
+    def asides(self, flight: Flight) -> FloatArray:
         """(F, 3) the same while it stands: what it turns about moves on where it rolls, turned as the foot is."""
-        rolled = self.own.places(self.pivot) - self._came_down
+        rolled = self.own.places(self.pivot) - self._came_down(flight.leaves)
+        last = min(flight.leaves, len(rolled) - 1)
+        flown = rolled[last:] - rolled[last]
+        flown /= (1.0 + (np.linalg.norm(flown, axis=1, keepdims=True) / FLOWN) ** 4) ** 0.25
+        rolled[last:] = rolled[last] + flown
         return np.asarray(self.aside + Rotation.from_rotvec([0.0, 0.0, self.heading]).apply(rolled) - rolled)
 
-    @cached_property
-    def _came_down(self) -> FloatArray:
-        """(F, 3) where what it turns about was by itself as the foot came down; in the air on the way to the next."""
+    def _came_down(self, until: int) -> FloatArray:
+        """(F, 3) where what it turns about was by itself as the foot came down last before frame ``until``; in the air
+        on the way there.
+        """
         places = self.own.places(self.pivot)
         there = np.tile(places[self.rest], (len(places), 1))
         for leaves, lands in runs_of(self.states == 0):
-            if self.rest < leaves and lands < len(places):
+            if self.rest < leaves and lands < until:
                 going = np.arange(1, lands - leaves + 1) / (lands - leaves)
                 way = places[lands] - there[leaves]
                 there[leaves:lands] += (1.0 - place_left(going, 1.0))[:, None] * way
@@ -121,7 +129,7 @@ class HeldFoot:
                 (self.own.feet, self.own.toes), (self.seen.feet, self.seen.toes), self.peaks, strict=True
             )
         )
-        aside = kept[:, None] * self.asides * [1.0, 1.0, 0.0]
+        aside = kept[:, None] * self.asides(flight) * [1.0, 1.0, 0.0]
         stands = self.own.places(self.pivot) + aside
         stands += place_left(times, lies)[:, None] * (self.seen.places(self.pivot)[1] - stands)
         return FootPath(stands - feet @ self.pivot, feet, toes), aside

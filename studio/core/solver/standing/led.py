@@ -53,13 +53,14 @@ class Stance:
     states: NDArray[np.int64]
     comforts: FloatArray
     peaks: FloatArray
+    root_peak: float
 
     @classmethod
     def of(cls, standing: "Standing", frames: NDArray[np.int64]) -> "Stance":
         """In the last two of ``frames``."""
         rows, footing = frames[-2:], standing.footing
         legs = footing.ankles[:, rows, :3], footing.feet[:, rows], footing.toes[:, rows]
-        known = footing.states[:, rows[-1]], footing.comforts[:, rows[-1]], standing.peaks
+        known = footing.states[:, rows[-1]], footing.comforts[:, rows[-1]], standing.peaks, standing.root_peak
         return cls(standing.positions[rows], standing.rotations[rows], *legs, *known)
 
     @classmethod
@@ -76,7 +77,7 @@ class Stance:
         turns = standing.rotations[rows], *footing.feet[:, rows], *footing.toes[:, rows]
         positions, *ankles = (np.stack([3.0 * now - 2.0 * then, 2.0 * now - then]) for now, then in places)
         rotations, *legs = (_turned_back(*each) for each in turns)
-        known = footing.states[:, first], footing.comforts[:, first], standing.peaks
+        known = footing.states[:, first], footing.comforts[:, first], standing.peaks, standing.root_peak
         return cls(positions, rotations, np.array(ankles), np.array(legs[:2]), np.array(legs[2:]), *known)
 
 
@@ -158,6 +159,11 @@ class _Change:
         """(2, 3) ``peaks`` of each leg: of the quieter one of its bones, of its foot and of its toes."""
         four = self.peaks[self.standing.morphology.layout.spine_count + 10 :].reshape(2, 4)
         return np.stack([four[:, :2].min(axis=1), four[:, 2], four[:, 3]], axis=1)
+
+    @cached_property
+    def root_peak(self) -> float:
+        """Radians a second squared of a leg that the root's travel turns, no more than those of the quieter leg."""
+        return min(float(self.legs[:, 0].min()), max(self.standing.root_peak, self.seen.root_peak))
 
     @property
     def leg(self) -> float:
@@ -309,7 +315,7 @@ class _Change:
         layout = self.standing.morphology.layout
         parents, proximal = layout.parent_segments(), layout.proximal_points()
         gaps = self.seen.positions[:, 0] - self.own.positions[:, 0] - goes[0]
-        goes = goes + self.left(gaps, self.legs[:, 0].min(), self.leg)
+        goes = goes + self.left(gaps, self.root_peak, self.leg)
         near = slice(self.first, self.first + int(np.searchsorted(self.times, self.seconds, "right")) + 1)
         led = _Led(positions[near].copy(), rotations[near].copy(), positions[near], rotations[near])
         count = len(led.places)
