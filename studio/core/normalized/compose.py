@@ -1,4 +1,4 @@
-"""A row of clips as one motion: trimmed, retimed, mirrored, placed and blended where channels hold no lengths.
+"""A row of clips as one motion: trimmed, retimed, mirrored and placed where channels hold no lengths.
 
 What comes out is a motion like any other, scaled, set on the ground and solved for any body. Where one clip takes over
 from another the body is led on the ground (``row``); one that is carried by more than its feet is blended before it

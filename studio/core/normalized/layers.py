@@ -138,7 +138,7 @@ class _Over:
         row, rate = self._row.timing, self._row.timing.frame_rate
         begin, end = self._own.timing.start, self._own.timing.end
         by = np.where(self._columns, difference(below, own), 0.0)
-        peaks = np.maximum(joint_peaks(below, rate), joint_peaks(own, rate))
+        peaks = np.maximum(self._peaks_below(), joint_peaks(own, rate))
         reach = min(round(LONGEST * rate), len(by))
         longest = (end - begin) / 2.0
         shares = np.full(len(self._times), self._overlay.weight)
@@ -151,6 +151,13 @@ class _Over:
             if fades and seconds > 0.0:
                 shares *= ease(since / seconds, EaseShape.QUINTIC)
         return shares
+
+    def _peaks_below(self) -> FloatArray:
+        """``joint_peaks`` of what the row plays meanwhile, between its changes."""
+        motion, first, stop = self._row.motion, self._frames[0], self._frames[-1] + 1
+        between = [slice(max(each.start, first), min(each.stop, stop)) for each in motion.parts]
+        peaks = [joint_peaks(motion.channels[each], motion.frame_rate) for each in between if each.stop > each.start]
+        return np.asarray(np.max(peaks, axis=0))
 
     def _contacts(self, shares: FloatArray, flights: Sequence[Flight]) -> tuple[ContactInterval, ...]:
         """What stands: of limbs that the layer has, as it says; what stands in both stands through its fades, but who

@@ -41,8 +41,8 @@ class Stance:
     """A body in two frames, the last ones that were seen, before anything is asked of it.
 
     ``positions`` (2, P, 3), ``rotations`` (2, S, 3, 3); ``ankles`` (2, 2, 3), ``feet`` and ``toes`` (2, 2, 3, 3) of
-    each side in each frame; ``states`` and ``comforts`` (2,) of its footing in the last one; ``peaks`` (S,) of the
-    motion that it was seen in.
+    each side in each frame; ``states`` and ``comforts`` (2,) of its footing in the last one; ``peaks`` (S,) and
+    ``root_peak`` of the motion that it was seen in.
     """
 
     positions: FloatArray
@@ -60,8 +60,8 @@ class Stance:
         """In the last two of ``frames``."""
         rows, footing = frames[-2:], standing.footing
         legs = footing.ankles[:, rows, :3], footing.feet[:, rows], footing.toes[:, rows]
-        known = footing.states[:, rows[-1]], footing.comforts[:, rows[-1]], standing.peaks, standing.root_peak
-        return cls(standing.positions[rows], standing.rotations[rows], *legs, *known)
+        known = footing.states[:, rows[-1]], footing.comforts[:, rows[-1]], standing.peaks
+        return cls(standing.positions[rows], standing.rotations[rows], *legs, *known, standing.root_peak)
 
     @classmethod
     def last_of(cls, standing: "Standing") -> "Stance":
@@ -77,8 +77,9 @@ class Stance:
         turns = standing.rotations[rows], *footing.feet[:, rows], *footing.toes[:, rows]
         positions, *ankles = (np.stack([3.0 * now - 2.0 * then, 2.0 * now - then]) for now, then in places)
         rotations, *legs = (_turned_back(*each) for each in turns)
-        known = footing.states[:, first], footing.comforts[:, first], standing.peaks, standing.root_peak
-        return cls(positions, rotations, np.array(ankles), np.array(legs[:2]), np.array(legs[2:]), *known)
+        known = footing.states[:, first], footing.comforts[:, first], standing.peaks
+        stance = np.array(ankles), np.array(legs[:2]), np.array(legs[2:])
+        return cls(positions, rotations, *stance, *known, standing.root_peak)
 
 
 def led_from(standing: "Standing", first: int, seen: Stance, seconds: float = 0.0) -> "Standing":

@@ -1,0 +1,120 @@
+"""Clips that take over from one another on the timeline, by chance: as smooth as the clips, on feet that stay."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from studio.core.grounds.ground import Ground
+from studio.core.normalized.compose import Composite, Piece, compose
+from studio.core.quality.metrics import QUIET, contact_quality, swing_depths
+from studio.core.solver.adapt import hold
+from studio.core.solver.standing.held_foot import FootPath, HeldFoot
+from studio.core.solver.standing.stepping import Flight, flights_of
+from tests.core.test_compose import EXAMPLES, PERMITTED, cut, example, local_accelerations, peaks, standing
+
+COUNT = 32
+
+
+def picked() -> list[tuple[Piece, Piece]]:
+    """Two clips from any of their frames on, that leave a gap, meet, or overlap by up to a second."""
+    chance = np.random.default_rng(19)
+    found = []
+    for place in range(COUNT):
+        first, second = (example(str(name)) for name in chance.choice(EXAMPLES, 2))
+        last, begin = int(chance.integers(70, first.last)), int(chance.integers(0, second.last - 70))
+        before = cut(first, first=max(last - 150, 0), last=last)
+        overlap = (0.0, -chance.uniform(0.2, 1.5), chance.uniform(0.2, 1.0))[place % 3]
+        after = cut(second, first=begin, last=min(begin + 150, second.last), start=before.end - overlap)
+        found.append((before, after))
+    return found
+
+
+@cache
+def by_chance() -> list[tuple[float, float, float]]:
+    """How sharply joints turn beside the two captures, how far what stands slides, and how deep feet are."""
+    found = []
+    for before, after in picked():
+        row = compose((before, after))
+        stands = standing(row)
+        names = [each.motion.name for each in (before, after)]
+        usual = np.maximum(np.maximum(*(peaks(name) for name in names)), QUIET)
+        adapted = hold(stands, ())
+        quality = contact_quality(adapted, adapted.contacts, Ground())
+        deep = float(np.nanmax(swing_depths(adapted, adapted.contacts, Ground()), initial=0.0))
+        jolt = float((local_accelerations(stands).max(axis=0) / usual).max())
+        found.append((jolt, quality.slide, max(quality.penetration, deep)))
+    return found
+
+
+def test_of_clips_that_take_over_at_any_frame_few_are_sharper_than_permitted_and_none_jolts() -> None:
+    """Of 60 by chance 16 were, 16 times as sharp at most."""
+    jolts = np.array([jolt for jolt, _, _ in by_chance()])
+    assert np.mean(jolts > PERMITTED) < 1.0 / 6.0
+    assert jolts.max() < 5.0
+
+
+def test_no_foot_slides_nor_goes_into_the_ground_where_clips_take_over_at_any_frame() -> None:
+    """Feet slid by up to half a metre. One whose toes come down in the very frame still settles by some millimetres."""
+    _, slides, depths = np.array(by_chance()).T
+    assert np.mean(slides > 1e-3) < 1.0 / 16.0
+    assert slides.max() < 5e-3
+    assert depths.max() < 6e-3
+
+
+def feet_of(piece: Piece, frame: int) -> set[str]:
+    return {each.point.value for each in piece.contacts if each.point.is_foot and each.first <= frame <= each.last}
+
+
+@pytest.mark.parametrize("name", EXAMPLES[1:])
+def test_of_an_overlap_no_frame_is_taken_in_which_other_feet_stand_than_at_its_ends(name: str) -> None:
+    walk, other = example("walk_turn"), example(name)
+    before = cut(walk, last=190)
+    row = compose((before, cut(other, first=90, last=300, start=before.end - 1.0)))
+    unlike = [len(feet_of(walk, frame) ^ feet_of(other, own_frame(row, frame))) for frame in range(130, 191)]
+    assert unlike[row.motion.changes[0].first - 130] <= min(unlike[0], unlike[-1])
+
+
+def own_frame(row: Composite, frame: int) -> int:
+    return int(np.rint(row.played[1].motion_frames(np.array([frame]), row.timing))[0])
+
+
+def test_no_frame_of_the_later_clip_comes_at_another_time() -> None:
+    before, after = example("front_kick"), example("straight_punch")
+    row = compose((before, cut(after, start=before.end - 0.9)))
+    first = row.motion.changes[0].first
+    placed = row.played[1]
+    frames = np.arange(first, placed.last + 1)
+    own = np.rint(placed.motion_frames(frames, row.timing)).astype(int)
+    np.testing.assert_allclose(row.motion.channels[frames, 40:], after.motion.channels[own, 40:], atol=1e-12)
+
+
+def turning_about(axis: np.ndarray, angles: np.ndarray) -> np.ndarray:
+    c, s, zero = np.cos(angles), np.sin(angles), 0.0 * angles
+    return np.moveaxis(np.array([[c, -s, zero], [s, c, zero], [zero, zero, zero + 1.0]]), 2, 0)
+
+
+def test_a_foot_that_is_held_while_its_own_motion_walks_on_does_not_slide() -> None:
+    """It slid by 57 mm where its own turned on its heel after a stride."""
+    states = np.repeat([3, 0, 1], [20, 10, 30])
+    frames = np.arange(60)
+    heel, ball = np.array([-0.05, 0.0, -0.08]), np.array([0.13, 0.0, -0.06])
+    turns = turning_about(np.array([0.0, 0.0, 1.0]), np.clip(frames - 30, 0, 30) / 30.0)
+    came_down = np.clip((frames - 20) / 10.0, 0.0, 1.0)[:, None] * [0.8, 0.0, 0.0]
+    own = FootPath(came_down - turns @ heel, turns, turns)
+    across = turning_about(np.array([0.0, 0.0, 1.0]), np.full(2, 1.2))
+    seen = FootPath(np.tile([0.3, 0.2, 0.08], (2, 1)), across, across)
+    foot = HeldFoot(own, states, seen, 3, heel, ball, np.full(2, 100.0), 60.0)
+    path, _ = foot.path(Flight(60, 60, 0.3, held=True), 0.3, np.arange(1, 61) / 60.0)
+    heels = path.places(heel)[31:]
+    assert np.linalg.norm(heels - heels[0], axis=1).max() < 1e-9
+
+
+def test_a_step_is_as_fast_as_the_other_foot_stands_long() -> None:
+    """One that found no time to step stood until its leg did not reach any more."""
+    other, own = np.repeat([3, 0, 3], [60, 20, 60]), np.full(140, 3)
+    _, step = flights_of(
+        np.array([other, own]), np.array([3, 3]), np.array([0.0, 0.4]), np.full((2, 2), 0.3), 0.0, 60.0
+    )
+    assert step.leaves < 20
+    assert step.leaves + round(step.seconds * 60.0) <= 60
