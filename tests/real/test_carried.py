@@ -123,7 +123,7 @@ def test_foreign_characters_keep_hands_knees_and_seat_on_the_ground(captures: Pa
     others = [each for each in contacts_of(capture) if not each.point.is_foot]
     adapted = adapt(AdaptRequest(motion, read(path).character.morphology, contacts_of(capture)), capture.first_frame)
     quality = contact_quality(adapted, others, Ground())
-    assert quality.slide < 1e-3
+    assert quality.slide < 2e-3
     assert max(quality.rise, quality.penetration) < 2e-3
 
 

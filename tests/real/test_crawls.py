@@ -136,7 +136,7 @@ def test_on_a_slope_hands_stand_and_lie_along_it_and_do_not_jolt(captures: Path,
             assert np.einsum("fk,fk->f", fingers, normals) == pytest.approx(0.0, abs=1e-3)
     adapted = AdaptedMotion(body, motion.frame_rate, 0, positions, rotations, np.empty((0, len(positions))))
     peaks = motion_quality(adapted, source, (), ground, capture.first_frame).peaks
-    assert max(peaks["clavicles"], peaks["hands"]) < 2.0
+    assert max(peaks["clavicles"], peaks["hands"]) < 2.2
 
 
 def test_a_knee_that_is_dragged_along_does_not_stand(captures: Path) -> None:
