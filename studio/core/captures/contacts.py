@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyLayout
-from studio.core.kernels.algebra.medians import geometric_median
 from studio.core.runs import runs_of
 from studio.core.stage.scope import EVERYONE, Scope
 from studio.core.windows import lowest, smoothed
@@ -314,6 +313,8 @@ def lying(knee: FloatArray, ankle: FloatArray) -> NDArray[np.bool_]:
 
 def staying(track: FloatArray, first: int, last: int, wander: float = WANDER) -> Span:
     """The longest part of a span in which the track (F, 3) strays no farther than ``wander`` metres from its middle."""
+    from studio.core.kernels.algebra.medians import geometric_median  # not before it is needed: it loads kernels
+
     while True:
         part = track[first : last + 1]
         near = np.linalg.norm(part - geometric_median(np.ascontiguousarray(part)), axis=1) < wander
