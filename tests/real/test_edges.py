@@ -95,4 +95,4 @@ def test_edges_add_at_most_twice_the_peak_of_the_source(captures: Path, stem: st
         peaks = angular_acceleration(solved.rotations, rate).max(axis=1)
         for begin in seconds - first / rate:
             edge = peaks[int(begin * rate) - 1 : int((begin + RAMP) * rate) + 1]
-            assert edge.max() < 3.5 * source, wishes  # two far reaches with balance, let go at once: all others 1.8
+            assert edge.max() < 3.5 * source, wishes

@@ -1,7 +1,7 @@
 """Pieces of motions: what is to be played of each, and how, in the frames of a row."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,16 +76,14 @@ class Played:
         return np.asarray(own.first + seconds * own.speed * own.motion.frame_rate)
 
 
-class Source:
+class Source(Protocol):
     """What is to be played in the frames of the row."""
 
     def channels(self, frames: NDArray[np.int64]) -> FloatArray:
         """(N, C) in ``frames`` (N,) of the row."""
-        raise NotImplementedError
 
     def stands(self, frames: NDArray[np.int64]) -> Mask:
         """(P, N) of ``POINTS``."""
-        raise NotImplementedError
 
 
 @dataclass
