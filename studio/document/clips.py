@@ -87,6 +87,8 @@ def add_clip(document: EditedProject, performer_ids: Iterable[str], motion_id: s
 
 def _whole(project: Project, motion_id: str, start: float) -> Clip:
     """All of a motion as a clip with an id of its own."""
+    if motion_id not in project.motions:
+        raise StudioError("The motion has been removed from the project: choose another one.")
     capture = project.captures[project.motions[motion_id].capture_id]
     if capture.body_map is None:
         raise StudioError(f"'{capture.name}' shows no body yet: nobody can play it. Its report says what is missing.")

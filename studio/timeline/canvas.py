@@ -1,5 +1,7 @@
 """TrackCanvas: the rows in the user's hands: mouse, wheel, menus and keys."""
 
+from functools import partial
+
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt, Signal
 from PySide6.QtGui import (
     QContextMenuEvent,
@@ -18,7 +20,7 @@ from studio.document.document import Document
 from studio.document.dragging import capture_in, strike_in
 from studio.engine.live import Live
 from studio.timeline import edits
-from studio.timeline.clip_edits import add_clip
+from studio.timeline.clip_edits import add_clip, try_edit
 from studio.timeline.figures import moment
 from studio.timeline.gestures.begin import cursor_at, gesture_at, items_of
 from studio.timeline.gestures.view import Pan, Scrub
@@ -161,10 +163,12 @@ class TrackCanvas(TrackView):
             self.strike_dropped.emit(strike, row, self._dropped_at(event))
         if motion_id is None or self.sheet is None:
             return
+        shown = self.sheet.shown
         if row is not None:
-            add_clip(self.sheet.shown, row, motion_id, self._dropped_at(event))
+            add = partial(add_clip, shown, row, motion_id, self._dropped_at(event))
         else:
-            add_clip(self.sheet.shown, self.sheet.shown.subject.performer_id, motion_id, None)
+            add = partial(add_clip, shown, shown.subject.performer_id, motion_id, None)
+        try_edit(shown, add)
 
     def _clip_row(self, event: QDropEvent) -> str | None:
         """The performer in whose row of clips the mouse is."""

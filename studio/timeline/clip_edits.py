@@ -25,11 +25,7 @@ def performers_of_row(shown: Shown, performer_id: str) -> tuple[str, ...]:
 def add_clip(shown: Shown, performer_id: str, motion_id: str, start: float | None) -> None:
     """Add and select a clip in a row, from ``start`` or where the row ends."""
     document = shown.document
-    try:
-        name = clips.add_clip(document, performers_of_row(shown, performer_id), motion_id, start)
-    except StudioError as error:
-        document.problem.emit(str(error))
-        return
+    name = clips.add_clip(document, performers_of_row(shown, performer_id), motion_id, start)
     document.selection.set(("performers", performer_id), ("clips", name))
 
 
@@ -80,20 +76,16 @@ def offer_motions(menu: QMenu, shown: Shown, performer_id: str, start: float | N
         added = menu.addMenu(text)
         for motion_id, motion in shown.project.motions.items():
             if shown.project.captures[motion.capture_id].body_map is not None:
-                run = partial(add, shown, performer_id, motion_id, start)
-                added.addAction(motion.name).triggered.connect(_plainly(run))
-
-
-def _plainly(run: Callable[[], None]) -> Callable[[], None]:
-    """Without what Qt says of the menu's line."""
-    return lambda: run()
+                _offer(added, shown, motion.name, partial(add, shown, performer_id, motion_id, start))
 
 
 def _offer(menu: QMenu, shown: Shown, text: str, run: Callable[[], None]) -> None:
-    def said() -> None:
-        try:
-            run()
-        except StudioError as error:
-            shown.document.problem.emit(str(error))
+    menu.addAction(text).triggered.connect(lambda: try_edit(shown, run))
 
-    menu.addAction(text).triggered.connect(said)
+
+def try_edit(shown: Shown, run: Callable[[], None]) -> None:
+    """Run what edits the document; why it cannot be is told in the window."""
+    try:
+        run()
+    except StudioError as error:
+        shown.document.problem.emit(str(error))

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from studio.core.captures.contacts import ContactInterval, ContactPoint
+from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.compose import Composite, Piece, compose
 from studio.core.normalized.differences import difference, moved
@@ -184,3 +185,9 @@ def test_a_pose_holds_while_nothing_plays() -> None:
     still = row.motion.channels[kick.last + 70 : kick.last + 110]
     assert np.abs(np.diff(still, axis=0)).max() < 1e-9
     assert any(each.first < kick.last and each.last > kick.last + 110 for each in row.contacts)
+
+
+def test_a_row_that_is_far_too_long_is_refused_before_any_of_it_is_made() -> None:
+    kick = example("front_kick")
+    with pytest.raises(StudioError, match="nearer to each other"):
+        compose((kick, cut(kick, start=1e6)))

@@ -50,8 +50,8 @@ def clip(document, clip_id, performer_id=FIRST):
     return next(each for each in document.project.performers[performer_id].clips if each.id == clip_id)
 
 
-def choose(timeline, point, *texts):
-    """The entry of the menu under a point; of its submenu, if two texts are given."""
+def entry(timeline, point, *texts):
+    """The entry of the menu under a point, which is open; of its submenu, if two texts are given."""
     QApplication.sendEvent(
         timeline.tracks,
         QContextMenuEvent(QContextMenuEvent.Reason.Mouse, point, timeline.tracks.mapToGlobal(point)),
@@ -59,7 +59,11 @@ def choose(timeline, point, *texts):
     menu = next(each for each in timeline.tracks.findChildren(QMenu) if each.isVisible())
     for text in texts[:-1]:
         menu = next(each.menu() for each in menu.actions() if each.text() == text)
-    next(each for each in menu.actions() if each.text() == texts[-1]).trigger()
+    return next(each for each in menu.actions() if each.text() == texts[-1])
+
+
+def choose(timeline, point, *texts):
+    entry(timeline, point, *texts).trigger()
     QApplication.activePopupWidget() and QApplication.activePopupWidget().close()
 
 
@@ -185,6 +189,16 @@ def test_a_clip_is_added_from_the_menu_where_it_was_opened(document, timeline):
     added = document.selection.current[1]
     assert clip(document, added, SECOND).start * RATE == pytest.approx(70, abs=0.5)
     assert [each.id for each in document.project.performers[FIRST].clips] == ["walk", "punch"]
+
+
+@pytest.mark.parametrize("what", ["Add clip", "Add layer"])
+def test_a_motion_that_is_removed_while_the_menu_is_open_is_told_of(document, timeline, qtbot, what):
+    chosen = entry(timeline, place(timeline, SECOND, 70), what, "Other")
+    document.remove("motions", "other", "Remove motion")
+    with qtbot.waitSignal(document.problem) as said:
+        chosen.trigger()
+    assert "has been removed" in said.args[0]
+    QApplication.activePopupWidget() and QApplication.activePopupWidget().close()
 
 
 def test_arrow_keys_trim_the_edge_that_has_the_keyboard(document, timeline, hand):

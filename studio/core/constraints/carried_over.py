@@ -190,15 +190,20 @@ def _chain(chain: Chain, carry: Carry) -> Chain:
 def _activation(curve: ActivationCurve, carry: Carry) -> ActivationCurve:
     """The curve within the clip: what would be asked before it begins comes as it begins.
 
-    What the clip leaves no time to come, or to go again, is not asked.
+    What the clip leaves no time to come, or to go again, is not asked; nor is anything of a clip that others cover.
     """
+    if carry.last < carry.first:
+        return NEVER
     start, full, full_end, end = carry.times((curve.start, curve.full, curve.full_end, curve.end)).tolist()
     coming = min(COMING, (carry.last - carry.first) / 2)
     if start < carry.first:
         start, full = carry.first, max(full, carry.first + coming)
     if end > carry.last:
         full_end, end = min(full_end, carry.last - coming), carry.last
-    return ActivationCurve(start, full, max(full, full_end), end, curve.shape) if full <= full_end + 1e-9 else NEVER
+    if full > full_end + 1e-9:
+        return NEVER
+    times = np.maximum.accumulate([start, full, full_end, end]).tolist()
+    return replace(curve, **dict(zip(("start", "full", "full_end", "end"), times, strict=True)))
 
 
 def _keys(keyed: Keys, carry: Carry) -> tuple[float, ...]:

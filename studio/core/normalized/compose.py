@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.captures.contacts import ContactInterval
+from studio.core.errors import StudioError
 from studio.core.normalized.blending import BlendedRow
 from studio.core.normalized.joining import Planar
 from studio.core.normalized.motion import NormalizedMotion
@@ -23,6 +24,8 @@ from studio.core.normalized.transition import joint_peaks
 from studio.core.stage.timing import Timing
 
 FloatArray = NDArray[np.float64]
+MOST_FRAMES = 250_000
+"""Of a row, pauses included: half an hour at 120 frames a second, and about a gigabyte for each body."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +115,13 @@ def _filled(row: Row, pieces: Sequence[Piece]) -> Composite:
 
 
 def timing_of_pieces(pieces: Sequence[Piece]) -> Timing:
-    """When a row plays, at the highest frame rate among its pieces."""
+    """When a row plays, at the highest frame rate among its pieces; StudioError where that is far too long."""
     rate = max(piece.motion.frame_rate for piece in pieces)
     begin, end = min(piece.start for piece in pieces), max(piece.end for piece in pieces)
-    return Timing(begin, rate, 0, round((end - begin) * rate))
+    last = round((end - begin) * rate)
+    if last >= MOST_FRAMES:
+        raise StudioError(
+            f"Its clips play from {begin:,.1f} to {end:,.1f} s: {last + 1:,} frames, of which {MOST_FRAMES:,} are the"
+            " most that are adapted together. Move them nearer to each other."
+        )
+    return Timing(begin, rate, 0, last)

@@ -10,8 +10,11 @@ OWN_COMFORT = 0.5 * (1.0 + COMFORT)
 """Part of its length up to which a limb stretches freely (METHOD (11)): where trunk or root help, or a leg is in the
 air; and where nothing helps, or the leg stands.
 """
-LEANS = math.radians(20.0)
-"""By which the bones of a bent limb lie otherwise than the actor's at most, where they share its length otherwise."""
+LEANS = math.radians(10.0)
+"""By which the bones of a bent limb may lie otherwise than the actor's, where they share its length otherwise, before
+its line turns; and twice that is how far they do at most.
+"""
+_TANGENT = math.tan(LEANS)
 STRETCHED = 0.9999
 """Part of its length to which a limb stretches at most: a straight one has no bend of its own."""
 
@@ -114,13 +117,18 @@ def folded(frame, limb, part, reach):
     up hung down. So beyond some degrees of that the line turns, not the bones.
     """
     x, y, z, d = middle_of(limb)
-    across, length = math.hypot(x, y), limb.bones[0] + limb.bones[1]
+    across, length = math.sqrt(x * x + y * y), limb.bones[0] + limb.bones[1]
     if across < 1e-9 * length or abs(limb.bones[0] - part * length) < 1e-9 * length:
         return frame
     own = (2.0 * part - 1.0 + reach * reach) / (2.0 * max(reach, 1e-6))  # how far along its line the actor's knee is
     radius = math.sqrt(max(part * part - own * own, 0.0))
-    upper = math.atan2(radius, own) - math.atan2(across, z)
-    lower = math.atan2(radius, reach - own) - math.atan2(across, d - z)
-    off = 0.5 * (upper - lower)
-    turn = off - off / math.sqrt(math.sqrt(1.0 + (off / LEANS) ** 4))
-    return product(frame, turn_by(-turn * y / across, turn * x / across, 0.0))
+    rest, end = reach - own, d - z
+    # The turn of each bone from the actor's, as a complex number.
+    upper_x, upper_y = own * z + radius * across, radius * z - own * across
+    lower_x, lower_y = rest * end + radius * across, radius * end - rest * across
+    if abs(upper_y) <= _TANGENT * upper_x and abs(lower_y) <= _TANGENT * lower_x:
+        return frame
+    off = 0.5 * (math.atan2(upper_y, upper_x) - math.atan2(lower_y, lower_x))
+    beyond = max(abs(off) - LEANS, 0.0)
+    turn = math.copysign(beyond * beyond / (beyond + LEANS), off) / across
+    return product(frame, turn_by(-turn * y, turn * x, 0.0))
