@@ -51,6 +51,7 @@ class MarkerDialog(QDialog):
         super().__init__(bench.window)
         assert capture.markers is not None
         self._bench, self._capture_id, self._take = bench, capture_id, capture.markers
+        self._is_open = True  # Qt's part of it is deleted when it closes
         self.setWindowTitle(f"Markers of {capture.name}")
         self.setObjectName("marker_dialog")
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
@@ -71,7 +72,7 @@ class MarkerDialog(QDialog):
         self.assistant.changed.connect(self._refresh)
         for part in (self.assistant, self.signals):
             part.marked.connect(self._mark)
-        self.finished.connect(lambda _: self._mark(()))
+        self.finished.connect(self._end)
         self.steps.changed.connect(self._clean)
         bench.document.playhead.changed.connect(self._show_time)
         bench.document.entity_changed.connect(self._entity_changed)
@@ -114,7 +115,7 @@ class MarkerDialog(QDialog):
             return clean(take.trial.only(mapped_labels(take)), take.steps)[1]
 
         def done(reports: tuple[StepReport, ...]) -> None:
-            if self.steps.steps == take.steps:
+            if self._is_open and self.steps.steps == take.steps:
                 self.steps.show_reports(reports)
 
         self._bench.runner.run("Trying the steps", work, done)
@@ -135,6 +136,10 @@ class MarkerDialog(QDialog):
             return
         self._take = capture.markers
         self._refresh()
+
+    def _end(self) -> None:
+        self._is_open = False
+        self._mark(())
 
     def _mark(self, labels: Collection[str]) -> None:
         """Let markers stand out in the 3D view."""

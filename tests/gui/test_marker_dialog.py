@@ -239,3 +239,13 @@ def test_the_markers_behind_a_motion_are_shown_on_demand(qtbot, window, dialog, 
     assert view.recording.named
     actions["recorded_markers"].trigger()
     qtbot.waitUntil(lambda: view._recorded is None, timeout=PATIENCE)
+
+
+def test_steps_that_were_tried_as_the_dialog_closes_are_shown_nowhere(qtbot, window, dialog) -> None:
+    failed = []
+    window.bench.runner.failed.connect(lambda _, words: failed.append(words))
+    dialog.steps.changed.emit()
+    with qtbot.waitSignal(dialog.destroyed):
+        dialog.close()
+    qtbot.waitUntil(lambda: not window.bench.runner.running, timeout=PATIENCE)
+    assert not failed
