@@ -29,7 +29,7 @@ from studio.core.solver.asking.recruiting import arm_lever, leg_room, limb_freed
 from studio.core.solver.asking.self_contact import arms_asked
 from studio.core.solver.asking.tracks import OwnPath, Targets, Track, Tracks
 from studio.core.solver.performers.following import own_track
-from studio.core.solver.smoothing.easing import WIDTHS, Easing, Level, Solve
+from studio.core.solver.smoothing.easing import WIDTHS, Easing, Level, Rank, Solve, Solved
 from studio.core.solver.smoothing.limb_charts import LimbCharts
 from studio.core.solver.smoothing.root_reach import RootReach
 from studio.core.solver.smoothing.target_motion import brought
@@ -38,6 +38,7 @@ from studio.core.solver.standing.support import mass_path, standing_points, supp
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+_NONE = np.empty(0)
 
 
 @dataclass(frozen=True)
@@ -201,8 +202,8 @@ class SolvedWindow:
                 return
             run = SolvedWindow(self.standing, *self._asked, frames)
             run._ease([level.within(wide) for level in self._solved_levels], self._rooms[:, wide])
-            for mine, theirs in zip(self._solved, run._solved, strict=True):
-                mine[begin:end] = theirs[begin - wide.start : end - wide.start]
+            mine, theirs = slice(begin, end), slice(begin - wide.start, end - wide.start)
+            self._solved.within(mine).put(run._solved.within(theirs))
 
     def eases(self, window: slice) -> bool:
         """Whether anything in ``window`` is to be eased."""
@@ -233,8 +234,7 @@ class SolvedWindow:
                 self._unsolved[0][:], self._unsolved[1][:] = before
             self._pose(number, solve.noting)
             levels.append(self._level(number, solve))
-        for mine, solved in zip(self._solved, last.solved, strict=True):
-            mine[:] = solved
+        self._solved.put(last.solved)
         return [*levels, last]
 
     def _level(self, number: int, solve: Solve) -> Level:
@@ -243,10 +243,10 @@ class SolvedWindow:
         shares = [*self._activations, *(self._clearance.activations if self._clear else ())][self._held :]
         acting, ranks = np.reshape(shares, (-1, len(self._positions))) > 0.0, self._ranks[self._held :]
         acts, own = (np.asarray(acting[each].any(axis=0)) for each in (ranks <= number, ranks == number))
-        solved, above = tuple(each.copy() for each in self._solved), self._ranks < number
+        solved, above = Solved(*(each.copy() for each in self._solved)), self._ranks < number
         clears = int(np.count_nonzero(~above[len(self._activations) :]))
         allowed = solve.peaks + self._brings_of(down)[:, None]
-        return Level(solve, solved, above, (self._rank_of(number), clears), acts, own, allowed)
+        return Level(solve, solved, above, Rank(self._rank_of(number), clears), acts, own, allowed)
 
     def _brings_of(self, down: NDArray[np.bool_]) -> FloatArray:
         """(F,) what the constraints ``down`` (C + Q,) to a level bring, radians a second squared."""
@@ -268,9 +268,9 @@ class SolvedWindow:
         Easing(levels, self._pose, self._solved, charts, root_reach, rooms).ease()
 
     @property
-    def _solved(self) -> tuple[FloatArray, ...]:
-        """All that a solve writes, frames first: positions, rotations, misses, and what is cleared."""
-        return self._positions, self._rotations, self._missed.T, *(self._unsolved if self._clear else ())
+    def _solved(self) -> Solved:
+        cleared = self._unsolved if self._clear else (_NONE, _NONE)
+        return Solved(self._positions, self._rotations, self._missed.T, *cleared)
 
     def arms_asked(self, window: slice) -> FloatArray:
         """(F, 2, 2) how far constraints and contacts have the wrist, and the elbow, of each arm in some frames."""

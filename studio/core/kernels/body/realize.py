@@ -40,6 +40,16 @@ class Girdles(NamedTuple):
     """(4,) parts of its arms and legs that are upper arm and thigh."""
 
 
+class Girdle(NamedTuple):
+    """``Girdles`` in one frame."""
+
+    length: float
+    rests: Array
+    hips: float
+    line: Array
+    limbs: Array
+
+
 @allocating_kernel
 def realize_frames(channels, places, measures, actor, play, out_positions, out_rotations):
     """Pose a body at every frame (METHOD 3; eq. 2 of K05).
@@ -58,9 +68,9 @@ def realize_each(channels, measures, actor, spine_from, spine_share, play, out_p
     for frame in range(channels.shape[0]):
         row = measures[frame if measures.shape[0] > 1 else 0]
         pose = Pose(out_positions[frame], out_rotations[frame])
-        shoulders = actor.lengths[frame % actor.lengths.shape[0]], actor.rests
-        hips = actor.hips[frame % actor.hips.shape[0]], actor.lines[frame]
-        realize_frame(channels[frame], row, (shoulders, hips, actor.limbs), spine_from, spine_share, play, pose)
+        length, hips = actor.lengths[frame % actor.lengths.shape[0]], actor.hips[frame % actor.hips.shape[0]]
+        girdle = Girdle(length, actor.rests, hips, actor.lines[frame], actor.limbs)
+        realize_frame(channels[frame], row, girdle, spine_from, spine_share, play, pose)
 
 
 @allocating_kernel
@@ -87,24 +97,24 @@ def sample_spine(places, measures):
 
 
 @kernel
-def realize_frame(channels, measures, girdles, spine_from, spine_share, play, pose):
-    """One frame of ``realize_frames``; ``girdles`` of the actor: its shoulders, hips with their line, and limbs."""
-    root, pelvis, neck_base, thorax = realize_trunk(channels, measures, girdles[1], spine_from, spine_share, pose)
+def realize_frame(channels, measures, girdle, spine_from, spine_share, play, pose):
+    """One frame of ``realize_frames``; ``girdle`` the actor's Girdle."""
+    root, pelvis, neck_base, thorax = realize_trunk(channels, measures, girdle, spine_from, spine_share, pose)
     realize_head(channels, measures, play, neck_base, thorax, pose)
     for side in range(2):
-        realize_arm(channels, measures, girdles, side, neck_base, thorax, pose)
-        realize_leg(channels, measures, girdles[2], side, play, root, pelvis, pose)
+        realize_arm(channels, measures, girdle, side, neck_base, thorax, pose)
+        realize_leg(channels, measures, girdle.limbs, side, play, root, pelvis, pose)
 
 
 @small_kernel
-def realize_trunk(channels, measures, hips, spine_from, spine_share, pose):
+def realize_trunk(channels, measures, girdle, spine_from, spine_share, pose):
     """Pelvis and spine (METHOD 3.1, 3.2); place and turn of the pelvis and, at the neck base, of the thorax.
 
-    The pelvis itself turns by less where hips are wider than the actor's, of which ``hips`` say, so that they stay as
-    near over feet that stand; trunk and legs do not turn with it.
+    The pelvis itself turns by less where hips are wider than the actor's, of which its ``girdle`` says, so that they
+    stay as near over feet that stand; trunk and legs do not turn with it.
     """
-    upright, (breadth, line) = pelvis_turn(channels), hips
-    pelvis = upright if breadth == 1.0 else levelled(upright, breadth, line)
+    upright = pelvis_turn(channels)
+    pelvis = upright if girdle.hips == 1.0 else levelled(upright, girdle.hips, girdle.line)
     leg, m = mean_leg(measures), at.M_HIP_OFFSET
     middle = (
         channels[at.HIPS] * leg,
@@ -215,18 +225,18 @@ def part_of_turn(channels, column, share):
 
 
 @small_kernel
-def clavicle_turn(channels, measures, shoulders, side):
+def clavicle_turn(channels, measures, girdle, side):
     """Of a clavicle in the thorax: from the body's own rest as the actor's from the actor's, longer ones by less.
 
     Outwards it reaches no less than the actor's, however it lies at rest: the same turn takes more of the breadth of
     the shoulders from a clavicle that rises at rest than from one that falls, and shoulders that meet tear the skin.
     """
-    length, rests = shoulders
+    length = girdle.length
     m, column, out = at.M_CLAVICLE_REST + 3 * side, at.CLAVICLE + 4 * side, 1.0 - 2.0 * side
     own = turn_of(channels, column)
     turn = own if length == 1.0 else part_of_turn(channels, column, length)
     turn = product(turn, along(measures[m], measures[m + 1], measures[m + 2]))
-    rest = rests[side]
+    rest = girdle.rests[side]
     lost = out * (rest[1] - (own[3] * rest[0] + own[4] * rest[1] + own[5] * rest[2]))
     reach = out * turn[5]
     beyond = out * measures[m + 1] - length * max(lost, 0.0) - reach
@@ -238,22 +248,22 @@ def clavicle_turn(channels, measures, shoulders, side):
 
 
 @small_kernel
-def realize_arm(channels, measures, girdles, side, neck_base, thorax, pose):
+def realize_arm(channels, measures, girdle, side, neck_base, thorax, pose):
     """Clavicle, arm and hand (METHOD 3.3, 3.4); the arm lies in the thorax carried along by the actor's clavicle.
 
-    ``girdles`` begin with the actor's shoulders: length of the clavicles beside the body's, and how they lie at rest.
+    ``girdle`` is the actor's.
     """
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
     point, segment = spine_count + 3 + 5 * side, spine_count + 2 + 4 * side
     carrier = product(thorax, turn_of(channels, at.CLAVICLE + 4 * side))
     m = at.M_COLLAR_BASE + 3 * side
     collar = put_beside(neck_base, thorax, measures[m], measures[m + 1], measures[m + 2], pose.positions[point])
-    turn = product(thorax, clavicle_turn(channels, measures, girdles[0], side))
+    turn = product(thorax, clavicle_turn(channels, measures, girdle, side))
     put_turn(turn, pose.rotations[segment])
     put_beside(collar, turn, 0.0, 0.0, measures[at.M_CLAVICLE + side], pose.positions[point + 1])
     m = at.M_ARM + 2 * side
-    bones = measures[m], measures[m + 1]
-    wrist, forearm = realize_limb(side, channels, (bones, girdles[2][side]), carrier, point + 1, segment + 1, pose)
+    bones, part = (measures[m], measures[m + 1]), girdle.limbs[side]
+    wrist, forearm = realize_limb(side, channels, bones, part, carrier, point + 1, segment + 1, pose)
     hand = product(forearm, turn_of(channels, at.HAND + 4 * side))
     put_turn(hand, pose.rotations[segment + 3])
     m = at.M_HAND + 3 * side
@@ -270,28 +280,28 @@ def realize_leg(channels, measures, limbs, side, play, root, pelvis, pose):
     point, segment = spine_count + 13 + 5 * side, spine_count + 10 + 4 * side
     put_hip(channels, measures, side, play, root, turn_in(pose.rotations[0]), pose.positions[point])
     bones = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
-    ankle, _ = realize_limb(2 + side, channels, (bones, limbs[2 + side]), pelvis, point, segment, pose)
+    ankle, _ = realize_limb(2 + side, channels, bones, limbs[2 + side], pelvis, point, segment, pose)
     foot = product(pelvis, turn_of(channels, at.FOOT + 4 * side))
     toe = product(foot, turn_of(channels, at.TOE + 4 * side))
     put_foot(side, measures, ankle, foot, toe, pose)
 
 
 @small_kernel
-def realize_limb(limb, channels, bones, carrier, point, segment, pose):
+def realize_limb(limb, channels, bones, part, carrier, point, segment, pose):
     """Both bones of arm (limb 0, 1) or leg (2, 3) from its root ``point`` on; place and turn at their end.
 
-    ``bones`` are their lengths, and what part of the actor's limb its upper one is.
+    ``bones`` are their lengths; of the actor's limb the upper one is a ``part``.
     """
-    lengths, twist = bones[0], at.LIMB_TWIST + 2 * limb
-    length, reach = lengths[0] + lengths[1], 1.0 - channels[at.LIMB_SLACK + limb]
+    length, reach = bones[0] + bones[1], 1.0 - channels[at.LIMB_SLACK + limb]
+    twist = at.LIMB_TWIST + 2 * limb
     shape = Limb(
-        lengths,
-        soft_fold(reach * length, lengths),
+        bones,
+        soft_fold(reach * length, bones),
         channels[at.LIMB_OFF_PLANE + limb] * length,
         channels[at.LIMB_BEND + limb],
         (channels[twist], channels[twist + 1]),
     )
-    frame = folded(product(carrier, turn_of(channels, at.LIMB_FRAME + 4 * limb)), shape, bones[1], reach)
+    frame = folded(product(carrier, turn_of(channels, at.LIMB_FRAME + 4 * limb)), shape, part, reach)
     return place_limb(point, segment, frame, shape, pose)
 
 

@@ -10,6 +10,7 @@ smooth.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,13 +31,58 @@ from studio.core.solver.standing.stand import Standing
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-Pose = tuple[FloatArray, FloatArray]
 Run = Callable[[int, records.Easing], None]
 
-EASED = np.array([[ADDED, ADDED, WHOLE], [1.8, 1.8, 2.6]])
-"""Parts of the allowed peak at which what root and joints add, and what limbs turn with in all, begins to be eased, and
-is."""
-LEFT = np.array([[5.0, 1.6, 2.4], [6.0, 2.2, 2.9]])
+
+class Ramp(NamedTuple):
+    """Where something begins to be done, and where it is done wholly."""
+
+    begins: FloatArray
+    whole: FloatArray
+
+    def share_of(self, values: FloatArray) -> FloatArray:
+        """How far ``values`` are on it: from 0 on, to 1."""
+        return np.asarray((values - self.begins) / (self.whole - self.begins))
+
+
+class Posed(NamedTuple):
+    """The unknowns of a clip: ``states`` (F, N, 3) of the search, and ``charts`` (F, 16, 3) of the limbs."""
+
+    states: FloatArray
+    charts: FloatArray
+
+
+class Solved(NamedTuple):
+    """All that a solve writes, frames first: places, turns, by how much each task is missed (F, C), and the pose that
+    was cleared before, where anything is.
+    """
+
+    positions: FloatArray
+    rotations: FloatArray
+    misses: FloatArray
+    cleared_positions: FloatArray
+    cleared_rotations: FloatArray
+
+    def put(self, other: "Solved") -> None:
+        """Write another's values over these."""
+        for mine, theirs in zip(self, other, strict=True):
+            mine[:] = theirs
+
+    def within(self, frames: slice) -> "Solved":
+        """Those of some frames."""
+        return Solved(*(each[frames] for each in self))
+
+
+class Rank(NamedTuple):
+    """Of a level: how many levels stand above it that are solved, and how many that keep clear do not."""
+
+    solved: int
+    clears: int
+
+
+EASED = Ramp(np.array([ADDED, ADDED, WHOLE]), np.array([1.8, 1.8, 2.6]))
+"""Parts of the allowed peak at which what root and joints add, and what limbs turn with in all, is eased."""
+LEFT = Ramp(np.array([5.0, 1.6, 2.4]), np.array([6.0, 2.2, 2.9]))
 """The same at which a level is left altogether for those above it: a root that starts at once is the lesser evil."""
 BACK = 3
 """Times that a level is left for those above it where it changes them, ever further around."""
@@ -46,8 +92,8 @@ AROUND = 0.2
 """Seconds on either side of a jolt that are averaged wholly, at most; as many again fade."""
 MENDED, FALLING = 0.1, 0.35
 """The same where a level is left as averaged, and where that does not suffice or it is left for those above it."""
-CHANGED = 0.93 * HELD, 1.07 * HELD
-"""Metres by which a level's easing may change those above it for it to be left for them, beginning and wholly."""
+CHANGED = Ramp(np.array(0.93 * HELD), np.array(1.07 * HELD))
+"""Metres by which a level's easing may change those above it for it to be left for them."""
 SEEN = 0.8
 """Seconds on either side of what jolts when solved in which anything may be eased; in as many again that ends."""
 LOOKED = 2.0 * SEEN + 0.25
@@ -102,15 +148,15 @@ class Solve:
         self,
         frames: IntArray,
         turns: FloatArray,
-        level: tuple[int, int],
+        rank: Rank,
         meets: bool,
         holds: bool,
         misses: FloatArray,
         above: Above,
     ) -> records.Easing:
-        """As ``kernels.time.easing`` takes it; ``level`` as ``Level.stands``."""
+        """As ``kernels.time.easing`` takes it."""
         noted = self.limbs, self.peaks[2:], np.array([self.rate]), self.sharp
-        eased = np.array([(level[0], meets, self.held, holds, level[1])], dtype=EASED_LEVEL)
+        eased = np.array([(rank.solved, meets, self.held, holds, rank.clears)], dtype=EASED_LEVEL)
         return records.Easing(frames, self.states, turns, eased, misses, above, *noted)
 
     def within(self, frames: slice) -> "Solve":
@@ -120,12 +166,12 @@ class Solve:
     @property
     def noting(self) -> records.Easing:
         """For a first run over all frames."""
-        return self.easing(np.arange(len(self.states)), _NO_TURNS, (0, 0), False, False, _NO_MISSES, _NO_POSE)
+        return self.easing(np.arange(len(self.states)), _NO_TURNS, Rank(0, 0), False, False, _NO_MISSES, _NO_POSE)
 
     def jolts(self, brings: float | FloatArray = 0.0) -> bool:
         """Whether anything turns more sharply than the motion does and targets bring (F,), radians a second squared."""
         allowed = self.peaks + np.reshape(brings, (-1, 1))
-        return bool((self.sharp > EASED[0] * allowed).any())
+        return bool((self.sharp > EASED.begins * allowed).any())
 
     def jolts_of(self, states: FloatArray, turns: FloatArray) -> FloatArray:
         """(F, 3) of the root, of other joints of the search by their states, and of turns (F, 16, 3, 3) of the limbs.
@@ -152,23 +198,22 @@ def own_peaks(standing: Standing, searched: IntArray, legs_asked: bool) -> Float
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """A level of priority with those above it: what is noted of their solve and what was ``solved``, frames first
-    (positions, rotations, misses (F, C) and what else a solve writes), which constraints stand ``above`` it (C,),
-    ``stands`` how many levels do that are solved and how many that keep clear do not, where any ``acts`` (F,) and any
-    of its ``own`` does, and what peaks of angular acceleration they are allowed (F, 3), radians a second squared.
+    """A level of priority with those above it: what is noted of their solve and what was ``solved``, which constraints
+    stand ``above`` it (C,), its ``rank``, where any ``acts`` (F,) and any of its ``own`` does, and what peaks of
+    angular acceleration they are allowed (F, 3), radians a second squared.
     """
 
     solve: Solve
-    solved: tuple[FloatArray, ...]
+    solved: Solved
     above: NDArray[np.bool_]
-    stands: tuple[int, int]
+    rank: Rank
     acts: NDArray[np.bool_]
     own: NDArray[np.bool_]
     allowed: FloatArray
 
     def within(self, frames: slice) -> "Level":
         """The same of some frames."""
-        solved = tuple(each[frames] for each in self.solved)
+        solved = self.solved.within(frames)
         solve, acts, own = self.solve.within(frames), self.acts[frames], self.own[frames]
         return replace(self, solve=solve, solved=solved, acts=acts, own=own, allowed=self.allowed[frames])
 
@@ -188,7 +233,7 @@ class Easing:
         self,
         levels: Sequence[Level],
         pose: Run,
-        solved: tuple[FloatArray, ...],
+        solved: Solved,
         charts: LimbCharts,
         root_reach: RootReach,
         rooms: FloatArray,
@@ -201,43 +246,43 @@ class Easing:
         self._runs = [runs_of(room > 0.0) for room in rooms]
         frames, joints, _ = levels[0].solve.states.shape
         values = charts.unturned
-        self._eased: Pose = np.zeros((frames, joints, 3)), values
-        self._moved: Pose = np.zeros((frames, joints, 3)), np.zeros_like(values)
-        self._told = levels[0].solved[2]
+        self._eased = Posed(np.zeros((frames, joints, 3)), values)
+        self._moved = Posed(np.zeros((frames, joints, 3)), np.zeros_like(values))
+        self._told = levels[0].solved.misses
         self._touched, self._jolts = np.zeros(frames), np.zeros((frames, 3))
-        positions, rotations = (each.copy() for each in levels[0].solved[:2])
-        self._kept = Above(positions, rotations, self._eased[0], np.zeros(frames))
+        first = levels[0].solved
+        self._kept = Above(first.positions.copy(), first.rotations.copy(), self._eased.states, np.zeros(frames))
 
     def ease(self) -> None:
         """Ease all levels but those of contacts."""
-        positions, rotations, misses = self._solved[:3]
+        now = self._solved
         for number, level in enumerate(self._levels):
             if number > 0 and not level.own.any():
                 continue
-            self._told = np.where(level.above, self._told, level.solved[2])
-            for mine, solved in zip(self._solved, level.solved, strict=True):
-                mine[:] = solved
+            self._told = np.where(level.above, self._told, level.solved.misses)
+            now.put(level.solved)
             if number >= level.solve.held:
                 self._ease_level(number)
             else:
-                self._eased = level.solve.states.copy(), self._posed_limbs()
-            self._told = np.where(level.above, self._told, misses)
-            self._kept = Above(positions.copy(), rotations.copy(), self._eased[0].copy(), np.zeros(len(positions)))
+                self._eased = Posed(level.solve.states.copy(), self._posed_limbs())
+            self._told = np.where(level.above, self._told, now.misses)
+            states, back = self._eased.states.copy(), np.zeros(len(now.positions))
+            self._kept = Above(now.positions.copy(), now.rotations.copy(), states, back)
 
     def _ease_level(self, number: int) -> None:
         level, room = self._levels[number], self._rooms[number]
-        solved = level.solve.states.copy(), self._posed_limbs()
+        solved = Posed(level.solve.states.copy(), self._posed_limbs())
         smooth = self._smoothed(number, solved)
         now, bump = solved, np.sign(self._touched * room)
-        for meets, around, parts in (True, MENDED, EASED), (False, FALLING, EASED), (False, FALLING, LEFT):
+        for meets, around, ramp in (True, MENDED, EASED), (False, FALLING, EASED), (False, FALLING, LEFT):
             now = self._posed_anew(number, now, smooth, bump, meets)
-            bump = np.maximum(self._bump(number, now, around, parts), self._changed(number)) * (room > 0.0)
+            bump = np.maximum(self._bump(number, now, around, ramp), self._changed(number)) * (room > 0.0)
         if number > 0 and bump.any():
             now = self._left(number, now, bump)
-        self._jolts = level.solve.jolts_of(now[0], self._charts.turns(now[1]))
-        self._eased, self._moved = now, (now[0] - solved[0], now[1] - solved[1])
+        self._jolts = level.solve.jolts_of(now.states, self._charts.turns(now.charts))
+        self._eased, self._moved = now, Posed(now.states - solved.states, now.charts - solved.charts)
 
-    def _left(self, number: int, posed: Pose, bump: FloatArray) -> Pose:
+    def _left(self, number: int, posed: Posed, bump: FloatArray) -> Posed:
         """Go back to what those above have become, from what was ``posed``, by ``bump`` and where that changes them."""
         fade = np.minimum(FADED * self._rooms[number], 1.0)
         now, back = posed, np.zeros(len(bump))
@@ -251,22 +296,22 @@ class Easing:
         return now
 
     def _posed_anew(
-        self, number: int, first: Pose, second: Pose, share: FloatArray, meets: bool, holds: bool = False
-    ) -> Pose:
+        self, number: int, first: Posed, second: Posed, share: FloatArray, meets: bool, holds: bool = False
+    ) -> Posed:
         """Pose between two by a ``share`` (F,) anew where there is any."""
         level, frames = self._levels[number], np.flatnonzero(share > 0.0)
         level.solve.sharp[:] = 0.0
         if not len(frames):
             return first
-        level.solve.states[:] = _blend(first[0], second[0], share)
-        turns = self._charts.turns(_blend(first[1], second[1], share))
+        level.solve.states[:] = _blend(first.states, second.states, share)
+        turns = self._charts.turns(_blend(first.charts, second.charts, share))
         told = np.ascontiguousarray(self._told.T)  # kernels are compiled for no other
-        self._pose(number, level.solve.easing(frames, turns, level.stands, meets, holds, told, self._kept))
-        return level.solve.states.copy(), self._posed_limbs(first[1])
+        self._pose(number, level.solve.easing(frames, turns, level.rank, meets, holds, told, self._kept))
+        return Posed(level.solve.states.copy(), self._posed_limbs(first.charts))
 
     def _changed(self, number: int) -> FloatArray:
         """(F,) how far frames are to be left for those above, which they change."""
-        changed = (self._levels[number].solve.sharp[:, 0] - CHANGED[0]) / (CHANGED[1] - CHANGED[0])
+        changed = CHANGED.share_of(self._levels[number].solve.sharp[:, 0])
         return self._spread(number, changed, FALLING)
 
     def _spread(self, number: int, share: FloatArray, seconds: float) -> FloatArray:
@@ -279,17 +324,17 @@ class Easing:
 
     def _posed_limbs(self, beside: FloatArray | None = None) -> FloatArray:
         """Charted limbs as they are."""
-        return self._charts.values(self._charts.turns_of(self._solved[1]), beside)
+        return self._charts.values(self._charts.turns_of(self._solved.rotations), beside)
 
-    def _smoothed(self, number: int, solved: Pose) -> Pose:
+    def _smoothed(self, number: int, solved: Posed) -> Posed:
         """What a level has changed, averaged in time where it jolts."""
         level, room = self._levels[number], self._rooms[number]
-        states, values = (now + moved for now, moved in zip(solved, self._moved, strict=True))
-        moves = [moved.reshape(len(moved), -1).any(axis=1) for moved in self._moved]
-        self._touched = np.maximum(self._touched, moves[0] | moves[1])
+        states, values = solved.states + self._moved.states, solved.charts + self._moved.charts
+        for moved in self._moved:
+            self._touched = np.maximum(self._touched, moved.reshape(len(moved), -1).any(axis=1))
         for seconds in WIDTHS:
             width = max(round(seconds * level.solve.rate), 1)
-            bump = room * self._bump(number, (states, values), min(seconds, AROUND))
+            bump = room * self._bump(number, Posed(states, values), min(seconds, AROUND))
             if not bump.any():
                 break
             self._touched = np.maximum(self._touched, bump)
@@ -299,23 +344,23 @@ class Easing:
         back = self._root_reach.pulled(states, joints, round(LOOK_AHEAD * level.solve.rate)) * (room > 0.0)[:, None]
         self._touched = np.maximum(self._touched, back.any(axis=1))
         states[:, joints["segment"] == ROOT] += back[:, None]
-        return states, values
+        return Posed(states, values)
 
-    def _bump(self, number: int, poses: Pose, around: float, parts: FloatArray = EASED) -> FloatArray:
+    def _bump(self, number: int, poses: Posed, around: float, ramp: Ramp = EASED) -> FloatArray:
         """(F,) how far frames of ``poses`` are to be eased, from 0 to 1, for their jolts.
 
-        ``around`` seconds on either side of a jolt are eased wholly, and as many again fade; ``parts`` of what is
-        allowed (2, 3), where that begins and where it is whole. What those above have become is no fault of a level.
+        ``around`` seconds on either side of a jolt are eased wholly, and as many again fade; ``ramp`` in
+        parts of what is allowed (3,). What those above have become is no fault of a level.
         """
         level = self._levels[number]
-        allowed = np.maximum(level.allowed, self._jolts / parts[0])
-        sharp = level.solve.jolts_of(poses[0], self._charts.turns(poses[1])) / allowed
-        return self._spread(number, _excess(sharp, parts), around)
+        allowed = np.maximum(level.allowed, self._jolts / ramp.begins)
+        sharp = level.solve.jolts_of(poses.states, self._charts.turns(poses.charts)) / allowed
+        return self._spread(number, _excess(sharp, ramp), around)
 
 
-def _excess(sharp: FloatArray, parts: FloatArray) -> FloatArray:
-    """(F,) where jolts (F, 3), in parts of what is allowed, are between both ``parts`` (2, 3): from 0 on, to 1."""
-    return np.asarray(((sharp - parts[0]) / (parts[1] - parts[0])).max(axis=1))
+def _excess(sharp: FloatArray, ramp: Ramp) -> FloatArray:
+    """(F,) how far the worst of jolts (F, 3), in parts of what is allowed, is on a ``ramp`` (3,)."""
+    return np.asarray(ramp.share_of(sharp).max(axis=1))
 
 
 def _around(share: FloatArray, rate: float, seconds: float) -> FloatArray:
