@@ -146,7 +146,7 @@ def asked_by(arguments: Namespace) -> Asked:
     suffix = f".{arguments.format.lower().lstrip('.')}"
     known = known_formats().suffixes("motion_writer")
     if suffix not in known:
-        raise StudioError(f"'{arguments.format}' is no kind of file for motions: choose {', '.join(known)}.")
+        raise StudioError(f"'{arguments.format}' is not a kind of file for motions: choose {', '.join(known)}.")
     export_options(arguments).check(Path(f"motion{suffix}"))
     others = [name for name in arguments.character if name != ACTOR]
     characters: dict[str, Character | None] = {ACTOR: None} if ACTOR in arguments.character else {}

@@ -44,7 +44,7 @@ class Job:
 def find_jobs(source: Path, out: Path, arguments: Mapping[str, Any]) -> list[Job]:
     """A job for every capture in ``source`` and below, those already under ``out`` aside. Raises StudioError."""
     if not source.is_dir():
-        raise StudioError(f"'{source}' is no folder. Name the folder that holds the captures.")
+        raise StudioError(f"'{source}' is not a folder. Name the folder that holds the captures.")
     suffixes, own = known_formats().suffixes("capture_reader"), out.resolve()
     if source.resolve() == own:
         raise StudioError(f"'{source}' holds the captures. Name another folder with --out for what is adapted.")

@@ -179,7 +179,7 @@ def _position(part: BodyPart, target: str, chain: Chain, priority: int) -> Posit
 def places_of(task: Task, constraint: PositionConstraint) -> FloatArray:
     """(F, 3) where a task's position is wanted."""
     if not isinstance(constraint.target, FollowTracked):
-        raise TypeError(f"'{constraint.name}' is no target of a task.")
+        raise TypeError(f"'{constraint.name}' is not a target of a task.")
     track = task.request.tracks[constraint.target]
     assert isinstance(track, Track)
     return track.places

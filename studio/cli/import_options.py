@@ -35,7 +35,7 @@ def add_import_options(parser: ArgumentParser) -> None:
 def import_options(arguments: Namespace) -> ImportOptions:
     """What the user said; raises StudioError when the body map cannot be read or the frame rate is no rate."""
     if arguments.frame_rate is not None and not 0.0 < arguments.frame_rate < float("inf"):
-        raise StudioError(f"{arguments.frame_rate:g} is no frame rate: say how many frames a second, above 0.")
+        raise StudioError(f"{arguments.frame_rate:g} is not a frame rate: say how many frames a second, above 0.")
     return ImportOptions(
         unit=arguments.unit,
         up_axis=arguments.up_axis,

@@ -90,7 +90,7 @@ def pressed(text: str) -> tuple[float, str]:
     except ValueError:
         when = math.nan
     if not key or not math.isfinite(when):
-        raise StudioError(f"'{text}' is no key press: say the key and the second, as in K@1.5.")
+        raise StudioError(f"'{text}' is not a key press: say the key and the second, as in K@1.5.")
     return when, key.upper()
 
 

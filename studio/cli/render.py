@@ -69,14 +69,14 @@ def size_of(text: str) -> Size:
     found = re.fullmatch(r"(\d+)x(\d+)", text)
     size = (int(found[1]), int(found[2])) if found else (0, 0)
     if not all(16 <= side <= LARGEST for side in size):
-        raise ArgumentTypeError(f"'{text}' is no size: width x height in pixels, 16 to {LARGEST}, as 1280x720")
+        raise ArgumentTypeError(f"'{text}' is not a size: width x height in pixels, 16 to {LARGEST}, as 1280x720")
     return size
 
 
 def moment(text: str) -> float:
     """Seconds that are a finite number."""
     if not isfinite(seconds := float(text)):
-        raise ArgumentTypeError(f"'{text}' is no moment: say how many seconds")
+        raise ArgumentTypeError(f"'{text}' is not a time: say how many seconds")
     return seconds
 
 
@@ -84,10 +84,10 @@ def run(arguments: Namespace) -> int:
     """Stage, adapt, draw."""
     suffix = arguments.out.suffix.lower()
     if suffix not in (".png", ".mp4", ""):
-        sentence = "says no kind of picture. Let it end with .png or .mp4, or name a new folder for many pictures."
+        sentence = "says no kind of picture. End its name with .png or .mp4, or name a new folder for many pictures."
         raise StudioError(f"{arguments.out.name} {sentence}")
     if not 1.0 <= arguments.film_rate <= 240.0:
-        raise StudioError(f"{arguments.film_rate:g} is no rate for a film: 1 to 240 frames a second.")
+        raise StudioError(f"{arguments.film_rate:g} is not a frame rate for a film: 1 to 240 frames a second.")
     if arguments.time is not None and suffix != ".png":
         raise StudioError("--time is the moment of one picture: let the file end with .png.")
     if suffix:

@@ -38,7 +38,7 @@ def run_stage(arguments: Namespace) -> int:
     suffix = f".{arguments.format.lower().lstrip('.')}"
     known = known_formats().suffixes("motion_writer")
     if suffix not in known:
-        raise StudioError(f"'{arguments.format}' is no kind of file for motions: choose {', '.join(known)}.")
+        raise StudioError(f"'{arguments.format}' is not a kind of file for motions: choose {', '.join(known)}.")
     options = replace(export_options(arguments), body_only=arguments.body_only)
     options.check(Path(f"motion{suffix}"))
     project = told(read_project(arguments.stage).project, arguments)

@@ -62,7 +62,7 @@ def read_archive(path: Path) -> Archive:
     if not archive.sealed and not archive.damaged:
         archive.members |= _repacked(path, content)
     if not archive.members and not archive.damaged:
-        raise StudioError(f"'{path.name}' is no project of Morpho Studio: it is not a ZIP archive.")
+        raise StudioError(f"'{path.name}' is not a Morpho Studio project: it is not a ZIP archive.")
     return archive
 
 
@@ -86,7 +86,7 @@ def write_archive(
         raise FolderNotWritable(f"{error} Nothing is lost: use Save As.") from error
     written = stamp(path)
     if written is None:
-        raise StudioError(f"'{path}' is gone right after it was saved. Save it in another place.")
+        raise StudioError(f"'{path}' disappeared right after it was saved. Save it in another place.")
     return written
 
 
@@ -147,7 +147,7 @@ def _walked(content: bytes) -> Archive:
 
 
 def _repacked(path: Path, content: bytes) -> dict[str, bytes]:
-    """Members of an archive that another program packed anew, compressed perhaps; none where it is no archive."""
+    """Members of an archive that another program packed anew, compressed perhaps; none where it is not an archive."""
     try:
         return unpacked(content, 20 * len(content) + _SPARE_BYTES)
     except UnpacksTooFarError as error:

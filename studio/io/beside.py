@@ -22,7 +22,7 @@ def refuse_devices(path: Path) -> None:
         reason = getattr(error, "strerror", None) or error
         raise StudioError(f"{path.name[:80]!r} could not be read: {reason}. Check its name and try again.") from error
     if not ordinary:
-        raise StudioError(f"{path.name} could not be read: it is no ordinary file. Choose another.")
+        raise StudioError(f"{path.name} could not be read: it is not an ordinary file. Choose another.")
 
 
 def read_bytes(path: Path, largest: int = LARGEST) -> bytes:
@@ -63,13 +63,16 @@ def path_beside(uri: str, beside: Path, where: str) -> Path:
     windows = PureWindowsPath(name)
     if "://" in name or "\0" in name or windows.is_absolute() or windows.drive or name.startswith(("/", "\\")):
         raise StudioError(
-            f"{where}: it names '{shown}', which does not lie in its folder. Put it there and name it so."
+            f"{where}: it names '{shown}', which is not in its folder. Put it there and name it by its file name alone."
         )
     folder = beside.resolve().parent
     try:
         path = (folder / name.replace("\\", "/")).resolve()
     except (OSError, RuntimeError) as error:
-        raise StudioError(f"{where}: '{shown}' is no name of a file.") from error
+        raise StudioError(f"{where}: '{shown}' is not the name of a file.") from error
     if folder not in path.parents:
-        raise StudioError(f"{where}: it names '{shown}', which leads out of its folder. Put it there and name it so.")
+        raise StudioError(
+            f"{where}: it names '{shown}', which leads out of its folder. Put it there and name it by its file name"
+            " alone."
+        )
     return path

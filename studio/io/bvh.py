@@ -164,7 +164,7 @@ def _split(name: str, content: bytes) -> tuple[list[str], int, list[bytes]]:
         raise StudioError(f"{name}, line {len(content.splitlines())}: the file ends before MOTION. It is cut off.")
     head = content[: found.start(1)]
     if len(head) > _LONGEST_HIERARCHY:
-        raise StudioError(f"{name}: its hierarchy is {len(head) >> 20} MB long. That is no body; check the file.")
+        raise StudioError(f"{name}: its hierarchy is {len(head) >> 20} MB long. That is not a body; check the file.")
     try:
         text = head.decode("utf-8-sig")
     except UnicodeDecodeError:

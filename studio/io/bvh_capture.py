@@ -142,7 +142,7 @@ def _up_axis(
     if options.up_axis is not None:
         axis = options.up_axis.upper()
         if axis not in AXES:
-            raise StudioError(f"'{options.up_axis}' is no up axis. Choose {', '.join(AXES)}.")
+            raise StudioError(f"'{options.up_axis}' is not an up axis. Choose {', '.join(AXES)}.")
         return axis
     if body_map is None:
         guesses.append(Guess("up axis", "Y", "Without a human body nothing tells what is up; most files have Y up."))

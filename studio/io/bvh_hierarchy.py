@@ -126,7 +126,7 @@ def _begin_end_site(hierarchy: Hierarchy, words: _Words, open_joints: list[int],
 
 def _begin(hierarchy: Hierarchy, words: _Words, name: str, open_joints: list[int], end_site: bool, where: str) -> int:
     if len(hierarchy.names) >= _MOST_JOINTS:
-        raise StudioError(f"{where}: more than {_MOST_JOINTS} joints are declared. That is no body; check the file.")
+        raise StudioError(f"{where}: more than {_MOST_JOINTS} joints are declared. That is not a body; check the file.")
     if words.peek() != "{":
         raise StudioError(f"{words.where}: '{{' is missing after joint '{name[:40]}'. Correct that line.")
     words.take("'{'")
@@ -155,7 +155,7 @@ def _read_channels(hierarchy: Hierarchy, words: _Words, joint: int, where: str) 
         channel = _CHANNELS.get(word.lower())
         if channel is None:
             raise StudioError(
-                f"{at}: '{word[:40]}' is no channel. Channels are Xposition, Xrotation and so on for Y and Z."
+                f"{at}: '{word[:40]}' is not a channel. Channels are Xposition, Xrotation and so on for Y and Z."
             )
         if channel in channels:
             raise StudioError(f"{at}: joint '{name}' declares {channel} twice. Correct that line.")

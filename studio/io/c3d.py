@@ -125,7 +125,7 @@ def _header(name: str, content: bytes, parameters: Parameters, repairs: list[str
     channels = unsigned[2] // samples if samples else 0
     if channels * samples != unsigned[2]:
         raise StudioError(
-            f"{name}, byte 4: {unsigned[2]} analog numbers a frame are no whole multiple of {samples} samples. "
+            f"{name}, byte 4: {unsigned[2]} analog numbers a frame are not a whole multiple of {samples} samples. "
             "Its header is damaged; export it again."
         )
     told = parameters.number("ANALOG", "USED")
@@ -271,7 +271,7 @@ def _points(
         frame, point = np.argwhere(wild & ~unseen)[0]
         count = int((wild & ~unseen).sum())
         repairs.append(
-            f"{name}: point {point + 1} in frame {frame} and {count - 1} more are no believable place; made gaps."
+            f"{name}: point {point + 1} in frame {frame} and {count - 1} more are not believable places; made gaps."
         )
     unseen |= wild
     points[unseen] = np.nan

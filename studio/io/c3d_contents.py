@@ -72,7 +72,7 @@ def unit_of(name: str, parameters: Parameters, repairs: list[str]) -> str:
     said = (*parameters.words("POINT", "UNITS"), "")[0]
     unit = _UNITS.get(said.lower().rstrip("."))
     if unit is None:
-        repairs.append(f"{name}: POINT:UNITS is '{said[:20]}', which is no known unit; taken as mm.")
+        repairs.append(f"{name}: POINT:UNITS is '{said[:20]}', which is not a known unit; taken as mm.")
     elif unit != said.lower():
         repairs.append(f"{name}: POINT:UNITS is '{said[:20]}', taken as {unit}.")
     return unit or "mm"

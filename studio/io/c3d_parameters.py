@@ -93,7 +93,7 @@ def read_parameters(name: str, content: bytes) -> Parameters:
     processor = content[start + 3]
     if processor not in _PROCESSORS:
         raise StudioError(
-            f"{name}, byte {start + 3}: {processor} is no kind of processor; C3D knows 84 (Intel), 85 (DEC) and "
+            f"{name}, byte {start + 3}: {processor} is not a kind of processor; C3D knows 84 (Intel), 85 (DEC) and "
             "86 (MIPS). It is damaged; export it again."
         )
     found = Parameters(Numbers(_PROCESSORS[processor]))
@@ -116,7 +116,7 @@ def _read_records(name: str, content: bytes, start: int, found: Parameters) -> N
         step = int(found.numbers.integers(content[body - 2 : body])[0]) & 0xFFFF
         following = body - 2 + step
         if step and following < body + (1 if group < 0 else 2):
-            raise StudioError(f"{name}, byte {at}: parameter '{label[:20]}' leads back into itself. Export it again.")
+            raise StudioError(f"{name}, byte {at}: parameter '{label[:20]}' is part of a loop. Export it again.")
         if group < 0:
             names[-group] = label
         elif group > 0:

@@ -70,7 +70,7 @@ def _samples_a_frame(trial: Trial) -> int:
         return 0
     samples, rest = divmod(len(trial.analog.samples), trial.frame_count)
     if rest or samples == 0:
-        raise StudioError(f"The signals of '{trial.name}' are no whole number of samples a frame.")
+        raise StudioError(f"The signals of '{trial.name}' are not a whole number of samples a frame.")
     return samples
 
 

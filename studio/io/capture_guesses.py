@@ -26,7 +26,7 @@ def body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) -
     if found.body_map is None:
         offers = {limb: similar_joints(skeleton, limb) for limb in found.missing}
         reason = "; ".join(f"no {limb} (candidates: {', '.join(names) or 'none'})" for limb, names in offers.items())
-        return [Guess("body map", "none", f"This is no complete human body: {reason}.")]
+        return [Guess("body map", "none", f"This is not a complete human body: {reason}.")]
     if options.body_map:
         return []
     parts = len(found.body_map.parts)
@@ -127,7 +127,7 @@ def chosen_reference(
         return zero if stood is None else stood
     if not (chosen.isdecimal() and int(chosen) < poses.frame_count):
         raise StudioError(
-            f"'{chosen}' is no reference pose. Choose 'zero' or a frame from 0 to {poses.frame_count - 1}."
+            f"'{chosen}' is not a reference pose. Choose 'zero' or a frame from 0 to {poses.frame_count - 1}."
         )
     rotations: FloatArray = poses.local_rotations[int(chosen)]
     return rotations
@@ -137,8 +137,8 @@ def _pose_by_joint(skeleton: Skeleton, turns: Mapping[str, Sequence[float]], zer
     pose = zero.copy()
     for name, turn in turns.items():
         if name not in skeleton.names:
-            raise StudioError(f"The reference pose turns a joint '{name}' that the file has not.")
+            raise StudioError(f"The reference pose turns a joint '{name}' that the file does not have.")
         if len(turn) != 4 or not 0.5 < float(np.linalg.norm(turn)) < 2.0:
-            raise StudioError(f"The reference pose turns '{name}' by no quaternion (x, y, z, w).")
+            raise StudioError(f"The reference pose turns '{name}' by something that is not a quaternion (x, y, z, w).")
         pose[skeleton.names.index(name)] = normalized(np.array(turn, dtype=np.float64))
     return pose

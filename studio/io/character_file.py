@@ -84,7 +84,7 @@ def read_character(path: Path) -> Character:
     mesh_path = path_beside(_member(record, "mesh", str, path), path, f"{path}, mesh")
     content = read_bytes(mesh_path, _LIMIT)
     if hashlib.sha256(content).hexdigest() != record.get("sha256"):
-        raise StudioError(f"{mesh_path}: this is not the mesh that {path.name} was written with. Copy both anew.")
+        raise StudioError(f"{mesh_path}: this is not the mesh that {path.name} was written with. Copy both again.")
     try:
         build = Morphology.from_json(_member(record, "build", dict, path))
         proportions = _proportions_of(record.get("proportions", {}))
@@ -93,7 +93,7 @@ def read_character(path: Path) -> Character:
         raise StudioError(f"{path}: the measures are damaged. {error}") from error
     skin = read_mesh(content, str(mesh_path), record.get("materials", []))
     if not skin.fits(build.layout.segment_count):
-        raise StudioError(f"{mesh_path}: 'segments' names a segment that this body has not.")
+        raise StudioError(f"{mesh_path}: 'segments' names a segment that this body does not have.")
     name, colour = (_member(record, member, str, path) for member in ("name", "colour"))
     try:
         return Character(name, colour, build, skin, proportions, blending, grip)

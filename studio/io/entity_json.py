@@ -262,13 +262,13 @@ def _title(record: dict[str, Json]) -> str:
 
 
 def _refuse_constant(name: str) -> None:
-    raise ValueError(f"{name} is no number")
+    raise ValueError(f"{name} is not a number")
 
 
 def _finite(text: str) -> float:
     number = float(text)
     if not math.isfinite(number):
-        raise ValueError(f"{text} is beyond all bounds")
+        raise ValueError(f"{text} is too large to be true")
     return number
 
 

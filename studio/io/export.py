@@ -150,7 +150,9 @@ def format_for(path: Path, job: str = "motion_writer") -> Format:
             return each
     what = job.removesuffix("_writer")
     suffixes = ", ".join(known.suffixes(job))
-    raise StudioError(f"{path.name} says no kind of file that a {what} can be written to. Let it end with {suffixes}.")
+    raise StudioError(
+        f"{path.name} does not name a kind of file that a {what} can be written to. End its name with {suffixes}."
+    )
 
 
 def write_take(take: Take, path: Path, progress: Progress = lambda share, text: None) -> Format:

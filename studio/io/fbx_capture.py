@@ -89,7 +89,7 @@ def read_fbx(path: Path, progress: Progress) -> FbxFile:
             raise StudioError(f"{path.name} could not be read as FBX: {error}. {INSTEAD}") from error
     progress(0.4, f"Reading {path.name}")
     if not (np.isfinite(frames).all() and np.isfinite(rest).all()):
-        raise StudioError(f"{path.name}: its joints lie at places that are no numbers. {INSTEAD}")
+        raise StudioError(f"{path.name}: its joints lie at places that are not numbers. {INSTEAD}")
     return _rigid(about, frames, rest)
 
 

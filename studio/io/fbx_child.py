@@ -50,7 +50,7 @@ def main(source: str, target: str) -> None:
     if not nodes:
         sys.exit("it holds no joints")
     if len(nodes) > MOST_JOINTS:
-        sys.exit(f"it holds {len(nodes)} joints, which is no body")
+        sys.exit(f"it holds {len(nodes)} joints, more than a body has")
     stack = max(_all(scene.anim_stacks), key=lambda each: each.time_end - each.time_begin, default=None)
     animation = _keep(stack.anim) if stack else None
     settings = _keep(scene.settings)

@@ -76,7 +76,7 @@ def _body(figure: Figure, options: ImportOptions) -> _Body:
     figure = _rooted(figure)
     parents = np.array(figure.parents)
     if not np.isfinite(figure.positions).all() or np.abs(figure.positions).max() > 1e9:
-        raise StudioError(f"{figure.source}: its joints stand beyond all bounds. Export the file again.")
+        raise StudioError(f"{figure.source}: its joints are too far apart to be true. Export the file again.")
     offsets = figure.positions - figure.positions[np.maximum(parents, 0)]
     offsets[0] = figure.positions[0]
     skeleton = Skeleton(figure.joint_names, parents, offsets, np.zeros(len(parents), dtype=bool))
@@ -104,7 +104,7 @@ def _check_limbs(figure: Figure, body_map: BodyMap) -> None:
 def _rooted(figure: Figure) -> Figure:
     """The same with one root above all."""
     if not figure.joint_names:
-        raise StudioError(f"{figure.source} has no joints: it is no character. Export it with its skeleton.")
+        raise StudioError(f"{figure.source} has no joints: it is not a character. Export it with its skeleton.")
     if figure.parents.count(-1) == 1 and figure.parents[0] == -1:
         return figure
     name = "scene" + "_" * sum(each.startswith("scene") for each in figure.joint_names)
@@ -151,15 +151,15 @@ def _upright(figure: Figure, body_map: BodyMap, up_axis: str | None) -> FloatArr
     if up_axis is not None:
         axis = AXES.get(up_axis.upper())
         if axis is None:
-            raise StudioError(f"'{up_axis}' is no up axis. Choose {', '.join(AXES)}.")
+            raise StudioError(f"'{up_axis}' is not an up axis. Choose {', '.join(AXES)}.")
         up = axis[2]
     left = hips[0] - hips[1]
     left = _snapped(left - left @ up * up, 8.0)
     left = left - left @ up * up
     if np.linalg.norm(up) < 0.5 or np.linalg.norm(left) < 1e-6:
         raise StudioError(
-            f"{figure.source}: its body has no width or no height, for hips or shoulders lie at one place. Export it"
-            " with its skeleton standing."
+            f"{figure.source}: its body has no width or no height, because hips or shoulders are at one place."
+            " Export it with its skeleton standing."
         )
     left = left / np.linalg.norm(left)
     return np.stack([np.cross(left, up), left, up])
@@ -204,10 +204,8 @@ def _embodied(body: _Body, guesses: list[Guess]) -> ReadCharacter:
     pieces = _worn(figure, segments, len(body.body_map.spine), repairs)
     if not pieces:
         if figure.moves:
-            raise StudioError(
-                f"{figure.source} is an animation: a skeleton with nothing round it. Import it as a capture."
-            )
-        raise StudioError(f"{figure.source} has a skeleton and nothing round it. Export it with its mesh.")
+            raise StudioError(f"{figure.source} is an animation: a skeleton without a mesh. Import it as a capture.")
+        raise StudioError(f"{figure.source} has a skeleton but no mesh. Export it with its mesh.")
     vertices = np.concatenate([piece.vertices for piece in pieces]) @ body.to_world.T
     width = max(piece.joints.shape[1] for piece in pieces)
     joints, weights = (np.concatenate([_padded(piece, width)[which] for piece in pieces]) for which in (0, 1))

@@ -51,5 +51,5 @@ def json_of(content: bytes, parse_float: Parse | None = None, parse_constant: Pa
 
 def _whole(text: str) -> int:
     if len(text) > LONGEST_NUMBER:
-        raise ValueError(f"'{text[:20]}…' is no number that anything has")
+        raise ValueError(f"'{text[:20]}…' is not a believable number")
     return int(text)

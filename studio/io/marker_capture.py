@@ -64,7 +64,7 @@ def _in_unit(take: MarkerTake, options: ImportOptions) -> tuple[MarkerTake, list
     if options.unit is None:
         return take, []
     if options.unit not in METRES:
-        raise StudioError(f"'{options.unit}' is no unit of a marker file. Choose {', '.join(METRES)}.")
+        raise StudioError(f"'{options.unit}' is not a unit of a marker file. Choose {', '.join(METRES)}.")
     return replace(take, trial=replace(take.trial, unit=options.unit)), []
 
 
@@ -133,7 +133,7 @@ def _up_axis(followed: FollowedBody, options: ImportOptions, guesses: list[Guess
     if options.up_axis is not None:
         axis = options.up_axis.upper()
         if axis not in AXES:
-            raise StudioError(f"'{options.up_axis}' is no up axis. Choose {', '.join(AXES)}.")
+            raise StudioError(f"'{options.up_axis}' is not an up axis. Choose {', '.join(AXES)}.")
         return axis
     joints = followed.joints
     low, high = ("ankle", "hip") if "left_hip" in joints else ("wrist", "shoulder")
@@ -269,7 +269,7 @@ def _cloud(take: MarkerTake, lacking: str, options: ImportOptions, guesses: list
         raise StudioError(f"{trial.source} shows no marker: {_shown(trial)}. Export it with its markers.")
     up_axis = (options.up_axis or "Z").upper()
     if up_axis not in AXES:
-        raise StudioError(f"'{options.up_axis}' is no up axis. Choose {', '.join(AXES)}.")
+        raise StudioError(f"'{options.up_axis}' is not an up axis. Choose {', '.join(AXES)}.")
     points = trial.metres * trial.points[:, [trial.labels.index(label) for label in labels]] @ AXES[up_axis].T
     frames = np.arange(trial.frame_count)
     for place in range(len(labels)):

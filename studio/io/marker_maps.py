@@ -92,7 +92,7 @@ def read_map(path: Path) -> MarkerMap:
         return map_of(record)
     except (StudioError, KeyError, TypeError, AttributeError, ValueError) as error:
         raise StudioError(
-            f"{path.name} is no marker map: {error}. It is a record of a name and of markers by place, "
+            f"{path.name} is not a marker map: {error}. It is a record of a name and of markers by place, "
             '{"name": "Ours", "markers": {"left_knee": ["LKNE"], ...}}.'
         ) from error
 

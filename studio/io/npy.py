@@ -22,7 +22,7 @@ def array_of(content: bytes) -> Array:
     """A read-only array over the bytes of an ``.npy`` file. Raises ValueError when they are not one."""
     header = _HEADER.match(content)
     if header is None:
-        raise ValueError("it is no plain array")
+        raise ValueError("it is not a plain array")
     kind, fortran, sizes = (group.decode("ascii", "replace") for group in header.groups())
     if re.fullmatch(r"\|[biu]1|<[iuf][248]", kind) is None:
         raise ValueError(f"its numbers are '{kind}', which are not read")

@@ -228,7 +228,7 @@ def _newest_readable(path: Path, names: tuple[str, ...], intact: dict[str, bytes
 
 def _array(intact: dict[str, bytes], name: str) -> Array:
     if not MEMBER_NAME.fullmatch(name):
-        raise ValueError(f"'{name}' is no name of a member.")
+        raise ValueError(f"'{name}' is not the name of a member.")
     if name not in intact:
         raise ValueError(f"'{name}' is missing or damaged.")
     try:

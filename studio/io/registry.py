@@ -237,7 +237,7 @@ def known_formats() -> KnownFormats:
 def _added(entry: EntryPoint, formats: list[Format]) -> Format:
     added = entry.load()
     if not isinstance(added, Format):
-        raise StudioError(f"{entry.value} is no studio.io.registry.Format.")
+        raise StudioError(f"{entry.value} is not a studio.io.registry.Format.")
     if any(added.name == known.name for known in formats):
         raise StudioError(f"there is already a format called {added.name}.")
     return added
@@ -257,7 +257,7 @@ def format_of(path: Path, *jobs: str) -> Format:
     if found is None:
         kinds = " or ".join(job.removesuffix("_reader") for job in jobs)
         names = ", ".join(each.name for each in candidates)
-        raise StudioError(" ".join((f"{path.name} is no {kinds} the studio reads. It reads {names}.", *known.failures)))
+        raise StudioError(" ".join((f"{path.name} is not a {kinds} the studio reads. It reads {names}.", *known.failures)))
     return found
 
 

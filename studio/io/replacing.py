@@ -110,7 +110,7 @@ def remove_leftovers(path: Path) -> None:
 
 def _begin(target: Path, part: Path) -> None:
     if target.exists() and not target.is_file():
-        raise StudioError(f"'{target}' could not be written: it is no ordinary file. Choose another name.")
+        raise StudioError(f"'{target}' could not be written: it is not an ordinary file. Choose another name.")
     if target.exists() and not os.access(target, os.W_OK):  # a rename would not ask
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
     with open(part, "xb"):

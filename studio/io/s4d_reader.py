@@ -112,13 +112,13 @@ def _members(path: Path) -> tuple[int, dict[str, bytes]]:
         names = (RECORD, CHANNELS, ROTATIONS, TRANSLATIONS)
         return len(content), unpacked(content, 20 * len(content) + _SPARE_BYTES, names)
     except UnpacksTooFarError as error:
-        raise StudioError(f"{path.name} {error}, far more than it can hold: it is no motion. Delete it.") from error
+        raise StudioError(f"{path.name} {error}, far more than it can hold: it is not a motion. Delete it.") from error
     except ValueError as error:
         raise _damaged(path, f"{error}.") from error
 
 
 def _damaged(path: Path, reason: str) -> StudioError:
-    return StudioError(f"{path.name} is no whole S4D file: {reason} Copy it anew, or write it again.")
+    return StudioError(f"{path.name} is not a complete S4D file: {reason} Copy it again, or write it again.")
 
 
 def _record(content: bytes, path: Path) -> _Record:
@@ -161,7 +161,7 @@ def _actor(record: _Actor, motion: NormalizedMotion, arrays: dict[str, FloatArra
     _indices("translations_of", record.translations_of, joints)
     _indices("segment_joints", [joint for joint in record.segment_joints if joint != -1], joints)
     if not frames or not (0.0 < motion.frame_rate < _LARGEST):
-        raise ValueError(f"{frames} frames at {motion.frame_rate:g} Hz are no motion.")
+        raise ValueError(f"{frames} frames at {motion.frame_rate:g}Hz are not a motion.")
     places = motion.spine_places
     if places.shape != (layout.spine_count,) or places[0] != 0.0 or (np.diff(places) < 0.0).any():
         raise ValueError("spine_places rise from 0.")
@@ -242,7 +242,7 @@ def _indices(name: str, indices: tuple[int, ...] | list[int], joints: int) -> No
 
 
 def _refuse(name: str) -> None:
-    raise ValueError(f"{name} is no number")
+    raise ValueError(f"{name} is not a number")
 
 
 def _finite(text: str) -> float:

@@ -69,7 +69,7 @@ def unpacked(content: bytes, most: int, names: Sequence[str] = ()) -> dict[str, 
             return {entry.filename: archive.read(entry) for entry in entries if not entry.is_dir()}
     except _DAMAGE as error:
         reason = str(error.args[0] if error.args else error)[:LONGEST_REASON]
-        raise ValueError(reason or "it is no archive") from error
+        raise ValueError(reason or "it is not an archive") from error
 
 
 def npy(array: NDArray[Any]) -> bytes:

@@ -26,7 +26,7 @@ def read_recording(path: Path) -> Iterator[tuple[float, bytes]]:
     """The datagrams of a recording, in order. Raises StudioError naming the byte at which it is damaged."""
     data, at = read_bytes(path), len(_MAGIC)
     if not data.startswith(_MAGIC):
-        raise StudioError(f"{path.name} is no recording of datagrams.")
+        raise StudioError(f"{path.name} is not a recording of datagrams.")
     while at < len(data):
         if at + _RECORD.size > len(data):
             raise StudioError(f"{path.name}, byte {at}: the recording is cut off.")

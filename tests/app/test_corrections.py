@@ -59,10 +59,10 @@ def test_the_zero_pose_and_frame_0_are_those_of_every_file(walk, other, which: s
 @pytest.mark.parametrize(
     ("pose", "sentence"),
     [
-        ({"Nose": [0, 0, 0, 1]}, "a joint 'Nose' that the file has not"),
-        ({"Hips": [0, 0, 0]}, "'Hips' by no quaternion"),
-        ({"Hips": [0, 0, 0, 0]}, "'Hips' by no quaternion"),
-        ({"Hips": [float("nan"), 0, 0, 1]}, "'Hips' by no quaternion"),
+        ({"Nose": [0, 0, 0, 1]}, "a joint 'Nose' that the file does not have"),
+        ({"Hips": [0, 0, 0]}, "'Hips' by something that is not a quaternion"),
+        ({"Hips": [0, 0, 0, 0]}, "'Hips' by something that is not a quaternion"),
+        ({"Hips": [float("nan"), 0, 0, 1]}, "'Hips' by something that is not a quaternion"),
     ],
 )
 def test_a_reference_pose_that_does_not_fit_is_refused_in_a_sentence(walk, pose, sentence: str) -> None:

@@ -157,7 +157,7 @@ def test_a_calibration_pose_is_left_out_unless_asked_for(capsys, captures, tmp_p
 def test_what_is_no_human_is_refused_with_what_is_missing(capsys, captures, tmp_path):
     [strange] = (captures / "bvh").rglob("pybvh_rotation_first_root.bvh")
     assert main(["adapt", str(strange), "--out", str(tmp_path / "out")]) == 1
-    assert "no complete human body" in capsys.readouterr().err
+    assert "not a complete human body" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 
 
@@ -234,7 +234,7 @@ def test_the_actor_is_a_character_on_the_captures_own_joints(tmp_path, capsys):
 
 def test_a_kind_of_file_that_there_is_not_is_refused_before_anything_is_read(tmp_path, capsys):
     assert main(["adapt", "missing.bvh", "--format", "xyz", "--out", str(tmp_path)]) == 1
-    assert "'xyz' is no kind of file for motions: choose .bvh" in capsys.readouterr().err
+    assert "'xyz' is not a kind of file for motions: choose .bvh" in capsys.readouterr().err
 
 
 def test_a_number_a_frame_is_reported_on_request_and_who_kept_a_constraint_from_being_met(capsys, kick, tmp_path):

@@ -117,7 +117,7 @@ def test_a_folder_without_captures_and_a_missing_one_are_refused(tmp_path, capsy
     assert main(["batch", str(tmp_path), "--out", str(tmp_path / "out")]) == 1
     assert "holds no captures" in capsys.readouterr().err
     assert main(["batch", str(tmp_path / "none"), "--out", str(tmp_path / "out")]) == 1
-    assert "is no folder" in capsys.readouterr().err
+    assert "is not a folder" in capsys.readouterr().err
 
 
 def test_the_folder_of_the_captures_and_one_with_files_of_somebody_else_are_not_written_to(folder, capsys):

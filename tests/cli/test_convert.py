@@ -40,7 +40,7 @@ def test_what_was_repaired_is_told(capsys, captures, tmp_path):
 
 def test_an_unknown_format_is_refused_before_anything_is_read(capsys, tmp_path):
     assert main(["convert", str(tmp_path / "missing.bvh"), str(tmp_path / "out.xyz")]) == 1
-    assert "Let it end with .bvh" in capsys.readouterr().err
+    assert "End its name with .bvh" in capsys.readouterr().err
 
 
 def test_a_rest_pose_that_a_format_has_not_is_refused_before_anything_is_read(capsys, tmp_path):

@@ -61,5 +61,5 @@ def test_who_fails_is_told_and_the_rest_plays_on(tmp_path, capsys):
 
 @pytest.mark.parametrize("text", ["K", "@1", "K@soon", "K@nan"])
 def test_what_is_no_key_press_is_refused_in_a_sentence(text):
-    with pytest.raises(StudioError, match="no key press"):
+    with pytest.raises(StudioError, match="not a key press"):
         pressed(text)

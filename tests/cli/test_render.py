@@ -82,8 +82,8 @@ def test_a_folder_gets_a_picture_for_every_frame(capsys, walk, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["--out", "walk.gif"], "Let it end with .png or .mp4"),
-        (["--out", "walk.mp4", "--film-rate", "0"], "no rate for a film"),
+        (["--out", "walk.gif"], "End its name with .png or .mp4"),
+        (["--out", "walk.mp4", "--film-rate", "0"], "not a frame rate for a film"),
         (["--out", "walk.mp4", "--size", "161x90"], "even numbers"),
         (["--out", "walk.png", "--time", "9"], "--time 9 is outside walk.bvh, which lasts 0.48 seconds."),
         (["--out", "walk.png", "--time", "-1"], "--time -1 is outside"),
@@ -102,4 +102,4 @@ def test_a_size_that_is_none_is_bad_usage(capsys, walk, size):
     with pytest.raises(SystemExit) as end:
         main(["render", str(walk), "--out", "walk.png", "--size", size])
     assert end.value.code == 2
-    assert "is no size" in capsys.readouterr().err
+    assert "is not a size" in capsys.readouterr().err

@@ -56,7 +56,7 @@ def test_what_the_verb_refuses_is_said_in_the_dialog(qtbot, dialog, tmp_path):
     dialog.source.setText(str(tmp_path / "nowhere"))
     press(dialog.start)
     qtbot.waitUntil(lambda: not dialog.running, timeout=PATIENCE)
-    assert "is no folder" in dialog.words.text()
+    assert "is not a folder" in dialog.words.text()
 
 
 def test_stopped_while_the_workers_start_it_ends_at_once_and_nothing_goes_on(qtbot, dialog, tmp_path):

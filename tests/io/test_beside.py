@@ -1,4 +1,4 @@
-"""What is no ordinary file is not read, and nothing that a file names leads out of its folder."""
+"""What is not an ordinary file is not read, and nothing that a file names leads out of its folder."""
 
 import json
 import os
@@ -43,7 +43,7 @@ def test_a_pipe_and_a_link_to_a_device_are_refused_at_once(tmp_path: Path, suffi
     os.mkfifo(pipe)
     link.symlink_to("/dev/zero")
     for path in (pipe, link):
-        with pytest.raises(StudioError, match="no ordinary file"):
+        with pytest.raises(StudioError, match="not an ordinary file"):
             READERS.get(suffix, load_capture)(path)
 
 
@@ -52,7 +52,7 @@ def test_a_pipe_as_an_option_of_a_verb_is_refused(tmp_path: Path, capsys: pytest
     os.mkfifo(tmp_path / "pipe.json")
     for option in ("--body-map", "--marker-map"):
         assert main(["info", "walk.bvh", option, str(tmp_path / "pipe.json")]) == 1
-        assert "no ordinary file" in capsys.readouterr().err
+        assert "not an ordinary file" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", ["../roof.obj", "{absolute}", "link.obj", "a\0b.obj", "C:\\roof.obj"])

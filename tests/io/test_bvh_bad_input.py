@@ -87,7 +87,7 @@ REFUSED = {
     "only a part of a row": (bvh_text(["1 2 3"], header="Frame Time: 0.01\n"), "there is no complete frame"),
     "unknown channel": (
         bvh_text(hierarchy=HIERARCHY.replace("Zposition", "Wposition")),
-        "line 5: 'Wposition' is no channel",
+        "line 5: 'Wposition' is not a channel",
     ),
     "channel twice": (
         bvh_text(hierarchy=HIERARCHY.replace("Yposition", "Xposition")),
@@ -95,7 +95,7 @@ REFUSED = {
     ),
     "too few channels named": (
         bvh_text(hierarchy=HIERARCHY.replace("CHANNELS 3", "CHANNELS 4")),
-        "line 10: 'End' is no channel",
+        "line 10: 'End' is not a channel",
     ),
     "too many channels": (
         bvh_text(hierarchy=HIERARCHY.replace("CHANNELS 3", "CHANNELS 700000000")),
@@ -292,7 +292,7 @@ def test_a_missing_file_and_a_folder_are_refused(tmp_path: Path) -> None:
 def test_a_file_of_another_kind_is_refused_with_the_kinds_there_are(tmp_path: Path) -> None:
     path = tmp_path / "notes.txt"
     path.write_text("hello")
-    with pytest.raises(StudioError, match=r"notes\.txt is no capture the studio reads\. It reads BVH"):
+    with pytest.raises(StudioError, match=r"notes\.txt is not a capture the studio reads\. It reads BVH"):
         load_capture(path)
 
 

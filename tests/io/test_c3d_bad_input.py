@@ -60,8 +60,8 @@ REFUSED: dict[str, tuple[Spoil, str]] = {
     "parameters in block 0": (byte(0, 0), "take.c3d, byte 0: its parameters should begin in block 0"),
     "parameters over the header": (byte(0, 1), "take.c3d, byte 0: its parameters should begin in block 1"),
     "parameters beyond the file": (byte(0, 255), "take.c3d, byte 0: its parameters should begin in block 255"),
-    "unknown processor": (byte(515, 99), "take.c3d, byte 515: 99 is no kind of processor; C3D knows 84 (Intel)"),
-    "no processor": (byte(515, 0), "take.c3d, byte 515: 0 is no kind of processor"),
+    "unknown processor": (byte(515, 99), "take.c3d, byte 515: 99 is not a kind of processor; C3D knows 84 (Intel)"),
+    "no processor": (byte(515, 0), "take.c3d, byte 515: 0 is not a kind of processor"),
     "frames in block 0 and no parameter": (
         both(header(8, 0), renamed("POINT", "DATA_START")),
         "take.c3d, byte 16: its frames should begin in block 0, which is not in the file",
@@ -76,7 +76,7 @@ REFUSED: dict[str, tuple[Spoil, str]] = {
     ),
     "more points than bytes": (header(1, 65535), "there is no complete frame in this file, though it says 12."),
     "more signals than bytes": (header(2, 65532), "there is no complete frame in this file, though it says 12."),
-    "half a signal": (header(2, 23), "take.c3d, byte 4: 23 analog numbers a frame are no whole multiple of 4"),
+    "half a signal": (header(2, 23), "take.c3d, byte 4: 23 analog numbers a frame are not a whole multiple of 4"),
     "no frames": (
         both(
             *(header(3, 5), header(4, 4)),
@@ -98,7 +98,7 @@ REFUSED: dict[str, tuple[Spoil, str]] = {
     ),
     "a parameter that leads into itself": (
         step("POINT", "RATE", 2),
-        f"take.c3d, byte {record_of(GOOD, 'POINT', 'RATE')}: parameter 'RATE' leads back into itself.",
+        f"take.c3d, byte {record_of(GOOD, 'POINT', 'RATE')}: parameter 'RATE' is part of a loop.",
     ),
     "a name longer than the file": (
         lambda content: content[: value_of(content, "MANUFACTURER", "SOFTWARE") - 6],
@@ -158,10 +158,10 @@ REPAIRED: dict[str, tuple[Spoil, str]] = {
     ),
     "a point that is not a number": (
         point(2, 0, 1, float("nan")),
-        "take.c3d: point 1 in frame 2 and 0 more are no believable place; made gaps.",
+        "take.c3d: point 1 in frame 2 and 0 more are not believable places; made gaps.",
     ),
-    "a point at infinity": (point(2, 0, 1, float("-inf")), "point 1 in frame 2 and 0 more are no believable place"),
-    "a point beyond the moon": (point(0, 3, 2, 3e38), "point 4 in frame 0 and 0 more are no believable place"),
+    "a point at infinity": (point(2, 0, 1, float("-inf")), "point 1 in frame 2 and 0 more are not believable places"),
+    "a point beyond the moon": (point(0, 3, 2, 3e38), "point 4 in frame 0 and 0 more are not believable places"),
     "signals that are not numbers": (
         point(1, 4, 0, float("nan")),
         "take.c3d: 1 analog numbers are not finite; they were made 0.",
@@ -170,7 +170,7 @@ REPAIRED: dict[str, tuple[Spoil, str]] = {
         parameter("ANALOG", "GEN_SCALE", struct.pack("<f", 3e38)),
         "analog numbers are not finite; they were made 0.",
     ),
-    "an unknown unit": (parameter("POINT", "UNITS", b"xy", skip=3), "POINT:UNITS is 'xy', which is no known unit"),
+    "an unknown unit": (parameter("POINT", "UNITS", b"xy", skip=3), "POINT:UNITS is 'xy', which is not a known unit"),
     "labels twice": (
         lambda content: content.replace(b"RASI", b"LASI"),
         "take.c3d: 1 labels stand there more than once (LASI); they were numbered.",

@@ -85,7 +85,7 @@ def test_a_capture_keeps_its_joints_poses_and_rate(tmp_path):
 
 
 def test_a_suffix_that_no_writer_knows_is_refused_with_those_there_are(tmp_path):
-    with pytest.raises(StudioError, match=r"Let it end with \.bvh"):
+    with pytest.raises(StudioError, match=r"End its name with \.bvh"):
         write_capture(make_capture(), tmp_path / "out.fbx")
 
 

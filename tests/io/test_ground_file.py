@@ -47,7 +47,7 @@ def test_a_mesh_is_a_file_beside(tmp_path):
         ('{"kind": "slope", "height": 1e9}', "height: 1000000000.0 is too large to be true"),
         ('{"kind": "height_map", "heights": [[0, 1], [0]]}', "heights"),
         ('{"kind": "mesh", "mesh": "../block.obj"}', "leads out of its folder"),
-        ('{"kind": "mesh", "mesh": "/etc/passwd"}', "does not lie in its folder"),
+        ('{"kind": "mesh", "mesh": "/etc/passwd"}', "is not in its folder"),
         ('{"kind": "mesh", "mesh": "gone.obj"}', "gone.obj could not be read: there is no such file"),
     ],
 )

@@ -71,18 +71,18 @@ GLTF = {
     "cut in its content": (Gltf().glb()[:-500], "is cut off: it should have"),
     "a part that ends behind the file": (
         b"glTF" + struct.pack("<IIII", 2, 30, 900, 0x4E4F534A) + b"{}        ",
-        "byte 12: a part of 900 bytes ends behind the file",
+        "byte 12: a part of 900 bytes ends after the file does",
     ),
     "without a JSON part": (b"glTF" + struct.pack("<IIII", 2, 24, 4, 0x004E4942) + b"abcd", "has no JSON part"),
     "of version 1": (b"glTF" + struct.pack("<II", 1, 20) + b"\0" * 8, "GLB of version 1"),
     "JSON of version 1": (gltf(lambda root: root.update(asset={"version": "1.0"})), "glTF of version 1.0"),
-    "a list in place of a record": (b'[{"asset": 1}]', "its JSON is no record"),
+    "a list in place of a record": (b'[{"asset": 1}]', "its JSON is not a record"),
     "nested without end": (b'{"asset":' + b"[" * 100_000, "not readable as JSON"),
     "compressed meshes": (
         gltf(lambda root: root.update(extensionsRequired=["KHR_draco_mesh_compression"])),
         "needs KHR_draco_mesh_compression",
     ),
-    "an accessor behind its bytes": (accessor(0, byteOffset=10_000_000), "end behind its .* bytes"),
+    "an accessor behind its bytes": (accessor(0, byteOffset=10_000_000), "end after its .* bytes"),
     "an accessor of a milliard entries": (accessor(0, count=10**9), "claims 1000000000 entries"),
     "an empty accessor of a milliard entries": (
         gltf(lambda root: root["accessors"].__setitem__(0, {"count": 10**9, "type": "VEC3", "componentType": 5126})),
@@ -116,7 +116,7 @@ GLTF = {
     ),
     "a buffer from the net": (
         gltf(lambda root: root.update(buffers=[{"byteLength": 9, "uri": "https://example.org/a.bin"}])),
-        "'https://example.org/a.bin', which does not lie in its folder",
+        "'https://example.org/a.bin', which is not in its folder",
     ),
     "a buffer out of its folder": (
         gltf(lambda root: root.update(buffers=[{"byteLength": 9, "uri": "../../etc/passwd"}])),
@@ -128,11 +128,11 @@ GLTF = {
     ),
     "a buffer at an absolute place": (
         gltf(lambda root: root.update(buffers=[{"byteLength": 9, "uri": "/etc/passwd"}])),
-        "which does not lie in its folder",
+        "which is not in its folder",
     ),
     "a buffer on another drive": (
         gltf(lambda root: root.update(buffers=[{"byteLength": 9, "uri": "C:\\secret.bin"}])),
-        "which does not lie in its folder",
+        "which is not in its folder",
     ),
     "a buffer that is a device": (
         gltf(lambda root: root.update(buffers=[{"byteLength": 9, "uri": "."}])),
@@ -150,11 +150,14 @@ GLTF = {
         gltf(lambda root: (root["nodes"][4].update(children=[0]), root["nodes"][0].update(name="x"))),
         "its parents form a ring",
     ),
-    "a node that hangs from itself": (node(4, children=[4]), "hangs from two nodes or itself"),
-    "a node that hangs from two": (node(4, children=[7]), "hangs from two nodes or itself"),
+    "a node that hangs from itself": (node(4, children=[4]), "has two parents or is its own"),
+    "a node that hangs from two": (node(4, children=[7]), "has two parents or is its own"),
     "a child that is not there": (node(4, children=[400]), "'children' should be a list of numbers below 20"),
     "a rotation of zero": (node(4, rotation=[0, 0, 0, 0]), "'rotation' should be a rotation, and not zero"),
-    "a place beyond all bounds": (node(4, translation=[1e300, 0, 0]), "'translation' should be 3 believable numbers"),
+    "a place too large to be true": (
+        node(4, translation=[1e300, 0, 0]),
+        "'translation' should be 3 believable numbers",
+    ),
     "a mesh that is not there": (node(19, mesh=7), "'mesh' names number 7, and there are only 1"),
     "a skin without joints": (skin_of(joints=[]), "it needs joints, and each of them once"),
     "a joint twice in a skin": (skin_of(joints=[0, 0]), "it needs joints, and each of them once"),
@@ -165,7 +168,7 @@ GLTF = {
     "flat bind matrices": (flat_bind(), "a bind matrix is flat"),
     "neither skin nor bones": (
         b'{"asset": {"version": "2.0"}}',
-        "has no skin and no bones: it is no character",
+        "has no skin and no bones: it is not a character",
     ),
     "a missing leg": (node(11, children=[]), "shows no complete human body: no left leg"),
     "a missing arm": (node(8, children=[]), "shows no complete human body: .*no right arm"),
@@ -193,9 +196,9 @@ GLTF = {
         gltf(lambda root: root["extensions"]["VRMC_vrm"]["humanoid"]["humanBones"].update(leftHand={"node": 6}), vrm=1),
         "a bone of the left arm .* has no length",
     ),
-    "a skeleton with nothing round it": (
+    "a skeleton without a mesh": (
         gltf(lambda root: root["nodes"].pop()),
-        "has a skeleton and nothing round it",
+        "has a skeleton but no mesh",
     ),
 }
 
@@ -208,7 +211,7 @@ VRML = {
     "a number that is none": (vrml().replace("center 0.0", "center nan", 1), "expected"),
     "two numbers for a place": (
         vrml().replace("center 0.0 1.1 0.0", "center 0.0 1.1", 1),
-        "'center' has 2 numbers, which is no multiple of 3",
+        "'center' has 2 numbers, which is not a multiple of 3",
     ),
     "a number beyond belief": (vrml().replace("center 0.0", "center 1e300", 1), "a number that is not believable"),
     "without a humanoid": ("#VRML V2.0 utf8\nGroup { }", "shows no humanoid"),
@@ -243,7 +246,7 @@ X3D = {
     "elements crossed over": (x3d().replace("</Scene>", "</Shape>"), "mismatched tag"),
     "an unknown encoding": (x3d().replace("UTF-8", "klingon"), "encoding"),
     "nested without end": (x3d(inside="<Group>" * 5000 + "</Group>" * 5000), "nested more than 120 deep"),
-    "a word among its numbers": (x3d().replace("center='0 0.95 0'", "center='0 high 0'"), "'high' stands among its"),
+    "a word among its numbers": (x3d().replace("center='0 0.95 0'", "center='0 high 0'"), "'high' is among its"),
     "numbers in another language": (x3d().replace("center='0 0.95 0'", "center='0 0,95 0'"), "'center' has 4 numbers"),
     "without a humanoid": (x3d(root="Group"), "shows no humanoid"),
     "no text at all": ("<X3D", "line 1"),

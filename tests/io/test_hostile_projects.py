@@ -137,11 +137,11 @@ REFUSED: dict[str, tuple[Callable[[dict[str, bytes]], bytes], str]] = {
     "project.json has no schema": (project(lambda record: record.pop("schema")), "does not say which version"),
     "the schema is a word": (project(lambda record: record.update(schema="one")), "does not say which version"),
     "the schema is zero": (project(lambda record: record.update(schema=0)), "does not say which version"),
-    "a frame rate beyond all bounds": (
+    "a frame rate too large to be true": (
         lambda members: packed(
             {**members, "project.json": members["project.json"].replace(b'"frame_rate":60.0', b'"frame_rate":1e999')}
         ),
-        "1e999 is beyond all bounds",
+        "1e999 is too large to be true",
     ),
     "the schema is not finite": (text(b'{"schema": 1e999}'), "project.json"),
 }
@@ -168,7 +168,7 @@ TOLD: dict[str, tuple[Callable[[dict[str, bytes]], bytes], str]] = {
     "an array that is no array": (array(b"hello"), "is not an array"),
     "an array beside the archive": (
         inside("captures", "poses", local_rotations={"member": "../../etc/passwd"}),
-        "no name of a member",
+        "not the name of a member",
     ),
     "an array that is not there": (
         inside("captures", "poses", local_rotations={"member": f"captures/{'0' * 64}.npy"}),
@@ -181,7 +181,7 @@ TOLD: dict[str, tuple[Callable[[dict[str, bytes]], bytes], str]] = {
     "a first frame after the last": (entity("captures", first_frame=9999), "no frame 9999"),
     "a body map with a joint that is not there": (
         inside("captures", "body_map", spine=[0, 99]),
-        "names a joint that its skeleton has not",
+        "names a joint that its skeleton does not have",
     ),
     "a clip of a motion that is not there": (
         entity("performers", clips=[{"motion_id": "gone", "first": 0, "last": 3, "start": 0.0}]),
@@ -199,7 +199,7 @@ TOLD: dict[str, tuple[Callable[[dict[str, bytes]], bytes], str]] = {
     "a character with a negative thigh": (inside("characters", "build", leg=[[-1, 1], [1, 1]]), "length above zero"),
     "a vertex beyond single precision": (inside("characters", "skin", vertices=[[1e300, 0, 0]]), "numbers|skin"),
     "a behaviour without states": (behaviour(states=[]), "needs a state to begin in"),
-    "a behaviour that begins nowhere": (behaviour(start="Nap"), "which is none of its states"),
+    "a behaviour that begins nowhere": (behaviour(start="Nap"), "which is not one of its states"),
     "a transition to no state": (
         behaviour(transitions=[{"source": "Guard", "target": "Nap", "conditions": [{"kind": "clip_end"}]}]),
         "needs a state called 'Nap', and there is none",
@@ -296,7 +296,7 @@ CHARACTERS: dict[str, tuple[Change, str]] = {
     "one leg": (build(leg=[[0.4, 0.4]]), "damaged"),
     "a spine of one vertebra": (build(spine=[[0.0, 0.0, 0.2]]), "damaged"),
     "a proportion that is not known": (lambda record: record.update(proportions={"wings": 2}), "damaged"),
-    "a proportion beyond all bounds": (lambda record: record.update(proportions={"stature": 1e9}), "between"),
+    "a proportion too large to be true": (lambda record: record.update(proportions={"stature": 1e9}), "between"),
     "a proportion that is a word": (lambda record: record.update(proportions={"stature": "tall"}), "damaged"),
     "proportions in a list": (lambda record: record.update(proportions=[1]), "damaged"),
     "a mesh without vertices": (skin(vertices=None), "mesh is damaged"),

@@ -254,10 +254,10 @@ def test_a_unit_may_be_a_number_of_metres(walk: Path) -> None:
     [
         (ImportOptions(unit="furlong"), "'furlong' is not a number"),
         (ImportOptions(unit="0"), "The unit must be longer than 0 m"),
-        (ImportOptions(up_axis="W"), "'W' is no up axis. Choose Y, Z, X"),
-        (ImportOptions(reference="999"), "'999' is no reference pose. Choose 'zero' or a frame from 0 to 29"),
+        (ImportOptions(up_axis="W"), "'W' is not an up axis. Choose Y, Z, X"),
+        (ImportOptions(reference="999"), "'999' is not a reference pose. Choose 'zero' or a frame from 0 to 29"),
         (ImportOptions(body_map={"left_foot": "Nose"}), "No joint is called 'Nose'"),
-        (ImportOptions(body_map={"nose": "Head"}), "'nose' is no part of a body"),
+        (ImportOptions(body_map={"nose": "Head"}), "'nose' is not a part of a body"),
         (ImportOptions(body_map={"left_foot": "LeftHand"}), "With the joints chosen, no left leg"),
     ],
 )

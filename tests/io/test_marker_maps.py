@@ -51,8 +51,8 @@ def test_every_shipped_map_can_follow_legs_or_arms() -> None:
     ("content", "sentence"),
     [
         ("{", "ours.json is not readable as JSON"),
-        ("[]", "ours.json is no marker map"),
-        ('{"name": "x", "markers": {"left_kneee": ["A"]}}', "'left_kneee' is no place of a body"),
+        ("[]", "ours.json is not a marker map"),
+        ('{"name": "x", "markers": {"left_kneee": ["A"]}}', "'left_kneee' is not a place on a body"),
         ('{"name": "x", "markers": {"left_knee": "A"}}', "'left_knee' needs a list of labels"),
         ("[" * 100000, "ours.json is not readable as JSON"),
     ],

@@ -45,7 +45,7 @@ def test_stl_and_ply_are_read_as_they_are(tmp_path: Path, name: str, content: st
     ("name", "content", "sentence"),
     [
         ("a.obj", "nonsense", "no triangle"),
-        ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "no vertex"),
+        ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "not a vertex"),
         ("a.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "not finite"),
         ("a.stl", b"\x00" * 80 + struct.pack("<I", 5) + b"\x01" * 20, "no triangle|readable"),
         ("a.ply", "", "no triangle|readable"),
@@ -81,11 +81,15 @@ FACES = "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
 @pytest.mark.parametrize(
     ("name", "content", "sentence"),
     [
-        ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -4\n", "line 4: '-4' is the number of no vertex"),
-        ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99999999999999999999\n", "line 4: '9999.*is no number of a vertex"),
+        ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -4\n", "line 4: '-4' is not the number of a vertex"),
+        (
+            "a.obj",
+            "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99999999999999999999\n",
+            "line 4: '9999.*is not the number of a vertex",
+        ),
         ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 " + "9" * 5000, "line 4"),
         ("a.obj", "v 0 0\n", "line 1: 'v 0 0' cannot be read"),
-        ("a.ply", HEAD + FACES + "0 0 0\n1 0 0\n0 1 0\n3 0 1 77\n", "no vertex"),
+        ("a.ply", HEAD + FACES + "0 0 0\n1 0 0\n0 1 0\n3 0 1 77\n", "not a vertex"),
         ("a.ply", HEAD + FACES + "0 0 0\n1 0 0\n0 1 0\n3 0 1\n", "cut off"),
         ("a.ply", HEAD + FACES + "0 0 0\n1 0 0\n0 1 0\n-3 0 1 2\n", "cut off"),
         (

@@ -71,7 +71,7 @@ def test_a_format_that_fails_is_listed_with_its_error_and_the_others_are_there(i
     gone, wrong, again = known.failures
     assert "'gone'" in gone
     assert "No module named 'no_such_module'" in gone
-    assert "studio.core.errors:StudioError is no studio.io.registry.Format" in wrong
+    assert "studio.core.errors:StudioError is not a studio.io.registry.Format" in wrong
     assert "OWN_BVH" in again
     (tmp_path / "take.xyz").write_bytes(b"?")
     with pytest.raises(StudioError, match="no_such_module"):
@@ -114,7 +114,7 @@ def test_a_file_is_what_its_first_bytes_say_before_what_it_is_called(tmp_path):
 
 def test_what_no_format_knows_is_refused_with_those_there_are(tmp_path):
     (tmp_path / "notes.txt").write_bytes(b"Dear diary")
-    with pytest.raises(StudioError, match=r"notes\.txt is no capture the studio reads\. It reads BVH"):
+    with pytest.raises(StudioError, match=r"notes\.txt is not a capture the studio reads\. It reads BVH"):
         load_capture(tmp_path / "notes.txt")
-    with pytest.raises(StudioError, match=r"notes\.txt is no character the studio reads\. It reads "):
+    with pytest.raises(StudioError, match=r"notes\.txt is not a character the studio reads\. It reads "):
         load_character(tmp_path / "notes.txt")

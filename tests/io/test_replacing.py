@@ -141,7 +141,7 @@ def test_what_is_no_ordinary_file_is_never_replaced(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "folder").mkdir()
     for name in ("pipe", "folder"):
-        with pytest.raises(StudioError, match="could not be written: it is no ordinary file"):
+        with pytest.raises(StudioError, match="could not be written: it is not an ordinary file"):
             write_whole(tmp_path / name, b"new")
     assert stat.S_ISFIFO((tmp_path / "pipe").stat().st_mode)
 

@@ -138,7 +138,7 @@ def test_an_empty_or_damaged_recording_is_refused_before_anything_is_fed(tmp_pat
     with pytest.raises(StudioError, match="no datagrams"):
         Replay(path, inbox)
     path.write_bytes(b"nothing of that kind")
-    with pytest.raises(StudioError, match="no recording"):
+    with pytest.raises(StudioError, match="not a recording"):
         Replay(path, inbox)
     with pytest.raises(StudioError, match="Choose another place"):
         Recorder(tmp_path / "no such folder" / "session.osc")

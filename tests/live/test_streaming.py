@@ -176,5 +176,5 @@ def test_a_recording_is_replayed_as_it_came_and_a_damaged_one_is_told(tmp_path):
     with pytest.raises(StudioError, match=r"session.osc, byte \d+"):
         list(read_recording(path))
     path.write_bytes(b"something else")
-    with pytest.raises(StudioError, match="no recording"):
+    with pytest.raises(StudioError, match="not a recording"):
         list(read_recording(path))

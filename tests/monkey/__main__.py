@@ -70,7 +70,7 @@ class Soak:
         self.tell(self.report.faults[-1])
 
     def complained(self, _kind: object, _context: object, text: str) -> None:
-        """What Qt says of how it is used; but not of what the platform without a screen has not."""
+        """What Qt says of how it is used; but not of what the platform without a screen lacks."""
         if "plugin does not support" not in text:
             self.fault(f"{text}\n{''.join(traceback.format_stack())}")
 

@@ -33,7 +33,7 @@ class Character:
         if not -1.0 <= self.grip <= 1.0:
             raise ValueError(f"grip: a number from -1 to 1 expected, not {self.grip}.")
         if not self.skin.fits(self.build.layout.segment_count):
-            raise ValueError("skin: it is bound to segments that the build has not.")
+            raise ValueError("skin: it is bound to segments that the build does not have.")
 
     @cached_property
     def morphology(self) -> Morphology:

@@ -75,4 +75,4 @@ def part_called(key: str) -> BodyPart:
     try:
         return BodyPart(key)
     except ValueError:
-        raise StudioError(f"'{key}' is no part of a body. Parts are {', '.join(BodyPart)}.") from None
+        raise StudioError(f"'{key}' is not a part of a body. Parts are {', '.join(BodyPart)}.") from None

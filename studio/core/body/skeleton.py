@@ -54,7 +54,7 @@ class Skeleton:
         below = np.arange(1, len(self.names))
         wrong = below[(self.parents[1:] < 0) | (self.parents[1:] >= below)]
         if len(wrong):
-            raise StudioError(f"Joint '{self.names[wrong[0]]}' does not stand after its parent in the skeleton.")
+            raise StudioError(f"Joint '{self.names[wrong[0]]}' comes before its parent in the skeleton.")
         if not np.isfinite(self.offsets).all():
             joint = int(np.argmin(np.isfinite(self.offsets).all(axis=1)))
             raise StudioError(f"The offset of joint '{self.names[joint]}' is not a finite number.")

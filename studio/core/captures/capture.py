@@ -59,7 +59,7 @@ class Capture:
         if self.poses.joint_count != joints or reference.shape != (joints, 4):
             raise StudioError(f"The poses or the reference pose of '{self.name}' do not fit its {joints} joints.")
         if not (np.isfinite(self.frame_rate) and self.frame_rate > 0.0 and np.isfinite(self.floor)):
-            raise StudioError(f"The frame rate or the floor of '{self.name}' is no usable number.")
+            raise StudioError(f"The frame rate or the floor of '{self.name}' is not a usable number.")
         try:
             FRAME_RATE.check(self.frame_rate)
             GROUND.check(self.floor)
@@ -67,7 +67,7 @@ class Capture:
             raise StudioError(f"'{self.name}': {error}") from error
         mapped = (*self.body_map.parts.values(), *self.body_map.spine) if self.body_map else ()
         if any(not 0 <= joint < joints for joint in mapped):
-            raise StudioError(f"The body map of '{self.name}' names a joint that its skeleton has not.")
+            raise StudioError(f"The body map of '{self.name}' names a joint that its skeleton does not have.")
         if not 0 <= self.first_frame < self.frame_count:
             raise StudioError(f"'{self.name}' has no frame {self.first_frame}; it ends at {self.frame_count - 1}.")
 

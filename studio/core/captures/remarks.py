@@ -77,7 +77,7 @@ def remarks_on_body(body: Morphology) -> tuple[Remark, ...]:
         found.append(Remark(f"It is {body.stature:.2f} m tall. Check the unit."))
     for name, lengths in (("legs", body.leg), ("arms", body.arm)):
         if (np.abs(lengths[0] - lengths[1]) > ODD_PAIR * lengths.max(axis=0)).any():
-            found.append(Remark(f"Its {name} are no pair: joints may be taken for one another."))
+            found.append(Remark(f"Its {name} are not a pair: joints may be taken for one another."))
     shares = body.leg[:, 0] / np.maximum(body.leg[:, 1], 1e-9)
     away = float(np.linalg.norm(body.hip_offset, axis=1).max())
     if shares.max() > MOST_THIGH or shares.min() < 1.0 / MOST_THIGH or away > FARTHEST_HIP * body.leg_length:

@@ -38,13 +38,15 @@ class Keys:
         times = tuple(float(time) for time in self.times)
         object.__setattr__(self, "times", times)
         if not times or len(times) != len(self.values):
-            raise ValueError(f"Keys are as many times as values, at least one: {len(times)} and {len(self.values)}.")
+            raise ValueError(
+                f"Keys need as many times as values, and at least one: {len(times)} and {len(self.values)}."
+            )
         if not all(math.isfinite(time) for time in times):
             raise ValueError("The times of keys are finite numbers of seconds.")
         TIME.check(times)
         for before, after in pairwise(times):
             if after - before < SAME_TIME:
-                raise ValueError(f"Keys stand in the order of their times: {after:.3f} s comes after {before:.3f} s.")
+                raise ValueError(f"Keys must be in the order of their times: {after:.3f} s comes after {before:.3f} s.")
         object.__setattr__(self, "values", tuple(self._checked(value) for value in self.values))
 
     def _checked(self, value: Any) -> Any:

@@ -124,7 +124,7 @@ class NoisePlace(RuledPlace):
         super().__post_init__()
         object.__setattr__(self, "reach", finite_vector(self.reach, "The reach of a place that wanders"))
         if not 0 <= self.seed < 2**32:
-            raise ValueError(f"The seed of a place that wanders is a whole number from 0 on, not {self.seed}.")
+            raise ValueError(f"The seed of a place that wanders is a whole number of 0 or more, not {self.seed}.")
 
     def mirrored(self) -> Self:
         x, y, z = self.reach

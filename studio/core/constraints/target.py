@@ -30,7 +30,7 @@ def checked_turn(turn: object, constraint: Constraint) -> Turn:
     try:
         return unit_quaternion(turn)  # type: ignore[arg-type]
     except ValueError as error:
-        raise ValueError(f"'{constraint.name}': the target is no rotation: {error}") from error
+        raise ValueError(f"'{constraint.name}': the target is not a rotation: {error}") from error
 
 
 def follows_of(constraint: Constraint) -> list[Follow]:

@@ -37,7 +37,7 @@ class SurfaceMesh(Ground):
             raise ValueError("A ground mesh has a vertex that is not finite.")
         MESH.check(vertices)
         if triangles.size and (triangles.min() < 0 or triangles.max() >= len(vertices)):
-            raise ValueError("A ground mesh has a triangle whose corner is no vertex.")
+            raise ValueError("A ground mesh has a triangle whose corner is not a vertex.")
         for name, array in (("vertices", vertices), ("triangles", triangles)):
             array.setflags(write=False)
             object.__setattr__(self, name, array)

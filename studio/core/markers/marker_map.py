@@ -33,7 +33,7 @@ class MarkerMap:
         for given, known in ((self.markers, tuple(ROLE)), (self.centres, JOINTS)):
             unknown = [place for place in given if place not in known]
             if unknown:
-                raise StudioError(f"'{unknown[0]}' is no place of a body. Places are {', '.join(known)}.")
+                raise StudioError(f"'{unknown[0]}' is not a place on a body. Places are {', '.join(known)}.")
         ordered = {role: tuple(self.markers[role]) for role in ROLE if self.markers.get(role)}
         object.__setattr__(self, "markers", MappingProxyType(ordered))
         object.__setattr__(self, "centres", MappingProxyType(dict(self.centres)))

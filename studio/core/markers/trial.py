@@ -124,7 +124,7 @@ class Trial:
         except ValueError as error:
             raise StudioError(f"'{self.name}': {error}") from error
         if self.unit not in METRES:
-            raise StudioError(f"'{self.unit}' is no unit of '{self.name}'. Choose {', '.join(METRES)}.")
+            raise StudioError(f"'{self.unit}' is not a unit of '{self.name}'. Choose {', '.join(METRES)}.")
 
     @property
     def frame_count(self) -> int:

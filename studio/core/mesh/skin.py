@@ -99,7 +99,7 @@ class SkinnedMesh:
         if stance.ndim != 3 or stance.shape[1:] != (3, 3) or not np.isfinite(stance).all():
             raise ValueError("stance: expected a rotation for every segment.")
         if not np.allclose(stance @ np.swapaxes(stance, 1, 2), np.eye(3), atol=1e-4):
-            raise ValueError("stance: holds a matrix that is no rotation.")
+            raise ValueError("stance: holds a matrix that is not a rotation.")
         stance.setflags(write=False)
         object.__setattr__(self, "stance", stance)
 

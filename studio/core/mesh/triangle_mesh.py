@@ -30,7 +30,7 @@ class TriangleMesh:
             raise ValueError("A mesh has a vertex that is not finite.")
         MESH.check(vertices)
         if triangles.size and (triangles.min() < 0 or triangles.max() >= len(vertices)):
-            raise ValueError("A mesh has a triangle whose corner is no vertex.")
+            raise ValueError("A mesh has a triangle whose corner is not a vertex.")
         if len(triangles) > MOST_TRIANGLES:
             raise ValueError(f"A mesh has {len(triangles)} triangles, more than {MOST_TRIANGLES}. Reduce it first.")
         vertices, triangles = _welded(vertices, triangles)

@@ -75,7 +75,7 @@ class Role:
 
     def __post_init__(self) -> None:
         if self.performer_id == self.partner_id:
-            raise ValueError("Nobody is its own partner. Choose another performer.")
+            raise ValueError("A performer cannot be its own partner. Choose another performer.")
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ class Behaviour:
             if names.count(name) > 1:
                 raise ValueError(f"'{self.name}': two states are called '{name}'. Rename one of them.")
         if self.start not in names:
-            raise ValueError(f"'{self.name}' would begin in '{self.start}', which is none of its states.")
+            raise ValueError(f"'{self.name}' would begin in '{self.start}', which is not one of its states.")
         for each in self.transitions:
             for end in (each.source, each.target):
                 if end not in names:

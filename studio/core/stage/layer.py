@@ -53,8 +53,6 @@ class Layer:
         if not (math.isfinite(self.weight) and 0.0 <= self.weight <= 1.0):
             raise ValueError(f"A layer's weight lies between 0 and 1, got {self.weight}.")
         if not all(math.isfinite(seconds) and seconds >= 0.0 for seconds in (self.fade_in, self.fade_out)):
-            raise ValueError("A layer fades in some seconds, or in 0 for as many as it needs, and not in fewer.")
+            raise ValueError("A layer's fades last 0 or more seconds; 0 means as many as they need.")
         if self.reference < -1:
-            raise ValueError(
-                f"A layer differs from a frame of its motion, or from its first one, not {self.reference}."
-            )
+            raise ValueError(f"A layer is compared with a frame of its motion, not with {self.reference}.")

@@ -111,9 +111,9 @@ class Prop:
             raise ValueError(f"'{self.name}': load a mesh first, then it can be the shape.")
         for one, after in zip(self.holds, self.holds[1:], strict=False):
             if one.end is None or after.begin is None or after.begin < one.end:
-                raise ValueError(f"'{self.name}': who holds it first lets go before the next one takes it.")
+                raise ValueError(f"'{self.name}': one holder must let go before the next one takes it.")
         if self.later and self.held is None:
-            raise ValueError(f"'{self.name}': who holds it later comes after somebody who held it.")
+            raise ValueError(f"'{self.name}': its holders must be in the order of time.")
 
     @property
     def holds(self) -> tuple[InHand | Carried, ...]:

@@ -14,7 +14,7 @@ class Scope:
 
     def __post_init__(self) -> None:
         if self.performer_id and self.clip_id:
-            raise ValueError("A scope names a performer or a clip, not both. A clip is its performer's already.")
+            raise ValueError("A scope names a performer or a clip, not both. A clip already belongs to its performer.")
 
     @property
     def is_narrow(self) -> bool:

@@ -99,7 +99,7 @@ class Accessors:
         start = record.whole("byteOffset", 0)
         if stride < size or (count and start + stride * (count - 1) + size > len(content)):
             raise StudioError(
-                f"{record.where}: its {count} entries end behind its {len(content)} bytes. Export the file again."
+                f"{record.where}: its {count} entries end after its {len(content)} bytes. Export the file again."
             )
         array: NDArray[np.generic] = np.ndarray((count, width), kind, content, start, (stride, kind.itemsize))
         return array

@@ -40,7 +40,7 @@ class _Figure:
     """The nodes that are joints, parents first; ``parents`` counts in them. Several roots hang from one of ours."""
 
     nodes: tuple[int, ...]
-    """-1 for the root that the file has not."""
+    """-1 for the root that the file does not have."""
     parents: tuple[int, ...]
     names: tuple[str, ...]
 
@@ -60,7 +60,7 @@ def load_gltf(path: Path, options: ImportOptions, progress: Progress) -> Capture
     times = _times(tracks, rate, len(nodes.parents), file)
     axis = (options.up_axis or "Y").upper()
     if axis not in AXES:
-        raise StudioError(f"'{options.up_axis}' is no up axis. Choose {', '.join(AXES)}.")
+        raise StudioError(f"'{options.up_axis}' is not an up axis. Choose {', '.join(AXES)}.")
     places, turns = _world(nodes, figure, tracks, times, AXES[axis], progress)
     rest_places, rest_turns = _world(nodes, figure, [], times[:1], AXES[axis], lambda share, text: None)
     progress(0.7, f"Finding the body in {path.name}")

@@ -60,18 +60,18 @@ def read_gltf(path: Path) -> GltfFile:
 def _chunks(content: bytes, name: str) -> tuple[bytes, bytes | None]:
     """JSON and binary chunk of a GLB."""
     if len(content) < 20:
-        raise StudioError(f"{name} is cut off: it has {len(content)} bytes and no content. Copy it anew.")
+        raise StudioError(f"{name} is cut off: it has {len(content)} bytes and no content. Copy it again.")
     version, length = struct.unpack_from("<II", content, 4)
     if version != 2:
         raise StudioError(f"{name} is a GLB of version {version}; the studio reads version 2. Export it as 2.0.")
     if length > len(content):
-        raise StudioError(f"{name} is cut off: it should have {length} bytes and has {len(content)}. Copy it anew.")
+        raise StudioError(f"{name} is cut off: it should have {length} bytes and has {len(content)}. Copy it again.")
     found: dict[int, bytes] = {}
     at = 12
     while at + 8 <= length:
         size, kind = struct.unpack_from("<II", content, at)
         if at + 8 + size > length:
-            raise StudioError(f"{name}, byte {at}: a part of {size} bytes ends behind the file. Export it again.")
+            raise StudioError(f"{name}, byte {at}: a part of {size} bytes ends after the file does. Export it again.")
         found.setdefault(kind, content[at + 8 : at + 8 + size])
         at += 8 + size
     if _JSON not in found:
@@ -87,7 +87,7 @@ def _parsed(text: bytes, name: str) -> dict[str, Any]:
     except ValueError as error:
         raise StudioError(f"{name} is not readable as JSON: {error}. Export it again.") from error
     if not isinstance(record, dict):
-        raise StudioError(f"{name} holds no glTF: its JSON is no record. Export it again.")
+        raise StudioError(f"{name} holds no glTF: its JSON is not a record. Export it again.")
     return record
 
 
@@ -100,8 +100,8 @@ def _buffers(path: Path, root: Record, binary: bytes | None) -> list[bytes]:
         elif place == 0 and binary is not None:
             content = binary
         else:
-            raise StudioError(f"{record.where}: its bytes are nowhere. Export the file again.")
+            raise StudioError(f"{record.where}: its bytes are missing. Export the file again.")
         if len(content) < length:
-            raise StudioError(f"{record.where}: it should have {length} bytes and has {len(content)}. Copy it anew.")
+            raise StudioError(f"{record.where}: it should have {length} bytes and has {len(content)}. Copy it again.")
         buffers.append(content[:length])
     return buffers

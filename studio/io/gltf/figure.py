@@ -36,7 +36,7 @@ def read_figure(path: Path) -> list[Figure]:
     bones = vrm_bones(file.root, len(nodes.parents))
     joints = _joints(skins, bones, nodes)
     if not joints:
-        raise StudioError(f"{path.name} has no skin and no bones: it is no character. Export it with its skeleton.")
+        raise StudioError(f"{path.name} has no skin and no bones: it is not a character. Export it with its skeleton.")
     if len(joints) > MOST_JOINTS:
         raise StudioError(f"{path.name} has more than {MOST_JOINTS:,} joints. Export only the figure's own.")
     poses = [nodes.world]

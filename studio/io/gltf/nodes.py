@@ -59,7 +59,7 @@ def read_nodes(root: Record) -> Nodes:
     for node, below in enumerate(children):
         for child in below:
             if parents[child] >= 0 or child == node:
-                raise StudioError(f"{records[child].where}: it hangs from two nodes or itself. Export the file again.")
+                raise StudioError(f"{records[child].where}: it has two parents or is its own. Export the file again.")
             parents[child] = node
     order = [node for node, parent in enumerate(parents) if parent < 0]
     for node in order:
@@ -73,7 +73,7 @@ def read_nodes(root: Record) -> Nodes:
         if parents[node] >= 0:
             world[node] = world[parents[node]] @ local[node]
     if not np.isfinite(world).all():
-        raise StudioError(f"{root.where}: its nodes stand nowhere: their transformations are beyond all bounds.")
+        raise StudioError(f"{root.where}: its nodes have no place: their transformations are too large to be true.")
     return Nodes(tuple(records), tuple(parents), tuple(order), local, world)
 
 

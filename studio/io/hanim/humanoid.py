@@ -134,7 +134,7 @@ class _Reader:
             points = own.numbers("point", 3) if own is not None else np.empty((0, 3))
             if surface.points.max() >= len(points):
                 raise StudioError(
-                    f"{shape.where}: its skin has points that 'skinCoord' has not. Export the file again."
+                    f"{shape.where}: its skin has points that 'skinCoord' does not have. Export the file again."
                 )
             joints, weights = self._weights(points, whole)
             self._put(shape, surface, whole, joints[surface.points], weights[surface.points], False)

@@ -59,7 +59,7 @@ class SceneNode:
             return np.empty((0, width))
         if value.size % width:
             raise StudioError(
-                f"{self.where}: '{name}' has {value.size} numbers, which is no multiple of {width}. Export it again."
+                f"{self.where}: '{name}' has {value.size} numbers, which is not a multiple of {width}. Export it again."
             )
         return value.reshape(-1, width)
 
@@ -108,7 +108,7 @@ def too_many(what: str, most: int, where: str) -> StudioError:
 def row_of(text: str, where: str) -> FloatArray:
     """All numbers of a text. Raises StudioError at what is no plain, believable number."""
     if wrong := text.translate(_ALLOWED):
-        raise StudioError(f"{where}: '{wrong[:20]}' stands among its numbers. Export the file again.")
+        raise StudioError(f"{where}: '{wrong[:20]}' is among its numbers. Export the file again.")
     try:
         row = np.array(text.replace(",", " ").split(), dtype=np.float64)
     except ValueError as error:

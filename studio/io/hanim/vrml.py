@@ -54,7 +54,7 @@ def _unpacked(content: bytes, name: str) -> bytes:
     if content[:2] != b"\x1f\x8b":
         return content
     unpacker = zlib.decompressobj(wbits=31)
-    damaged = StudioError(f"{name} is packed with gzip and damaged or cut off. Copy it anew.")
+    damaged = StudioError(f"{name} is packed with gzip and damaged or cut off. Copy it again.")
     try:
         text = unpacker.decompress(content, LARGEST + 1)
     except zlib.error as error:
@@ -274,7 +274,7 @@ class _Parser:
         )
 
     def _ended(self) -> StudioError:
-        return StudioError(f"{self._name} is cut off: a brace or bracket is still open at its end. Copy it anew.")
+        return StudioError(f"{self._name} is cut off: a brace or bracket is still open at its end. Copy it again.")
 
 
 def _tokens(text: str) -> Iterator[_Token]:

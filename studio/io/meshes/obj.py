@@ -30,5 +30,5 @@ def _index(word: bytes, count: int) -> int:
     number = checked_index(int(word.partition(b"/")[0]))
     index = number - 1 if number > 0 else count + number
     if number == 0 or index < 0:
-        raise MeshError(f"'{number}' is the number of no vertex;")
+        raise MeshError(f"'{number}' is not the number of a vertex;")
     return index

@@ -77,7 +77,7 @@ def _header(content: bytes) -> tuple[str, list[Element], int]:
     end = content.find(b"end_header", 0, _LONGEST_HEADER)
     start = content.find(b"\n", end) + 1
     if not content.startswith(b"ply") or end < 0 or start == 0:
-        raise MeshError("it has no header of a PLY file")
+        raise MeshError("it has no PLY header")
     order, elements = None, list[Element]()
     for line in content[:end].decode("latin-1").splitlines()[1:]:
         match line.split():
@@ -94,7 +94,7 @@ def _header(content: bytes) -> tuple[str, list[Element], int]:
             case _:
                 raise MeshError(f"its header has '{line[:40]}', which cannot be read")
     if order is None:
-        raise MeshError("its header says no format")
+        raise MeshError("its header does not name a format")
     if any(not element.properties for element in elements):
         raise MeshError("its header has an element without a property")
     return order, elements, start
@@ -123,7 +123,7 @@ class _Text:
         try:
             self._numbers = array("d", map(float, content.split()))
         except ValueError as error:
-            raise MeshError(f"it holds what is no number ({error})") from error
+            raise MeshError(f"it holds something that is not a number ({error})") from error
         self._at = 0
 
     @property
@@ -177,7 +177,7 @@ class _Bytes:
 
     def _take(self, count: int, kind: str) -> tuple[float, ...]:
         if count < 0:
-            raise MeshError("a list has less than no item")
+            raise MeshError("a list has fewer than zero items")
         begin = self._move(count * struct.calcsize(f"={kind}"))
         return struct.unpack_from(f"{self._order}{count}{kind}", self._content, begin)
 

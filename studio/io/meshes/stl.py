@@ -29,7 +29,7 @@ def _of_text(content: bytes) -> Points:
     try:
         points = [[float(number) for number in found.groups()] for found in _VERTEX.finditer(content)]
     except ValueError as error:
-        raise MeshError(f"a vertex is no three numbers ({error})") from error
+        raise MeshError(f"a vertex does not have three numbers ({error})") from error
     if len(points) % 3:
         raise MeshError("its last triangle is cut off")
     return np.array(points, dtype=np.float64).reshape(-1, 3)

@@ -41,5 +41,5 @@ class Corners:
 def checked_index(value: float) -> int:
     """A whole number that may be an index."""
     if not (abs(value) < FARTHEST_INDEX and value == int(value)):
-        raise MeshError(f"'{str(value)[:20]}' is no number of a vertex")
+        raise MeshError(f"'{str(value)[:20]}' is not the number of a vertex")
     return int(value)

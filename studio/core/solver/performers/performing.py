@@ -108,7 +108,7 @@ def player_of(
     """A performer with all that is asked of it, but where the others of its circle are."""
     performer = project.performers[performer_id]
     if not performer.clips or project.missing_references(performer):
-        raise StudioError(f"'{performer.name}' plays nothing, or what it played is not there any more.")
+        raise StudioError(f"'{performer.name}' plays nothing, or its motion has been removed.")
     composite = composite_of(project, performer_id, lambda motion_id: motion_of(project, motion_id, prepare))
     request = unasked_request(project, performer_id, composite, prepare)
     constraints = constraints_in(asked_of(project, performer_id), composite, request.morphology.leg_length)
