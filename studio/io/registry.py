@@ -257,7 +257,9 @@ def format_of(path: Path, *jobs: str) -> Format:
     if found is None:
         kinds = " or ".join(job.removesuffix("_reader") for job in jobs)
         names = ", ".join(each.name for each in candidates)
-        raise StudioError(" ".join((f"{path.name} is not a {kinds} the studio reads. It reads {names}.", *known.failures)))
+        raise StudioError(
+            " ".join((f"{path.name} is not a {kinds} the studio reads. It reads {names}.", *known.failures))
+        )
     return found
 
 

@@ -15,7 +15,7 @@ from studio.core.normalized.joining import SAME_PLACE, Planar, average_body
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import capture_contacts, normalize
 from studio.core.normalized.realize import realize
-from studio.core.normalized.transition import placed
+from studio.core.normalized.transition import LONGEST, placed
 from studio.core.quality.metrics import QUIET, angular_acceleration, contact_quality
 from studio.core.solver.adapt import hold
 from studio.core.solver.standing.stand import Standing, stand
@@ -191,3 +191,10 @@ def test_a_row_that_is_far_too_long_is_refused_before_any_of_it_is_made() -> Non
     kick = example("front_kick")
     with pytest.raises(StudioError, match="nearer to each other"):
         compose((kick, cut(kick, start=1e6)))
+
+
+def test_a_clip_over_a_longer_one_takes_over_in_its_first_second() -> None:
+    """It would not be seen at all if it took over as it ends."""
+    kick = example("front_kick")
+    row = compose((example("walk_turn"), cut(kick, start=2.0)))
+    assert row.played[0].last < row.played[1].first <= round((2.0 + LONGEST) * row.timing.frame_rate)

@@ -1,8 +1,8 @@
 """A row of clips, filled from left to right: each takes over from the one before, placed where that leaves the body.
 
 A clip takes over in one frame, and channels jump there: who stands is led from one to the other on the ground
-(``solver.standing.led``), where feet are known. Where clips overlap it is the frame in which they are most alike: so
-the same feet stand, and no hit, step or touch comes at another time than in its clip.
+(``solver.standing.led``), where feet are known. Where clips overlap it is the frame in which they are most alike, of
+the first second: so the same feet stand, and no hit, step or touch comes at another time than in its clip.
 """
 
 from dataclasses import dataclass, field, replace
@@ -17,7 +17,7 @@ from studio.core.normalized.differences import difference
 from studio.core.normalized.joining import FARTHEST, Join, Planar, join, stepping_there
 from studio.core.normalized.motion import Change
 from studio.core.normalized.pieces import AS_IT_IS, POINTS, Mask, Piece, PieceSource, Played, Source
-from studio.core.normalized.transition import joint_vectors
+from studio.core.normalized.transition import LONGEST, joint_vectors
 from studio.core.stage.timing import Timing
 
 FloatArray = NDArray[np.float64]
@@ -133,7 +133,10 @@ class Row:
         return bool(np.abs(frames[1] - frames[0])[0] < SAME_FRAME)
 
     def _most_alike(self, source: PieceSource, first: int, last: int) -> int:
-        """The frame from ``first`` to ``last`` in which what plays before it is most like what would have."""
+        """The frame from ``first`` to ``last``, within a moment, in which what plays before it is most like what would
+        have.
+        """
+        last = min(last, first + round(LONGEST * self.timing.frame_rate))
         if last - first < 2:
             return first
         frames = np.arange(first - 1, last)
