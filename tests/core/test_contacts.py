@@ -70,6 +70,22 @@ def test_a_low_foot_that_glides_does_not_stand() -> None:
     assert _detect(gliding, _track([(0, 119)]))[ContactPoint.LEFT_TOE] == []
 
 
+@pytest.mark.parametrize(("far", "steps"), [(0.02, 1), (0.16, 2)])
+def test_a_foot_that_skids_stands_where_it_was_and_where_it_comes_to(far: float, steps: int) -> None:
+    way = far * np.clip((np.arange(120.0) - 60.0) / 2.0, 0.0, 1.0)
+    skidding = np.stack([way, np.zeros(120), np.full(120, 0.08)], axis=1)
+    assert len(_detect(skidding, _track([(0, 119)]))[ContactPoint.LEFT_TOE]) == steps
+
+
+def test_a_foot_that_turns_about_its_ankle_goes_nowhere() -> None:
+    angles = np.clip((np.arange(120.0) - 60.0) / 2.0, 0.0, 1.0)
+    ahead = np.stack([np.cos(angles), np.sin(angles), np.zeros(120)], axis=1)
+    ends = np.stack([length * ahead + [0.0, 0.0, 0.02] for length in (-0.08, 0.12, 0.2)], axis=1)
+    still = np.tile(ends[:1], (120, 1, 1))
+    found = detect_contacts(np.stack([ends, still], axis=1), RATE)
+    assert found[ContactPoint.LEFT_HEEL] == found[ContactPoint.LEFT_TOE] == [(0, 119)]
+
+
 @pytest.mark.parametrize("rising", [False, True])
 def test_a_foot_that_is_slowly_set_down_or_drawn_up_does_not_stand_till_it_is_down(rising: bool) -> None:
     heights = np.concatenate([np.full(30, 0.3), np.full(20, 0.115), np.linspace(0.115, 0.08, 10), np.full(60, 0.08)])

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from studio.core.kernels.support import feet as kernel
 from studio.core.kernels.support.gaps import ease_gaps, fill_gaps
 from studio.core.kernels.support.planting import plant_ankles
-from studio.core.kernels.support.sole import ball_above_heel
+from studio.core.kernels.support.sole import ball_above_heel, toe_heading
 from studio.core.rotations import to_matrix
 from tests.core.motions import from_vectors, random_rotations
 from tests.core.twins import feet as twin
@@ -61,6 +62,14 @@ def test_the_kernels_agree_with_their_twins(seed: int) -> None:
     values, known = steps.ankles.copy(), steps.states == 2
     fill_gaps(values, known)
     assert np.allclose(values, twin.fill_gaps(steps.ankles, known), atol=1e-12)
+
+
+@pytest.mark.parametrize("roll", [-20.0, 0.0, 20.0])
+def test_a_standing_toe_turns_little_by_little_while_its_foot_is_pitched_past_straight_down(roll: float) -> None:
+    pitches = np.arange(20.0, 110.0, 0.5)
+    feet = Rotation.from_euler("ZYX", [[30.0, pitch, roll] for pitch in pitches], degrees=True).as_matrix()
+    headings = np.degrees(np.unwrap([np.arctan2(*toe_heading(foot)[::-1]) for foot in feet]))
+    assert np.abs(np.diff(headings)).max() < 1.0
 
 
 @given(seeds)

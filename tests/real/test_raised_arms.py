@@ -41,3 +41,26 @@ def test_hands_high_above_the_ground_are_left_as_they_are(captures: Path) -> Non
     assert np.array_equal(rotations, standing.rotations)
     raise_arms(body, Ground(1.2 * body.leg_length), None, motion.frame_rate, positions, rotations)
     assert not np.array_equal(positions, standing.positions)
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_hands_that_hang_into_the_ground_bend_back_rather_than_their_arms(captures: Path, name: str) -> None:
+    capture, motion, _ = taken(named("accad_female1_B03_Walk1"))
+    body = BODIES[name].morphology
+    standing = standing_of(AdaptRequest(motion, body, contacts_of(capture)))
+    wrists = np.array([body.layout.wrist(side) for side in range(2)])
+    before, rotations = np.asarray(standing.positions, dtype=np.float64).copy(), standing.rotations.copy()
+    fingers = np.linalg.norm(before[:, wrists + 1] - before[:, wrists], axis=2).max()
+    ground = Ground(float(before[:, wrists + 1, 2].min()) + 0.5 * fingers)
+    after = before.copy()
+    raise_arms(body, ground, None, motion.frame_rate, after, rotations)
+    rises, tips = after[..., 2] - before[..., 2], after[:, wrists + 1, 2] - ground.height
+    assert tips.min() > -0.005
+    assert rises[:, wrists + 1].sum() > 2.0 * rises[:, wrists].sum()
+    forearms, hands = after[:, wrists] - after[:, wrists - 1], after[:, wrists + 1] - after[:, wrists]
+    cosines = np.sum(forearms * hands, axis=2) / np.linalg.norm(forearms, axis=2) / np.linalg.norm(hands, axis=2)
+    assert np.degrees(np.arccos(cosines.min())) < 85.0
+    middles = body.layout.spine_count + 5 + 4 * np.arange(2)
+    backs = [rotations[:, hand] @ [2.0 * side - 1.0, 0.0, 0.0] for side, hand in enumerate(middles)]
+    lifted = rises[:, wrists + 1] > 0.02
+    assert min(float(back[lifted[:, side], 2].min()) for side, back in enumerate(backs)) > 0.0

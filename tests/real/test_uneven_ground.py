@@ -68,7 +68,7 @@ def _faults(path: Path) -> list[str]:
             quality = contact_quality(adapted, contacts, ground)
             measured = (
                 ("slide mm", 1e3 * quality.slide, 1.0), ("float mm", 1e3 * quality.rise, 2.0),
-                ("depth mm", 1e3 * quality.penetration, 2.5),
+                ("depth mm", 1e3 * quality.penetration, 3.0),
                 ("acceleration ratio", acceleration_ratio(adapted, source), MOST_ACCELERATION.get(where, 3.0)),
             )  # fmt: skip
             found += [f"{where} on {name}: {what} {value:.2f}" for what, value, most in measured if value > most]

@@ -185,7 +185,9 @@ BETWEEN = 0.3
 LOW_KNEE = 0.14
 """The same of the knee of a leg that lies, or kneels: its toes may trail."""
 WANDER = 0.08
-"""Metres from its own middle that a standing hand, knee or seat may stray: what creeps farther does not stand."""
+"""Metres from its own middle that a standing hand, knee or seat may stray: what creeps farther does not stand. Metres
+that it, or a foot, may go in a moment in which it is not still.
+"""
 RESTS = 0.5
 """Seconds that it stands at another place, before or after; what creeps on is nowhere for so long."""
 TRAILING = 0.05
@@ -223,8 +225,9 @@ def detect_contacts(soles: FloatArray, frame_rate: float, first_frame: int = 0) 
             _stands(tracks[:, side, end], near[end] & down[end], *speeds, frame_rate)
             for end, speeds in enumerate((HEEL_SPEEDS, TOE_SPEEDS, TOE_SPEEDS))
         ]
+        middle = tracks[:, side, :2].mean(axis=1)  # of heel and ball: a foot that turns on the spot goes nowhere
         for kind, standing in (("heel", stands[0]), ("toe", stands[1] | stands[2])):
-            spans = _without_flicker(standing, round(SHORTEST * frame_rate))
+            spans = _without_flicker(standing, middle, round(SHORTEST * frame_rate))
             found[ContactPoint(f"{name}_{kind}")] = [(a + first_frame, b + first_frame) for a, b in spans]
     return found
 
@@ -280,7 +283,7 @@ def detect_body_contacts(
     for point, track in tracks.items():
         near = track[first_frame:, 2] < BODY_HEIGHTS[point.member] * leg_length
         standing = near & (_speeds(track[first_frame:], frame_rate) < BODY_SPEEDS[point.member]) if near.any() else near
-        spans = _without_flicker(standing, round(SHORTEST * frame_rate))
+        spans = _without_flicker(standing, track[first_frame:], round(SHORTEST * frame_rate))
         rest = round(RESTS * frame_rate)
         stays = [stay for first, last in spans for stay in _stays(track[first_frame:], first, last, rest)]
         least = BODY_SHORTEST[point.member] * frame_rate
@@ -383,13 +386,15 @@ def spans_of(mask: NDArray[np.bool_]) -> list[Span]:
     return [(first, past - 1) for first, past in runs_of(mask)]
 
 
-def _without_flicker(standing: NDArray[np.bool_], shortest: int) -> list[Span]:
+def _without_flicker(standing: NDArray[np.bool_], track: FloatArray, shortest: int) -> list[Span]:
     """The (first, last) of what stands (F,), gaps closed and contacts dropped that last no more than ``shortest``
-    frames; but not those that the beginning or the end of the motion cuts off.
+    frames; but not gaps in which its ``track`` (F, 3) goes farther than ``WANDER``, as one that skids does, nor
+    contacts that the beginning or the end of the motion cuts off.
     """
     joined: list[Span] = []
     for first, last in spans_of(standing):
-        if joined and first - joined[-1][1] - 1 <= shortest:
+        before = joined[-1][1] if joined else first
+        if joined and first - before - 1 <= shortest and np.linalg.norm(track[first] - track[before]) < WANDER:
             joined[-1] = (joined[-1][0], last)
         else:
             joined.append((first, last))

@@ -87,7 +87,7 @@ def level_toes(feet: np.ndarray, toes: np.ndarray, states: np.ndarray) -> np.nda
     for frame in np.flatnonzero(standing):
         lies = np.clip(1.0 + 2.0 * feet[frame, 2, 2], 0.0, 1.0)
         x, z = feet[frame][:2, 0], feet[frame][:2, 2]
-        heads = x if feet[frame, 2, 0] > -0.7 else feet[frame, 2, 2] * x - feet[frame, 2, 0] * z
+        heads = (1.0 + feet[frame, 2, 2]) * x - feet[frame, 2, 0] * z
         turn = to_vector(
             feet[frame].T @ from_vector(np.array([0.0, 0.0, np.arctan2(heads[1], heads[0])])) @ toes[frame].T
         )

@@ -14,8 +14,6 @@ TOE_X, TOE_Y, TOE_Z, ANKLE_HEIGHT, HEEL_LENGTH, TOE_LENGTH = range(6)
 HEEL = 1
 TOE = 2
 FLAT = 3
-STEEP = -0.7
-"""Vertical part of a foot's forward axis below which it stands on tucked toes."""
 ASIDE = 0.35
 """Vertical part of a foot's left axis from which it lies on its side, wholly at twice that."""
 SOLE_DOWN = 0.5
@@ -54,10 +52,12 @@ def upright_part(rotation):
 
 @small_kernel
 def toe_heading(foot):
-    """(along, across) the ground, of any length: where a standing toe looks, over a steep foot as its instep does."""
-    if foot[2, 0] > STEEP:
-        return foot[0, 0], foot[1, 0]
-    return foot[2, 2] * foot[0, 0] - foot[2, 0] * foot[0, 2], foot[2, 2] * foot[1, 0] - foot[2, 0] * foot[1, 2]
+    """(along, across) the ground, of any length: where a standing toe looks, as the foot does and across its left axis.
+
+    So it does not turn round where a steep foot, on tucked toes, passes straight down.
+    """
+    ahead = 1.0 + foot[2, 2]
+    return ahead * foot[0, 0] - foot[2, 0] * foot[0, 2], ahead * foot[1, 0] - foot[2, 0] * foot[1, 2]
 
 
 @kernel

@@ -4,11 +4,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from studio.core.body.joint_limits import WRIST
 from studio.core.body.morphology import AnyMorphology
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.limbs.limb import STRETCHED
+from studio.core.kernels.support.heels import SHALLOWEST
 from studio.core.rotations import normalized, shortest_arc
-from studio.core.solver.standing.blends import SLOWLY_LET_GO, freedom, lacking, smooth_drops
+from studio.core.solver.standing.blends import LET_GO, freedom, lacking, smooth_drops, smoothstep
 from studio.core.solver.standing.carrying import swung
 from studio.core.solver.standing.settling import Arms
 
@@ -36,12 +38,14 @@ def raise_arms(
 ) -> None:
     """Raise hands and elbows of a standing body, (F, P, 3) and (F, S, 3, 3), in place, that would be in level ground.
 
-    Hands keep how they lie in the world; those that stand, as ``arms`` tells, stay where they are.
+    Hands bend back first, then arms raise them as they lie in the world; those that stand, as ``arms`` tells, stay
+    where they are.
     """
     if not ground.is_level:
         return
     for side in range(2):
-        free = np.ones(len(positions)) if arms is None else freedom(arms.standing[side], frame_rate, SLOWLY_LET_GO)
+        free = np.ones(len(positions)) if arms is None else freedom(arms.standing[side], frame_rate, LET_GO)
+        _bend_hand(side, free, body, ground, frame_rate, positions, rotations)
         _raise_hand(side, free, body, ground, frame_rate, positions, rotations)
         _raise_elbow(side, free, body, ground, positions, rotations)
 
@@ -63,6 +67,37 @@ def _turn_arm(side: int, body: AnyMorphology, turns: FloatArray, positions: Floa
     turned, upper = Rotation.from_rotvec(turns).as_matrix(), positions[:, wrist - 1] - positions[:, wrist - 2]
     positions[:, wrist - 1] += np.einsum("fij,fj->fi", turned, upper) - upper
     rotations[:, arm : arm + 2] = turned[:, None] @ rotations[:, arm : arm + 2]
+
+
+def _bend_hand(
+    side: int,
+    free: FloatArray,
+    body: AnyMorphology,
+    ground: Ground,
+    frame_rate: float,
+    positions: FloatArray,
+    rotations: FloatArray,
+) -> None:
+    """Bend a hand back at the wrist, in place, as far as it is ``free`` (F,), until its fingers are not in the ground,
+    but no farther than level: people bend the wrist before the elbow. A hand whose back looks down would not rise so.
+    """
+    wrist, hand, room = body.layout.wrist(side), body.layout.spine_count + 5 + 4 * side, ROOM * body.leg_length
+    heights = _above(ground, positions[:, wrist + 1])
+    if heights.min() >= room:
+        return
+    fingers, back = positions[:, wrist + 1] - positions[:, wrist], rotations[:, hand] @ [2.0 * side - 1.0, 0.0, 0.0]
+    lengths = np.maximum(np.linalg.norm(fingers, axis=1), 1e-9)
+    ahead, forearm = fingers / lengths[:, None], normalized(positions[:, wrist] - positions[:, wrist - 1])
+    back = normalized(_across(back, ahead))
+    own = np.arctan2(-np.sum(forearm * back, axis=1), np.sum(forearm * ahead, axis=1))
+    most = np.maximum(np.minimum(np.radians(WRIST.radii[0]) - own, np.arctan2(-ahead[:, 2], back[:, 2])), 1e-3)
+    rises = free * smooth_drops(lacking(heights, room), frame_rate) / lengths
+    bends = most * np.tanh(rises / np.maximum(back[:, 2], SHALLOWEST) / most)
+    bends *= smoothstep(np.clip(1.0 + 2.0 * back[:, 2], 0.0, 1.0))
+    bent = np.flatnonzero(bends > 0.0)
+    turns = Rotation.from_rotvec(bends[bent, None] * np.cross(ahead, back)[bent]).as_matrix()
+    rotations[bent, hand] = turns @ rotations[bent, hand]
+    positions[bent, wrist + 1] = positions[bent, wrist] + np.einsum("fij,fj->fi", turns, fingers[bent])
 
 
 def _raise_hand(
