@@ -21,7 +21,7 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.runs import runs_in
 from studio.core.single import PoseArray, single
-from studio.core.solver.asking.self_contact import SelfContact, hands_standing, self_contact_of
+from studio.core.solver.asking.self_contact import LOOKS, SelfContact, hands_standing, self_contact_of
 from studio.core.solver.request import AdaptRequest, Unasked
 from studio.core.solver.standing.carrying import Hold, find_carrying, limb_freedom
 from studio.core.solver.standing.footing import Footing, find_footing
@@ -75,11 +75,11 @@ class Standing:
             return self
         wanted = np.zeros(motion.frame_count, dtype=np.bool_)
         for window in windows:
-            wanted[contact.around(contact.around(self.around(window, AROUND)))] = True
+            wanted[contact.around(contact.around(self.around(window, AROUND)), LOOKS)] = True
         free = 1.0 - hands_standing(self.contacts, motion.frame_count, motion.frame_rate)
         positions, rotations = np.asarray(self.positions), np.asarray(self.rotations)
         for run in runs_in(slice(0, motion.frame_count), wanted, 1):
-            contact.close(run, free[run], positions[run], rotations[run])
+            contact.close(run, free[run], positions[run], rotations[run], LOOKS)
         raise_arms(self.morphology, self.ground, self.arms, motion.frame_rate, positions, rotations)
         return self
 
