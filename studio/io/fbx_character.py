@@ -18,7 +18,7 @@ from studio.io.figure import MOST_VERTICES, Figure, FloatArray, IntArray, Piece
 from studio.io.figure_body import character_of
 from studio.io.gltf.materials import hex_colour
 from studio.io.importing import ImportOptions
-from studio.io.mesh_shapes import unit
+from studio.io.mesh_shapes import smooth_normals, unit
 from studio.io.registry import Progress, ReadCharacter
 from studio.io.textures import checked_picture
 
@@ -103,16 +103,19 @@ def _pieces(mesh: dict[str, Any], part: Arrays, materials: list[Material]) -> li
     for kind in np.unique(triangles[:, 3]).tolist():
         chosen = corners[triangles[triangles[:, 3] == kind, :3]].reshape(-1, 3)
         rows, index = np.unique(chosen, axis=0, return_inverse=True)
-        points, normals, places = (
+        points, turned, places = (
             values[rows[:, column]] if len(values) else np.zeros((len(rows), values.shape[1]))
             for column, values in enumerate((part["vertices"], part["normals"], part["coordinates"]))
         )
+        stood = points @ to_world[:, :3].T + to_world[:, 3]
+        shown = index.reshape(-1, 3)[:, :: -1 if np.linalg.det(to_world[:, :3]) < 0.0 else 1]
+        normals = unit(turned @ np.linalg.inv(to_world[:, :3])) if turned.any() else smooth_normals(stood, shown)
         found.append(
             Piece(
-                points @ to_world[:, :3].T + to_world[:, 3],
-                unit(normals @ np.linalg.inv(to_world[:, :3])),
+                stood,
+                normals,
                 places,
-                index.reshape(-1, 3)[:, :: int(np.sign(np.linalg.det(to_world[:, :3]))) or 1],
+                shown,
                 joints[rows[:, 0]],
                 weights[rows[:, 0]],
                 materials[kind] if kind < len(materials) else None,

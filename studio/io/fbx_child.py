@@ -36,7 +36,6 @@ def main(source: str, target: str, what: str = "motion") -> None:
             source,
             ignore_geometry=not drawn,
             ignore_embedded=not drawn,
-            generate_missing_normals=drawn,
             load_external_files=False,
             inherit_mode_handling=ufbx.InheritModeHandling.COMPENSATE,
         )
