@@ -27,8 +27,10 @@ BLEND = 0.02
 """Metres over which the distances to two capsules run into each other."""
 CORE = 0.3
 """Part of a capsule's radius within which its outward direction fades: at the axis there is none."""
-FADE, LEAST_FADE, TOUCH = 0.08, 0.015, 0.003
-"""Metres before its place at which a probe begins to be led there at most and at least, and within which it is kept."""
+FADE, TOUCH = 0.08, 0.003
+"""Metres before its place at which a probe begins to be led there at most, and within which it is kept."""
+LEAST_FADE = 5.0 * TOUCH
+"""Metres before its place at which a probe begins to be led there at least."""
 SWEEPS = 6
 SWIVEL_COST = 0.3
 """Metres of wrist that are worth one radian of swivel, by which the elbow of a bent arm goes 0.15 to 0.2 m; the wrist
