@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from studio.core.body.rest_pose import rest_pose
+from studio.core.captures.contacts import contact_mask, on_ground
 from studio.core.grounds.ground import Ground
 from studio.core.mesh.skin import Blending, bound_pose, skin_vertices
 from studio.core.quality.metrics import acceleration_ratio, contact_quality
@@ -201,3 +202,14 @@ def test_legs_of_who_sits_low_on_high_ankles_do_not_fold_to_nothing(path: Path):
             stretches.append(away / found.morphology.leg[side].sum())
         own, actors = stretches
         assert (own > 0.5 * np.minimum(actors, SQUATTING)).all()
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+def test_who_turns_over_in_the_air_leaps_high_enough_for_its_head(path: Path):
+    """Legs say how high; a toy's are a sixth of it."""
+    capture, motion, actor = taken(named("mass_backflip"))
+    body = read(path).character.morphology
+    adapted = adapt(AdaptRequest(motion, body, contacts_of(capture), actor=actor.morphology))
+    flying = ~contact_mask([(each.first, each.last) for each in on_ground(contacts_of(capture))], motion.frame_count)
+    assert adapted.positions[flying, : body.layout.head_end + 1, 2].min() > -0.02 * body.stature
+    assert acceleration_ratio(adapted, source_motion(motion, actor)) < 3.0

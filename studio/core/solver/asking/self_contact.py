@@ -24,12 +24,12 @@ from studio.core.mesh.volume import CAPSULES_OF, BodyVolume, usual_volume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.solver.asking.clearance import actor_rooms, packed, rest_rooms, rooms_of
-from studio.core.solver.standing.blends import SLOWLY_LET_GO, freedom, hann_window
+from studio.core.solver.standing.blends import LET_GO, SLOWLY_LET_GO, freedom, hann_window
 from studio.core.solver.standing.carrying import limb_freedom
 
 FloatArray = NDArray[np.float64]
 
-EASED = 0.2
+EASED = LET_GO
 """Seconds before and after for which an arm that has to come out of its body does so."""
 FARTHEST = 0.4
 """Part of an arm's length to which the way of its wrist tends: farther away it would be in the body elsewhere."""

@@ -24,6 +24,7 @@ from studio.core.single import PoseArray, single
 from studio.core.solver.asking.self_contact import LOOKS, SelfContact, hands_standing, self_contact_of
 from studio.core.solver.request import AdaptRequest, Unasked
 from studio.core.solver.standing.carrying import Hold, find_carrying, limb_freedom
+from studio.core.solver.standing.flights import leaps
 from studio.core.solver.standing.footing import Footing, find_footing
 from studio.core.solver.standing.led import Stance, led_from
 from studio.core.solver.standing.raised_arms import raise_arms
@@ -158,6 +159,7 @@ def _stand_alone(request: AdaptRequest) -> Standing:
     contacts = on_ground(contacts)
     ground = ground.felt_at(positions)
     positions[:, :, 2] += (ground.height - shown_floor(contacts, positions, morphology, motion.frame_rate))[:, None]
+    positions[:, :, 2] += leaps(contacts, morphology, ground.height, positions)[:, None]
     carrying = find_carrying(motion, morphology, contacts, ground, positions, rotations, actor)
     upright, share = (positions, rotations), None if carrying is None else carrying.feet_share
     if carrying is not None:
