@@ -286,7 +286,8 @@ def arc_of(probe, shoulder, place, positions, out_arc):
 def move_arm(side, share, move, saved, turn, pose):
     """The ``saved`` arm gone a ``share`` of a ``move`` (7,): of its wrist, of its hand, and about its axis.
 
-    The hand turns by nothing else; where the arm is too short it stretches as ``limb.soft_reach`` says.
+    The hand turns by nothing else. An arm that is too short stretches as ``limb.soft_reach`` says, but to its comfort
+    at most, unless it is as straight already: the elbow of a straight one whirls.
     """
     positions, rotations = pose
     spine_count = positions.shape[0] - 23
@@ -300,7 +301,10 @@ def move_arm(side, share, move, saved, turn, pose):
         now += (saved.positions[2, axis] - root[axis]) ** 2
         needed += (target[axis] - root[axis]) ** 2
     now, needed = math.sqrt(now) / reach, math.sqrt(needed) / reach
-    needed = soft_reach(needed, min(max(now, COMFORT), STRETCHED))
+    most = min(max(now, COMFORT), STRETCHED)
+    freely = max(now, 2.0 * COMFORT - 1.0)
+    if needed > freely:
+        needed = most * soft_reach(needed / most, freely / most) if freely < most else most
     reach_to(target, needed * reach, upper, shoulder, wrist, positions, rotations)
     angle = MOST_SWIVEL * math.tanh(share * move[SWIVEL] / MOST_SWIVEL)
     ax, ay, az = wrist[0] - root[0], wrist[1] - root[1], wrist[2] - root[2]
