@@ -40,7 +40,7 @@ SOFT, FIRM = 1e-2, 1e-4
 """Weights of a metre of travel beside a metre out of reach: while moves are averaged over time, and for the last."""
 KNEE_PLAY = 0.1
 """Part of the growth of its root's reach by which the hip of a knee that is let go may be off its thigh's length."""
-SQUATTING = 0.2
+SQUATTING = 0.18
 """Part of a leg's length to which flesh lets it fold, unless the actor's is folded further."""
 FOLDED_ROOM = 0.01
 """Part of its length by which a limb's ends stay further apart than when it is folded."""
