@@ -4,8 +4,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from studio.app.importing import UNCHANGED, import_motion
 from studio.app.workbench import Workbench
+from studio.core.body.canonical import BodyPart
 from studio.core.body.character import Character
 from studio.core.captures.capture import Guess
 from studio.core.captures.remarks import remarks_on_body
@@ -19,8 +22,8 @@ from studio.io.importing import GUESS_ALL, load_character
 from studio.io.registry import ReadCharacter, format_of
 
 JOBS = ("capture_reader", "character_reader")
-APART = 1.2
-"""Metres from the outermost performer to a new one."""
+APART, ROOM = 1.2, 0.6
+"""Metres from the outermost performer to a new one, and for the arms between their trunks and heads, at least."""
 
 
 def import_character(bench: Workbench, path: Path) -> int:
@@ -81,14 +84,26 @@ def put_character(document: Document, character: Character, text: str) -> str:
     taken = {each.name for each in project.characters.values()} | {each.name for each in project.performers.values()}
     character = replace(character, name=free_name(character.name, taken))
     active = project.performers.get(document.active_performer_id or "")
-    side = max((other.position[1] for other in project.performers.values()), default=-APART)
+    outermost = max(project.performers.values(), key=lambda other: other.position[1], default=None)
+    side = 0.0
+    if outermost is not None:
+        breadths = _half_breadth(project.characters[outermost.character_id]) + _half_breadth(character)
+        side = outermost.position[1] + max(APART, breadths + ROOM)
     with document.group(text):
         character_id = document.add("characters", character, text)
         clips = active.clips if active else ()
-        performer = Performer(character.name, character_id, clips, (0.0, side + APART))
+        performer = Performer(character.name, character_id, clips, (0.0, side))
         performer_id = document.add("performers", performer, text)
     document.selection.set(("performers", performer_id))
     return performer_id
+
+
+def _half_breadth(character: Character) -> float:
+    """Metres from the middle to the outermost of trunk and head, cape and hat too."""
+    skin, layout = character.skin, character.build.layout
+    middle = skin.segments[:, 0] < layout.segment(BodyPart.LEFT_CLAVICLE)
+    scale = character.morphology.stature / character.build.stature
+    return scale * float(np.abs(skin.vertices[middle, 1]).max(initial=0.0))
 
 
 def _tell(bench: Workbench, path: Path, read: ReadCharacter) -> None:

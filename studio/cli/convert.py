@@ -120,7 +120,7 @@ def _convert_character(arguments: Namespace) -> int:
 
 
 def _character_of(source: Path, options: ImportOptions) -> ReadCharacter:
-    if format_of(source, "capture_reader", "character_reader").character_reader:
+    if format_of(source, "capture_reader", "character_reader").holds_character(source):
         return load_character(source, options)
     tell_what_reading_waits_for()
     ready = ready_capture(source, options)

@@ -81,7 +81,7 @@ def _describer(path: Path) -> Callable[[Path, ImportOptions], Record]:
     if path.suffix.lower() == ".studio":
         return _project
     found = format_of(path, "capture_reader", "character_reader")
-    return _character if found.character_reader else _capture
+    return _character if found.holds_character(path) else _capture
 
 
 def _capture(path: Path, options: ImportOptions) -> Record:

@@ -1,13 +1,7 @@
 """FBX files as captures: read by ufbx in a child process, made upright and rigid here."""
 
 import json
-import subprocess
-import sys
-import tempfile
-import threading
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -19,26 +13,17 @@ from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.rotations import from_matrix, normalized, to_matrix
 from studio.io.bvh_capture import capture_of
-from studio.io.child_process import child_process
+from studio.io.fbx_reading import INSTEAD, read_arrays
 from studio.io.guessing import UNITS
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress
 
 FloatArray = NDArray[np.float64]
 
-INSTEAD = "Export the animation as BVH or GLB from the program that made it."
-_PATIENCE, _BYTES_A_SECOND = 30.0, 1 << 20
-"""Seconds for any file, and bytes for which there is one more."""
-_POLL = 0.1
 _DIGIT = 1e-6
 """Seconds to which programs round the time of a frame."""
 _SMALLEST_SCALE = 1e-9
 _SAME_UNIT = 1e-4
-
-
-def is_fbx(head: bytes) -> bool:
-    """Whether a file that begins with ``head`` is an FBX file, binary or text."""
-    return head.startswith((b"Kaydara FBX Binary", b"; FBX"))
 
 
 @dataclass(frozen=True)
@@ -75,52 +60,15 @@ def load_fbx(path: Path, options: ImportOptions, progress: Progress) -> Capture:
 
 def read_fbx(path: Path, progress: Progress) -> FbxFile:
     """Names, joints and frames of the file, in its own units and axes. Raises StudioError."""
-    if find_spec("ufbx") is None:
-        raise StudioError(
-            f"{path.name}: FBX is read with the package 'ufbx' (`pip install morpho-studio[fbx]`). Or: {INSTEAD}"
-        )
-    with tempfile.TemporaryDirectory() as folder:
-        target = Path(folder) / "read.npz"
-        _run_child(path, target, lambda: progress(0.1, f"Reading {path.name}"))
-        try:
-            with np.load(target, allow_pickle=False) as read:
-                frames, rest, about = read["frames"], read["rest"], json.loads(read["about"].tobytes())
-        except (OSError, ValueError, KeyError) as error:
-            raise StudioError(f"{path.name} could not be read as FBX: {error}. {INSTEAD}") from error
+    read = read_arrays(path, "motion", progress)
+    try:
+        frames, rest, about = read["frames"], read["rest"], json.loads(read["about"].tobytes())
+    except (ValueError, KeyError) as error:
+        raise StudioError(f"{path.name} could not be read as FBX: {error}. {INSTEAD}") from error
     progress(0.4, f"Reading {path.name}")
     if not (np.isfinite(frames).all() and np.isfinite(rest).all()):
         raise StudioError(f"{path.name}: its joints lie at places that are not numbers. {INSTEAD}")
     return _rigid(about, frames, rest)
-
-
-def _run_child(path: Path, target: Path, alive: Callable[[], object]) -> None:
-    """A crash, an endless loop or a cancelled import end with the child."""
-    try:
-        seconds = _PATIENCE + path.stat().st_size / _BYTES_A_SECOND
-    except OSError as error:
-        raise StudioError(f"{path.name} could not be read: {error.strerror}. Check the file and try again.") from error
-    command = [sys.executable, "-m", "studio.io.fbx_child", str(path.resolve()), str(target)]
-    with child_process(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, behind=0) as child:
-        stop = threading.Timer(seconds, child.kill)
-        stop.start()
-        try:
-            while True:
-                alive()
-                try:
-                    _, answer = child.communicate(timeout=_POLL)
-                    break
-                except subprocess.TimeoutExpired:
-                    continue
-        finally:
-            timed_out = not stop.is_alive()
-            stop.cancel()
-    if child.returncode == 0:
-        return
-    if timed_out:
-        raise StudioError(f"{path.name} takes longer than {seconds:.0f} s to be read as FBX. {INSTEAD}")
-    said = answer.decode("utf-8", "replace").strip()
-    reason = said.splitlines()[-1][:200] if said and child.returncode > 0 else "its reader crashed"
-    raise StudioError(f"{path.name} could not be read as FBX: {reason.rstrip('.')}. {INSTEAD}")
 
 
 def _rigid(about: dict[str, object], frames: FloatArray, rest: FloatArray) -> FbxFile:

@@ -1,10 +1,8 @@
-"""The child process that reads an FBX file: ``python -m studio.io.fbx_child IN.fbx OUT.npz``.
+"""The child process that reads an FBX file: ``python -m studio.io.fbx_child IN.fbx OUT.npz [figure]``.
 
 ufbx is written in C and the file may be anybody's, so it runs where a crash or an endless loop costs nothing. It
-imports nothing of the studio, and hands back plain arrays; what goes wrong is one line on standard error.
-
-In ufbx 0.0.5 an object that Python lets go of takes memory with it that others still need: ``_kept`` holds all of them,
-nothing is collected, and the process ends without taking leave of them.
+imports but its own parts, and hands back plain arrays; what goes wrong is one line on standard error. What ufbx made is
+kept (``fbx_objects``), nothing is collected, and the process ends without taking leave of it.
 """
 
 import gc
@@ -17,43 +15,43 @@ from typing import Any
 
 import numpy as np
 
+from studio.io.fbx_child_meshes import clustered, meshes_of
+from studio.io.fbx_objects import all_of, keep, matrix_of
+
 MOST_VALUES = 1 << 27
 MOST_JOINTS = 4096
 MEMORY = 3 << 30
 """Bytes of addresses beside twenty times the file: what Python and NumPy reserve, and half a gigabyte."""
 
 
-_kept: list[Any] = []
-
-
-def _keep(thing: Any) -> Any:
-    _kept.append(thing)
-    return thing
-
-
-def main(source: str, target: str) -> None:
-    """Read the first animation of ``source`` and write it to ``target``."""
+def main(source: str, target: str, what: str = "motion") -> None:
+    """Read the longest animation of ``source``, or its ``figure``, and write it to ``target``."""
     import ufbx
 
     _limit_memory(Path(source).stat().st_size)
     gc.disable()
-    scene = _keep(
+    drawn = what == "figure"
+    scene = keep(
         ufbx.load_file(
             source,
-            ignore_geometry=True,
-            ignore_embedded=True,
+            ignore_geometry=not drawn,
+            ignore_embedded=not drawn,
             load_external_files=False,
             inherit_mode_handling=ufbx.InheritModeHandling.COMPENSATE,
         )
     )
-    nodes, parents = _skeleton(scene)
+    everything = _nodes(scene)
+    nodes, parents = _skeleton(everything, clustered([node for node, _ in everything]) if drawn else set())
     if not nodes:
         sys.exit("it holds no joints")
     if len(nodes) > MOST_JOINTS:
         sys.exit(f"it holds {len(nodes)} joints, more than a body has")
-    stack = max(_all(scene.anim_stacks), key=lambda each: each.time_end - each.time_begin, default=None)
-    animation = _keep(stack.anim) if stack else None
-    settings = _keep(scene.settings)
+    if drawn:
+        _write_figure(target, scene, everything, nodes, parents)
+        return
+    stack = max(all_of(scene.anim_stacks), key=lambda each: each.time_end - each.time_begin, default=None)
+    animation = keep(stack.anim) if stack else None
+    settings = keep(scene.settings)
     rate = settings.frames_per_second or 30.0
     count = round((stack.time_end - stack.time_begin) * rate) + 1 if stack else 1
     if not 0 < count * len(nodes) * 10 < MOST_VALUES:
@@ -70,11 +68,26 @@ def main(source: str, target: str) -> None:
         "parents": parents,
         "frame_rate": rate,
         "unit_metres": settings.unit_meters,
-        "up_axis": _keep(settings.axes).up.name[-1],
+        "up_axis": keep(settings.axes).up.name[-1],
         "animation": stack.name if stack else "",
     }
     rest = np.array([_values(node.local_transform) for node in nodes])
     np.savez(target, frames=frames, rest=rest, about=np.frombuffer(json.dumps(about).encode(), dtype=np.uint8))
+
+
+def _write_figure(target: str, scene: Any, everything: list[Any], nodes: list[Any], parents: list[int]) -> None:
+    meshes, arrays = meshes_of(everything, {node.typed_id: place for place, node in enumerate(nodes)})
+    settings = keep(scene.settings)
+    about = {
+        "names": [node.name for node in nodes],
+        "parents": parents,
+        "unit_metres": settings.unit_meters,
+        "up_axis": keep(settings.axes).up.name[-1],
+        "moves": bool(len(keep(scene.anim_curves))),
+        "meshes": meshes,
+    }
+    arrays["world"] = np.array([matrix_of(node.node_to_world) for node in nodes])
+    np.savez(target, about=np.frombuffer(json.dumps(about).encode(), dtype=np.uint8), **arrays)  # type: ignore[arg-type]
 
 
 def _limit_memory(size: int) -> None:
@@ -86,28 +99,29 @@ def _limit_memory(size: int) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY + 20 * size,) * 2)
 
 
-def _skeleton(scene: Any) -> tuple[list[Any], list[int]]:
-    """Bones and all that they hang from, parents first, with the place of each one's parent; without the root."""
-    nodes: list[Any] = []
-    parents: list[int] = []
-    waiting = [(node, -1) for node in _all(_keep(scene.root_node).children)]
+def _nodes(scene: Any) -> list[tuple[Any, int]]:
+    """All but the root, parents first, each with the id of the one above it, -1 where that is the root."""
+    found: list[tuple[Any, int]] = []
+    waiting = [(node, -1) for node in all_of(keep(scene.root_node).children)]
     while waiting:
-        node, parent = waiting.pop()
-        waiting += [(child, len(nodes)) for child in _all(node.children)]
-        nodes.append(node)
-        parents.append(parent)
-    wanted = [_keep(node.bone) is not None for node in nodes]
-    for place in range(len(nodes) - 1, -1, -1):
-        if wanted[place] and parents[place] >= 0:
-            wanted[parents[place]] = True
-    places = {old: new for new, old in enumerate(place for place, kept in enumerate(wanted) if kept)}
-    return [nodes[place] for place in places], [places.get(parents[place], -1) for place in places]
+        node, above = waiting.pop()
+        waiting += [(child, node.typed_id) for child in all_of(node.children)]
+        found.append((node, above))
+    return found
 
 
-def _all(things: Any) -> list[Any]:
-    """What one of ufbx's lists holds."""
-    _keep(things)
-    return [_keep(things[place]) for place in range(len(things))]
+def _skeleton(everything: list[tuple[Any, int]], also: set[int]) -> tuple[list[Any], list[int]]:
+    """Bones, those ``also`` wanted, and all that they hang from, with the place of each one's parent."""
+    above = {node.typed_id: parent for node, parent in everything}
+    wanted: set[int] = set()
+    for node, _ in everything:
+        place = node.typed_id if keep(node.bone) is not None or node.typed_id in also else -1
+        while place >= 0 and place not in wanted:
+            wanted.add(place)
+            place = above[place]
+    nodes = [node for node, _ in everything if node.typed_id in wanted]
+    places = {node.typed_id: place for place, node in enumerate(nodes)}
+    return nodes, [places.get(above[node.typed_id], -1) for node in nodes]
 
 
 def _values(transform: Any) -> tuple[float, ...]:

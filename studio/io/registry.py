@@ -62,6 +62,8 @@ class Format:
     """``(path, motion_id: str) -> Annotations``: what a file that holds a capture says of its motion besides."""
     character_reader: str = ""
     """``(path, options: ImportOptions, progress: Progress) -> ReadCharacter``."""
+    character_test: str = ""
+    """``(path) -> bool``: whether a file of a kind that may be either holds a character; all do where there is none."""
     motion_writer: str = ""
     """``(path, take: Take, progress: Progress) -> None``."""
     character_writer: str = ""
@@ -99,6 +101,12 @@ class Format:
         annotations: Annotations = self._function("annotation_reader")(path, motion_id)
         return annotations
 
+    def holds_character(self, path: Path) -> bool:
+        """Whether the file at ``path`` is to be read as a character; raises StudioError."""
+        if self.character_reader and self.character_test:
+            return bool(self._function("character_test")(path))
+        return bool(self.character_reader)
+
     def read_character(self, path: Path, options: "ImportOptions", progress: Progress) -> ReadCharacter:
         """The character in the file at ``path``; raises StudioError."""
         read: ReadCharacter = self._function("character_reader")(path, options, progress)
@@ -134,8 +142,10 @@ OWN_FORMATS = (
     Format(
         name="FBX",
         suffixes=(".fbx",),
-        sniff="studio.io.fbx_capture:is_fbx",
+        sniff="studio.io.fbx_reading:is_fbx",
         capture_reader="studio.io.fbx_capture:load_fbx",
+        character_reader="studio.io.fbx_character:load_character",
+        character_test="studio.io.fbx_reading:has_skin",
     ),
     Format(
         name="S4D",

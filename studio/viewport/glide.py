@@ -24,7 +24,9 @@ class Glide(QObject):
         self._animation.valueChanged.connect(self._step)
 
     def start(self, begin: OrbitCamera, end: OrbitCamera) -> None:
-        """Glide from ``begin`` to ``end``."""
+        """Glide from ``begin`` to ``end``; from a view to itself there is no way, and what is under way goes on."""
+        if begin == end:
+            return
         self._animation.stop()
         self._begin, self._end = begin, end
         self._animation.start()

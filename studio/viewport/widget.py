@@ -33,6 +33,7 @@ from studio.viewport.gizmo import ARROW_PIXELS, Gizmo, arrow_pixels
 from studio.viewport.glide import Glide
 from studio.viewport.handles import Handle, constraint_handles
 from studio.viewport.movables import Movable, gizmo_on, selected_movable
+from studio.viewport.newcomers import Newcomers
 from studio.viewport.opening import is_another_size, opening_camera
 from studio.viewport.overlay import Overlay
 from studio.viewport.pace import Pace
@@ -74,7 +75,7 @@ class Viewport(Canvas):
         self._opening_size = self.view_size
         self._played = document.project.motions_played
         self._posed_in = document.project
-        self._follower = Follower()
+        self._follower, self._newcomers = Follower(), Newcomers()
         self._pace = Pace()
         self.preview, self.strike_drops = Preview(self), StrikeDrops(self, document)
         self._problem: Problem | None = None
@@ -121,10 +122,7 @@ class Viewport(Canvas):
     def frame_selection(self) -> None:
         """Show what is selected, else all performers."""
         points = selected_points(self._document, self.posed, self.props, self.handles())
-        if points:
-            self._frame(np.concatenate(points))
-        else:
-            self.frame_all()
+        self._frame(np.concatenate(points)) if points else self.frame_all()
 
     def set_view(self, name: str) -> None:
         """Glide to a view by name: ``perspective``, ``front``, ``side`` or ``top``."""
@@ -280,6 +278,8 @@ class Viewport(Canvas):
             expected = (key for key, one in project.performers.items() if one.visible and one.clips)
             self._framed = bool(self.posed) and all(self._live.told(key) is not None for key in expected)
             self._open()
+        bodies, size = self.posed | self.resting, self.view_size
+        self._glide.start(self.camera, self._newcomers.camera_for(project.performers, bodies, self.camera, size))
         self._recorded = self.recording.at(self._document, self.posed, shown=self.markers_shown)
         active = self._document.active_performer_id or ""
         pose = self.posed.get(active)
@@ -287,7 +287,7 @@ class Viewport(Canvas):
         self._chips.tell_recorded(recorded_of(self._document, pose) is not None)
         self.props = props_at(project, self.posed, time)
         coarse = self.moving and not self._glide.moving
-        scene.sync(project, self.posed | self.resting, self.props, self._bones, self._paths(), coarse)
+        scene.sync(project, bodies, self.props, self._bones, self._paths(), coarse)
         self._pace.posed(self._live.asked_at(active) if self._live.interactive else None)
         self._chips.tell_work(len(self.posed), self._pace.words, all(map(self._live.is_eased, self.posed)))
 
@@ -303,9 +303,9 @@ class Viewport(Canvas):
         self._chips.tell_problem(self._problem.sentence if self._problem else None)
 
     def _open(self) -> None:
-        shown = self.posed or self.resting
         self._opening_size = self.view_size
-        self.camera = self._opening = opening_camera(shown, self.view_size, self.camera.parallel)
+        self.camera = self._opening = opening_camera(self.posed or self.resting, self.view_size, self.camera.parallel)
+        self._newcomers.meet(self._document.project.performers)
 
     def paint_over(self, painter: QPainter) -> None:
         """Handles, joints and gizmo."""

@@ -104,7 +104,7 @@ def wild(seed: int) -> tuple[BodyVolume, Morphology, np.ndarray, np.ndarray]:
     return volume, body, positions, rotations
 
 
-def step(volume: BodyVolume, body: Morphology, pose: tuple, wanted: float, share: float = 1.0) -> tuple:
+def step(volume: BodyVolume, body: Morphology, pose: tuple, wanted: float | np.ndarray, share: float = 1.0) -> tuple:
     """One arm cleared: whether it moved, the rooms before and after."""
     packed = Volume(volume.segments, volume.places, volume.radii, volume.girths)
     proximal, posed, before, after = np.array(body.layout.proximal_points()), Pose(*pose), np.empty(5), np.empty(5)
@@ -113,7 +113,7 @@ def step(volume: BodyVolume, body: Morphology, pose: tuple, wanted: float, share
     clearing.asks[:] = wanted
     kernel.place_capsules(packed, posed, proximal, clearing.capsules)
     kernel.measure_arm(1, packed, clearing.capsules, posed.positions, before, clearing.ways)
-    moved = kernel.clear_arm(1, 0.0, 0, (share, 1.0, 1.0), actor, clearing, posed)
+    moved = kernel.clear_arm(1, 0.0, 0, (share, 1.0, 1.0, 1.0), actor, clearing, posed)
     kernel.measure_arm(1, packed, clearing.capsules, posed.positions, after, clearing.ways)
     return moved, before, after
 
@@ -145,6 +145,20 @@ def test_an_arm_with_room_enough_is_not_touched(seed: int) -> None:
     moved, _, _ = step(volume, body, tuple(pose), room.min() - fade - kernel.FADE)
     assert not moved
     assert all(np.array_equal(*pair) for pair in zip(pose, before, strict=True))
+
+
+def test_fingers_that_alone_are_too_deep_bend_out() -> None:
+    body, volume = STOCKY.morphology, STOCKY.volume
+    pose = rest_pose(body)
+    before = [part.copy() for part in pose]
+    _, room, _ = step(volume, body, pose, -1.0)
+    wanted = room - [1.0, 1.0, 1.0, 1.0, -0.06]
+    _, _, after = step(volume, body, pose, wanted)
+    wrist, hand = body.layout.wrist(1), body.layout.segment(BodyPart.LEFT_HAND) + 4
+    turned = np.arccos(0.5 * (np.trace(pose[1][hand] @ before[1][hand].T) - 1.0))
+    assert after[-1] == pytest.approx(wanted[-1], abs=0.01)
+    assert turned > 0.1
+    assert np.linalg.norm(pose[0][wrist] - before[0][wrist]) < 0.06
 
 
 def test_arms_of_a_wide_body_come_out_of_it_and_nothing_else_moves() -> None:

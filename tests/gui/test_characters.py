@@ -9,6 +9,7 @@ from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QPushButton
 from scipy.spatial.transform import Rotation
 
+from studio.app.casting import put_character
 from studio.core.body.canonical import BodyPart
 from studio.core.mesh.appearance import Material
 from studio.core.mesh.skin import Blending, bound_pose
@@ -61,6 +62,17 @@ def test_a_dropped_character_stands_beside_the_others_and_plays_with_them_as_one
     assert document.history == ("Import my_hero.glb",)
     document.undo_stack.undo()
     assert same_value(document.project, before)
+
+
+def test_a_broad_character_stands_clear_of_its_neighbour(qtbot, window, tmp_path):
+    """Trunk and head, whatever they wear, with room for arms between them."""
+    character = next(iter(window.bench.document.project.characters.values()))
+    skin = character.skin
+    broad = replace(character, skin=replace(skin, vertices=skin.vertices * np.float32([1.0, 8.0, 1.0])), name="Broad")
+    wide = float(np.abs(broad.skin.vertices[broad.skin.segments[:, 0] == 0, 1]).max())
+    outermost = max(each.position[1] for each in window.bench.document.project.performers.values())
+    put_character(window.bench.document, broad, "Import")
+    assert newest(window)[0].position[1] - outermost > max(1.2, wide + 0.5)
 
 
 def test_what_was_repaired_is_told_in_the_strip(qtbot, window, tmp_path):

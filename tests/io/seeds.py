@@ -21,7 +21,7 @@ from studio.io.project_file import read_project, write_project
 from studio.io.registry import format_of
 from tests.builders import make_capture, make_character, make_constraint, make_project
 from tests.io.character_files import Gltf, vrml, x3d
-from tests.io.fbx_text import fbx_text
+from tests.io.fbx_skin import skinned_fbx
 from tests.io.test_fuzz import bytes_changed, numbers_changed
 from tests.io.trials import make_trial
 
@@ -39,7 +39,7 @@ def _constraints(path: Path) -> None:
 
 SEEDS: dict[str, Write] = {
     ".bvh": lambda path: write_capture(make_capture(frames=6), path),
-    ".fbx": _text(fbx_text),
+    ".fbx": _text(skinned_fbx),
     ".s4d": lambda path: write_capture(make_capture(), path),
     ".c3d": lambda path: write_c3d(path, make_trial()),
     ".glb": lambda path: path.write_bytes(Gltf().moving().glb()),

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from studio.core.body.rest_pose import rest_pose
+from studio.core.captures.contacts import contact_mask, on_ground
 from studio.core.grounds.ground import Ground
 from studio.core.mesh.skin import Blending, bound_pose, skin_vertices
 from studio.core.quality.metrics import acceleration_ratio, contact_quality
@@ -14,6 +15,7 @@ from studio.core.quality.motion_quality import motion_quality
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.source import source_motion
+from studio.core.solver.standing.settling import SQUATTING
 from studio.io.export import take_of_adapted, write_take
 from studio.io.importing import load_character
 from studio.io.registry import ReadCharacter
@@ -183,3 +185,31 @@ def test_wide_hips_that_turn_over_feet_that_stand_do_not_sit_down(stem: str, nam
     assert np.degrees(seen.knee_most) < 20.0
     assert seen.drop < 0.01
     assert seen.bob < 1.5
+
+
+@pytest.mark.parametrize("path", [path for path in FILES if path.stem == "cesium_man"], ids=lambda path: path.name)
+def test_legs_of_who_sits_low_on_high_ankles_do_not_fold_to_nothing(path: Path):
+    """Half as far as flesh and the actor's own let them: folded further, a hip goes past its ankle, and legs whirl."""
+    capture, motion, actor = taken(named("assimp_Boxing_Toes"))
+    body = read(path).character.morphology
+    adapted = adapt(AdaptRequest(motion, body, contacts_of(capture), actor=actor.morphology))
+    source = source_motion(motion, actor)
+    for side in range(2):
+        stretches = []
+        for found in (adapted, source):
+            hip = found.morphology.layout.hip(side)
+            away = np.linalg.norm(found.positions[:, hip + 2] - found.positions[:, hip], axis=1)
+            stretches.append(away / found.morphology.leg[side].sum())
+        own, actors = stretches
+        assert (own > 0.5 * np.minimum(actors, SQUATTING)).all()
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+def test_who_turns_over_in_the_air_leaps_high_enough_for_its_head(path: Path):
+    """Legs say how high; a toy's are a sixth of it."""
+    capture, motion, actor = taken(named("mass_backflip"))
+    body = read(path).character.morphology
+    adapted = adapt(AdaptRequest(motion, body, contacts_of(capture), actor=actor.morphology))
+    flying = ~contact_mask([(each.first, each.last) for each in on_ground(contacts_of(capture))], motion.frame_count)
+    assert adapted.positions[flying, : body.layout.head_end + 1, 2].min() > -0.02 * body.stature
+    assert acceleration_ratio(adapted, source_motion(motion, actor)) < 3.0

@@ -41,6 +41,16 @@ def test_arms_are_out_of_the_body_where_the_actors_are(stem, body):
     assert deep.max() < 0.005
 
 
+@pytest.mark.parametrize("body", ["adult_woman", "tall_man", "giant"])
+def test_a_hand_on_the_hip_does_not_sink_in_with_its_fingers(body):
+    """Which lie along the forearm in the capture, and go into the actor themselves; longer ones go no deeper."""
+    capture, motion, actor = taken(named("bvh11_cmu131_metres"))
+    own, _ = actor_rooms(motion, actor.morphology)
+    depth = -rooms(_adapted("bvh11_cmu131_metres", body, clears=True))[capture.first_frame :]
+    deeper = depth.max(axis=(1, 2)) + own.min()
+    assert (deeper > 0.02).mean() < 0.01
+
+
 def test_the_actors_own_arms_stay_as_they_are():
     """However thick it is taken to be: what touches or seems to be inside touches or is inside."""
     capture, motion, actor = taken(named("cmu_salsa_10"))

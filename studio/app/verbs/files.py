@@ -48,7 +48,7 @@ def open_path(bench: Workbench, path: Path) -> None:
 
 def _is_character(path: Path) -> bool:
     try:
-        return bool(format_of(path, "capture_reader", "character_reader").character_reader)
+        return format_of(path, "capture_reader", "character_reader").holds_character(path)
     except StudioError as error:
         raise StudioError(f"{error} {importing.UNCHANGED}") from error
 

@@ -351,7 +351,7 @@ class Clearing(NamedTuple):
     turn: Array
     """(3, 3)."""
     held: Array
-    """(2,) how far constraints above hold wrist and swivel."""
+    """(3,) how far constraints above hold wrist, hand and swivel."""
     asks: Array
     """(5,) metres of room that the probes of an arm are to have now."""
     ways: Array

@@ -1,4 +1,4 @@
-"""Arms kept clear of their own body: out of capsules, by moving the wrist and by turning the elbow about its axis.
+"""Arms kept clear of their own body: out of capsules, by moving the wrist, bending the hand and swivelling the elbow.
 
 In smooth closed-form steps from the frame's own pose, so that it needs no frame before; ``kernels.limits.clearing``
 says when. Records are those of ``kernels.records``; an arm has five spheres, its probes: at the elbow, half way down
@@ -19,26 +19,32 @@ from studio.core.kernels.limbs.reach import reach_to, span_range
 from studio.core.kernels.records import CAPSULE, Pose
 
 PROBES = 5
-SWIVEL = 3
-"""The number of a step of an arm that is its swivel, in radians, after the way of its wrist (3,), in metres."""
+HAND, SWIVEL, STEP = 3, 6, 7
+"""A step of an arm: the way of its wrist (3,), in metres, from number ``HAND`` on how its hand turns about that (3,),
+and its swivel, in radians.
+"""
 BLEND = 0.02
 """Metres over which the distances to two capsules run into each other."""
 CORE = 0.3
 """Part of a capsule's radius within which its outward direction fades: at the axis there is none."""
-FADE, LEAST_FADE, TOUCH = 0.08, 0.015, 0.003
-"""Metres before its place at which a probe begins to be led there at most and at least, and within which it is kept."""
+FADE, TOUCH = 0.08, 0.003
+"""Metres before its place at which a probe begins to be led there at most, and within which it is kept."""
+LEAST_FADE = 5.0 * TOUCH
+"""Metres before its place at which a probe begins to be led there at least."""
 SWEEPS = 6
 SWIVEL_COST = 0.3
 """Metres of wrist that are worth one radian of swivel, by which the elbow of a bent arm goes 0.15 to 0.2 m; the wrist
 takes it along by half of its own way. So an elbow goes out by both, and the arm is tipped less.
 """
+HAND_COST = 0.5 * SWIVEL_COST
+"""The same of the turn of a hand: fingers that alone are too deep bend out, and take the wrist along by a third."""
 MOST_SWIVEL = 1.2
-"""Radians to which a swivel tends."""
+"""Radians to which a swivel, and the turn of a hand, tend."""
 NEARNESS = 0.02
 FLESH = 2.0 * NEARNESS
 """Metres of room, and of depth, to which what the actor itself has is kept at most."""
-DEEP = 0.06
-"""Metres in the body at which an arm comes out the actor's way alone."""
+DEEP = 1.5 * FLESH
+"""Metres in the body at which an arm comes out the actor's way alone: deeper than any that is to be kept."""
 RIM = math.sqrt(1.0 + CORE * CORE)
 FOLLOWS = (0.5, 0.75, 1.0, 1.0, 1.0)
 """Part of the wrist's way that each probe goes along."""
@@ -157,15 +163,15 @@ def wanted_rooms(actor_rooms, margin, out_wanted):
 def clear_arm(side, touch, frame, shares, clearance, clearing, pose):
     """Bring one arm out of its body where its probes have less room than ``clearing.asks``; True when it moved.
 
-    In sweeps, each from where the last one has brought the arm. ``shares`` (3,): how much of the answer is taken, how
-    freely the wrist and the swivel may move; ``touch`` metres within which a probe is led, 0 for as usual. An arm with
+    In sweeps, each from where the last one has brought the arm. ``shares`` (4,): how much of the answer is taken, how
+    freely wrist, hand and swivel may move; ``touch`` metres within which a probe is led, 0 for as usual. An arm with
     enough room is not touched, and ``clearing.rooms`` become the room that it has.
     """
     positions, rotations = pose
     spine_count = positions.shape[0] - 23
     shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
     saved, turn = clearing.saved, clearing.turn
-    moved, shift, swivel, step = False, np.zeros(3), 0.0, np.empty(4)
+    moved, move, step = False, np.zeros(STEP), np.empty(STEP)
     for _ in range(SWEEPS):
         near = touch if touch > 0.0 else TOUCH if moved else 0.0
         if not sweep_arm(side, near, frame, shares, clearance, clearing, positions, step):
@@ -173,65 +179,93 @@ def clear_arm(side, touch, frame, shares, clearance, clearing, pose):
         if not moved:
             copy_arm(Pose(positions[shoulder : shoulder + 4], rotations[upper : upper + 3]), saved)
             moved = True
-        for axis in range(3):
-            shift[axis] += step[axis]
-        swivel += step[SWIVEL]
-        move_arm(side, 1.0, shift, swivel, saved, turn, pose)
+        move += step
+        move_arm(side, 1.0, move, saved, turn, pose)
     if moved and shares[0] < 1.0:
-        move_arm(side, shares[0], shift, swivel, saved, turn, pose)
+        move_arm(side, shares[0], move, saved, turn, pose)
     return moved
 
 
 @allocating_kernel
 def sweep_arm(side, near, frame, shares, clearance, clearing, positions, out_step):
-    """The step (4,) of wrist (metres) and swivel (radians) that gives every probe its room; False when none is needed.
+    """The step (7,) of wrist (metres), hand and swivel (radians) that gives every probe its room; False when none is
+    needed.
 
-    Probe after probe takes the least step for itself, wrist and swivel counted by their cost, where the steps before
-    have brought it. The narrower the actor is beside this body, the earlier a probe begins to give way, unless it is to
-    be kept ``near`` its place, in metres.
+    Probe after probe takes the least step for itself, each part counted by its cost, where the steps before have
+    brought it. The narrower the actor is beside this body, the earlier a probe begins to give way, unless it is to be
+    kept ``near`` its place, in metres.
     """
     wanted, own, ways = clearing.asks, clearance.rooms[frame, side], clearance.ways[frame, side]
     shoulder = positions.shape[0] - 19 + 5 * side
-    place, arc, way = np.empty(3), np.empty(3), np.empty(3)
+    place, arc, lever, way, entry = np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(3)
     out_step[:] = 0.0
     for probe in range(PROBES):
         k = FOLLOWS[probe]
         probe_at(probe, shoulder, positions, place)
         arc_of(probe, shoulder, place, positions, arc)
         for axis in range(3):
-            place[axis] += k * out_step[axis] + out_step[SWIVEL] * arc[axis]
+            lever[axis] = place[axis] - positions[shoulder + 2, axis] if probe > 2 else 0.0
+        carried = cross(out_step[HAND], out_step[HAND + 1], out_step[HAND + 2], lever)
+        for axis in range(3):
+            place[axis] += k * out_step[axis] + out_step[SWIVEL] * arc[axis] + carried[axis]
         room = room_at(place[0], place[1], place[2], clearance.volume.girths[probe], clearing.capsules, way)
         clearing.rooms[side, probe] = room
+        turn_way(room, own[probe], ways[probe], way if probe < 3 else entry, way)
+        if probe == 2:
+            copy_point(way, entry)
         if near > 0.0:
             short = ramp(wanted[probe] - room, near)
         else:
             narrower = max(own[probe] - room, 0.0)
             fade = LEAST_FADE + narrower * FADE / (narrower + FADE)
             short = ramp(wanted[probe] + TOUCH - room, fade)
-        if short == 0.0:
-            continue
-        turn_way(room, own[probe], ways[probe], way)
-        lever = (way[0] * arc[0] + way[1] * arc[1] + way[2] * arc[2]) / SWIVEL_COST
-        step = short / (k * k * shares[1] + lever * lever * shares[2] + 0.02)
-        for axis in range(3):
-            out_step[axis] += step * k * shares[1] * way[axis]
-        out_step[SWIVEL] += step * lever / SWIVEL_COST * shares[2]
+        if short > 0.0:
+            add_step(short, k, shares, (arc, lever, way), out_step)
     return out_step.any()
 
 
 @kernel
-def turn_way(room, actor_room, actor_way, way):
+def add_step(short, follows, shares, probe, step):
+    """Add the least step that brings a probe out by ``short`` metres, which goes along with the wrist's way as it
+    ``follows``; ``probe`` are its arc, its lever about the wrist, and its way out, (3,) each.
+    """
+    arc, lever, way = probe
+    swivel = (way[0] * arc[0] + way[1] * arc[1] + way[2] * arc[2]) / SWIVEL_COST
+    x, y, z = cross(lever[0], lever[1], lever[2], way)
+    hand = (x * x + y * y + z * z) / HAND_COST**2
+    along = short / (follows * follows * shares[1] + hand * shares[2] + swivel * swivel * shares[3] + 0.02)
+    for axis in range(3):
+        step[axis] += along * follows * shares[1] * way[axis]
+    bent = along * shares[2] / HAND_COST**2
+    step[HAND] += bent * x
+    step[HAND + 1] += bent * y
+    step[HAND + 2] += bent * z
+    step[SWIVEL] += along * swivel / SWIVEL_COST * shares[3]
+
+
+@kernel
+def cross(x, y, z, other):
+    """(x, y, z) times ``other`` (3,), a tuple."""
+    return y * other[2] - z * other[1], z * other[0] - x * other[2], x * other[1] - y * other[0]
+
+
+@kernel
+def turn_way(room, actor_room, actor_way, entry, way):
     """Blend the way out (3,), in place, into the actor's: deep in the body, and near an axis, where there is none.
 
-    So an arm comes out on the side on which the actor's is, which counts as far as that is outside its own body.
+    So an arm comes out on the side on which the actor's is, which counts as far as that is outside its own body. Where
+    the actor's is inside, a hand comes out where it has gone in, by ``entry`` (3,), the wrist's way.
     """
     depth = min(actor_room, 0.0)
     outside = FLESH * FLESH / (FLESH * FLESH + depth * depth)
-    deep = min(max(-room / DEEP, 0.0), 1.0)
-    deep = outside * deep * deep * (3.0 - 2.0 * deep)
+    within = min(max(-room / DEEP, 0.0), 1.0)
+    within *= within * (3.0 - 2.0 * within)
+    deep = outside * within
     take = deep + (1.0 - deep) * outside * (1.0 - way[0] ** 2 - way[1] ** 2 - way[2] ** 2)
+    inner = (1.0 - outside) * within
     for axis in range(3):
-        way[axis] = (1.0 - deep) * way[axis] + take * actor_way[axis]
+        own = way[axis] + inner * (entry[axis] - way[axis])
+        way[axis] = (1.0 - deep) * own + take * actor_way[axis]
 
 
 @allocating_kernel
@@ -249,10 +283,11 @@ def arc_of(probe, shoulder, place, positions, out_arc):
 
 
 @allocating_kernel
-def move_arm(side, share, shift, swivel, saved, turn, pose):
-    """The ``saved`` arm with its wrist moved by ``share`` of ``shift`` (3,) and turned about its axis by ``swivel``.
+def move_arm(side, share, move, saved, turn, pose):
+    """The ``saved`` arm gone a ``share`` of a ``move`` (7,): of its wrist, of its hand, and about its axis.
 
-    The hand keeps its orientation; where the arm is too short it stretches as ``limb.soft_reach`` says.
+    The hand turns by nothing else. An arm that is too short stretches as ``limb.soft_reach`` says, but to its comfort
+    at most, unless it is as straight already: the elbow of a straight one whirls.
     """
     positions, rotations = pose
     spine_count = positions.shape[0] - 23
@@ -262,19 +297,27 @@ def move_arm(side, share, shift, swivel, saved, turn, pose):
     reach = span_range(root, positions[shoulder + 1], rotations[upper, :, 0], wrist)[1]
     now, needed = 0.0, 0.0
     for axis in range(3):
-        target[axis] = saved.positions[2, axis] + share * shift[axis]
+        target[axis] = saved.positions[2, axis] + share * move[axis]
         now += (saved.positions[2, axis] - root[axis]) ** 2
         needed += (target[axis] - root[axis]) ** 2
     now, needed = math.sqrt(now) / reach, math.sqrt(needed) / reach
-    needed = soft_reach(needed, min(max(now, COMFORT), STRETCHED))
+    most = min(max(now, COMFORT), STRETCHED)
+    freely = max(now, 2.0 * COMFORT - 1.0)
+    if needed > freely:
+        needed = most * soft_reach(needed / most, freely / most) if freely < most else most
     reach_to(target, needed * reach, upper, shoulder, wrist, positions, rotations)
-    angle = MOST_SWIVEL * math.tanh(share * swivel / MOST_SWIVEL)
+    angle = MOST_SWIVEL * math.tanh(share * move[SWIVEL] / MOST_SWIVEL)
     ax, ay, az = wrist[0] - root[0], wrist[1] - root[1], wrist[2] - root[2]
     scale = angle / max(math.sqrt(ax * ax + ay * ay + az * az), 1e-9)
     turn_part(turn_by(scale * ax, scale * ay, scale * az), upper, spine_count, root, positions, rotations)
     copy_matrix(saved.rotations[2], rotations[upper + 2])
     for axis in range(3):
         positions[shoulder + 3, axis] = wrist[axis] + saved.positions[3, axis] - saved.positions[2, axis]
+    bent = math.sqrt(move[HAND] ** 2 + move[HAND + 1] ** 2 + move[HAND + 2] ** 2)
+    if bent > 0.0:
+        scale = MOST_SWIVEL * math.tanh(share * bent / MOST_SWIVEL) / bent
+        x, y, z = scale * move[HAND], scale * move[HAND + 1], scale * move[HAND + 2]
+        turn_part(turn_by(x, y, z), upper + 2, spine_count, wrist, positions, rotations)
 
 
 @kernel

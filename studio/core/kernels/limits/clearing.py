@@ -26,7 +26,7 @@ def make_clearing(volume):
         np.empty((2, PROBES)),
         Pose(np.empty((4, 3)), np.empty((3, 3, 3))),
         np.empty((3, 3)),
-        np.empty(2),
+        np.empty(3),
         np.empty(PROBES),
         np.empty((PROBES, 3)),
     )
@@ -50,7 +50,8 @@ def clear_before(frame, is_clear, clip, pose):
             if share > 0.0 and not waited and not is_clear and clearance.tiers[q] == 0:
                 for probe in range(PROBES):
                     clearing.asks[probe] = clearance.wanted[q, frame, side, probe]
-                moved = clear_arm(side, 0.0, frame, (share, clearance.freedoms[q], 1.0), clearance, clearing, pose)
+                free = (share, clearance.freedoms[q], clearance.freedoms[q], 1.0)
+                moved = clear_arm(side, 0.0, frame, free, clearance, clearing, pose)
         if moved or (is_clear and not waited):
             measure_side(side, clip, pose)
         for probe in range(PROBES):
@@ -96,7 +97,8 @@ def clear_after(frame, tier, acted, waited, clip, problem):
             if share > 0.0 and clearance.tiers[q] <= tier and (acted or late):
                 held = clearing.held
                 hold_arm(side, problem.tasks, clearance.above[q], spine_count, held)
-                free = (share if late else 1.0, clearance.freedoms[q] * (1.0 - held[0]), 1.0 - held[1])
+                freedom = clearance.freedoms[q]
+                free = (share if late else 1.0, freedom * (1.0 - held[0]), freedom * (1.0 - held[1]), 1.0 - held[2])
                 for probe in range(PROBES):
                     clearing.asks[probe] = clearance.wanted[q, frame, side, probe]
                     if not late:
@@ -138,8 +140,8 @@ def costs(frame, above, clip, problem):
 
 @kernel
 def hold_arm(side, tasks, above, spine_count, out_held):
-    """How far constraints above hold an arm's wrist and its swivel, (2,) from 0 to 1."""
-    out_held[0], out_held[1] = 0.0, 0.0
+    """How far constraints above hold an arm's wrist, its hand's turn and its swivel, (3,) from 0 to 1."""
+    out_held[0], out_held[1], out_held[2] = 0.0, 0.0, 0.0
     upper, wrist = spine_count + 3 + 4 * side, spine_count + 6 + 5 * side
     for c in range(tasks.shape[0]):
         row = tasks[c]
@@ -150,8 +152,10 @@ def hold_arm(side, tasks, above, spine_count, out_held):
                 continue
             segment, offset = row.segments[end], row.offsets[end]
             at_wrist = row.points[end] == wrist and offset[0] == 0.0 and offset[1] == 0.0 and offset[2] == 0.0
+            if not at_wrist:
+                out_held[1] = max(out_held[1], row.share)
             if segment == upper + 2 and turns_segment(row):
                 continue
             out_held[0] = max(out_held[0], row.share)
             if segment < upper + 2 and (turns_segment(row) or not at_wrist):
-                out_held[1] = max(out_held[1], row.share)
+                out_held[2] = max(out_held[2], row.share)

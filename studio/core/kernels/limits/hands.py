@@ -5,7 +5,7 @@ import numpy as np
 from studio.core.kernels.algebra.turns import beside, turn_in
 from studio.core.kernels.algebra.vectors import plus
 from studio.core.kernels.compiling import allocating_kernel, kernel
-from studio.core.kernels.limits.clearance import SWIVEL, TOUCH, copy_arm, move_arm, place_capsules, probe_at, sweep_arm
+from studio.core.kernels.limits.clearance import STEP, TOUCH, copy_arm, move_arm, place_capsules, probe_at, sweep_arm
 from studio.core.kernels.limits.clearing import make_clearing
 from studio.core.kernels.records import CAPSULE, Pose
 from studio.core.kernels.tasks.goals import ease_goal
@@ -32,7 +32,7 @@ def join_hands(gaps, shares, positions, rotations):
     ``shares`` (F, 2) are the parts of the way that each goes, together how much of it; hands keep their turns.
     """
     saved, turn = Pose(np.empty((4, 3)), np.empty((3, 3, 3))), np.empty((3, 3))
-    goal, shift = np.empty(3), np.empty(3)
+    goal, shift = np.empty(3), np.zeros(STEP)
     for frame in range(positions.shape[0]):
         whole = shares[frame, 0] + shares[frame, 1]
         if whole == 0.0:
@@ -59,13 +59,13 @@ def join_hands(gaps, shares, positions, rotations):
 
 @kernel
 def bring(side, shift, saved, turn, pose):
-    """Move the wrist of an arm by ``shift`` (3,), as far as it reaches; no shift leaves it alone."""
+    """Move the wrist of an arm by a step ``shift`` (7,), as far as it reaches; no shift leaves it alone."""
     if shift[0] == 0.0 and shift[1] == 0.0 and shift[2] == 0.0:
         return
     spine_count = pose.positions.shape[0] - 23
     shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
     copy_arm(Pose(pose.positions[shoulder : shoulder + 4], pose.rotations[upper : upper + 3]), saved)
-    move_arm(side, 1.0, shift, 0.0, saved, turn, pose)
+    move_arm(side, 1.0, shift, saved, turn, pose)
 
 
 @allocating_kernel
@@ -75,7 +75,7 @@ def rest_hands(side, members, spots, firm, volume, proximal, positions, rotation
     Those are for M capsules ``members`` (M,) of ``volume``; ``firm`` (F,) is the part of the way that is gone.
     """
     saved, turn = Pose(np.empty((4, 3)), np.empty((3, 3, 3))), np.empty((3, 3))
-    capsules, place, shift = np.empty(volume.segments.shape[0], CAPSULE), np.empty(3), np.empty(3)
+    capsules, place, shift = np.empty(volume.segments.shape[0], CAPSULE), np.empty(3), np.zeros(STEP)
     for frame in range(positions.shape[0]):
         if firm[frame] == 0.0:
             continue
@@ -97,12 +97,12 @@ def rest_hands(side, members, spots, firm, volume, proximal, positions, rotation
 
 @allocating_kernel
 def find_ways_out(wanted, actor, free, proximal, positions, rotations, out_moves):
-    """The way of each wrist (metres) and swivel of each arm (radians), ``out_moves`` (F, 2, 4), out of the body.
+    """The steps of each arm out of the body, ``out_moves`` (F, 2, 7).
 
-    That gives probes the room ``wanted`` (F, 2, 5); ``actor`` the record ``ActorRooms``; ``free`` (F, 2, 2) how freely
-    wrist and swivel move. Poses are left as they were.
+    They give probes the room ``wanted`` (F, 2, 5); ``actor`` the record ``ActorRooms``; ``free`` (F, 2, 2) how freely
+    wrist, with the hand, and swivel move. Poses are left as they were.
     """
-    clearing, step, spine_count = make_clearing(actor.volume), np.empty(4), positions.shape[1] - 23
+    clearing, step, spine_count = make_clearing(actor.volume), np.empty(STEP), positions.shape[1] - 23
     saved, turn = clearing.saved, clearing.turn
     for frame in range(positions.shape[0]):
         pose = Pose(positions[frame], rotations[frame])
@@ -110,8 +110,8 @@ def find_ways_out(wanted, actor, free, proximal, positions, rotations, out_moves
         for side in range(2):
             move = out_moves[frame, side]
             move[:] = 0.0
-            shares = (1.0, free[frame, side, 0], free[frame, side, 1])
-            if shares[1] == 0.0 and shares[2] == 0.0:
+            shares = (1.0, free[frame, side, 0], free[frame, side, 0], free[frame, side, 1])
+            if shares[1] == 0.0 and shares[3] == 0.0:
                 continue
             if not placed:
                 place_capsules(actor.volume, pose, proximal, clearing.capsules)
@@ -126,16 +126,15 @@ def find_ways_out(wanted, actor, free, proximal, positions, rotations, out_moves
                 if not moved:
                     copy_arm(Pose(pose.positions[shoulder : shoulder + 4], pose.rotations[upper : upper + 3]), saved)
                     moved = True
-                for each in range(4):
-                    move[each] += step[each]
-                move_arm(side, 1.0, move[:3], move[SWIVEL], saved, turn, pose)
+                move += step
+                move_arm(side, 1.0, move, saved, turn, pose)
             if moved:
                 copy_arm(saved, Pose(pose.positions[shoulder : shoulder + 4], pose.rotations[upper : upper + 3]))
 
 
 @allocating_kernel
 def move_arms(moves, positions, rotations):
-    """Move the wrist of each arm of all frames, in place, and swivel it, by ``moves`` (F, 2, 4)."""
+    """Take steps ``moves`` (F, 2, 7) of both arms in all frames, in place."""
     saved, turn = Pose(np.empty((4, 3)), np.empty((3, 3, 3))), np.empty((3, 3))
     spine_count = positions.shape[1] - 23
     for frame in range(positions.shape[0]):
@@ -144,4 +143,4 @@ def move_arms(moves, positions, rotations):
             if move.any():
                 shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
                 copy_arm(Pose(pose.positions[shoulder : shoulder + 4], pose.rotations[upper : upper + 3]), saved)
-                move_arm(side, 1.0, move[:3], move[SWIVEL], saved, turn, pose)
+                move_arm(side, 1.0, move, saved, turn, pose)

@@ -17,20 +17,24 @@ from studio.core.captures.contacts import ContactInterval, Touch, contact_mask
 from studio.core.captures.touching import Spots, spots
 from studio.core.kernels import layout as at
 from studio.core.kernels.limits import clearance as clearing
-from studio.core.kernels.limits.clearance import SWIVEL
+from studio.core.kernels.limits.clearance import HAND, STEP, SWIVEL
 from studio.core.kernels.limits.hands import find_ways_out, join_hands, move_arms, rest_hands
 from studio.core.kernels.records import ActorRooms
 from studio.core.mesh.volume import CAPSULES_OF, BodyVolume, usual_volume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.solver.asking.clearance import actor_rooms, packed, rest_rooms, rooms_of
-from studio.core.solver.standing.blends import SLOWLY_LET_GO, freedom, hann_window
+from studio.core.solver.standing.blends import LET_GO, SLOWLY_LET_GO, freedom, hann_window
 from studio.core.solver.standing.carrying import limb_freedom
 
 FloatArray = NDArray[np.float64]
 
-EASED = 0.2
+EASED = LET_GO
 """Seconds before and after for which an arm that has to come out of its body does so."""
+FARTHEST = 0.4
+"""Part of an arm's length to which the way of its wrist tends: farther away it would be in the body elsewhere."""
+LOOKS = 3
+"""Times that arms of a body that stands are brought out of it: what is eased in time may lead them in elsewhere."""
 SKIN = 0.01
 """Metres over which a hand that sinks into the actor, or leaves it, does so on another body."""
 
@@ -116,14 +120,14 @@ class SelfContact:
     def _rests(self) -> list[FloatArray]:
         return [each.firm for each in self.resting]
 
-    def around(self, window: slice) -> slice:
-        """The frames that have to do with where the arms are in a ``window``."""
+    def around(self, window: slice, looks: int = 1) -> slice:
+        """The frames that have to do with where the arms are in a ``window`` when they are put right in so many."""
         if self.rooms is None:
             return window
         reach = 2 * _eased_over(self.frame_rate)
-        near, far = (self._wider(window, turns * reach) for turns in (1, 2))
+        near = self._wider(window, looks * reach)
         touches = self.firm[near].any() or any(each.firm[near].any() for each in self.resting)
-        return far if touches else near  # hands that touch are looked at twice
+        return self._wider(window, max(2 * looks - 1, 2) * reach) if touches else near  # they are looked at again
 
     def _wider(self, window: slice, frames: int) -> slice:
         return slice(max(window.start - frames, 0), min(window.stop + frames, len(self.firm)))
@@ -134,32 +138,40 @@ class SelfContact:
         near = maximum_filter1d(acts, 2 * half + 1, mode="constant")
         return np.asarray(convolve1d(near, hann_window(half), mode="nearest"))
 
-    def close(self, window: slice, free: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
+    def close(
+        self, window: slice, free: FloatArray, positions: FloatArray, rotations: FloatArray, looks: int = 1
+    ) -> None:
         """Put the arms of posed frames of a ``window`` (F, P, 3), (F, S, 3, 3) right, in place.
 
         ``free`` (F, 2, 2) how far the wrist, and the elbow, of each arm may be moved for it. Frames are right that
-        have all that are ``around`` them in the window.
+        have all that are ``around`` them, with as many ``looks``, in the window.
         """
         volume, proximal = packed(self.volume), np.array(self.body.layout.proximal_points())
         firm = self.firm[window]
         lying = np.zeros((len(positions), 2))
         for each in self.resting:
             lying[:, each.side] = np.maximum(lying[:, each.side], each.firm[window])
-        everywhere = np.ones(len(firm), dtype=np.bool_)
-        self._clear(window, free, lying, 0.0 * firm, everywhere, positions, rotations)
+        led = np.ones(len(firm), dtype=np.bool_)
+        for _ in range(looks):
+            led = self._clear(window, free, lying, 0.0 * firm, led, positions, rotations)
         for each in self.resting:
             rest_hands(
                 each.side, each.capsules, each.spots[window], each.firm[window] * free[:, each.side, 0], volume,
                 proximal, positions, rotations,
             )  # fmt: skip
-        if firm.any():
-            wrists = free[:, :, 0]
-            ways = wrists / np.maximum(wrists.sum(axis=1), 1e-6)[:, None]
-            whole = firm * (1.0 - (1.0 - wrists).prod(axis=1))
-            join_hands(self.gaps[window], whole[:, None] * ways, positions, rotations)
+        wrists = free[:, :, 0]
+        ways = wrists / np.maximum(wrists.sum(axis=1), 1e-6)[:, None]
+        whole = firm * (1.0 - (1.0 - wrists).prod(axis=1))
+        self._join(window, whole[:, None] * ways, positions, rotations)
         touches = (lying > 0.0).any(axis=1) | (firm > 0.0)
-        if touches.any():
-            self._clear(window, free, lying, firm, touches, positions, rotations)
+        for _ in range(max(looks - 1, 1) if touches.any() else 0):
+            touches &= self._clear(window, free, lying, firm, touches, positions, rotations)
+        self._join(window, (firm**3 * whole)[:, None] * ways, positions, rotations)  # coming out may part them
+
+    def _join(self, window: slice, shares: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
+        """Bring hands together, each by its part of the way, ``shares`` (F, 2)."""
+        if shares.any():
+            join_hands(self.gaps[window], shares, positions, rotations)
 
     def _clear(
         self,
@@ -170,32 +182,45 @@ class SelfContact:
         looked: NDArray[np.bool_],
         positions: FloatArray,
         rotations: FloatArray,
-    ) -> None:
-        """Bring arms, as far as they are ``free`` (F, 2, 2), out of the body where it is to be ``looked`` (F,).
+    ) -> NDArray[np.bool_]:
+        """Bring arms, as far as they are ``free`` (F, 2, 2), out of the body where it is to be ``looked`` (F,); tell
+        where they were led.
 
         Hands that are ``lying`` (F, 2) on it touch it; those that are ``firm`` (F,) together go together.
         """
         if self.rooms is None:
-            return
+            return np.zeros_like(looked)
         proximal = np.array(self.body.layout.proximal_points())
         wanted, own, ways = (each[window] for each in self.rooms)
         wanted = wanted - lying[:, :, None] * np.maximum(wanted, 0.0) if lying.any() else wanted
-        moves = np.empty((len(positions), 2, 4))
+        moves = np.empty((len(positions), 2, STEP))
         able = free * looked[:, None, None]
         actor = ActorRooms(packed(self.volume), own, ways)
         find_ways_out(wanted, actor, able, proximal, positions, rotations, moves)
         if not moves.any():
-            return
-        chest = rotations[:, self.body.layout.spine_count - 1]
-        out = np.einsum("fij,fsi->fsj", chest, moves[:, :, :SWIVEL])
-        lengths = np.linalg.norm(out, axis=2, keepdims=True)
-        both = (lengths * out).sum(axis=1, keepdims=True) / np.maximum(lengths.sum(axis=1, keepdims=True), 1e-9)
-        out = eased_ways(out + firm[:, None, None] * (both - out), self.frame_rate)
-        least = free[:, :, 0].min(axis=1, keepdims=True)
-        wrists = free[:, :, 0] + firm[:, None] * (least - free[:, :, 0])
-        moves[:, :, :SWIVEL] = np.einsum("fij,fsj->fsi", chest, out) * wrists[:, :, None]
-        moves[:, :, SWIVEL:] = eased_ways(moves[:, :, SWIVEL:], self.frame_rate) * free[:, :, 1:]
+            return np.zeros_like(looked)
+        self._ease(moves, free, firm, rotations[:, self.body.layout.spine_count - 1])
         move_arms(moves, positions, rotations)
+        return np.asarray(moves.any(axis=(1, 2)))
+
+    def _ease(self, moves: FloatArray, free: FloatArray, firm: FloatArray, chest: FloatArray) -> None:
+        """Steps of both arms (F, 2, 7) that go on in time, in place, and no farther than arms may: as they are seen
+        from the ``chest`` (F, 3, 3). Hands that are ``firm`` (F,) together go the same way, and do not turn.
+        """
+        vectors = moves[:, :, :SWIVEL].reshape(len(moves), 4, 3)
+        out = np.einsum("fij,fvi->fvj", chest, vectors)
+        wrists = out[:, ::2]
+        lengths = np.linalg.norm(wrists, axis=2, keepdims=True)
+        both = (lengths * wrists).sum(axis=1, keepdims=True) / np.maximum(lengths.sum(axis=1, keepdims=True), 1e-9)
+        wrists += firm[:, None, None] * (both - wrists)
+        least = free[:, :, 0].min(axis=1, keepdims=True)
+        able = (free[:, :, 0] + firm[:, None] * (least - free[:, :, 0]))[:, :, None]
+        eased = np.einsum("fij,fvj->fvi", chest, eased_ways(out, self.frame_rate)).reshape(len(moves), 2, SWIVEL)
+        farthest = FARTHEST * self.body.rows[:, at.M_ARM : at.M_ARM + 2].sum(axis=1).max()
+        far = np.linalg.norm(eased[:, :, :HAND], axis=2, keepdims=True) / farthest
+        moves[:, :, :HAND] = able * eased[:, :, :HAND] / (1.0 + far**4) ** 0.25
+        moves[:, :, HAND:SWIVEL] = able * (1.0 - firm)[:, None, None] * eased[:, :, HAND:]
+        moves[:, :, SWIVEL:] = eased_ways(moves[:, :, SWIVEL:], self.frame_rate) * free[:, :, 1:]
 
 
 def _eased_over(frame_rate: float) -> int:
@@ -208,13 +233,19 @@ def eased_ways(ways: FloatArray, frame_rate: float) -> FloatArray:
 
     Where they contradict each other they are shorter: an arm that passes through the body passes through.
     """
-    half = _eased_over(frame_rate)
+    half, eased = _eased_over(frame_rate), np.zeros_like(ways)
     near, wide = hann_window(half), hann_window(2 * half)
+    some = np.flatnonzero(ways.any(axis=(1, 2)))
+    if not len(some):
+        return eased
+    rows = slice(max(some[0] - 2 * half, 0), some[-1] + 2 * half + 1)
+    ways = ways[rows]
     lengths = np.linalg.norm(ways, axis=2)
     longest = convolve1d(maximum_filter1d(lengths, 2 * half + 1, axis=0, mode="nearest"), near, axis=0, mode="nearest")
     around = convolve1d(lengths, wide, axis=0, mode="nearest")[:, :, None]
     mean = convolve1d(ways, wide, axis=0, mode="nearest")
-    return np.asarray(longest[:, :, None] * np.divide(mean, around, out=np.zeros_like(mean), where=around > 1e-12))
+    eased[rows] = longest[:, :, None] * np.divide(mean, around, out=np.zeros_like(mean), where=around > 1e-12)
+    return eased
 
 
 def self_contact_of(

@@ -40,6 +40,8 @@ SOFT, FIRM = 1e-2, 1e-4
 """Weights of a metre of travel beside a metre out of reach: while moves are averaged over time, and for the last."""
 KNEE_PLAY = 0.1
 """Part of the growth of its root's reach by which the hip of a knee that is let go may be off its thigh's length."""
+SQUATTING = 0.18
+"""Part of a leg's length to which flesh lets it fold, unless the actor's is folded further."""
 FOLDED_ROOM = 0.01
 """Part of its length by which a limb's ends stay further apart than when it is folded."""
 MOVES = 5
@@ -132,7 +134,9 @@ def _settled(
     links = _Links([], [], [], [])
     for side, root_reach in enumerate(footing.root_reaches):
         hip, legs = positions[:, layout.hip(side)], leg_rows(body, side)
-        links.add(hip - roots, footing.ankles[side, :, :3], _shortest(legs), root_reach * legs.sum(axis=1))
+        folded = np.minimum(1.0 - motion.channels[:, at.LIMB_SLACK + 2 + side], SQUATTING) * legs.sum(axis=1)
+        least = np.maximum(_shortest(legs), folded)
+        links.add(hip - roots, footing.ankles[side, :, :3], least, root_reach * legs.sum(axis=1))
         if footing.ankles.shape[2] > 3:
             knee, firm = footing.ankles[side, :, 3:6], footing.ankles[side, :, 6]
             play = KNEE_PLAY * run_out(1.0 - firm) * legs.sum(axis=1)

@@ -21,9 +21,10 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.runs import runs_in
 from studio.core.single import PoseArray, single
-from studio.core.solver.asking.self_contact import SelfContact, hands_standing, self_contact_of
+from studio.core.solver.asking.self_contact import LOOKS, SelfContact, hands_standing, self_contact_of
 from studio.core.solver.request import AdaptRequest, Unasked
 from studio.core.solver.standing.carrying import Hold, find_carrying, limb_freedom
+from studio.core.solver.standing.flights import leaps
 from studio.core.solver.standing.footing import Footing, find_footing
 from studio.core.solver.standing.led import Stance, led_from
 from studio.core.solver.standing.raised_arms import raise_arms
@@ -75,11 +76,11 @@ class Standing:
             return self
         wanted = np.zeros(motion.frame_count, dtype=np.bool_)
         for window in windows:
-            wanted[contact.around(contact.around(self.around(window, AROUND)))] = True
+            wanted[contact.around(contact.around(self.around(window, AROUND)), LOOKS)] = True
         free = 1.0 - hands_standing(self.contacts, motion.frame_count, motion.frame_rate)
         positions, rotations = np.asarray(self.positions), np.asarray(self.rotations)
         for run in runs_in(slice(0, motion.frame_count), wanted, 1):
-            contact.close(run, free[run], positions[run], rotations[run])
+            contact.close(run, free[run], positions[run], rotations[run], LOOKS)
         raise_arms(self.morphology, self.ground, self.arms, motion.frame_rate, positions, rotations)
         return self
 
@@ -158,6 +159,7 @@ def _stand_alone(request: AdaptRequest) -> Standing:
     contacts = on_ground(contacts)
     ground = ground.felt_at(positions)
     positions[:, :, 2] += (ground.height - shown_floor(contacts, positions, morphology, motion.frame_rate))[:, None]
+    positions[:, :, 2] += leaps(contacts, morphology, ground.height, positions)[:, None]
     carrying = find_carrying(motion, morphology, contacts, ground, positions, rotations, actor)
     upright, share = (positions, rotations), None if carrying is None else carrying.feet_share
     if carrying is not None:

@@ -1,0 +1,37 @@
+"""What ufbx hands out, for the child process that reads FBX: kept, as lists, as numbers.
+
+In ufbx 0.0.5 an object that Python lets go of takes memory with it that others still need: ``_kept`` holds all of them.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+_kept: list[Any] = []
+
+
+def keep(thing: Any) -> Any:
+    """The thing itself, which lives until the process ends."""
+    _kept.append(thing)
+    return thing
+
+
+def all_of(things: Any) -> list[Any]:
+    """What one of ufbx's lists of objects holds."""
+    keep(things)
+    return [keep(things[place]) for place in range(len(things))]
+
+
+def numbers_of(things: Any) -> list[Any]:
+    """What one of ufbx's lists of numbers, or vectors, holds."""
+    keep(things)
+    return [things[place] for place in range(len(things))]
+
+
+def matrix_of(matrix: Any) -> FloatArray:
+    """(3, 4), its last column the place."""
+    return np.array([matrix.c0, matrix.c1, matrix.c2, matrix.c3], dtype=np.float64).T

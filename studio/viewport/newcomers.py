@@ -1,0 +1,68 @@
+"""Who comes onto the stage while one looks at it: brought into the picture, if it is not there."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from studio.engine.performance import Posed
+from studio.viewport.camera import OrbitCamera
+from studio.viewport.opening import below_chips
+
+Size = tuple[float, float]
+EDGE = 0.06
+"""Part of the picture's width and height along its edges in which nothing is seen well."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """The camera before and after it has stepped back for who came."""
+
+    came: frozenset[str]
+    before: OrbitCamera
+    after: OrbitCamera
+
+
+class Newcomers:
+    """Knows who is on the stage; an import that is undone takes the camera back, unless the user has moved it."""
+
+    def __init__(self) -> None:
+        self._known = frozenset[str]()
+        self._step: Step | None = None
+
+    def meet(self, bodies: Collection[str]) -> None:
+        """Who is there when the stage is seen for the first time."""
+        self._known, self._step = frozenset(bodies), None
+
+    def camera_for(
+        self, performers: Collection[str], bodies: Mapping[str, Posed], camera: OrbitCamera, size: Size
+    ) -> OrbitCamera:
+        """The camera that shows all ``bodies`` that are new among the ``performers``, as near as it was at most.
+
+        It stays where they can all be seen, and goes on showing those of whom most was seen.
+        """
+        before, self._known = self._known, (self._known | bodies.keys()) & frozenset(performers)
+        step = self._step
+        if step is not None and step.came.isdisjoint(performers):
+            self._step = None
+            return step.before if camera == step.after else camera
+        new = bodies.keys() - before
+        if all(is_seen(bodies[key], camera, size) for key in new):
+            return camera
+        shown = {key: body for key, body in bodies.items() if key in new or seen(body, camera, size, 0.0) > 0.5}
+        framed = camera.framing(np.concatenate([body.points for body in shown.values()]), size)
+        framed = below_chips(replace(framed, distance=max(framed.distance, camera.distance)), shown, size)
+        self._step = Step(frozenset(new), camera, framed)
+        return framed
+
+
+def is_seen(body: Posed, camera: OrbitCamera, size: Size) -> bool:
+    """Whether all of a body is in the picture, and not at its edge."""
+    return seen(body, camera, size, EDGE) == 1.0
+
+
+def seen(body: Posed, camera: OrbitCamera, size: Size, edge: float) -> float:
+    """Part of a body's points in the picture, less an ``edge`` in parts of its width and height."""
+    pixels, depth = camera.project(body.points, size)
+    place = pixels / size
+    return float(((depth > 0.0) & (place >= edge).all(axis=1) & (place <= 1.0 - edge).all(axis=1)).mean())

@@ -1,0 +1,59 @@
+"""FBX characters: the body and the skin that the file has, as they were bound."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studio.core.body.canonical import BodyPart
+from studio.core.body.embodiment import measured
+from studio.core.errors import StudioError
+from studio.io.importing import load_capture, load_character
+from studio.io.registry import format_of
+from tests.io.fbx_skin import skinned_fbx
+from tests.io.fbx_text import fbx_text
+
+JOBS = ("capture_reader", "character_reader")
+
+
+def written(folder: Path, text: str) -> Path:
+    path = folder / "hero.fbx"
+    path.write_text(text)
+    return path
+
+
+@pytest.mark.parametrize("raised", [0.0, 30.0])
+def test_it_has_the_measures_of_its_joints_and_the_skin_hangs_from_them(tmp_path: Path, raised: float) -> None:
+    read = load_character(written(tmp_path, skinned_fbx(raised)))
+    capture = load_capture(tmp_path / "hero.fbx")
+    assert capture.body_map is not None
+    expected, _ = measured(capture.skeleton, capture.body_map)
+    build, skin = read.character.build, read.character.skin
+    assert build.leg == pytest.approx(expected.leg, rel=1e-4)
+    assert build.arm == pytest.approx(expected.arm, rel=1e-4)
+    assert read.moves
+    for part in (BodyPart.LEFT_THIGH, BodyPart.RIGHT_FOREARM, BodyPart.HEAD):
+        of_part = skin.vertices[skin.segments[:, 0] == build.layout.segment(part)]
+        assert len(of_part) >= 8
+    sides = skin.vertices[skin.segments[:, 0] == build.layout.segment(BodyPart.LEFT_THIGH), 1]
+    assert sides.min() > 0.0
+    one, two, three = np.swapaxes(skin.vertices[skin.triangles].astype(float), 0, 1)
+    assert np.einsum("tk,tk->t", one, np.cross(two, three)).sum() > 0.0  # turned outwards
+    assert np.einsum("tk,tk->t", np.cross(two - one, three - one), skin.normals[skin.triangles[:, 0]]).min() > 0.0
+    assert skin.appearance is not None
+    assert skin.appearance.materials[0].colour == "#CC331A"
+
+
+def test_points_that_hang_from_nothing_go_with_the_nearest_that_do(tmp_path: Path) -> None:
+    character = load_character(written(tmp_path, skinned_fbx(bare=True))).character
+    weights = character.skin.weights
+    assert weights.sum(axis=1) == pytest.approx(np.ones(len(weights)), abs=1e-5)
+
+
+def test_a_file_with_a_skin_is_a_character_and_one_without_is_a_motion(tmp_path: Path) -> None:
+    path = written(tmp_path, skinned_fbx())
+    assert format_of(path, *JOBS).holds_character(path)
+    path = written(tmp_path, fbx_text())
+    assert not format_of(path, *JOBS).holds_character(path)
+    with pytest.raises(StudioError, match="Import it as a capture"):
+        load_character(path)
