@@ -89,7 +89,9 @@ class ClipEditor(Editor):
         self._ease = self._number(NumberField("Takes over in", "s", 0.0, 60.0, 0.05), "Ease", "", ease=1.0)
         self._ease.setSpecialValueText("as needed")
         section.add_row("Takes over", self._ease)
-        section.add_wide(labelled("Where it overlaps another clip it fades in over that one instead.", "hint"))
+        section.add_wide(
+            labelled("Where it overlaps another clip it takes over in the frame in which both are most alike.", "hint")
+        )
         return section
 
     def _buttons(self) -> QWidget:
