@@ -12,6 +12,7 @@ from studio.timeline.sheet import Sheet
 from studio.timeline.shown import HANDLES, LABEL_WIDTH, Hit, Part
 from studio.timeline.strips import StripState
 from studio.timeline.tracks import clip, constraint, growth, remarks
+from studio.timeline.tracks.change import take_over
 from studio.timeline.tracks.hold import hold_under
 from studio.timeline.tracks.plot import PlotPicture
 
@@ -90,7 +91,9 @@ def _clip_text(sheet: Sheet, hit: Hit) -> str:
     length = entity.length(shown.project.frame_rate_of(entity))
     players = len(players_of(shown.project, hit.id))
     shared = f", shared by {players} bodies" if players > 1 else ""
-    return f"{clip.clip_text(shown, entity)}: frames {entity.first} to {entity.last}, {length:.3f} s{shared}"
+    text = f"{clip.clip_text(shown, entity)}: frames {entity.first} to {entity.last}, {length:.3f} s{shared}"
+    comes = take_over(shown, hit.performer_id, entity)
+    return f"{text}\n{comes.words(entity)}" if comes else text
 
 
 def _growth_text(sheet: Sheet, hit: Hit, position: QPointF) -> str:

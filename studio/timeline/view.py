@@ -195,11 +195,12 @@ class TrackView(QWidget):
                 self._redraw(row)
 
     def _show_results(self) -> None:
-        """Draw what tells of results again: while something is dragged, only the strips of what is worked on."""
+        """Draw what tells of results again: while something is dragged, only of what is worked on."""
         all_rows = self.sheet.rows if self.sheet else ()
         rows = [(row.kind, row.id) for row in all_rows if row.kind in ("constraints", "clip")]
         if self.live.interactive:
-            rows = [row for row in rows if row in self.document.selection]
+            selection = self.document.selection
+            rows = [row for row in rows if row in selection or (row[0] == "clip" and selection.of("clips"))]
         else:
             rows.append(PLOT)
         self._redraw(*rows)

@@ -150,9 +150,9 @@ def test_a_foot_steps_while_the_other_stands_or_goes_to_its_place_as_the_motion_
     _, stepping = flights_of(np.array([kick, stand]), np.array([3, 3]), ways, needed, 0.0, 60.0)
     assert stepping.height > 0.0
     assert stepping.leaves >= 60
-    lifted = np.repeat([3, 0, 3], [10, 30, 80])
+    lifted = np.repeat([3, 0, 3], [15, 30, 75])
     _, led = flights_of(np.array([kick, lifted]), np.array([3, 3]), ways, needed, 0.0, 60.0)
-    assert (led.leaves, led.height) == (10, 0.0)
+    assert (led.leaves, led.height) == (15, 0.0)
 
 
 def test_whose_motion_or_clip_is_taken_away_goes_on_from_where_it_is():

@@ -105,13 +105,21 @@ def _weights(both_stand: NDArray[np.bool_]) -> FloatArray:
 
 
 def _least_squares(old: FloatArray, new: FloatArray, weights: FloatArray) -> Planar:
-    w = weights.reshape(-1) / weights.sum()
-    a, b = old.reshape(-1, 2), new.reshape(-1, 2)
-    middle_a, middle_b = w @ a, w @ b
-    a, b = a - middle_a, b - middle_b
-    turn = float(np.arctan2(w @ (b[:, 0] * a[:, 1] - b[:, 1] * a[:, 0]), w @ (a * b).sum(axis=1)))
-    x, y = middle_a - _turned(middle_b, turn)
+    """Body and feet each turn about their own middle: a body is not turned round to lie on the other side of a foot."""
+    dots, crosses = 0.0, 0.0
+    for part in (slice(0, 4), slice(4, 8)):
+        w = weights[:, part]
+        a, b = (each[:, part] - _middle(each[:, part], w) for each in (old, new))
+        dots += float((w * (a * b).sum(axis=2)).sum())
+        crosses += float((w * (b[..., 0] * a[..., 1] - b[..., 1] * a[..., 0])).sum())
+    turn = float(np.arctan2(crosses, dots))
+    x, y = _middle(old, weights) - _turned(_middle(new, weights), turn)
     return Planar(turn, (float(x), float(y)))
+
+
+def _middle(points: FloatArray, weights: FloatArray) -> FloatArray:
+    """(2,) the weighted mean of points (F, P, 2)."""
+    return np.asarray(np.einsum("fp,fpk->k", weights, points) / weights.sum())
 
 
 def _miss(old: FloatArray, new: FloatArray, placed: Planar, both_stand: NDArray[np.bool_], side: int) -> float:

@@ -1,7 +1,7 @@
-"""The clips of a performer: one bar each, over each other where one fades into the next."""
+"""The clips of a performer: one bar each, of two that overlap the one above that plays."""
 
 from PySide6.QtCore import QPointF, QRect, QRectF, Qt
-from PySide6.QtGui import QColor, QFontMetrics, QPainter, QPainterPath, QPolygonF
+from PySide6.QtGui import QColor, QFontMetrics, QPainter, QPainterPath, QPen, QPolygonF
 
 from studio.core.constraints.activation import EaseShape, ease
 from studio.core.stage.clip import Clip
@@ -10,6 +10,7 @@ from studio.engine.empty_stage import HIDDEN, empty_words
 from studio.timeline.figures import rate
 from studio.timeline.shown import Hit, Part, Shown, label_area
 from studio.timeline.tracks.brush import LABEL_INDENT, font, hairline, paint_dot, paint_fold, paint_label, translucent
+from studio.timeline.tracks.change import paint_take_over, take_over
 
 HEIGHT = 24
 EDGE_REACH = 5.0
@@ -54,7 +55,7 @@ def row_text(shown: Shown, clip: Clip) -> str:
 
 
 def paint_clips(painter: QPainter, row: QRect, shown: Shown, performer_id: str) -> None:
-    """Quiet bars that say what plays; what fades in rises over what fades out."""
+    """Quiet bars that say what plays: a clip lies over the one before it from where it takes over."""
     bars = bars_of(shown, row, performer_id)
     failure = shown.live.failure(performer_id)
     if failure:
@@ -62,12 +63,18 @@ def paint_clips(painter: QPainter, row: QRect, shown: Shown, performer_id: str) 
         return
     end = -1e9
     for place, (clip, bar) in enumerate(bars):
-        fade = min(max(end - bar.left(), 0.0), bar.width())
-        paint_clip_bar(painter, shown, performer_id, clip, _outline(bar, fade))
-        _paint_fade(painter, bar, fade)
+        overlap, comes = min(max(end - bar.left(), 0.0), bar.width()), take_over(shown, performer_id, clip)
+        after = min(max(comes.after * shown.axis.scale, 0.0), bar.width()) if comes else 0.0
+        if comes and comes.fades:
+            paint_clip_bar(painter, shown, performer_id, clip, _rising(bar, overlap))
+        else:
+            _paint_unplayed(painter, bar.adjusted(0, 0, after - bar.width(), 0))
+            paint_clip_bar(painter, shown, performer_id, clip, _rounded(bar.adjusted(after, 0, 0, 0)))
         _paint_repeats(painter, clip, bar)
+        if comes and not comes.fades and (overlap >= 2.0 or comes.cut):
+            paint_take_over(painter, bar, bar.left() + after, comes.cut)
         nearest = min((other.left() for _, other in bars[place + 1 :]), default=bar.right())
-        room = bar.adjusted(fade, 0, min(nearest - bar.right(), 0.0), 0)
+        room = bar.adjusted(overlap, 0, min(nearest - bar.right(), 0.0), 0)
         paint_clip_text(painter, row_text(shown, clip), seen_part(shown, room))
         end = max(end, bar.right())
 
@@ -83,23 +90,30 @@ def _paint_failure(painter: QPainter, row: QRect, shown: Shown, bars: list[tuple
     paint_clip_text(painter, failure, room, colours.TEXT)
 
 
-def _outline(bar: QRectF, fade: float) -> QPainterPath:
-    """A bar with rounded corners that rises over ``fade`` pixels, as the blend does."""
+def _rounded(bar: QRectF) -> QPainterPath:
     path = QPainterPath()
-    if fade < 2.0:
-        path.addRoundedRect(bar, 3, 3)
-        return path
-    path.addPolygon(QPolygonF([*_rise(bar, fade), bar.topRight(), bar.bottomRight()]))
+    path.addRoundedRect(bar, 3, 3)
+    return path
+
+
+def _rising(bar: QRectF, fade: float) -> QPainterPath:
+    """A bar that rises over ``fade`` pixels, as a blend does."""
+    shares = [step / CURVE_STEPS for step in range(CURVE_STEPS + 1)]
+    heights = [bar.bottom() - float(ease(share, EaseShape.QUINTIC)) * bar.height() for share in shares]
+    rise = [QPointF(bar.left() + share * fade, height) for share, height in zip(shares, heights, strict=True)]
+    path = QPainterPath()
+    path.addPolygon(QPolygonF([*rise, bar.topRight(), bar.bottomRight()]))
     path.closeSubpath()
     return path
 
 
-def _rise(bar: QRectF, fade: float) -> list[QPointF]:
-    shares = [step / CURVE_STEPS for step in range(CURVE_STEPS + 1)]
-    heights = [float(ease(share, EaseShape.QUINTIC)) * bar.height() for share in shares]
-    return [
-        QPointF(bar.left() + share * fade, bar.bottom() - height) for share, height in zip(shares, heights, strict=True)
-    ]
+def _paint_unplayed(painter: QPainter, bar: QRectF) -> None:
+    """Only the outline of what of a clip does not play, because the one before it still does."""
+    if bar.width() >= 2.0:
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.setPen(QPen(translucent(colours.TEXT, 0.7), 1.0, Qt.PenStyle.DotLine))
+        painter.drawRoundedRect(bar, 3, 3)
 
 
 def paint_clip_bar(painter: QPainter, shown: Shown, performer_id: str, clip: Clip, path: QPainterPath) -> None:
@@ -114,14 +128,6 @@ def paint_clip_bar(painter: QPainter, shown: Shown, performer_id: str, clip: Cli
     painter.setBrush(QColor(colours.mixed(colours.CONTROL, colour, tint)))
     painter.setPen(hairline(colours.SELECTED_HANDLE if selected else colours.PANEL, 1.2 if selected else 1.0))
     painter.drawPath(path)
-
-
-def _paint_fade(painter: QPainter, bar: QRectF, fade: float) -> None:
-    """The curve by which a clip takes over."""
-    if fade >= 2.0:
-        painter.setBrush(Qt.BrushStyle.NoBrush)
-        painter.setPen(hairline(translucent(colours.TEXT, 0.7), 1.2))
-        painter.drawPolyline(_rise(bar, fade))
 
 
 def _paint_repeats(painter: QPainter, clip: Clip, bar: QRectF) -> None:

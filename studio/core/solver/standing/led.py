@@ -26,7 +26,7 @@ from studio.core.normalized.transition import SHORTEST, halts_of, pace_left, pla
 from studio.core.rotations import from_matrix, sign_continuous
 from studio.core.solver.standing.blends import smooth_drops
 from studio.core.solver.standing.footing import Footing, foot_contacts, leg_stretches
-from studio.core.solver.standing.held_foot import FootPath, HeldFoot, turned, turns_between
+from studio.core.solver.standing.held_foot import FootPath, HeldFoot, turned
 from studio.core.solver.standing.stepping import Flight, carrying, flights_of, states_of
 from studio.core.solver.standing.tipping import depths_of, out_of_ground, seen_coming
 
@@ -175,7 +175,7 @@ class _Change:
         """(2, S, 3) rotation vectors from each segment in its carrier as it is by itself to how it was seen."""
         carriers = np.array(self.standing.morphology.layout.parent_segments())
         own, seen = (_in_carriers(each.rotations, carriers) for each in (self.own, self.seen))
-        return np.stack([turns_between(*both) for both in zip(own, seen, strict=True)])
+        return _ways(own, seen)
 
     @cached_property
     def seconds(self) -> float:
@@ -371,6 +371,8 @@ def _in_carriers(rotations: FloatArray, carriers: NDArray[np.int64]) -> FloatArr
 
 
 def _ways(own: FloatArray, led: FloatArray) -> FloatArray:
-    """(F, 3) the same over time: from the last frame backwards they go on, where the shorter way would change."""
-    turns = sign_continuous(from_matrix(led @ np.swapaxes(own, 1, 2))[::-1])[::-1]
-    return rotation_vectors(turns * np.where(turns[-1, 3] < 0.0, -1.0, 1.0))
+    """(F, ..., 3) rotation vectors from ``own`` (F, ..., 3, 3) to ``led``: from the last frame backwards they go on,
+    where the shorter way would change.
+    """
+    turns = sign_continuous(from_matrix(led @ np.swapaxes(own, -1, -2))[::-1])[::-1]
+    return rotation_vectors(turns * np.where(turns[-1, ..., 3:] < 0.0, -1.0, 1.0))

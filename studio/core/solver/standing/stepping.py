@@ -46,11 +46,13 @@ def flights_of(
 
     ``ways`` (2,) leg lengths that it is aside, ``needed`` (2, 2) seconds to get there from the ground, and through the
     air; steps take ``given`` seconds all together, 0 as many as they need. A foot steps while the other stands,
-    once the weight is there; one that the motion lifts before goes to its place in that.
+    once the weight is there; one that the motion lifts before goes to its place in that. One that it lifts within
+    ``SHORTEST`` is in the air at once: there is no time to come to lie as the motion has it leave.
     """
     flights: dict[int, Flight] = {}
     shifted = 0 if given else round(SHORTEST * rate)
-    standing = (seen != 0) & (own[:, 0] != 0) & ((seen & own[:, 0]) != 0)
+    stays = np.array([_run(each) for each in own]) >= min(SHORTEST * rate, own.shape[1])
+    standing = stays & ((seen & own[:, 0]) != 0)
     steps = standing & (ways >= SAME_PLACE)
     free = 0
     for side in sorted(range(2), key=lambda side: bool(standing[side])):

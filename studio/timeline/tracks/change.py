@@ -1,0 +1,78 @@
+"""Where one clip of a row takes over from another: a mark on its bar, and what happens there in a sentence."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+from PySide6.QtCore import QPointF, QRectF
+from PySide6.QtGui import QColor, QPainter, QPolygonF
+
+from studio.core.normalized.compose import Composite
+from studio.core.normalized.joining import FARTHEST
+from studio.core.normalized.pieces import Played
+from studio.core.stage.clip import Clip
+from studio.document import colours
+from studio.timeline.shown import Shown
+from studio.timeline.tracks.brush import hairline, translucent
+
+HEAD = 4.0
+"""Pixels of half a mark's head."""
+
+
+@dataclass(frozen=True)
+class TakeOver:
+    """A clip takes over ``after`` seconds from its start; where it is ``cut`` the body is there at once.
+
+    Where it ``fades`` it begins to there; else it is led on from where the body is.
+    """
+
+    after: float
+    cut: bool
+    fades: bool
+    overlaps: bool
+
+    def words(self, clip: Clip) -> str:
+        """What happens, and what to do where nobody would want it."""
+        at = f"{clip.start + self.after:.3f} s"
+        if self.cut:
+            return (
+                f"The body jumps at {at}: this begins more than {FARTHEST:g} leg lengths away, farther than a step. "
+                "Let it begin where the last one ends, or move it nearer"
+            )
+        if self.fades:
+            return f"Fades in from {at} on, as hands, knees or seat stand in the row, or a layer over it has them stand"
+        alike = ", where both are most alike" if self.overlaps else ""
+        return f"Takes over at {at}{alike}: the body goes on from where it is, standing feet stay until they are lifted"
+
+
+def take_over(shown: Shown, performer_id: str, clip: Clip) -> TakeOver | None:
+    """How a clip of a performer takes over; None for the first one, and while it is not known.
+
+    While the clip is dragged it is known of where it was last solved, and goes with it.
+    """
+    result, clips = shown.result(performer_id), shown.project.performers[performer_id].clips
+    if result is None or result.composite is None or clip not in clips:
+        return None
+    for before, played in pairwise(result.composite.played):
+        if played.piece.origin == (clips.index(clip), 0):
+            return _from(before, played, result.composite)
+    return None
+
+
+def _from(before: Played, played: Played, composite: Composite) -> TakeOver | None:
+    """None where it goes on as the one before would, as parts of a split clip do."""
+    after = composite.timing.stage_time(played.first) - played.piece.start
+    overlaps, changes = before.piece.end > played.piece.start, composite.motion.changes
+    change = next((each for each in changes if each.first == played.first), None)
+    if change is None and (changes or not overlaps):
+        return None
+    return TakeOver(after, change is not None and change.cut, change is None, overlaps)
+
+
+def paint_take_over(painter: QPainter, bar: QRectF, x: float, cut: bool) -> None:
+    """A line across a bar where its clip takes over, with a head; amber where the body jumps."""
+    colour = colours.PARTLY if cut else colours.TEXT
+    painter.setPen(hairline(translucent(colour, 0.9), 1.2))
+    painter.drawLine(QPointF(x, bar.top()), QPointF(x, bar.bottom()))
+    painter.setBrush(QColor(colour))
+    corners = ((-HEAD, 0.0), (HEAD, 0.0), (0.0, HEAD))
+    painter.drawPolygon(QPolygonF([QPointF(x + dx, bar.top() + dy) for dx, dy in corners]))
