@@ -30,6 +30,8 @@ BUDGET = 0.002
 """Processor seconds before a picture after which no other body is begun: who is left is solved beside it."""
 LONG = 0.05
 """Processor seconds above which a frame would keep pictures waiting: then it is solved beside them, whosever it is."""
+MANY = 50_000
+"""Frames of a circle with which even its first one would: how a body stands is known of all frames together."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,7 +191,7 @@ class Frames:
                 continue  # nor has anybody moved whom it may follow
             moving |= {*circle} if follows else set()
             has_room = whole in first or time.thread_time() - begun < BUDGET
-            if not follows and (left or circle in self._slow or not has_room):
+            if not follows and (left or self._is_slow(circle, project) or not has_room):
                 left.append(circle)
                 continue
             outcome = instant.solved(circle)
@@ -197,6 +199,10 @@ class Frames:
             self._put(outcome)
         turn = self._turn_of(left, project)
         return (lambda: [instant.solved(circle) for circle in turn]) if turn else None
+
+    def _is_slow(self, circle: Circle, project: Project) -> bool:
+        frames = (frame_count_of(project, project.performers[key]) for key in circle)
+        return circle in self._slow or sum(frames) > MANY
 
     def _turn_of(self, left: list[Circle], project: Project) -> list[Circle]:
         """Half of those who are left, furthest behind first: more would hold up the picture.

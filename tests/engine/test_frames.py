@@ -201,3 +201,16 @@ def test_a_frame_that_costs_long_keeps_no_picture_waiting_but_the_first(qapp: An
     assert live.wait(100.0)
     assert live.shown("performer 0") is live.result("performer 0")
     live.close()
+
+
+def test_a_row_of_very_many_frames_keeps_not_even_the_first_picture_waiting(live: Any, monkeypatch: Any) -> None:
+    """Two clips an hour apart hold a pose between them that stands in every frame."""
+    monkeypatch.setattr("studio.engine.frames.MANY", FRAMES - 1)
+    before = shown(live, "performer 0").copy()
+    drag(live.document, (0.4, 0.1, 1.2))
+    live.bring(live.document.playhead.time)
+    assert np.array_equal(shown(live, "performer 0"), before)
+    end = time.monotonic() + 10.0
+    while np.array_equal(shown(live, "performer 0"), before) and time.monotonic() < end:
+        QApplication.processEvents()
+    assert not np.array_equal(shown(live, "performer 0"), before)
