@@ -93,7 +93,7 @@ def test_a_body_map_without_a_limb_is_refused_with_the_parts() -> None:
 
 def test_unknown_parts_and_joints_are_answered_with_those_there_are() -> None:
     skeleton = make_skeleton()
-    with pytest.raises(StudioError, match="'tail' is no part of a body"):
+    with pytest.raises(StudioError, match="'tail' is not a part of a body"):
         BodyMap.from_json(skeleton, BODY_MAP | {"tail": "Hips"})
     with pytest.raises(StudioError, match=r"No joint is called 'LeftFot'\. Nearest names: LeftFoot"):
         BodyMap.from_json(skeleton, BODY_MAP | {"left_foot": "LeftFot"})

@@ -113,7 +113,7 @@ def test_vertices_at_one_place_are_one_and_flat_triangles_are_none() -> None:
     ("vertices", "triangles", "sentence"),
     [
         ([[0, 0, 0], [1, 0, 0], [0, np.nan, 0]], [[0, 1, 2]], "not finite"),
-        ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 3]], "no vertex"),
+        ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 3]], "not a vertex"),
         ([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2]], "with an area"),
         ([], [], "with an area"),
     ],

@@ -101,7 +101,7 @@ def test_nothing_is_odd_about_bundled_bodies(name: str) -> None:
     ("measure", "value", "words"),
     [
         ("head", 0.9, "m tall"),
-        ("arm", [[0.3, 0.25], [0.3, 0.15]], "arms are no pair"),
+        ("arm", [[0.3, 0.25], [0.3, 0.15]], "arms are not a pair"),
         ("leg", [[0.6, 0.2], [0.6, 0.2]], "legs are not in order"),
         ("hip_offset", [[0.0, 0.4, 0.9], [0.0, -0.4, 0.9]], "legs are not in order"),
     ],

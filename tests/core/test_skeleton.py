@@ -36,8 +36,8 @@ def test_a_wrong_joint_name_is_answered_with_near_ones() -> None:
     ("names", "parents", "sentence"),
     [
         ("a b b", (-1, 0, 0), "Two joints of the skeleton are called 'b'"),
-        ("a b c", (-1, 2, 0), "Joint 'b' does not stand after its parent"),
-        ("a b c", (-1, -1, 0), "Joint 'b' does not stand after its parent"),
+        ("a b c", (-1, 2, 0), "Joint 'b' comes before its parent"),
+        ("a b c", (-1, -1, 0), "Joint 'b' comes before its parent"),
         ("a b c", (1, 0, 0), "must be its root"),
         ("", (), "at least one joint"),
         ("a b", (-1, 0, 0), "needs parents of shape"),
