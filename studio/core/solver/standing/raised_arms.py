@@ -10,7 +10,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.kernels.limbs.limb import STRETCHED
 from studio.core.kernels.support.heels import SHALLOWEST
 from studio.core.rotations import normalized, shortest_arc
-from studio.core.solver.standing.blends import LET_GO, freedom, lacking, smooth_drops, smoothstep
+from studio.core.solver.standing.blends import LET_GO, SLOWLY_LET_GO, freedom, lacking, smooth_drops, smoothstep
 from studio.core.solver.standing.carrying import swung
 from studio.core.solver.standing.settling import Arms
 
@@ -44,8 +44,9 @@ def raise_arms(
     if not ground.is_level:
         return
     for side in range(2):
-        free = np.ones(len(positions)) if arms is None else freedom(arms.standing[side], frame_rate, LET_GO)
-        _bend_hand(side, free, body, ground, frame_rate, positions, rotations)
+        stands = np.zeros(len(positions), dtype=np.bool_) if arms is None else arms.standing[side]
+        free, slowly_free = (freedom(stands, frame_rate, seconds) for seconds in (LET_GO, SLOWLY_LET_GO))
+        _bend_hand(side, slowly_free, body, ground, frame_rate, positions, rotations)
         _raise_hand(side, free, body, ground, frame_rate, positions, rotations)
         _raise_elbow(side, free, body, ground, positions, rotations)
 
@@ -91,9 +92,9 @@ def _bend_hand(
     back = normalized(_across(back, ahead))
     own = np.arctan2(-np.sum(forearm * back, axis=1), np.sum(forearm * ahead, axis=1))
     most = np.maximum(np.minimum(np.radians(WRIST.radii[0]) - own, np.arctan2(-ahead[:, 2], back[:, 2])), 1e-3)
-    rises = free * smooth_drops(lacking(heights, room), frame_rate) / lengths
+    rises = smooth_drops(lacking(heights, room), frame_rate) / lengths
     bends = most * np.tanh(rises / np.maximum(back[:, 2], SHALLOWEST) / most)
-    bends *= smoothstep(np.clip(1.0 + 2.0 * back[:, 2], 0.0, 1.0))
+    bends *= free * smoothstep(np.clip(1.0 + 2.0 * back[:, 2], 0.0, 1.0))
     bent = np.flatnonzero(bends > 0.0)
     turns = Rotation.from_rotvec(bends[bent, None] * np.cross(ahead, back)[bent]).as_matrix()
     rotations[bent, hand] = turns @ rotations[bent, hand]
