@@ -100,6 +100,17 @@ def test_dragging_a_bar_moves_it_in_time_as_one_step(document, timeline, hand):
     assert document.project.performers == before.performers
 
 
+@pytest.mark.parametrize("frame", [120, 159.5], ids=["move", "trim"])
+def test_a_clip_whose_motion_is_removed_while_it_is_dragged_stays_away(document, timeline, hand, frame):
+    hand.press(place(timeline, SECOND, frame))
+    hand.move(pixels(timeline, 3))
+    document.remove("motions", "other", "Remove motion")
+    hand.move(pixels(timeline, 9))
+    assert "kick" not in document.project.clips
+    hand.release()
+    assert "kick" not in document.project.clips
+
+
 def test_a_bar_catches_where_another_ends(document, timeline, hand):
     hand.press(place(timeline, SECOND, 120))
     hand.move(pixels(timeline, -19.5))

@@ -28,6 +28,19 @@ class ClipGesture(EditGesture):
             key: each for clip in self.clip_ids for key, each in players_of(shown.project, clip).items()
         }
 
+    @property
+    def is_there(self) -> bool:
+        """Whether the clips have not been removed meanwhile, as by a key."""
+        return all(clip_id in self.shown.project.clips for clip_id in self.clip_ids)
+
+    def update(self, position: QPointF, free: bool) -> None:
+        """Nothing when a clip has been removed meanwhile."""
+        if self.is_there:
+            self.drag(position, free)
+
+    def drag(self, position: QPointF, free: bool) -> None:
+        """As ``update``, while the clips are there."""
+
     def put_each(self, edit: ClipEdit) -> None:
         """Show the rows with the dragged clips edited from what they were; not of performers that are gone."""
         document = self.shown.document
@@ -43,7 +56,8 @@ class ClipGesture(EditGesture):
 
     def cancel(self) -> None:
         """Put the rows back; the step vanishes."""
-        self.put_each(lambda clip: (clip,))
+        if self.is_there:
+            self.put_each(lambda clip: (clip,))
         self.finish()
 
     def _find_magnets(self) -> tuple[float, ...]:
@@ -63,7 +77,7 @@ class MoveClips(ClipGesture):
         many = len(self.clip_ids)
         self.text = f"Move {f'{many} clips' if many > 1 else name_of(shown.project, self.original)} in time"
 
-    def update(self, position: QPointF, free: bool) -> None:
+    def drag(self, position: QPointF, free: bool) -> None:
         """All by as much as the one that is held."""
         begin, length = self.original.start, end_of(self.shown, self.original) - self.original.start
         caught = self.snap(begin + self.moved(position), free)
@@ -85,7 +99,7 @@ class TrimClip(ClipGesture):
         self.part = part
         self.text = f"Trim {name_of(shown.project, self.original)}"
 
-    def update(self, position: QPointF, free: bool) -> None:
+    def drag(self, position: QPointF, free: bool) -> None:
         """Whole frames always; ``free`` only keeps it from catching on what lies near."""
         clip, project = self.original, self.shown.project
         grabbed = clip.start if self.part == Part.FIRST else end_of(self.shown, clip)
