@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 from studio.core.project import Project
-from studio.core.solver.performers.rows import stage_span
 from studio.core.solver.performers.stage import asked_of
 from studio.engine.performance import Results, stage_time
 from studio.engine.residuals import Residual, worst_residual
@@ -15,6 +14,7 @@ class Problem:
 
     performer_id: str
     constraint_id: str
+    frame: int
     time: float
     """On the stage, seconds."""
     residual: Residual
@@ -22,13 +22,7 @@ class Problem:
 
 
 def worst_problem(project: Project, result_of: Results) -> Problem | None:
-    """The worst residual of an enabled constraint over all visible performers; None if all hold.
-
-    Its sentence has the frame as the timeline counts it.
-    """
-    span = stage_span(project)
-    if span is None:
-        return None
+    """The worst residual of an enabled constraint over all visible performers; None if all hold."""
     worst: Problem | None = None
     for performer_id, performer in project.performers.items():
         motion = result_of(performer_id) if performer.visible and performer.clips else None
@@ -42,8 +36,11 @@ def worst_problem(project: Project, result_of: Results) -> Problem | None:
             if worst is None or found.weight > worst.residual.weight:
                 rate = project.frame_rate_of(clip)
                 time = stage_time(clip, rate, found.frame / rate)
-                frame = round(time * span.frame_rate)
-                remark = f", {found.remark}" if found.remark else ""
-                sentence = f"{performer.name}: {found.words} short of '{constraint.name}' at frame {frame}{remark}"
-                worst = Problem(performer_id, constraint_id, time, found, sentence)
+                sentence = _sentence(performer.name, found, constraint.name)
+                worst = Problem(performer_id, constraint_id, found.frame, time, found, sentence)
     return worst
+
+
+def _sentence(performer: str, residual: Residual, constraint: str) -> str:
+    remark = f", {residual.remark}" if residual.remark else ""
+    return f"{performer}: {residual.words} short of '{constraint}' at frame {residual.frame}{remark}"

@@ -17,10 +17,10 @@ def test_the_worst_miss_of_a_fully_active_constraint_is_told_with_its_frame():
     full = (frames / RATE >= 0.1) & (frames / RATE <= 0.3)
     worst = {key: np.where(full, motion.residuals[0], 0.0) for key, motion in results.items()}
     key = max(worst, key=lambda one: worst[one].max())
-    assert (problem.performer_id, problem.residual.frame) == (key, int(worst[key].argmax()))
+    assert (problem.performer_id, problem.frame) == (key, int(worst[key].argmax()))
     assert problem.residual.amount == pytest.approx(worst[key].max())
-    assert problem.time == pytest.approx(problem.residual.frame / RATE)
-    assert problem.sentence.endswith(f"short of 'Target 0' at frame {problem.residual.frame}")
+    assert problem.time == pytest.approx(problem.frame / RATE)
+    assert problem.sentence.endswith(f"short of 'Target 0' at frame {problem.frame}")
 
 
 def test_no_problem_is_told_when_every_constraint_holds_or_none_is_asked():
@@ -40,14 +40,3 @@ def test_an_answer_to_an_older_question_is_not_read_as_a_problem():
     results = results_of(project)
     asked_more = project.with_entity("constraints", "new", make_constraint(name="New", priority=3))
     assert worst_problem(asked_more, results.get) is None
-
-
-def test_the_frame_that_is_told_is_that_of_the_timeline_where_the_clip_plays():
-    project = make_project(characters=1)
-    performer = project.performers["performer 0"]
-    later = replace(performer, clips=(replace(performer.clips[0], start=2.0),))
-    results = results_of(project)
-    before = worst_problem(project, results.get)
-    problem = worst_problem(project.with_entity("performers", "performer 0", later), results.get)
-    assert problem.time == pytest.approx(before.time + 2.0)
-    assert problem.sentence.endswith(f"at frame {round(problem.time * RATE)}")
