@@ -30,8 +30,10 @@ BUDGET = 0.002
 """Processor seconds before a picture after which no other body is begun: who is left is solved beside it."""
 LONG = 0.05
 """Processor seconds above which a frame would keep pictures waiting: then it is solved beside them, whosever it is."""
-MANY = 50_000
-"""Frames of a circle with which even its first one would: how a body stands is known of all frames together."""
+MANY, PIECE = 50_000, 1000
+"""Frames of a circle with which even its first one would, for how a body stands is known of all frames together; and
+how many frames cost what it costs to join one more clip, or one more time that a clip plays.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,8 +203,10 @@ class Frames:
         return (lambda: [instant.solved(circle) for circle in turn]) if turn else None
 
     def _is_slow(self, circle: Circle, project: Project) -> bool:
-        frames = (frame_count_of(project, project.performers[key]) for key in circle)
-        return circle in self._slow or sum(frames) > MANY
+        performers = [project.performers[key] for key in circle]
+        frames = sum(frame_count_of(project, each) for each in performers)
+        pieces = sum(clip.repeats for each in performers for clip in each.all_clips)
+        return circle in self._slow or frames + PIECE * pieces > MANY
 
     def _turn_of(self, left: list[Circle], project: Project) -> list[Circle]:
         """Half of those who are left, furthest behind first: more would hold up the picture.

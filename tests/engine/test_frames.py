@@ -20,7 +20,7 @@ from studio.core.solver.adapt import adapt
 from studio.core.solver.performers.performing import perform
 from studio.core.stage.scope import Scope
 from studio.document.document import Document
-from studio.engine.frames import LONG
+from studio.engine.frames import LONG, PIECE
 from studio.engine.live_adaptation import LiveAdaptation, normalised
 from studio.engine.standing_solver import StandingSolver
 from tests.builders import make_constraint, make_project
@@ -203,12 +203,21 @@ def test_a_frame_that_costs_long_keeps_no_picture_waiting_but_the_first(qapp: An
     live.close()
 
 
-def test_a_row_of_very_many_frames_keeps_not_even_the_first_picture_waiting(live: Any, monkeypatch: Any) -> None:
-    """Two clips an hour apart hold a pose between them that stands in every frame."""
-    monkeypatch.setattr("studio.engine.frames.MANY", FRAMES - 1)
+@pytest.mark.parametrize("repeats", [1, 60], ids=["many frames", "many pieces"])
+def test_a_row_that_is_very_long_keeps_not_even_the_first_picture_waiting(
+    live: Any, monkeypatch: Any, repeats: int
+) -> None:
+    """Clips an hour apart hold a pose between them that stands in every frame; one that plays again is joined."""
+    document, performer = live.document, live.document.project.performers["performer 0"]
+    if repeats == 1:
+        monkeypatch.setattr("studio.engine.frames.MANY", FRAMES - 1 + PIECE)
+    row = (replace(performer.clips[0], repeats=repeats),)
+    document.replace("performers", "performer 0", replace(performer, clips=row), "Play again")
+    assert live.wait(100.0)
+    live.bring(document.playhead.time)
     before = shown(live, "performer 0").copy()
-    drag(live.document, (0.4, 0.1, 1.2))
-    live.bring(live.document.playhead.time)
+    drag(document, (0.4, 0.1, 1.2))
+    live.bring(document.playhead.time)
     assert np.array_equal(shown(live, "performer 0"), before)
     end = time.monotonic() + 10.0
     while np.array_equal(shown(live, "performer 0"), before) and time.monotonic() < end:
