@@ -66,6 +66,9 @@ def do_everything() -> None:
     play_live()
     for request in scenes():
         solve(request)
+    moment = replace(WALK, channels=WALK.channels[:1])
+    standing = tuple(replace(each, first=0, last=0) for each in FEET if each.first == 0)
+    adapt(AdaptRequest(moment, STILL, standing))
     for blending in Blending:
         adapted, worn = adapt(AdaptRequest(WALK, STILL)), CHARACTERS[0]
         posed = adapted.positions[0], adapted.rotations[0]

@@ -257,7 +257,9 @@ class _Foot:
     def roll(self, comforts: FloatArray, positions: FloatArray, plan: FootPlan) -> None:
         """Roll it on the level floor to where its leg reaches it, and keep it above the floor; ``plan`` is written."""
         bones = leg_rows(self.body, self.side)
-        hips, reaches = positions[:, self.body.layout.hip(self.side)], comforts * bones.sum(axis=1)
+        # Contiguous, which a single frame is by itself: kernels are compiled for one layout.
+        hips = np.ascontiguousarray(positions[:, self.body.layout.hip(self.side)])
+        reaches = comforts * bones.sum(axis=1)
         roll_feet(self.soles, self.states, hips, reaches, LET_GO * self.frame_rate, plan.ankles, plan.feet)
         self._keep_above(plan)
 
