@@ -30,9 +30,9 @@ BUDGET = 0.002
 """Processor seconds before a picture after which no other body is begun: who is left is solved beside it."""
 LONG = 0.05
 """Processor seconds above which a frame would keep pictures waiting: then it is solved beside them, whosever it is."""
-MANY, PIECE = 50_000, 1000
+MANY, PIECE = 50_000, 2000
 """Frames of a circle with which even its first one would, for how a body stands is known of all frames together; and
-how many frames cost what it costs to join one more clip, or one more time that a clip plays.
+how many frames cost what it costs to join one more clip, or one more time that a clip plays: 4.7 ms beside 2.3 us.
 """
 
 

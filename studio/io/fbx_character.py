@@ -37,7 +37,7 @@ def load_character(path: Path, options: ImportOptions, progress: Progress) -> Re
     try:
         about = json.loads(arrays["about"].tobytes())
         if not all(np.isfinite(array).all() for name, array in arrays.items() if name != "bind"):
-            raise ValueError("some lie at places that are no numbers")
+            raise ValueError("some lie at places that are not numbers")
         figure = _figure(path, about, arrays)
     except (KeyError, IndexError, ValueError) as error:
         raise StudioError(f"{path.name}: its joints or its skin make no sense: {error}. {INSTEAD}") from error

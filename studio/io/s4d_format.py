@@ -31,7 +31,7 @@ def load_s4d(path: Path, options: ImportOptions, progress: Progress) -> Capture:
         if getattr(options, name) not in (None, getattr(capture, name, None)):
             raise StudioError(
                 f"{path.name} is in metres with Z up and has its reference pose: {name.replace('_', ' ')} cannot be"
-                f" chosen. Read {capture.source or 'the file it was made from'} anew for that."
+                f" chosen. Read {capture.source or 'the file it was made from'} again for that."
             )
     if options.frame_rate is not None:
         capture = capture.with_frame_rate(options.frame_rate)

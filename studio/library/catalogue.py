@@ -243,7 +243,7 @@ class Catalogue:
         self._database.close()
         damaged = self.folder / f"{DATABASE}.damaged"
         (self.folder / DATABASE).replace(damaged)
-        self.repaired = f"The catalogue could not be read ({reason}); it is made anew, the old one is {damaged.name}."
+        self.repaired = f"The catalogue could not be read ({reason}); a new one is made, the old one is {damaged.name}."
 
 
 def _text(values: Any) -> str:

@@ -95,3 +95,12 @@ def test_the_first_clip_and_parts_of_a_split_one_take_over_from_nobody(document,
     assert "\n" not in said(timeline, 0.3)
     play(document, BEFORE, Clip("motion", 60, 100, 1.0, "rest"))
     assert "\n" not in said(timeline, 1.3)
+
+
+def test_the_name_of_a_clip_stands_where_it_begins_to_play(document, timeline, live):
+    """Not where the one before it ends: in a long overlap that is far away, or beyond its own end."""
+    play(document, replace(BEFORE, last=100), OVER)
+    picture, place = timeline.grab().toImage(), timeline.tracks.mapTo(timeline, at(timeline, live.takes_over))
+    rows, columns = range(-4, 6), range(10, 50)
+    light = [picture.pixelColor(place.x() + x, place.y() + y).lightness() for x in columns for y in rows]
+    assert sum(each > 180 for each in light) > 20

@@ -159,7 +159,7 @@ def test_a_catalogue_that_is_lost_or_damaged_is_made_anew(catalogue, folder):
     catalogue.close()
     (place / DATABASE).write_bytes(b"no database" * 400)
     with Catalogue(place) as again:
-        assert "made anew" in again.repaired
+        assert "a new one is made" in again.repaired
         assert (place / f"{DATABASE}.damaged").exists()
         assert index(again, [folder]).read == 3
         assert len(Library.of(again).clips) == 2

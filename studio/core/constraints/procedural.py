@@ -1,6 +1,7 @@
 """Places that move by a rule: round a circle, as a pendulum, or at random; each is exact at any time, in any order."""
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import ClassVar, Self
@@ -20,7 +21,7 @@ SLOWEST_WAVE = 0.3
 
 
 @dataclass(frozen=True, kw_only=True)
-class RuledPlace:
+class RuledPlace(ABC):
     """What all have: a ``centre`` in metres, one round in ``seconds``, begun at ``since`` seconds.
 
     ``heading`` turns the whole way about Z, in radians.
@@ -65,9 +66,9 @@ class RuledPlace:
         x, y, z = self.centre
         return replace(self, centre=(x, -y, z), heading=-self.heading)
 
+    @abstractmethod
     def _way(self, rounds: FloatArray) -> FloatArray:
         """(N, 3) from the centre after so many ``rounds`` (N,), with heading 0."""
-        raise NotImplementedError
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -270,7 +270,7 @@ class _Parser:
 
     def _wrong(self, token: _Token) -> StudioError:
         return StudioError(
-            f"{self._where(token)}: a text is not closed, or a sign is out of place. Copy the file anew."
+            f"{self._where(token)}: a text is not closed, or a sign is out of place. Copy the file again."
         )
 
     def _ended(self) -> StudioError:

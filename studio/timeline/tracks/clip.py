@@ -61,20 +61,25 @@ def paint_clips(painter: QPainter, row: QRect, shown: Shown, performer_id: str) 
     if failure:
         _paint_failure(painter, row, shown, bars, failure)
         return
-    end = -1e9
-    for place, (clip, bar) in enumerate(bars):
-        overlap, comes = min(max(end - bar.left(), 0.0), bar.width()), take_over(shown, performer_id, clip)
-        after = min(max(comes.after * shown.axis.scale, 0.0), bar.width()) if comes else 0.0
-        if comes and comes.fades:
+    end, comings = -1e9, [take_over(shown, performer_id, clip) for clip, _ in bars]
+    afters = [
+        0.0 if comes is None or comes.fades else min(max(comes.after * shown.axis.scale, 0.0), bar.width())
+        for comes, (_, bar) in zip(comings, bars, strict=True)
+    ]
+    begins = [bar.left() + after for after, (_, bar) in zip(afters, bars, strict=True)]
+    for place, ((clip, bar), comes, after) in enumerate(zip(bars, comings, afters, strict=True)):
+        overlap = min(max(end - bar.left(), 0.0), bar.width())
+        fades = comes is not None and comes.fades
+        if fades:
             paint_clip_bar(painter, shown, performer_id, clip, _rising(bar, overlap))
         else:
             _paint_unplayed(painter, bar.adjusted(0, 0, after - bar.width(), 0))
             paint_clip_bar(painter, shown, performer_id, clip, _rounded(bar.adjusted(after, 0, 0, 0)))
         _paint_repeats(painter, clip, bar)
-        if comes and not comes.fades and (overlap >= 2.0 or comes.cut):
-            paint_take_over(painter, bar, bar.left() + after, comes.cut)
-        nearest = min((other.left() for _, other in bars[place + 1 :]), default=bar.right())
-        room = bar.adjusted(overlap, 0, min(nearest - bar.right(), 0.0), 0)
+        if comes is not None and not fades and (overlap >= 2.0 or comes.cut):
+            paint_take_over(painter, bar, begins[place], comes.cut)
+        nearest = min(begins[place + 1 :], default=bar.right())
+        room = bar.adjusted(overlap if fades else after, 0, min(nearest - bar.right(), 0.0), 0)
         paint_clip_text(painter, row_text(shown, clip), seen_part(shown, room))
         end = max(end, bar.right())
 

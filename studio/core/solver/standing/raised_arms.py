@@ -1,5 +1,7 @@
 """Arms kept above the ground: on bodies with longer ones hands and elbows would sink into it (METHOD 4)."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -28,6 +30,16 @@ TURNS = 3
 """Times that the arm of a hand that stands is turned, for on its circle an elbow is lower than on its way out."""
 
 
+class _Posed(NamedTuple):
+    """A body whose ``positions`` (F, P, 3) and ``rotations`` (F, S, 3, 3) are put right in place."""
+
+    body: AnyMorphology
+    ground: Ground
+    frame_rate: float
+    positions: FloatArray
+    rotations: FloatArray
+
+
 def raise_arms(
     body: AnyMorphology,
     ground: Ground,
@@ -43,12 +55,13 @@ def raise_arms(
     """
     if not ground.is_level:
         return
+    posed = _Posed(body, ground, frame_rate, positions, rotations)
     for side in range(2):
         stands = np.zeros(len(positions), dtype=np.bool_) if arms is None else arms.standing[side]
         free, slowly_free = (freedom(stands, frame_rate, seconds) for seconds in (LET_GO, SLOWLY_LET_GO))
-        _bend_hand(side, slowly_free, body, ground, frame_rate, positions, rotations)
-        _raise_hand(side, free, body, ground, frame_rate, positions, rotations)
-        _raise_elbow(side, free, body, ground, positions, rotations)
+        _bend_hand(side, slowly_free, posed)
+        _raise_hand(side, free, posed)
+        _raise_elbow(side, free, posed)
 
 
 def _angles(line: FloatArray, now: FloatArray, then: FloatArray) -> FloatArray:
@@ -70,18 +83,11 @@ def _turn_arm(side: int, body: AnyMorphology, turns: FloatArray, positions: Floa
     rotations[:, arm : arm + 2] = turned[:, None] @ rotations[:, arm : arm + 2]
 
 
-def _bend_hand(
-    side: int,
-    free: FloatArray,
-    body: AnyMorphology,
-    ground: Ground,
-    frame_rate: float,
-    positions: FloatArray,
-    rotations: FloatArray,
-) -> None:
+def _bend_hand(side: int, free: FloatArray, posed: _Posed) -> None:
     """Bend a hand back at the wrist, in place, as far as it is ``free`` (F,), until its fingers are not in the ground,
     but no farther than level: people bend the wrist before the elbow. A hand whose back looks down would not rise so.
     """
+    body, ground, frame_rate, positions, rotations = posed
     wrist, hand, room = body.layout.wrist(side), body.layout.spine_count + 5 + 4 * side, ROOM * body.leg_length
     heights = _above(ground, positions[:, wrist + 1])
     if heights.min() >= room:
@@ -101,16 +107,9 @@ def _bend_hand(
     positions[bent, wrist + 1] = positions[bent, wrist] + np.einsum("fij,fj->fi", turns, fingers[bent])
 
 
-def _raise_hand(
-    side: int,
-    free: FloatArray,
-    body: AnyMorphology,
-    ground: Ground,
-    frame_rate: float,
-    positions: FloatArray,
-    rotations: FloatArray,
-) -> None:
+def _raise_hand(side: int, free: FloatArray, posed: _Posed) -> None:
     """Raise a hand, in place, as far as it is ``free`` (F,); its arm bends and swings as it already did."""
+    body, ground, frame_rate, positions, rotations = posed
     wrist, room = body.layout.wrist(side), ROOM * body.leg_length
     heights = _above(ground, positions[:, wrist : wrist + 2]).min(axis=1)
     if heights.min() >= room:
@@ -145,17 +144,11 @@ def _above(ground: Ground, places: FloatArray) -> FloatArray:
     return np.asarray(places[..., 2] - ground.height_at(places))
 
 
-def _raise_elbow(
-    side: int,
-    free: FloatArray,
-    body: AnyMorphology,
-    ground: Ground,
-    positions: FloatArray,
-    rotations: FloatArray,
-) -> None:
+def _raise_elbow(side: int, free: FloatArray, posed: _Posed) -> None:
     """Bring an elbow out of the ground, in place: the upper arm swings out, forearm and hand go along as far as the
     hand is ``free`` (F,); one that stands stays, and the arm turns about the line from shoulder to wrist.
     """
+    body, ground, _, positions, rotations = posed
     layout = body.layout
     wrist, arm = layout.wrist(side), layout.spine_count + 3 + 4 * side
     if _above(ground, positions[:, wrist - 1]).min() >= 0.0:
