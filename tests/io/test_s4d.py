@@ -123,7 +123,7 @@ def test_fingers_and_joints_that_travel_pass_through(tmp_path):
 def test_what_the_file_cannot_have_guessed_cannot_be_overruled(tmp_path):
     path = written(tmp_path, make_capture(unit="cm"))
     assert load_capture(path, ImportOptions(unit="cm", frame_rate=25.0, floor=0.1)).frame_rate == 25.0
-    with pytest.raises(StudioError, match=r"unit cannot be chosen. Read walk.bvh anew"):
+    with pytest.raises(StudioError, match=r"unit cannot be chosen. Read walk.bvh again"):
         load_capture(path, ImportOptions(unit="mm"))
 
 
