@@ -11,6 +11,7 @@ from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture
 from studio.core.captures.remarks import Remark, remarks_on, remarks_on_body
+from studio.core.normalized.normalize import normalize
 from studio.io.character_file import bundled_characters
 from studio.io.importing import load_capture
 from studio.resources_folder import example_captures_folder
@@ -69,6 +70,18 @@ def test_feet_that_point_backwards_are_told(walk: Capture) -> None:
     swapped = BodyMap({sides[part]: joint for part, joint in walk.body_map.parts.items()}, walk.body_map.spine)
     [remark] = remarks_on(replace(walk, body_map=swapped))
     assert remark.words == "The feet point backwards: left and right may be swapped."
+
+
+def test_a_hand_that_ends_far_from_its_wrist_is_told_and_is_of_usual_length_all_the_same(walk: Capture) -> None:
+    assert walk.body_map is not None
+    far = walk
+    for end in walk.skeleton.children[walk.body_map[BodyPart.RIGHT_HAND]]:
+        far = _moved(far, end, slice(None), 1.6)
+    [remark] = remarks_on(far)
+    assert remark.words.startswith("The right hand ends 1")
+    hands = np.linalg.norm(normalize(far)[1].morphology.hand, axis=1)
+    assert hands[1] == pytest.approx(0.4 * normalize(walk)[1].morphology.arm[1, 1])
+    assert hands[0] == np.linalg.norm(normalize(walk)[1].morphology.hand[0])
 
 
 def test_a_take_that_hovers_is_told(walk: Capture) -> None:

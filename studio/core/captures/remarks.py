@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body.hand_end import SHORTEST_HAND, could_be_hand, hand_reach
 from studio.core.body.humanoid import LIMBS, BodyMap, BodyPart
 from studio.core.body.kinematics import joint_positions
 from studio.core.body.morphology import Morphology
@@ -101,7 +102,7 @@ def _leaps(capture: Capture) -> list[Remark]:
 
 
 def _odd_build(capture: Capture, body: BodyMap, positions: FloatArray) -> list[Remark]:
-    """Legs that make a giant, and limbs that are no pair."""
+    """Legs that make a giant, limbs that are no pair, hands that end far off."""
     seen = positions[capture.first_frame :: max(1, capture.frame_count // 256)]
 
     def bones(limb: str) -> FloatArray:
@@ -119,12 +120,26 @@ def _odd_build(capture: Capture, body: BodyMap, positions: FloatArray) -> list[R
             lengths = " and ".join(f"{100.0 * float(side[np.argmax(odd)]):.0f}" for side in (left, right))
             words = f"The left and the right {part} are {lengths} cm long: labels or joints may be swapped."
             found.append(Remark(words))
+    found += [Remark(words) for side in ("left", "right") for words in _far_hand(capture, body, side, seen)]
     if _feet_point_back(capture, body, seen):
         found.append(Remark("The feet point backwards: left and right may be swapped."))
     stature = float(bones("left leg").sum()) / LEGS_OF_STATURE
     if stature > TALLEST:
         found.append(Remark(f"By its legs the body is {stature:.1f} m tall. Check the unit."))
     return found
+
+
+def _far_hand(capture: Capture, body: BodyMap, side: str, positions: FloatArray) -> list[str]:
+    """That a hand ends so far from its wrist that it is none, if so."""
+    wrist = body.parts.get(BodyPart(f"{side}_hand"))
+    if wrist is None:
+        return []
+    reach = hand_reach(capture.skeleton, wrist, positions)
+    far = float(np.median(np.linalg.norm(reach, axis=1)))
+    forearm = positions[:, wrist] - positions[:, body[BodyPart(f"{side}_forearm")]]
+    if far < SHORTEST_HAND or could_be_hand(reach, forearm).any():
+        return []
+    return [f"The {side} hand ends {100.0 * far:.0f} cm from its wrist: a hand of usual length takes its place."]
 
 
 def _feet_point_back(capture: Capture, body: BodyMap, positions: FloatArray) -> bool:

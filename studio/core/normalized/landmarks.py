@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyLayout, BodyPart
+from studio.core.body.hand_end import USUAL_HAND, could_be_hand, hand_reach
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_world, rest_poses
 from studio.core.body.skeleton import Skeleton
@@ -156,12 +157,11 @@ def _place_arm_ends(
     if wrist is None:
         end = _far_child(skeleton, forearm)
         points[:, layout.wrist(side)] = positions[:, forearm if end is None else end]
-    ends = () if wrist is None else skeleton.children[wrist]
     along = points[:, layout.wrist(side)] - positions[:, forearm]
-    finger = positions[:, list(ends)].mean(axis=1) if ends else points[:, layout.wrist(side)].copy()
-    short = np.linalg.norm(finger - points[:, layout.wrist(side)], axis=1) < 0.01
-    finger[short] = points[short, layout.wrist(side)] + 0.4 * along[short]
-    points[:, layout.wrist(side) + 1] = finger
+    reach = np.zeros_like(along) if wrist is None else hand_reach(skeleton, wrist, positions)
+    odd = ~could_be_hand(reach, along)
+    reach[odd] = USUAL_HAND * along[odd]
+    points[:, layout.wrist(side) + 1] = points[:, layout.wrist(side)] + reach
 
 
 def _place_foot_end(

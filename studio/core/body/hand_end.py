@@ -1,0 +1,25 @@
+"""Where a hand ends: files have ends without length, or as far off as the tip of a sword."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.skeleton import Skeleton
+
+FloatArray = NDArray[np.float64]
+
+SHORTEST_HAND = 0.01
+"""Metres from the wrist within which nothing ends but a bone without length."""
+LONGEST_HAND, USUAL_HAND = 1.0, 0.4
+"""Of the forearm: 0.1 to 0.75 in captures of people, from wrist to knuckles or finger tips."""
+
+
+def hand_reach(skeleton: Skeleton, wrist: int, positions: FloatArray) -> FloatArray:
+    """(F, 3) metres from a wrist to the middle of what it carries, of joints at ``positions`` (F, J, 3)."""
+    ends = skeleton.children[wrist] or (wrist,)
+    return np.asarray(positions[:, list(ends)].mean(axis=1) - positions[:, wrist])
+
+
+def could_be_hand(reach: FloatArray, forearm: FloatArray) -> NDArray[np.bool_]:
+    """(F,) whether what reaches so far (F, 3) from a wrist may be a hand on a forearm (F, 3)."""
+    lengths = np.linalg.norm(reach, axis=1)
+    return np.asarray((lengths >= SHORTEST_HAND) & (lengths <= LONGEST_HAND * np.linalg.norm(forearm, axis=1)))
