@@ -344,10 +344,10 @@ class Viewport(Canvas):
         if not self.ghost_shown or pose is None or pose.motion_id is None:
             return None
         source = self._live.source(pose.motion_id)
-        return pose_of(self._document.project, pose.performer, source, self._document.playhead.time) if source else None
+        return pose_of(self._posed_in, pose.performer, source, self._document.playhead.time) if source else None
 
     def _paths(self) -> list[StagePath]:
-        project, selection = self._document.project, self._document.selection
+        project, selection = self._posed_in, self._document.selection  # live, an edit may be ahead of the picture
         paths = stage_paths(project, self.posed, self._trail_point(), smooth=not self.moving)
         paths += selection_rings(project, self.posed, selection.of("performers"))
         paths += prop_paths(project, selection.of("props"), self._document.playhead.time)

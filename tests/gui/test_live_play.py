@@ -128,8 +128,19 @@ def test_the_playhead_moves_though_the_last_picture_is_of_another_project_that_p
     document.new(Project())
     monkeypatch.setattr(play, "moment", moment)
     viewport.show_again()
+    print("TRAIL", viewport.view.trail, document.selection.of("constraints"), list(document.project.characters), list(document.project.performers))
     viewport.grab_image()
+    print(list(viewport.posed))
     assert viewport.posed
     monkeypatch.setattr(play, "moment", None)
     document.playhead.set_range(0, 300)
     document.playhead.set_frame(30)
+
+
+def test_trails_of_a_body_are_drawn_though_its_character_was_deleted_while_it_plays(playing):
+    document, viewport = playing.bench.document, playing.bench.viewport
+    document.remove("characters", document.project.performers["one"].character_id, "Delete character")
+    document.selection.set(("constraints", "reach"))
+    viewport.grab_image()
+    assert viewport.view.trail is not None
+    assert "one" in viewport.posed  # the stage has not stepped since
