@@ -41,7 +41,7 @@ class Stance:
     """A body in two frames, the last ones that were seen, before anything is asked of it.
 
     ``positions`` (2, P, 3), ``rotations`` (2, S, 3, 3); ``ankles`` (2, 2, 3), ``feet`` and ``toes`` (2, 2, 3, 3) of
-    each side in each frame; ``states`` and ``comforts`` (2,) of its footing in the last one; ``peaks`` (S,) and
+    each side in each frame; ``states`` (2,) of what stands in both, ``comforts`` (2,) of the last one; ``peaks`` (S,) and
     ``root_peak`` of the motion that it was seen in.
     """
 
@@ -60,7 +60,8 @@ class Stance:
         """In the last two of ``frames``."""
         rows, footing = frames[-2:], standing.footing
         legs = footing.ankles[:, rows, :3], footing.feet[:, rows], footing.toes[:, rows]
-        known = footing.states[:, rows[-1]], footing.comforts[:, rows[-1]], standing.peaks
+        stood = footing.states[:, rows[0]] & footing.states[:, rows[-1]]  # what comes down only now still moves
+        known = stood, footing.comforts[:, rows[-1]], standing.peaks
         return cls(standing.positions[rows], standing.rotations[rows], *legs, *known, standing.root_peak)
 
     @classmethod

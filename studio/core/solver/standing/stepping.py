@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from studio.core.normalized.blending import STEP_HEIGHT, STEP_HEIGHTS, STEP_SECONDS
 from studio.core.normalized.joining import SAME_PLACE
-from studio.core.normalized.transition import SHORTEST, place_left
+from studio.core.normalized.transition import LONGEST, SHORTEST, place_left
 from studio.core.runs import runs_of
 
 FloatArray = NDArray[np.float64]
@@ -64,7 +64,10 @@ def flights_of(
             )
             leaves = len(own[side])
             if steps[side]:
-                leaves, until = _free_to_step(own[1 - side], max(free, shifted), round(least * rate))
+                other, free = own[1 - side], max(free, shifted)
+                leaves, until = _free_to_step(other, free, round(least * rate))
+                if leaves > LONGEST * rate:  # by then the body has gone on: rather a hop
+                    leaves, until = free, free
                 seconds = min(seconds, max((until - leaves) / rate, least))
             if leaves >= _run(own[side]):
                 flights[side] = _lifted(own[side], needed[0, side], rate)
@@ -127,9 +130,11 @@ def _lifted(own: States, needed: float, rate: float) -> Flight:
 
 
 def _landing(own: States, earliest: int, rate: float) -> int:
-    """The frame in which the motion has a foot stand that lands no earlier than that, not to leave again at once."""
+    """The frame in which the motion has a foot stand that lands no earlier than that, not to leave again at once: of
+    the short stances of a run half is enough.
+    """
     for first, stop in runs_of(own != 0):
         lands = max(first, earliest)
-        if lands < stop and (stop - lands >= SHORTEST * rate or stop == len(own)):
+        if lands < stop and (stop - lands >= min(SHORTEST * rate, (stop - first) / 2.0) or stop == len(own)):
             return lands
     return len(own)
