@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -34,9 +35,26 @@ def picked() -> list[tuple[Piece, Piece]]:
     return found
 
 
+class Transition(NamedTuple):
+    """How sharply joints turn beside the two captures; metres by which what stands slides, feet are in the ground, and
+    hips come lower than in both.
+    """
+
+    jolt: float
+    slide: float
+    depth: float
+    sink: float
+
+
+def lowest(piece: Piece) -> float:
+    """Metres over the ground that hips come down to in a clip alone."""
+    alone = compose((replace(piece, start=0.0),))
+    return float(standing(alone).positions[piece.first : piece.last + 1, 0, 2].min())
+
+
 @cache
-def by_chance() -> list[tuple[float, float, float]]:
-    """How sharply joints turn beside the two captures, how far what stands slides, and how deep feet are."""
+def by_chance() -> list[Transition]:
+    """What is seen of each of the ``picked``."""
     found = []
     for before, after in picked():
         row = compose((before, after))
@@ -47,23 +65,29 @@ def by_chance() -> list[tuple[float, float, float]]:
         quality = contact_quality(adapted, adapted.contacts, Ground())
         deep = float(np.nanmax(swing_depths(adapted, adapted.contacts, Ground()), initial=0.0))
         jolt = float((local_accelerations(stands).max(axis=0) / usual).max())
-        found.append((jolt, quality.slide, max(quality.penetration, deep)))
+        sink = min(lowest(each) for each in (before, after)) - float(stands.positions[:, 0, 2].min())
+        found.append(Transition(jolt, quality.slide, max(quality.penetration, deep), sink))
     return found
 
 
 def test_of_clips_that_take_over_at_any_frame_few_are_sharper_than_permitted_and_none_jolts() -> None:
     """Of 60 by chance 16 were, 16 times as sharp at most."""
-    jolts = np.array([jolt for jolt, _, _ in by_chance()])
+    jolts = np.array([each.jolt for each in by_chance()])
     assert np.mean(jolts > PERMITTED) < 1.0 / 6.0
     assert jolts.max() < 5.0
 
 
 def test_no_foot_slides_nor_goes_into_the_ground_where_clips_take_over_at_any_frame() -> None:
     """Feet slid by up to half a metre. One whose toes come down in the very frame still settles by some millimetres."""
-    _, slides, depths = np.array(by_chance()).T
+    slides, depths = (np.array([getattr(each, name) for each in by_chance()]) for name in ("slide", "depth"))
     assert np.mean(slides > 1e-3) < 1.0 / 16.0
     assert slides.max() < 5e-3
     assert depths.max() < 6e-3
+
+
+def test_nobody_crouches_where_clips_take_over_at_any_frame() -> None:
+    """Hips sank by up to two thirds of the leg for feet that had gone ahead of them, or that had stayed behind."""
+    assert max(each.sink for each in by_chance()) < 0.1 * BODY.leg_length
 
 
 def test_no_body_is_turned_round_for_a_foot_to_stand_where_it_stood() -> None:
@@ -160,3 +184,28 @@ def test_a_step_is_as_fast_as_the_other_foot_stands_long() -> None:
     )
     assert step.leaves < 20
     assert step.leaves + round(step.seconds * 60.0) <= 60
+
+
+def test_a_foot_that_comes_down_in_the_last_frame_does_not_stand_yet() -> None:
+    """Its heel slid by 65 mm as it turned on: what moves between the two frames that are seen does not stand."""
+    stands = standing(compose((example("walk_turn"),)))
+    lands = [int(np.flatnonzero(np.diff((states != 0).astype(int)) > 0)[0]) + 1 for states in stands.footing.states]
+    for side, frame in enumerate(lands):
+        assert stands.footing.states[side, frame] != 0
+        assert Stance.of(stands, np.array([frame - 1, frame])).states[side] == 0
+        assert Stance.of(stands, np.array([frame, frame + 1])).states[side] != 0
+
+
+def test_who_would_have_to_wait_for_long_to_step_hops() -> None:
+    """The body went on, and fell by more than its legs are long for a foot that waited for the other to stand."""
+    other, own = np.repeat([3, 0, 3], [57, 80, 111]), np.repeat([3, 0, 3], [148, 14, 86])
+    needed = np.array([[0.3, 0.2], [1.0, 0.2]]).T
+    flight, _ = flights_of(np.array([own, other]), np.array([3, 3]), np.array([0.6, 0.0]), needed.T, 0.0, 120.0)
+    assert flight.leaves <= 24
+
+
+def test_a_foot_in_the_air_lands_on_the_short_stances_of_a_run_too() -> None:
+    """It was in the air to the end of the clip: no stance was long enough to land on."""
+    own = np.repeat([0, 3, 0, 3, 0], [5, 16, 60, 14, 5])
+    flight, _ = flights_of(np.array([own, own]), np.array([0, 0]), np.zeros(2), np.full((2, 2), 0.2), 0.0, 100.0)
+    assert flight.lands == 81

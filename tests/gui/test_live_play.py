@@ -128,7 +128,13 @@ def test_the_playhead_moves_though_the_last_picture_is_of_another_project_that_p
     document.new(Project())
     monkeypatch.setattr(play, "moment", moment)
     viewport.show_again()
-    print("TRAIL", viewport.view.trail, document.selection.of("constraints"), list(document.project.characters), list(document.project.performers))
+    print(
+        "TRAIL",
+        viewport.view.trail,
+        document.selection.of("constraints"),
+        list(document.project.characters),
+        list(document.project.performers),
+    )
     viewport.grab_image()
     print(list(viewport.posed))
     assert viewport.posed

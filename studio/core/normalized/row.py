@@ -17,7 +17,7 @@ from studio.core.normalized.differences import difference
 from studio.core.normalized.joining import FARTHEST, Join, Planar, join, stepping_there
 from studio.core.normalized.motion import Change
 from studio.core.normalized.pieces import AS_IT_IS, POINTS, Mask, Piece, PieceSource, Played, Source
-from studio.core.normalized.transition import LONGEST, joint_vectors
+from studio.core.normalized.transition import LONGEST, SHORTEST, joint_vectors
 from studio.core.stage.timing import Timing
 
 FloatArray = NDArray[np.float64]
@@ -84,7 +84,7 @@ class Row:
     def _join(self, source: PieceSource, begins: int, first: int, last: int) -> Join:
         """How a piece that ``begins`` in a frame is placed, from what both play in frames ``first`` to ``last``."""
         frames = np.arange(first, last + 1)
-        both = (self.stands[FEET][:, frames] & source.stands(frames)[FEET]).T
+        both = (self.stands[FEET][:, frames] & source.stands(frames)[FEET] & self._stay(source, last)).T
         shares = ease((frames - first + 1.0) / (len(frames) + 1.0), EaseShape.QUINTIC)
         weights = shares * (1.0 - shares) + 1e-3
         piece, known = source.piece, (self.channels[frames], source.channels(frames), both, self.spine_places)
@@ -94,6 +94,14 @@ class Row:
         if piece.own == AS_IT_IS:
             return found
         return stepping_there(*known, source.around(begins, piece.own, found.placement))
+
+    def _stay(self, source: PieceSource, frame: int) -> Mask:
+        """(4, 1) of which of ``FEET`` the foot stands on after a ``frame``: one that is lifted at once is as free as in
+        the air.
+        """
+        soon = source.stands(np.arange(frame, frame + round(SHORTEST * self.timing.frame_rate) + 1))[FEET]
+        stays = (soon[0::2] | soon[1::2]).all(axis=1)
+        return np.repeat(stays, 2)[:, None]
 
     def _begin(self, source: PieceSource, first: int, last: int) -> None:
         """Play what comes first."""

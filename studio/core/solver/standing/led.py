@@ -41,8 +41,8 @@ class Stance:
     """A body in two frames, the last ones that were seen, before anything is asked of it.
 
     ``positions`` (2, P, 3), ``rotations`` (2, S, 3, 3); ``ankles`` (2, 2, 3), ``feet`` and ``toes`` (2, 2, 3, 3) of
-    each side in each frame; ``states`` (2,) of what stands in both, ``comforts`` (2,) of the last one; ``peaks`` (S,) and
-    ``root_peak`` of the motion that it was seen in.
+    each side in each frame; ``states`` (2,) of what stands in both, ``comforts`` (2,) of its footing in the last one;
+    ``peaks`` (S,) and ``root_peak`` of the motion that it was seen in.
     """
 
     positions: FloatArray
@@ -181,10 +181,13 @@ class _Change:
     @cached_property
     def seconds(self) -> float:
         """In which all that is different dies away but feet."""
-        places = np.linalg.norm(self.turns[1], axis=1)
-        root = float(np.linalg.norm(self.seen.positions[1, 0] - self.own.positions[1, 0])) / self.leg
-        peaks = np.append(self.peaks, self.legs[:, 0].min())
-        return self.given or seconds_of(np.append(places, root), peaks)
+        return self.given or max(seconds_of(np.linalg.norm(self.turns[1], axis=1), self.peaks), self.root_seconds)
+
+    @cached_property
+    def root_seconds(self) -> float:
+        """In which what is different of the root's place dies away."""
+        way = np.linalg.norm(self.seen.positions[1, 0] - self.own.positions[1, 0]) / self.leg
+        return self.given or seconds_of(np.array([way]), np.array([self.root_peak]))
 
     def left(self, gaps: FloatArray, peak: float, scale: float = 1.0, seconds: float = 0.0) -> FloatArray:
         """(F, N) what is left of ``gaps`` (2, N), the last two that were seen; ``scale`` of them makes a radian."""
@@ -267,11 +270,22 @@ class _Change:
         for side, (flight, base) in enumerate(zip(self.flights, bases, strict=True)):
             hips, ankles = (positions[self.first :, point] for point in (layout.hip(side), layout.ankle(side)))
             off = base.path.ankles - hips
-            below = np.sum((ankles - hips) ** 2, axis=1) - np.sum(off[:, :2] ** 2, axis=1)
+            below = self.leg_lengths(side, ankles - hips, off) ** 2 - np.sum(off[:, :2] ** 2, axis=1)
             ways.append(off[:, 2] + np.sqrt(np.maximum(below, 0.0)))
             shares.append(carrying(self.states(side, flight), self.rate))
         both = np.array(shares) / (1.0 + shares[0] * shares[1])
         return np.asarray((both * np.array(ways)).sum(axis=0))
+
+    def leg_lengths(self, side: int, led: FloatArray, off: FloatArray) -> FloatArray:
+        """(F,) metres of a leg whose joints take its ankle ``led`` (F, 3) from its hip, where it stands ``off`` (F, 3):
+        to a foot that is farther aside it stretches, as METHOD (11) has it, before the body comes down.
+        """
+        aside, own = (np.sum(each[:, :2] ** 2, axis=1) for each in (off, led))
+        whole, length = self.standing.morphology.still.leg[side].sum(), np.sum(led**2, axis=1)
+        comfort = np.maximum(self.standing.footing.comforts[side, self.first :], np.sqrt(length) / whole)
+        needed, more = np.sqrt(length + np.maximum(aside - own, 0.0)) / whole, np.maximum(1.0 - comfort, 1e-3)
+        soft = np.minimum(needed, comfort + more * -np.expm1(np.minimum(comfort - needed, 0.0) / more))
+        return np.asarray(whole * soft)
 
     def drops(
         self, motion: NormalizedMotion, footing: Footing, positions: FloatArray, rotations: FloatArray
@@ -317,7 +331,7 @@ class _Change:
         layout = self.standing.morphology.layout
         parents, proximal = layout.parent_segments(), layout.proximal_points()
         gaps = self.seen.positions[:, 0] - self.own.positions[:, 0] - goes[0]
-        goes = goes + self.left(gaps, self.root_peak, self.leg)
+        goes = goes + self.left(gaps, self.root_peak, self.leg, self.root_seconds)
         near = slice(self.first, self.first + int(np.searchsorted(self.times, self.seconds, "right")) + 1)
         led = _Led(positions[near].copy(), rotations[near].copy(), positions[near], rotations[near])
         count = len(led.places)
