@@ -20,6 +20,8 @@ from studio.engine.performance import Posed
 FloatArray = NDArray[np.float64]
 
 HANDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)
+CLEAR, RAISED = 0.28, 0.2
+"""Leg lengths from the root forward to a prop that is carried before the body, and up to its middle, at least."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,3 +124,18 @@ def in_hand(pose: PropPose, performer_id: str, point: BodyPoint, holder: Posed) 
     x, y, z = (axes.T @ middle).tolist()
     turn = from_matrix((holder.placement.rotation @ axes).T @ pose.axes)
     return InHand(performer_id, replace(point, offset=(x, y, z)), tuple(turn.tolist()))
+
+
+def between_hands(prop: Prop, performer_id: str, holder: Posed) -> Carried:
+    """How a prop is carried in both hands: between them where the motion has them before the body, else there."""
+    from studio.core.solver.performers.props import carried_track  # loads kernels
+
+    motion, held = holder.over_time, Carried(performer_id)
+    known, body = motion.unasked or motion, motion.body
+    track = carried_track(held, known.positions[:], known.rotations[:], body)
+    ways = np.einsum("fji,fj->fi", track.rotations, track.places - known.positions[:, 0]) / body.leg_length
+    ahead, aside, up = ways.mean(axis=0).tolist()
+    needed = CLEAR + prop.size[0] / 2 / body.leg_length
+    if ahead >= needed:
+        return held
+    return replace(held, offset=(needed - ahead, -aside, max(RAISED - up, 0.0)))

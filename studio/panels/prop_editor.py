@@ -16,7 +16,7 @@ from studio.document.document import Document
 from studio.engine.live import Live
 from studio.engine.performance import posed_performers
 from studio.engine.point_names import POINTS, point_words
-from studio.engine.props import PropPose, heading_of, in_hand, moved_prop, prop_at, turned_prop, unheld
+from studio.engine.props import PropPose, between_hands, heading_of, in_hand, moved_prop, prop_at, turned_prop, unheld
 from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled
 from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.editor import Editor
@@ -174,7 +174,7 @@ class PropEditor(Editor):
             self.document.problem.emit("No body can hold it yet. Show a body that plays a motion first.")
             self.refresh()
         elif where == Carried.kind:
-            self._put_made("Hold", lambda: self._meanwhile(Carried(performer_id)))
+            self._put_made("Hold", lambda: self._meanwhile(between_hands(self.entity, performer_id, holder)))
         else:
             self._put_made("Hold", lambda: self._meanwhile(in_hand(self.pose, performer_id, point, holder)))
 

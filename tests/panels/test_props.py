@@ -188,3 +188,17 @@ def test_how_a_prop_is_held_is_changed_while_when_stays(document, form, live):
     assert (held.kind, held.begin, held.end) == ("in_hand", 0.1, 0.3)
     form._always.click()
     assert document.project.props["box"].held.is_always
+
+
+@pytest.mark.parametrize("size", [0.1, 0.6])
+def test_what_hands_that_hang_carry_is_before_the_body_and_not_in_it(document, live, form, size):
+    """Its middle was between the hands, inside the hips."""
+    document.replace("props", "box", Prop("Box", (size, size, size)), "Resize")
+    form.document.selection.set(("performers", SECOND), ("props", "box"))
+    choose(form, "Where", "Carried in both hands")
+    holder = posed_performers(document.project, live.result, 0.0)[SECOND]
+    root, chest = holder.points[0], holder.placement.rotation @ holder.motion.rotations[0, 0, :, 0]
+    way = at(document, live, 0.0).place - root
+    leg = holder.motion.morphology.leg_length
+    assert way @ chest - size / 2 > 0.2 * leg
+    assert way[2] > 0.1 * leg

@@ -21,6 +21,7 @@ from studio.core.stage.holding import REACHING, grips
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.document.document import Document
 from studio.engine.performance import motion_time
+from studio.engine.props import between_hands
 from studio.io.mesh_file import SUFFIXES, MeshFile, read_mesh
 
 AHEAD = 0.6
@@ -169,7 +170,9 @@ def _hold(bench: Workbench, begin: float | None) -> None:
     """Both hands hold the prop from ``begin`` on."""
     document, prop_id, performer_id = _holding(bench)
     prop, performer = document.project.props[prop_id], document.project.performers[performer_id]
-    text, hold = f"{performer.name} {'holds' if begin is None else 'picks up'} {prop.name}", Carried(performer_id)
+    holder = bench.viewport.posed.get(performer_id)
+    hold = between_hands(prop, performer_id, holder) if holder else Carried(performer_id)
+    text = f"{performer.name} {'holds' if begin is None else 'picks up'} {prop.name}"
     with document.group(text):
         if begin is not None:
             giver = prop.held_at(begin)
@@ -185,7 +188,7 @@ def _hold(bench: Workbench, begin: float | None) -> None:
                     document.remove("constraints", key, text)
             others = document.project.constraints_of(motion_id)
             last = max((each.priority for each in others.values()), default=-1) + 1
-            document.add_all("constraints", grips(motion_id, performer_id, prop_id, prop.name, seconds, last), text)
+            document.add_all("constraints", grips(motion_id, performer_id, prop_id, prop, seconds, last), text)
 
 
 def _stretches(project: Project, performer: Performer, begin: float | None) -> dict[str, tuple[float, float]]:

@@ -23,7 +23,7 @@ def three_boxes() -> Project:
     props, asked = {}, dict[str, Constraint]()
     for width, (key, performer) in zip(WIDTHS, project.performers.items(), strict=True):
         name = f"Box of {performer.name.lower()}"
-        props[f"box {key}"] = Prop(name, (0.22, width, 0.24), held=Carried(key, AHEAD))
-        for place, grip in enumerate(grips("walk", key, f"box {key}", name, (0.0, last), 0)):
+        box = props[f"box {key}"] = Prop(name, (0.22, width, 0.24), held=Carried(key, AHEAD))
+        for place, grip in enumerate(grips("walk", key, f"box {key}", box, (0.0, last), 0)):
             asked[f"grip {key} {place}"] = grip
     return replace(project, props=props, constraints=asked)
