@@ -132,6 +132,18 @@ def test_a_drag_is_one_undo_step(qapp: Any) -> None:
     assert document.project.constraints["constraint 0"].target[0] == 0.3
 
 
+def test_what_a_thing_was_in_the_middle_of_a_drag_is_not_kept(qapp: Any) -> None:
+    """Of each move one command stayed for ever, with the values it had: a drag of a minute kept thousands."""
+    document, gesture = Document(PROJECT), 7
+    passed = [replace(PROJECT.constraints["constraint 0"], weight=0.1 + 0.1 * step) for step in range(5)]
+    alive = [weakref.ref(each) for each in passed]
+    while passed:
+        document.replace("constraints", "constraint 0", passed.pop(0), "Drag", gesture)
+    gc.collect()
+    assert [each() is not None for each in alive] == [False] * 4 + [True]
+    document.close()
+
+
 def test_a_drag_back_to_its_start_vanishes(qapp: Any) -> None:
     document = Document(PROJECT)
     start, gesture = document.project.constraints["constraint 0"], document.new_gesture()

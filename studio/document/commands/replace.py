@@ -101,7 +101,7 @@ class ReplaceValue(QUndoCommand):
         """Take in a later command of the same gesture."""
         if not isinstance(other, ReplaceValue) or other.gesture != self.gesture:
             return False
-        self.edits = merged(self.edits, other.edits)
+        self.edits, other.edits = merged(self.edits, other.edits), ()  # Qt deletes the other one, Python keeps it
         self.setText(other.text())
         self.setObsolete(not self.edits)
         return True
