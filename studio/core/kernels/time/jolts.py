@@ -18,8 +18,10 @@ ADDED, WHOLE = 1.2, 2.0
 """Parts of the source's peak that joints of a search may add, and that limbs may turn with in all, for nobody to look
 closer.
 """
-CALM = 0.9
-"""Part of the source's peak up to which bones of a limb may turn in the world for its joints to be below ``WHOLE``."""
+CALM = 0.45 * WHOLE
+"""Part of the source's peak up to which bones of a limb may turn in the world for its joints to be below ``WHOLE``: a
+joint has at most what both of its bones have together.
+"""
 _STRAIGHT = 0.9
 """Cosine of a turn up to which its angle is the series of its sine's."""
 
