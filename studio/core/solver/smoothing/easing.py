@@ -87,11 +87,13 @@ LEFT = Ramp(np.array([5.0, 1.6, 2.4]), np.array([6.0, 2.2, 2.9]))
 BACK = 3
 """Times that a level is left for those above it where it changes them, ever further around."""
 WIDTHS = 0.06, 0.12, 0.2, 0.35, 0.12
-"""Seconds on either side over which one averaging after another goes, each where the one before did not suffice."""
-AROUND = 0.2
-"""Seconds on either side of a jolt that are averaged wholly, at most; as many again fade."""
+"""Seconds on either side over which one averaging after another goes, each where the one before did not suffice: so far
+beside a jolt wholly, and fading as far again.
+"""
 MENDED, FALLING = 0.1, 0.35
-"""The same where a level is left as averaged, and where that does not suffice or it is left for those above it."""
+"""How far beside a jolt, wholly, where a level is left as averaged, and where that does not suffice or it is left for
+those above it.
+"""
 CHANGED = Ramp(np.array(0.93 * HELD), np.array(1.07 * HELD))
 """Metres by which a level's easing may change those above it for it to be left for them."""
 SEEN = 0.8
@@ -334,7 +336,7 @@ class Easing:
             self._touched = np.maximum(self._touched, moved.reshape(len(moved), -1).any(axis=1))
         for seconds in WIDTHS:
             width = max(round(seconds * level.solve.rate), 1)
-            bump = room * self._bump(number, Posed(states, values), min(seconds, AROUND))
+            bump = room * self._bump(number, Posed(states, values), seconds)
             if not bump.any():
                 break
             self._touched = np.maximum(self._touched, bump)
