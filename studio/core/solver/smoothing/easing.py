@@ -104,8 +104,6 @@ FADED = 4.0
 """Times the room that a level has to be left for those above it wholly."""
 LEGS = BodyPart.LEFT_THIGH, BodyPart.RIGHT_THIGH, BodyPart.LEFT_SHANK, BodyPart.RIGHT_SHANK
 """Segments as sharply as which root and trunk may move where a leg has a constraint: who kicks swings the pelvis."""
-BESIDE = 0.1
-"""Seconds beside where nothing acts in which nothing is eased, and again in which that begins."""
 
 
 _NO_TURNS, _NO_MISSES, _NO_POSE = (
@@ -221,11 +219,10 @@ class Level:
 
     @property
     def room(self) -> FloatArray:
-        """(F,) how far it may be eased, from 0 to 1: near jolts of what is solved, and where it acts."""
+        """(F,) how far it may be eased, from 0 to 1: near jolts of what is solved, where it acts but for its ends."""
         rate, sharp = self.solve.rate, self.solve.sharp / self.allowed
-        beside = max(round(BESIDE * rate), 1)
-        acting = minimum_filter1d(self.acts.astype(np.float64), 2 * beside + 1, mode="nearest")
-        return _mean(acting, beside) * _around(_excess(sharp, EASED), rate, SEEN)
+        acting = minimum_filter1d(self.acts.astype(np.float64), 3, mode="nearest")
+        return _mean(acting, 1) * _around(_excess(sharp, EASED), rate, SEEN)
 
 
 class Easing:
