@@ -18,11 +18,11 @@ from studio.core.errors import StudioError
 from studio.core.kernels import records
 from studio.core.kernels.adapt import solve_frames
 from studio.core.kernels.records import Asked, BodyFrames, Motion, Recruits
-from studio.core.kernels.tasks.goals import AREA
 from studio.core.runs import runs_of
 from studio.core.solver.asking.chains import carrying_chain, free_joints, point_masses, segment_masses
 from studio.core.solver.asking.clearance import down_to_tiers, lowest_first, pack_clearance
 from studio.core.solver.asking.holding import held_points, place_held, release_hands
+from studio.core.solver.asking.kinds.known import ENTERING
 from studio.core.solver.asking.packing import in_order, pack
 from studio.core.solver.asking.points import limb_of
 from studio.core.solver.asking.recruiting import arm_lever, leg_room, limb_freedoms
@@ -135,7 +135,7 @@ class SolvedWindow:
         if tasks["rank"][0] == tasks["rank"][-1]:
             return False
         legs, first = tasks["limbs"] >= 2, tasks["rank"] == tasks["rank"][0]
-        return bool((tasks["kind"] == AREA).any() or (legs.any() and not legs[first].any()))
+        return bool(np.isin(tasks["kind"], ENTERING).any() or (legs.any() and not legs[first].any()))
 
     @cached_property
     def _ranks(self) -> IntArray:

@@ -36,7 +36,12 @@ def rotation_vector_to_matrix(wx, wy, wz, out_matrix):
     """Rotation matrix (3, 3) of a rotation vector in radians (Rodrigues, by its half-angle quaternion)."""
     angle = math.sqrt(wx * wx + wy * wy + wz * wz)
     k = math.sin(0.5 * angle) / angle if angle > 1e-9 else 0.5
-    x, y, z, w = k * wx, k * wy, k * wz, math.cos(0.5 * angle)
+    quaternion_to_matrix(k * wx, k * wy, k * wz, math.cos(0.5 * angle), out_matrix)
+
+
+@kernel
+def quaternion_to_matrix(x, y, z, w, out_matrix):
+    """Rotation matrix (3, 3) of a unit quaternion."""
     out_matrix[0, 0], out_matrix[0, 1], out_matrix[0, 2] = (
         1.0 - 2.0 * (y * y + z * z),
         2.0 * (x * y - w * z),

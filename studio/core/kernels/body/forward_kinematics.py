@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.kernels.algebra.rotation import quaternion_to_matrix
 from studio.core.kernels.compiling import allocating_kernel
 
 FloatArray = NDArray[np.float64]
@@ -25,21 +26,7 @@ def joint_world(
     for frame in range(local_rotations.shape[0]):
         for joint in range(local_rotations.shape[1]):
             x, y, z, w = local_rotations[frame, joint]
-            local[0, 0], local[0, 1], local[0, 2] = (
-                1 - 2 * (y * y + z * z),
-                2 * (x * y - z * w),
-                2 * (x * z + y * w),
-            )
-            local[1, 0], local[1, 1], local[1, 2] = (
-                2 * (x * y + z * w),
-                1 - 2 * (x * x + z * z),
-                2 * (y * z - x * w),
-            )
-            local[2, 0], local[2, 1], local[2, 2] = (
-                2 * (x * z - y * w),
-                2 * (y * z + x * w),
-                1 - 2 * (x * x + y * y),
-            )
+            quaternion_to_matrix(x, y, z, w, local)
             parent = parents[joint]
             for row in range(3):
                 if parent < 0:

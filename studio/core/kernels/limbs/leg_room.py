@@ -14,7 +14,7 @@ from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limits.root_reach import keep_feet_in_reach
 from studio.core.kernels.search.placing import carry_body, place_limbs
 from studio.core.kernels.search.step import MET
-from studio.core.kernels.tasks.goals import POSITION, end_place
+from studio.core.kernels.tasks.goals import asks_place, end_place
 from studio.core.kernels.tasks.kinds import miss_of
 from studio.core.kernels.tasks.limb_rows import MISSED
 from studio.core.kernels.tasks.task import ACTIVE
@@ -65,7 +65,7 @@ def cramped_leg(level, problem):
     for c in range(tasks.shape[0]):
         row = tasks[c]
         limb = row.limbs[0]
-        asks = row.kind == POSITION and row.status == ACTIVE and row.rank == level and chain.mobilities[c, root] > 0.0
+        asks = asks_place(row) and row.status == ACTIVE and row.rank == level and chain.mobilities[c, root] > 0.0
         if asks and limb >= 2 and limits[limb].blocks == c:
             return c
     return -1

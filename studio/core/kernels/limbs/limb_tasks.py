@@ -17,7 +17,7 @@ from studio.core.kernels.limbs.reach import aim_at, bend_range, reach_to, span_r
 from studio.core.kernels.limbs.stiffness import stiff_span, turn_back
 from studio.core.kernels.limits.joint_limits import braked_swivel, keep_middle, soft
 from studio.core.kernels.limits.swing_twist import bend_of
-from studio.core.kernels.tasks.goals import AREA, POSITION, ease_goal, end_place, turns_segment
+from studio.core.kernels.tasks.goals import asks_place, ease_goal, end_place, is_dormant, turns_segment
 from studio.core.kernels.tasks.task import ACTIVE, STRICT
 
 CLOSE_ENOUGH = 0.25 * STRICT
@@ -56,7 +56,7 @@ def note_secondary(tasks):
         row.secondary = 0
         for before in range(c):
             other = tasks[before]
-            if row.kind == POSITION and other.kind == POSITION and other.status == ACTIVE and row.limbs[0] >= 0:
+            if asks_place(row) and asks_place(other) and other.status == ACTIVE and row.limbs[0] >= 0:
                 row.secondary |= other.limbs[0] == row.limbs[0] and other.freedoms[0, 0] > 0.0
 
 
@@ -95,7 +95,7 @@ def solve_limb(limb, level, problem):
     begin_limb(limb, problem)
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        if row.status != ACTIVE or row.rank > level or (row.kind == AREA and not row.engaged):
+        if row.status != ACTIVE or row.rank > level or is_dormant(row):
             continue
         if turns_segment(row):
             if row.limbs[0] == limb:
@@ -198,7 +198,7 @@ def reach_with_limb(row, end, before, problem):
         aim_at(goal, point, upper, positions.shape[0] - 23, positions[root], positions, rotations)
     else:
         span = distance(goal, positions[root])
-        is_kept = problem.search.blended[limb] == BLENDED and row.kind == POSITION
+        is_kept = problem.search.blended[limb] == BLENDED and asks_place(row)
         span = row.reaches[end] if is_kept else comfortable(row, end, span)
         if limits.shape[0] > 0 and span < row.easings[end]:
             span = -soft(-span, -math.inf, -row.easings[end], -row.folds[end])

@@ -15,14 +15,13 @@ damped by the slope that is left, so that it is bold where it is sure (Li, Fukus
 import math
 
 from studio.core.kernels.compiling import kernel, small_kernel
+from studio.core.kernels.limits.within_limits import LEAST_DAMPING
 from studio.core.kernels.search.joints import FREE_PART, brake
 
 SPRING = 0.01
 """Strength of the spring that draws joints back to the motion, beside the pull of what is missed."""
 STIFFENED = 5.0
 """How much stiffer than they are the springs are taken to be: a step that nothing else resists would go all the way."""
-LEAST_DAMPING = 1e-4
-"""Damping where no slope is left; each unit of slope adds one."""
 FOLDED = 3.0
 """By how much more what pulls a link back is counted than what pulls it on: a chain that is too long for its target
 might buckle to any side, and stays on its ridge.

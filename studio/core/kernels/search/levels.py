@@ -35,7 +35,7 @@ from studio.core.kernels.search.recruiting import frees_limbs, note_balances
 from studio.core.kernels.search.retreat import AIM, begin_retreat, note_disturbance, tries_share
 from studio.core.kernels.search.step import KEPT, MET, step
 from studio.core.kernels.tasks.balance import centre_of_mass
-from studio.core.kernels.tasks.goals import BALANCE, POSITION, brings_point, counts, end_place, turns_segment
+from studio.core.kernels.tasks.goals import asks_place, brings_point, counts, end_place, moves_mass, turns_segment
 from studio.core.kernels.tasks.kinds import miss_of
 from studio.core.kernels.tasks.task import ACTIVE, GIVEN_UP, INACTIVE
 
@@ -328,7 +328,7 @@ def note_kept(first, level, problem):
             row.kept_miss = miss
         if turns_segment(row):
             copy_matrix(pose.rotations[row.segments[0]], row.kept_turn)
-        elif row.kind == BALANCE:
+        elif moves_mass(row):
             copy_point(centre_of_mass(problem.body.shares, pose.positions), row.kept_places[0])
         else:
             for end in range(2):
@@ -354,7 +354,7 @@ def note_reaches(level, changed, problem):
             limb = row.limbs[end]
             if row.rank < level and not (limb >= 0 and changed >> limb & 1):
                 continue
-            if end == 0 and row.kind == POSITION and (limb < 0 or row.freedoms[end, 0] == 0.0):
+            if end == 0 and asks_place(row) and (limb < 0 or row.freedoms[end, 0] == 0.0):
                 copy_point(end_place(row, end, problem.start), row.begin)
                 note_reachable(c, row, problem)
             if limb >= 0:
@@ -383,7 +383,7 @@ def note_reach(c, end, own, problem):
     shoulder = start.positions[root]
     comfort = COMFORT if row.helped else OWN_COMFORT
     row.comforts[end] = min(max(distance(point, shoulder) / reach, comfort), STRETCHED)
-    if row.kind == POSITION and row.helped:
+    if asks_place(row) and row.helped:
         bent, goal = bent_point(row, end, row.places[end], holds_end, start)
         row.comforts[end] = min(max(distance(bent, shoulder) / reach, comfort), STRETCHED)
         x, y, z = between(origin, goal)

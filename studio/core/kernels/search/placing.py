@@ -18,12 +18,11 @@ from studio.core.kernels.records import Problem
 from studio.core.kernels.search.joints import carry_arm, carry_point, carry_trunk, pose_limb
 from studio.core.kernels.tasks.areas import engage_area
 from studio.core.kernels.tasks.goals import (
-    AREA,
-    BALANCE,
-    DISTANCE,
-    ORIENTATION,
+    asks_length,
     counts,
-    goes_with_body,
+    has_own_goal,
+    is_dormant,
+    limb_follows,
 )
 from studio.core.kernels.tasks.kinds import follow, miss_of
 from studio.core.kernels.tasks.task import ACTIVE
@@ -148,7 +147,7 @@ def place_limbs(level, problem):
     for c in range(tasks.shape[0]):
         row = tasks[c]
         if counts(row) and row.rank <= level:
-            moving = moving or goes_with_body(row) or (row.kind > ORIENTATION and row.kind != BALANCE)
+            moving = moving or not has_own_goal(row)
             row.engaged = 0
             for end in range(2):
                 if row.limbs[end] >= 0 and row.status == ACTIVE:
@@ -188,8 +187,7 @@ def falls_short(level, problem):
     short = False
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        follows = row.limbs[0] >= 0 and row.points[1] >= 0 and row.kind <= ORIENTATION
-        if (row.kind == DISTANCE or follows) and row.status == ACTIVE and row.rank <= level:
+        if (asks_length(row) or limb_follows(row)) and row.status == ACTIVE and row.rank <= level:
             short = short or miss_of(c, problem) > CLOSE_ENOUGH
     return short
 
@@ -201,6 +199,6 @@ def engage(level, problem):
     found = False
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        if row.kind == AREA and row.status == ACTIVE and row.rank <= level and not row.engaged:
+        if is_dormant(row) and row.status == ACTIVE and row.rank <= level:
             found = engage_area(row, problem.areas[c], problem.pose) or found
     return found

@@ -11,7 +11,7 @@ from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limbs.limb import soft_reach
 from studio.core.kernels.search.joints import may_turn
 from studio.core.kernels.tasks.balance import centre_of_mass, set_balance_rows, sum_masses
-from studio.core.kernels.tasks.goals import BALANCE
+from studio.core.kernels.tasks.goals import moves_mass
 from studio.core.kernels.tasks.task import ACTIVE
 
 MASS_COMFORT, MASS_REACH = 0.5, 0.65
@@ -72,7 +72,7 @@ def note_balances(level, problem):
     found = False
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        if row.kind != BALANCE or row.status != ACTIVE or row.rank != level:
+        if not moves_mass(row) or row.status != ACTIVE or row.rank != level:
             continue
         found = True
         copy_point(row.places[0], row.places[1])

@@ -13,7 +13,7 @@ from studio.core.kernels.limbs.limb_limits import bent_point
 from studio.core.kernels.limbs.limb_tasks import CLOSE_ENOUGH
 from studio.core.kernels.search.joints import add_point_row, add_turn_row
 from studio.core.kernels.search.priorities import LONGEST_ERROR
-from studio.core.kernels.tasks.goals import POSITION, end_place
+from studio.core.kernels.tasks.goals import asks_place, end_place
 from studio.core.kernels.tasks.second_order import BOUND, HOLD, begin_row, note_pull
 from studio.core.kernels.tasks.task import ACTIVE, STRICT
 
@@ -154,9 +154,9 @@ def add_apart_row(c, owner, count, problem):
     tasks, chain, pose = problem.tasks, problem.chain, problem.pose
     row, task_rows, limits = tasks[c], problem.search.rows, problem.body.limits
     points = end_place(row, 0, pose), end_place(row, 1, pose)
-    x, y, z = between(points[0], row.places[0]) if row.kind == POSITION else between(points[0], points[1])
+    x, y, z = between(points[0], row.places[0]) if asks_place(row) else between(points[0], points[1])
     size = max(math.sqrt(x * x + y * y + z * z), 1e-9)
-    more = size if row.kind == POSITION else size - row.distance
+    more = size if asks_place(row) else size - row.distance
     scale = math.copysign(1.0 / size, more)
     x, y, z = scale * x, scale * y, scale * z
     begin_row(task_rows, count, owner, abs(more) - row.kept_miss)
@@ -166,7 +166,7 @@ def add_apart_row(c, owner, count, problem):
             carrier, _, root = limb_parts(limb, pose.positions.shape[0] - 23)
             shoulder = pose.positions[root]
             point = shoulder[0], shoulder[1], shoulder[2]
-        part = 1.0 if end == 0 else -(row.share if row.kind == POSITION else 1.0)
+        part = 1.0 if end == 0 else -(row.share if asks_place(row) else 1.0)
         add_point_row(
             point, part * x, part * y, part * z, carrier, chain.joints, pose.positions, task_rows.jacobian[count]
         )
@@ -178,7 +178,7 @@ def first_of(c, tasks):
     """The place that the limb of a secondary task has to bring its point to first, -1 for none."""
     for before in range(c):
         first = tasks[before]
-        same = first.kind == POSITION and first.status == ACTIVE and first.limbs[0] == tasks[c].limbs[0]
+        same = asks_place(first) and first.status == ACTIVE and first.limbs[0] == tasks[c].limbs[0]
         if same and first.freedoms[0, 0] > 0.0:
             return before
     return -1

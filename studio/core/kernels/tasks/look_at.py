@@ -5,7 +5,7 @@ import math
 from studio.core.kernels.algebra.turns import product, put_turn, shortest, turn_in
 from studio.core.kernels.algebra.vectors import copy_matrix, copy_point
 from studio.core.kernels.compiling import kernel
-from studio.core.kernels.tasks.goals import end_place
+from studio.core.kernels.tasks.goals import LOOK_AT, end_place
 from studio.core.kernels.tasks.task import PINNED, PINNED_TURN
 
 AWAY = 1.0
@@ -29,6 +29,12 @@ def follow_look(row, pose):
     now = turn_in(pose.rotations[row.segments[0]])
     x, y, z = gaze_goal(row.places[1], row.places[0], end_place(row, 0, pose), row.distance)
     put_turn(product(shortest(now[0], now[3], now[6], x, y, z), now), row.turn)
+
+
+@kernel
+def keeps_looking(row):
+    """Whether a look that is held keeps what it misses of its target, wherever the eyes go: unless it looks away."""
+    return row.kind == LOOK_AT and row.kept_miss < AWAY
 
 
 @kernel

@@ -14,14 +14,14 @@ from studio.core.kernels.search.joints import add_point_row, add_turn_row, may_t
 from studio.core.kernels.search.reachability import reachable_place
 from studio.core.kernels.tasks.balance import let_arm_reach, set_balance_rows, sum_masses
 from studio.core.kernels.tasks.goals import (
-    AREA,
-    BALANCE,
-    DISTANCE,
-    LOOK_AT,
-    POSITION,
     TURN_ARM,
     UPRIGHT,
+    asks_length,
+    asks_place,
     end_place,
+    is_dormant,
+    joins_points,
+    moves_mass,
     turns_segment,
 )
 from studio.core.kernels.tasks.limb_rows import (
@@ -33,7 +33,7 @@ from studio.core.kernels.tasks.limb_rows import (
     add_swivel_row,
     holds_already,
 )
-from studio.core.kernels.tasks.look_at import AWAY
+from studio.core.kernels.tasks.look_at import keeps_looking
 from studio.core.kernels.tasks.second_order import BOUND, HOLD, begin_row, note_pull, note_row
 from studio.core.kernels.tasks.task import ACTIVE, GIVEN_UP
 from studio.core.kernels.tasks.upright import add_upright_rows
@@ -69,7 +69,7 @@ def add_rows(c, level, owner, is_held, count, problem):
     task_rows = search.rows
     row = tasks[c]
     first = count
-    if row.kind == AREA and not row.engaged:
+    if is_dormant(row):
         return count
     if row.secondary and not is_held:
         return add_secondary_row(c, owner, count, problem)
@@ -77,7 +77,7 @@ def add_rows(c, level, owner, is_held, count, problem):
         count = add_upright_rows(row, owner, is_held, count, problem)
     elif turns_segment(row):
         count = add_turn_rows(row, owner, is_held, count, problem)
-    elif row.kind == BALANCE:
+    elif moves_mass(row):
         count = add_balance_rows(row, level, owner, is_held, count, problem)
     else:
         for end in range(2):
@@ -87,7 +87,7 @@ def add_rows(c, level, owner, is_held, count, problem):
             if row.status == GIVEN_UP and row.limbs[end] >= 0:
                 count = add_idle_row(c, level, end, owner, count, problem)
                 continue
-            if is_held and row.kind != AREA and row.points[1] >= 0 and row.kept_miss > HARDLY_MISSED:
+            if is_held and joins_points(row) and row.kept_miss > HARDLY_MISSED:
                 if end == 0:
                     count = add_apart_row(c, owner, count, problem)
                 continue
@@ -96,7 +96,7 @@ def add_rows(c, level, owner, is_held, count, problem):
                 if row.secondary and row.kept_miss > HARDLY_MISSED:
                     count = add_swivel_row(c, end, owner, count, problem)
                 count = add_reach_rows(c, row, end, owner, is_held, count, problem)
-            elif free or (row.kind != DISTANCE and end == 0):
+            elif free or (end == 0 and not asks_length(row)):
                 count = add_place_rows(row, end, owner, is_held, count, problem)
     if is_held:
         for other in range(first, count):
@@ -116,8 +116,6 @@ def add_rows(c, level, owner, is_held, count, problem):
 def add_turn_rows(row, owner, is_held, count, problem):
     """Three rows that turn a segment of the trunk; a limb's own segments are turned in closed form, and, held, keep
     what limits leave them to miss as if the limb were stiff.
-
-    A look that is held keeps what it misses of its target, wherever the eyes go, unless it looks away.
     """
     chain, pose, task_rows = problem.chain, problem.pose, problem.search.rows
     segment = row.segments[0]
@@ -132,7 +130,7 @@ def add_turn_rows(row, owner, is_held, count, problem):
                 axis, TURN_ARM * error[axis] / max(size, 1e-9), segment, chain.joints, task_rows.jacobian[count]
             )
         return count + 1
-    if is_held and row.kind == LOOK_AT and row.kept_miss < AWAY:
+    if is_held and keeps_looking(row):
         x, y, z = turn_error(row.turn, pose.rotations[segment])
         part = 1.0 - row.kept_miss / max(length((x, y, z)), 0.5 * row.kept_miss, 1e-9)
         error = part * x, part * y, part * z
@@ -161,7 +159,7 @@ def add_balance_rows(row, level, owner, is_held, count, problem):
     set_balance_rows(row.axes, masses, sums, chain.joints, positions, rows)
     for c in range(tasks.shape[0]):
         other = tasks[c]
-        if other.kind == POSITION and other.status == ACTIVE and other.rank <= level and not other.secondary:
+        if asks_place(other) and other.status == ACTIVE and other.rank <= level and not other.secondary:
             limb = other.limbs[0]
             if not 0 <= limb < 2 or other.freedoms[0, 0] == 0.0:
                 continue
@@ -178,7 +176,7 @@ def add_idle_row(c, level, end, owner, count, problem):
     """
     tasks, chain, pose, task_rows = problem.tasks, problem.chain, problem.pose, problem.search.rows
     row = tasks[c]
-    if row.kind != POSITION or row.limbs[end] >= 2:
+    if not asks_place(row) or row.limbs[end] >= 2:
         return count
     for other in tasks:
         poses = other.limbs[0] == row.limbs[end] or other.limbs[1] == row.limbs[end]
@@ -200,12 +198,12 @@ def add_place_rows(row, end, owner, is_held, count, problem):
     """Three rows that bring a point of the trunk, or of a limb that is not free, to its place."""
     chain, pose, task_rows = problem.chain, problem.pose, problem.search.rows
     point, segment = end_place(row, end, pose), row.segments[end]
-    first, follows = count, row.kind == POSITION and row.points[1] >= 0
+    first, follows = count, asks_place(row) and row.points[1] >= 0
     if is_held and not follows and holds_already(point, segment, count, task_rows):
         return count
     if is_held:
         x, y, z = between(point, row.kept_places[end])
-    elif row.kind == POSITION and end == 0:
+    elif asks_place(row) and end == 0:
         x, y, z = between(point, reachable_place(row))
     else:
         x, y, z = between(point, row.places[end])

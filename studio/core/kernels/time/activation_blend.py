@@ -23,13 +23,13 @@ from studio.core.kernels.algebra.vectors import (
     length_along,
 )
 from studio.core.kernels.body.parts import limb_parts
-from studio.core.kernels.compiling import kernel, small_kernel
+from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limbs.limb_limits import bent_point
 from studio.core.kernels.limbs.limb_tasks import BLENDED, CLOSE_ENOUGH
 from studio.core.kernels.search.levels import disturbance, mend, note_kept
 from studio.core.kernels.search.placing import carry_body, place_limbs
 from studio.core.kernels.search.step import KEPT
-from studio.core.kernels.tasks.goals import BALANCE, ORIENTATION, POSITION, TURN_ARM, ease_goal, turns_segment
+from studio.core.kernels.tasks.goals import TURN_ARM, asks_place, ease_goal, has_own_goal, moves_mass, turns_segment
 from studio.core.kernels.tasks.kinds import miss_of
 from studio.core.kernels.tasks.limb_rows import MISSED
 from studio.core.kernels.tasks.task import ACTIVE, FREE, INACTIVE, ON_EDGE, PINNED, STRICT
@@ -79,7 +79,7 @@ def note_turns(out_turns, pose):
 @kernel
 def mark_blended(row, how, out_blended):
     """A limb whose constraint is given up, or on its edge, is not to be solved anew from the motion."""
-    if row.status > ACTIVE and row.kind != BALANCE:
+    if row.status > ACTIVE and not moves_mass(row):
         for end in range(2):
             if row.limbs[end] >= 0 and row.freedoms[end, 0] > 0.0:
                 out_blended[row.limbs[end]] = how
@@ -207,12 +207,6 @@ def mend_kept(level, problem):
         place_limbs(level, problem)
 
 
-@small_kernel
-def has_own_goal(row):
-    """Whether a task is for a place or a turn that does not go with the body."""
-    return (row.kind == POSITION or row.kind == ORIENTATION or row.kind == BALANCE) and row.points[1] < 0
-
-
 @kernel
 def note_held(row, problem):
     """What both poses have keeps what it asks, or as much of it as they brought."""
@@ -229,11 +223,11 @@ def note_held(row, problem):
             copy_matrix(row.kept_turn, row.turn)
         return
     for end in range(2):
-        wanted = row.places[1 if row.kind == BALANCE else end]
-        way = length_along(between(row.kept_places[end], wanted), row.axes if row.kind == BALANCE else 3)
+        wanted = row.places[1 if moves_mass(row) else end]
+        way = length_along(between(row.kept_places[end], wanted), row.axes if moves_mass(row) else 3)
         more = part * (1.0 - left / max(way, 1e-9))
         copy_point(ease_goal(row.kept_places[end], wanted, more), row.kept_places[end])
-        if row.kind == POSITION and row.limbs[end] >= 0 and blended[row.limbs[end]]:
+        if asks_place(row) and row.limbs[end] >= 0 and blended[row.limbs[end]]:
             copy_point(row.kept_places[end], row.places[end])
             row.comforts[end], row.easings[end] = 1.0, 0.0
             if row.longest[end] > 0.0:  # a shoulder has no limb before it

@@ -12,9 +12,7 @@ from studio.core.kernels.limits.root_reach import keep_feet_in_reach
 from studio.core.kernels.records import Pose
 from studio.core.kernels.search.placing import carry_body, posed
 from studio.core.kernels.search.retreat import begin_retreat, note_disturbance, tries_share
-from studio.core.kernels.tasks.goals import (
-    BALANCE,
-)
+from studio.core.kernels.tasks.goals import moves_mass
 from studio.core.kernels.tasks.kinds import follow, miss_of, pin_goal
 from studio.core.kernels.tasks.targets import set_goals
 from studio.core.kernels.tasks.task import ACTIVE, INACTIVE, ON_EDGE, PINNED, STRICT
@@ -157,7 +155,7 @@ def pin(c, stands, above):
     pin_goal(c, above)
     for end in range(2):
         limb = row.limbs[end]
-        if row.kind != BALANCE and limb >= 0 and row.freedoms[end, 0] > 0.0 and not (stands and limb >= 2):
+        if not moves_mass(row) and limb >= 0 and row.freedoms[end, 0] > 0.0 and not (stands and limb >= 2):
             search.blended[limb] = BLENDED  # legs that stand are placed on their ankles
 
 

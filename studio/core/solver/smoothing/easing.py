@@ -87,11 +87,13 @@ LEFT = Ramp(np.array([5.0, 1.6, 2.4]), np.array([6.0, 2.2, 2.9]))
 BACK = 3
 """Times that a level is left for those above it where it changes them, ever further around."""
 WIDTHS = 0.06, 0.12, 0.2, 0.35, 0.12
-"""Seconds on either side over which one averaging after another goes, each where the one before did not suffice."""
-AROUND = 0.2
-"""Seconds on either side of a jolt that are averaged wholly, at most; as many again fade."""
+"""Seconds on either side over which one averaging after another goes, each where the one before did not suffice: so far
+beside a jolt wholly, and fading as far again.
+"""
 MENDED, FALLING = 0.1, 0.35
-"""The same where a level is left as averaged, and where that does not suffice or it is left for those above it."""
+"""How far beside a jolt, wholly, where a level is left as averaged, and where that does not suffice or it is left for
+those above it.
+"""
 CHANGED = Ramp(np.array(0.93 * HELD), np.array(1.07 * HELD))
 """Metres by which a level's easing may change those above it for it to be left for them."""
 SEEN = 0.8
@@ -102,8 +104,6 @@ FADED = 4.0
 """Times the room that a level has to be left for those above it wholly."""
 LEGS = BodyPart.LEFT_THIGH, BodyPart.RIGHT_THIGH, BodyPart.LEFT_SHANK, BodyPart.RIGHT_SHANK
 """Segments as sharply as which root and trunk may move where a leg has a constraint: who kicks swings the pelvis."""
-BESIDE = 0.1
-"""Seconds beside where nothing acts in which nothing is eased, and again in which that begins."""
 
 
 _NO_TURNS, _NO_MISSES, _NO_POSE = (
@@ -219,11 +219,10 @@ class Level:
 
     @property
     def room(self) -> FloatArray:
-        """(F,) how far it may be eased, from 0 to 1: near jolts of what is solved, and where it acts."""
+        """(F,) how far it may be eased, from 0 to 1: near jolts of what is solved, where it acts but for its ends."""
         rate, sharp = self.solve.rate, self.solve.sharp / self.allowed
-        beside = max(round(BESIDE * rate), 1)
-        acting = minimum_filter1d(self.acts.astype(np.float64), 2 * beside + 1, mode="nearest")
-        return _mean(acting, beside) * _around(_excess(sharp, EASED), rate, SEEN)
+        acting = minimum_filter1d(self.acts.astype(np.float64), 3, mode="nearest")
+        return _mean(acting, 1) * _around(_excess(sharp, EASED), rate, SEEN)
 
 
 class Easing:
@@ -334,7 +333,7 @@ class Easing:
             self._touched = np.maximum(self._touched, moved.reshape(len(moved), -1).any(axis=1))
         for seconds in WIDTHS:
             width = max(round(seconds * level.solve.rate), 1)
-            bump = room * self._bump(number, Posed(states, values), min(seconds, AROUND))
+            bump = room * self._bump(number, Posed(states, values), seconds)
             if not bump.any():
                 break
             self._touched = np.maximum(self._touched, bump)

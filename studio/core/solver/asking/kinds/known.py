@@ -30,3 +30,4 @@ KINDS: Mapping[type[Constraint], Kind] = {
 }
 BY_CODE = {kind.code: kind for kind in KINDS.values()}
 """The same by what the kernels know each by."""
+ENTERING = [kind.code for kind in KINDS.values() if kind.enters]
