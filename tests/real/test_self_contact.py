@@ -91,3 +91,10 @@ def test_any_window_of_frames_is_as_in_the_whole():
         motion, character.morphology, contacts, volume=character.volume, actor=actor.morphology, clears=True
     )
     np.testing.assert_array_equal(adapt(request, 20, 40).positions, adapt(request).positions[20:41])
+
+
+@pytest.mark.parametrize("body", ["adult_woman", "giant"])
+def test_arms_that_hang_straight_between_the_knees_swing_out_and_do_not_bend(body):
+    """A straight arm comes a little nearer to its shoulder only by bending its elbow a lot."""
+    kept, through = (rises(_adapted("accad_female1_A08_CrouchToLie", body, clears=clears)) for clears in (True, False))
+    assert np.degrees(np.abs(kept - through)[:49].max()) < 30.0

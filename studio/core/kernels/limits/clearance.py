@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from studio.core.kernels.algebra.turns import turn_by
-from studio.core.kernels.algebra.vectors import between, copy_matrix, copy_point
+from studio.core.kernels.algebra.vectors import between, copy_matrix, copy_point, distance
 from studio.core.kernels.body.parts import body_point, turn_part
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.limbs.limb import COMFORT, STRETCHED, soft_reach
@@ -198,6 +198,7 @@ def sweep_arm(side, near, frame, shares, clearance, clearing, positions, out_ste
     wanted, own, ways = clearing.asks, clearance.rooms[frame, side], clearance.ways[frame, side]
     shoulder = positions.shape[0] - 19 + 5 * side
     place, arc, lever, way, entry = np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(3)
+    line = stiff_line(shoulder, positions)
     out_step[:] = 0.0
     for probe in range(PROBES):
         k = FOLLOWS[probe]
@@ -220,27 +221,40 @@ def sweep_arm(side, near, frame, shares, clearance, clearing, positions, out_ste
             fade = LEAST_FADE + narrower * FADE / (narrower + FADE)
             short = ramp(wanted[probe] + TOUCH - room, fade)
         if short > 0.0:
-            add_step(short, k, shares, (arc, lever, way), out_step)
+            add_step(short, k, shares, (arc, lever, way, line), out_step)
     return out_step.any()
 
 
 @kernel
 def add_step(short, follows, shares, probe, step):
     """Add the least step that brings a probe out by ``short`` metres, which goes along with the wrist's way as it
-    ``follows``; ``probe`` are its arc, its lever about the wrist, and its way out, (3,) each.
+    ``follows``; ``probe`` are its arc, its lever about the wrist, its way out, and the arm's ``stiff_line``, (3,) each.
     """
-    arc, lever, way = probe
+    arc, lever, way, line = probe
+    stiff = way[0] * line[0] + way[1] * line[1] + way[2] * line[2]
+    swings = max(1.0 - stiff * stiff, 0.0)
     swivel = (way[0] * arc[0] + way[1] * arc[1] + way[2] * arc[2]) / SWIVEL_COST
     x, y, z = cross(lever[0], lever[1], lever[2], way)
     hand = (x * x + y * y + z * z) / HAND_COST**2
-    along = short / (follows * follows * shares[1] + hand * shares[2] + swivel * swivel * shares[3] + 0.02)
+    along = short / (follows * follows * swings * shares[1] + hand * shares[2] + swivel * swivel * shares[3] + 0.02)
     for axis in range(3):
-        step[axis] += along * follows * shares[1] * way[axis]
+        step[axis] += along * follows * shares[1] * (way[axis] - stiff * line[axis])
     bent = along * shares[2] / HAND_COST**2
     step[HAND] += bent * x
     step[HAND + 1] += bent * y
     step[HAND + 2] += bent * z
     step[SWIVEL] += along * swivel / SWIVEL_COST * shares[3]
+
+
+@kernel
+def stiff_line(shoulder, positions):
+    """The line from shoulder to wrist (3,), 1 long where the arm is straight, and shorter the more it is folded.
+
+    Along it a straight arm gives way by bending its elbow far for little, so it swings instead.
+    """
+    root, elbow, wrist = positions[shoulder], positions[shoulder + 1], positions[shoulder + 2]
+    whole, line = distance(root, elbow) + distance(elbow, wrist), between(root, wrist)
+    return line[0] / whole, line[1] / whole, line[2] / whole
 
 
 @kernel
