@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.mesh.hand_shapes import HandShapes
-from studio.core.mesh.skin import SkinnedMesh
+from studio.core.mesh.skin import SkinnedMesh, fit_skin, gripping
 
 FEW = 2000
 """Triangles of a mesh that is coarse already."""
@@ -53,3 +53,9 @@ def coarse_triangles(mesh: SkinnedMesh) -> NDArray[np.int32]:
     corners = np.sort(fewer, axis=1)
     whole = (corners[:, 1:] != corners[:, :-1]).all(axis=1)
     return np.asarray(fewer[whole])
+
+
+def forget_skins() -> None:
+    """Let go of all skins that were fitted, shaped or made coarse: of a project that is shown no more."""
+    for made in (coarse_skin, fit_skin, gripping):
+        made.cache_clear()

@@ -24,6 +24,7 @@ from studio.viewport import mouse
 from studio.viewport.camera import VIEWS, FloatArray, OrbitCamera
 from studio.viewport.canvas import Canvas
 from studio.viewport.chips import Chips
+from studio.viewport.coarse import forget_skins
 from studio.viewport.constraining import Here, constraint_here
 from studio.viewport.dropping import StrikeDrops
 from studio.viewport.following import Follower
@@ -259,8 +260,7 @@ class Viewport(Canvas):
     @property
     def moving(self) -> bool:
         """While something moves, pictures are not smoothed."""
-        playing = self._document.playhead.playing or self._live.play.running
-        return playing or self.in_hand or self._glide.moving
+        return self._document.playhead.playing or self._live.play.running or self.in_hand or self._glide.moving
 
     @property
     def in_hand(self) -> bool:
@@ -286,8 +286,7 @@ class Viewport(Canvas):
         self.camera = self._follower.moved(self.camera, active, pose if self.following else None)
         self._chips.tell_recorded(recorded_of(self._document, pose) is not None)
         self.props = props_at(project, self.posed, time)
-        coarse = self.moving and not self._glide.moving
-        scene.sync(project, bodies, self.props, self._bones, self._paths(), coarse)
+        scene.sync(project, bodies, self.props, self._bones, self._paths(), self.moving and not self._glide.moving)
         self._pace.posed(self._live.asked_at(active) if self._live.interactive else None)
         self._chips.tell_work(len(self.posed), self._pace.words, all(map(self._live.is_eased, self.posed)))
 
@@ -380,6 +379,7 @@ class Viewport(Canvas):
         links = (
             (document.entity_changed, self._entity_changed),
             (document.project_opened, self._project_opened),
+            (document.project_opened, forget_skins),
             (document.selection.changed, self._selection_changed),
             (document.playhead.changed, self._playhead_moved),
             (document.playhead.playing_changed, self.show_again),
