@@ -20,7 +20,7 @@ from studio.core.project import Performer, Project
 from studio.core.stage.holding import REACHING, grips
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.document.document import Document
-from studio.engine.performance import motion_time
+from studio.engine.performance import motion_time, posed_performers
 from studio.engine.props import between_hands
 from studio.io.mesh_file import SUFFIXES, MeshFile, read_mesh
 
@@ -170,7 +170,7 @@ def _hold(bench: Workbench, begin: float | None) -> None:
     """Both hands hold the prop from ``begin`` on."""
     document, prop_id, performer_id = _holding(bench)
     prop, performer = document.project.props[prop_id], document.project.performers[performer_id]
-    holder = bench.viewport.posed.get(performer_id)
+    holder = posed_performers(document.project, bench.live.result, document.playhead.time).get(performer_id)
     hold = between_hands(prop, performer_id, holder) if holder else Carried(performer_id)
     text = f"{performer.name} {'holds' if begin is None else 'picks up'} {prop.name}"
     with document.group(text):
