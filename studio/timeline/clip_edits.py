@@ -59,15 +59,18 @@ def offer_clip(menu: QMenu, shown: Shown, hit: Hit) -> None:
     def split() -> None:
         select(clips.split_clip(document, hit.id, document.playhead.time))
 
-    _offer(menu, shown, "Split at playhead", split)
-    _offer(menu, shown, "Mirror", lambda: clips.mirror_clip(document, hit.id))
-    _offer(menu, shown, "Duplicate", lambda: select(clips.duplicate_clip(document, hit.id)))
+    def offer(text: str, run: Callable[[], None]) -> None:
+        _offer(menu, shown, hit.performer_id, text, lambda: run() if hit.id in shown.project.clips else _refuse("clip"))
+
+    offer("Split at playhead", split)
+    offer("Mirror", lambda: clips.mirror_clip(document, hit.id))
+    offer("Duplicate", lambda: select(clips.duplicate_clip(document, hit.id)))
     players = players_of(project, hit.id)
     if len(players) > 1:
         text = f"Make it {project.performers[hit.performer_id].name}'s own"
-        _offer(menu, shown, text, lambda: select(clips.make_own(document, hit.performer_id, hit.id)))
+        offer(text, lambda: select(clips.make_own(document, hit.performer_id, hit.id)))
     text = f"Delete clip {clips.name_of(project, project.clips[hit.id])}"
-    _offer(menu, shown, "Delete", lambda: clips.remove_clips(document, (hit.id,), text))
+    offer("Delete", lambda: clips.remove_clips(document, (hit.id,), text))
 
 
 def offer_motions(menu: QMenu, shown: Shown, performer_id: str, start: float | None) -> None:
@@ -76,11 +79,21 @@ def offer_motions(menu: QMenu, shown: Shown, performer_id: str, start: float | N
         added = menu.addMenu(text)
         for motion_id, motion in shown.project.motions.items():
             if shown.project.captures[motion.capture_id].body_map is not None:
-                _offer(added, shown, motion.name, partial(add, shown, performer_id, motion_id, start))
+                _offer(added, shown, performer_id, motion.name, partial(add, shown, performer_id, motion_id, start))
 
 
-def _offer(menu: QMenu, shown: Shown, text: str, run: Callable[[], None]) -> None:
-    menu.addAction(text).triggered.connect(lambda: try_edit(shown, run))
+def _offer(menu: QMenu, shown: Shown, performer_id: str, text: str, run: Callable[[], None]) -> None:
+    """An entry about a performer's row, which may be removed while the menu is open."""
+    kept = partial(_run_on, shown, performer_id, run)
+    menu.addAction(text).triggered.connect(lambda: try_edit(shown, kept))
+
+
+def _run_on(shown: Shown, performer_id: str, run: Callable[[], None]) -> None:
+    run() if performer_id in shown.project.performers else _refuse("performer")
+
+
+def _refuse(what: str) -> None:
+    raise StudioError(f"The {what} has been removed from the project: choose another one.")
 
 
 def try_edit(shown: Shown, run: Callable[[], None]) -> None:

@@ -212,6 +212,27 @@ def test_a_motion_that_is_removed_while_the_menu_is_open_is_told_of(document, ti
     QApplication.activePopupWidget() and QApplication.activePopupWidget().close()
 
 
+@pytest.mark.parametrize(
+    ("gone", "what"),
+    [
+        ("performer", ["Add clip", "Other"]), ("performer", ["Add layer", "Other"]), ("performer", ["Mirror"]),
+        ("clip", ["Split at playhead"]), ("clip", ["Mirror"]), ("clip", ["Duplicate"]), ("clip", ["Delete"]),
+    ],
+)  # fmt: skip
+def test_what_is_removed_while_its_menu_is_open_is_told_of(document, timeline, qtbot, gone, what):
+    chosen = entry(timeline, place(timeline, SECOND, 130), *what)
+    if gone == "performer":
+        document.remove("performers", SECOND, "Remove performer")
+    else:
+        clips.remove_clips(document, ("kick",), "Delete")
+    before = document.project
+    with qtbot.waitSignal(document.problem) as said:
+        chosen.trigger()
+    assert f"The {gone} has been removed" in said.args[0]
+    assert document.project is before
+    QApplication.activePopupWidget() and QApplication.activePopupWidget().close()
+
+
 def test_arrow_keys_trim_the_edge_that_has_the_keyboard(document, timeline, hand):
     hand.drag(place(timeline, SECOND, 120), 0)
     timeline.tracks.setFocus()
