@@ -26,6 +26,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import QUIET, angular_acceleration
 from studio.core.solver.adapt import adapt, hold, place_of
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.solved_window import constraint_activations
 from studio.core.solver.standing.stand import Standing, stand
 from studio.io.character_file import bundled_characters
 from studio.io.importing import GUESS_ALL
@@ -59,9 +60,9 @@ class Result:
     exact_peak: float
     missed: float
     changed: float
-    """The most that a constraint added below changed what one above misses while it acts wholly."""
+    """The most that a constraint added below changed what one above misses while it acts wholly, by the pose itself."""
     ramped: float
-    """The same while the one above comes or goes."""
+    """The same while the one above comes or goes, of what is told: then it is missed in proportion."""
     cost: float
     """Microseconds a frame beside the *worst* row of the same clip and body."""
     exact_cost: float
@@ -101,16 +102,16 @@ def measure(name: str, standing: Standing, seed: int, worst: float, exact: bool 
         peak, exact_peak = (
             float(angular_acceleration(each.rotations, each.frame_rate).max()) / source for each in (solved, plain)
         )
-        times = np.arange(before.frame_count) / before.frame_rate
-        shares = np.array([each.activation.at(times) for each in asked[:count]])
+        shares = constraint_activations(asked[:count], standing)
+        misses = _misses(solved, asked[:count]), np.nan_to_num(solved.residuals)
         missed = np.where(shares >= 1.0, solved.residuals, np.nan)
         changed = ramped = 0.0
         if higher is not None:
-            change = np.abs(_misses(solved, asked[: len(higher)]) - higher)
-            above = shares[: len(higher)]
-            changed = float(np.max(change, where=above >= 1.0, initial=0.0))
-            ramped = float(np.max(change, where=(above > 0.0) & (above < 1.0), initial=0.0))
-        higher = _misses(solved, asked[:count])
+            placed, told = (np.abs(now[: len(higher[0])] - was) for now, was in zip(misses, higher, strict=True))
+            above = shares[: len(placed)]
+            changed = float(np.max(placed, where=above >= 1.0, initial=0.0))
+            ramped = float(np.max(told, where=(above > 0.0) & (above < 1.0), initial=0.0))
+        higher = misses
         mean = float(np.nanmean(missed)) if np.isfinite(missed).any() else 0.0
         told = (1e3 * mean, 1e3 * changed, 1e3 * ramped)
         results.append(Result(f"{name} {seed}", count, peak, exact_peak, *told, cost / worst, exact_cost / worst))

@@ -122,20 +122,22 @@ class SolvedWindow:
 
     @property
     def may_jolt(self) -> bool:
-        """Whether anything may, of all frames as they are solved."""
-        return self._hides_jolts() or (self.whole.jolts() and self.whole.jolts(self._brings_of(self._ranks >= 0)))
+        """Whether anything may, of all frames as they are solved: beyond what the highest level is allowed, which is
+        less than what others are.
+        """
+        highest = int(self._held > 0)
+        peaks = self._solve_of(highest).peaks
+        return self._hides_jolts() or (
+            self.whole.jolts(peaks) and self.whole.jolts(peaks + self._brings_of(self._ranks <= highest)[:, None])
+        )
 
     def _hides_jolts(self) -> bool:
         """Whether a level may jolt that does not with those below it: where arms are kept clear, points enter areas and
-        leave them, or where only these are about legs, by which more is allowed.
+        leave them.
         """
         tasks = self._rows.asked[self._held :]
-        if self._clear:
-            return True
-        if tasks["rank"][0] == tasks["rank"][-1]:
-            return False
-        legs, first = tasks["limbs"] >= 2, tasks["rank"] == tasks["rank"][0]
-        return bool(np.isin(tasks["kind"], ENTERING).any() or (legs.any() and not legs[first].any()))
+        several = len(tasks) and tasks["rank"][0] < tasks["rank"][-1]
+        return bool(self._clear or (several and np.isin(tasks["kind"], ENTERING).any()))
 
     @cached_property
     def _ranks(self) -> IntArray:
@@ -174,10 +176,11 @@ class SolvedWindow:
 
     def _solve_of(self, level: int | None = None) -> Solve:
         """To note what is solved down to a ``level``, or of all."""
-        ends = self._rows.asked["limbs"]
-        if level is not None:
-            ends = ends[self._ranks[: len(ends)] <= level]
-        return Solve.of(self.standing, len(self._positions), self._joints.joints, ends, int(self._held > 0))
+        ends, joints = self._rows.asked["limbs"], self._joints
+        level = self._levels - 1 if level is None else level
+        mobilities = joints.mobilities[: len(ends) + self._rank_of(level + 1)]
+        moved, ends = mobilities[len(ends) :].any(axis=0), ends[self._ranks[: len(ends)] <= level]
+        return Solve.of(self.standing, len(self._positions), joints.joints, moved, ends, int(self._held > 0))
 
     def _runs(self, window: slice) -> list[tuple[int, int]]:
         """First and past the last row of each run of frames that have to do with each other and touch ``window``."""

@@ -53,7 +53,8 @@ def warm_up_easing(morphology: Morphology) -> None:
     charts = LimbCharts(morphology.layout, np.stack([rest_pose(morphology)[1]] * FRAMES), limits_of(morphology))
     turns = charts.turns(charts.within(np.zeros((FRAMES, 16, 3))))
     joints, states = np.zeros(1, JOINT), np.zeros((FRAMES, 1, 3))
-    Solve.of(_placed(morphology), FRAMES, joints, np.zeros((1, 2), np.int64), 0).jolts_of(states, turns)
+    moved, ends = np.ones(len(joints), dtype=bool), np.zeros((1, 2), np.int64)
+    Solve.of(_placed(morphology), FRAMES, joints, moved, ends, 0).jolts_of(states, turns)
 
 
 def warm_up_constraints(morphology: Morphology) -> AdaptedMotion:

@@ -131,15 +131,22 @@ class Solve:
     held: int
 
     @staticmethod
-    def of(standing: Standing, frames: int, joints: NDArray[np.void], limbs: IntArray, held: int) -> "Solve":
-        """Of some ``frames``; ``limbs`` (C, 2) of the constraints' ends, -1 none; the first ``held`` levels are
-        contacts'.
+    def of(
+        standing: Standing,
+        frames: int,
+        joints: NDArray[np.void],
+        moved: NDArray[np.bool_],
+        limbs: IntArray,
+        held: int,
+    ) -> "Solve":
+        """Of some ``frames``; which ``joints`` (N,) may be ``moved`` (N,); ``limbs`` (C, 2) of the constraints' ends,
+        -1 none; the first ``held`` levels are contacts'.
         """
         named = set(limbs.ravel().tolist())
         named_limbs = np.array([0 in named, 1 in named, 2 in named, 3 in named], dtype=np.int64)
         layout, rate = standing.morphology.layout, standing.motion.frame_rate
         peaks, states = (
-            own_peaks(standing, joints["segment"], 2 in named or 3 in named),
+            own_peaks(standing, joints["segment"][moved], 2 in named or 3 in named),
             np.empty((frames, len(joints), 3)),
         )
         return Solve(layout, rate, joints, named_limbs, states, peaks, np.zeros((frames, 3)), held)
@@ -168,9 +175,8 @@ class Solve:
         """For a first run over all frames."""
         return self.easing(np.arange(len(self.states)), _NO_TURNS, Rank(0, 0), False, False, _NO_MISSES, _NO_POSE)
 
-    def jolts(self, brings: float | FloatArray = 0.0) -> bool:
-        """Whether anything turns more sharply than the motion does and targets bring (F,), radians a second squared."""
-        allowed = self.peaks + np.reshape(brings, (-1, 1))
+    def jolts(self, allowed: FloatArray) -> bool:
+        """Whether anything turns more sharply than what is ``allowed``, (3,) or (F, 3), radians a second squared."""
         return bool((self.sharp > EASED.begins * allowed).any())
 
     def jolts_of(self, states: FloatArray, turns: FloatArray) -> FloatArray:
@@ -184,7 +190,8 @@ class Solve:
 
 
 def own_peaks(standing: Standing, searched: IntArray, legs_asked: bool) -> FloatArray:
-    """(3,) what ``Solve.jolts_of`` tells at most of the unsolved motion, of a search of segments ``searched`` (N,).
+    """(3,) what ``Solve.jolts_of`` tells at most of the unsolved motion, of a search that turns
+    segments ``searched`` (n,).
 
     Legs count where a constraint is about them; root and searched joints then have at least what legs have.
     """
