@@ -1,4 +1,4 @@
-"""Six constraints on six levels, as users make them: strict, while they act wholly and in their ramps, and eased too."""
+"""Six constraints on six levels, as users make them, are strict: acting wholly, in their ramps, and eased."""
 
 import pytest
 

@@ -407,7 +407,9 @@ class Easing(NamedTuple):
     rate: Array
     """(1,) frames a second."""
     jolts: Array
-    """(F, 3) of ``kernels.time.jolts``; the first becomes by how much those above are changed by the easing."""
+    """(F, 3) of ``kernels.time.jolts``."""
+    changes: Array
+    """(F,) by how much easing changes what those above miss, metres or radians."""
 
 
 class Clip(NamedTuple):

@@ -179,7 +179,7 @@ class SolvedWindow:
         ends, joints = self._rows.asked["limbs"], self._joints
         level = self._levels - 1 if level is None else level
         mobilities = joints.mobilities[: len(ends) + self._rank_of(level + 1)]
-        moved, ends = mobilities[len(ends) :].any(axis=0), ends[self._ranks[: len(ends)] <= level]
+        moved, ends = np.asarray(mobilities[len(ends) :].any(axis=0)), ends[self._ranks[: len(ends)] <= level]
         return Solve.of(self.standing, len(self._positions), joints.joints, moved, ends, int(self._held > 0))
 
     def _runs(self, window: slice) -> list[tuple[int, int]]:

@@ -30,7 +30,7 @@ def ease_frame(frame, waited, clip, problem):
     what everything misses. Whether what keeps clear has ``waited``.
     """
     easing, chain, search = clip.easing, problem.chain, problem.search
-    level, lost = easing.level[0], easing.jolts[frame]
+    level, changes = easing.level[0], easing.changes
     above = pack(posed(problem, pack(Pose(easing.above.positions[frame], easing.above.rotations[frame]))))
     for joint in range(search.state.shape[0]):
         put_state(easing.states[frame, joint], chain.limits[joint], search.state[joint])
@@ -38,11 +38,11 @@ def ease_frame(frame, waited, clip, problem):
         copy_matrix(easing.turns[frame, turn], search.blended_turns[turn])
     pull_root(problem)
     if easing.above.back[frame] == 1.0:
-        lost[0] = pose_as_above(frame, clip, problem, above)
+        changes[frame] = pose_as_above(frame, clip, problem, above)
     else:
-        lost[0] = pose_eased(frame, level.meets, waited, clip, problem, above)
-        if level.strict and lost[0] >= HELD:
-            retreat_from(lost[0], frame, waited, clip, problem, above)
+        changes[frame] = pose_eased(frame, level.meets, waited, clip, problem, above)
+        if level.strict and changes[frame] >= HELD:
+            retreat_from(changes[frame], frame, waited, clip, problem, above)
     tell_misses(frame, clip, problem)
 
 

@@ -118,7 +118,8 @@ class Solve:
     """What ``kernels.adapt.solve_frames`` notes of F frames, and is given to pose some of them anew.
 
     ``joints`` (N,) of the search, ``limbs`` (4,) that constraints are about, ``states`` (F, N, 3) of the search, and as
-    in ``kernels.time.jolts`` the ``sharp`` jolts (F, 3) and the ``peaks`` (3,) of the same in the unsolved motion.
+    in ``kernels.time.jolts`` the ``sharp`` jolts (F, 3) and the ``peaks`` (3,) of the same in the unsolved motion;
+    ``changes`` (F,) is by how much easing changes what stands above.
     """
 
     layout: BodyLayout
@@ -128,6 +129,7 @@ class Solve:
     states: FloatArray
     peaks: FloatArray
     sharp: FloatArray
+    changes: FloatArray
     held: int
 
     @staticmethod
@@ -149,7 +151,7 @@ class Solve:
             own_peaks(standing, joints["segment"][moved], 2 in named or 3 in named),
             np.empty((frames, len(joints), 3)),
         )
-        return Solve(layout, rate, joints, named_limbs, states, peaks, np.zeros((frames, 3)), held)
+        return Solve(layout, rate, joints, named_limbs, states, peaks, np.zeros((frames, 3)), np.zeros(frames), held)
 
     def easing(
         self,
@@ -162,13 +164,14 @@ class Solve:
         above: Above,
     ) -> records.Easing:
         """As ``kernels.time.easing`` takes it."""
-        noted = self.limbs, self.peaks[2:], np.array([self.rate]), self.sharp
+        noted = self.limbs, self.peaks[2:], np.array([self.rate]), self.sharp, self.changes
         eased = np.array([(rank.solved, meets, self.held, holds, rank.clears)], dtype=EASED_LEVEL)
         return records.Easing(frames, self.states, turns, eased, misses, above, *noted)
 
     def within(self, frames: slice) -> "Solve":
         """What it noted of some frames."""
-        return replace(self, states=self.states[frames].copy(), sharp=self.sharp[frames].copy())
+        arrays = {name: getattr(self, name)[frames].copy() for name in ("states", "sharp", "changes")}
+        return replace(self, **arrays)
 
     @property
     def noting(self) -> records.Easing:
@@ -306,7 +309,7 @@ class Easing:
     ) -> Posed:
         """Pose between two by a ``share`` (F,) anew where there is any."""
         level, frames = self._levels[number], np.flatnonzero(share > 0.0)
-        level.solve.sharp[:] = 0.0
+        level.solve.changes[:] = 0.0
         if not len(frames):
             return first
         level.solve.states[:] = _blend(first.states, second.states, share)
@@ -317,7 +320,7 @@ class Easing:
 
     def _changed(self, number: int) -> FloatArray:
         """(F,) how far frames are to be left for those above, which they change."""
-        changed = CHANGED.share_of(self._levels[number].solve.sharp[:, 0])
+        changed = CHANGED.share_of(self._levels[number].solve.changes)
         return self._spread(number, changed, FALLING)
 
     def _spread(self, number: int, share: FloatArray, seconds: float) -> FloatArray:
