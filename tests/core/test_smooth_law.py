@@ -37,7 +37,7 @@ LEVER, SLOWEST, FASTEST = 0.3, 0.1, 0.5
 
 HARD = (
     *((312, 1), (323, 2), (1202, 2), (103, 3), (158, 3), (387, 3), (538, 3)),
-    *((219, 4), (342, 4), (522, 4), (593, 4), (1027, 4), (1303, 4)),
+    *((82, 3), (127, 3), (152, 3), (33, 4), (43, 4), (219, 4), (342, 4), (522, 4), (593, 4), (1027, 4), (1303, 4)),
 )
 """Seeds and counts of sets in which levels nearly jolt, arms that are held are all but straight, or are at limits."""
 
@@ -103,6 +103,6 @@ def _peak(seed: int, count: int) -> float:
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4])
 def test_wishes_that_move_smoothly_move_no_joint_with_a_jerk(count: int) -> None:
-    """Of 680 sets, 170 of each count, all keep the law: 2.8 at most."""
+    """Of 680 sets, 170 of each count, all keep the law: 2.6 at most."""
     hard = [seed for seed, number in HARD if number == count]
     assert max(_peak(seed, count) for seed in (*range(40), *hard)) < 3.0

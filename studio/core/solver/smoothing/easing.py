@@ -82,17 +82,15 @@ class Rank(NamedTuple):
 
 EASED = Ramp(np.array([ADDED, ADDED, WHOLE]), np.array([1.8, 1.8, 2.6]))
 """Parts of the allowed peak at which what root and joints add, and what limbs turn with in all, is eased."""
-LEFT = Ramp(np.array([5.0, 1.6, 2.4]), np.array([6.0, 2.2, 2.9]))
-"""The same at which a level is left altogether for those above it: a root that starts at once is the lesser evil."""
-BACK = 3
-"""Times that a level is left for those above it where it changes them, ever further around."""
-WIDTHS = 0.06, 0.12, 0.2, 0.35, 0.12
+WIDTHS = 0.12, 0.35, 0.12
 """Seconds on either side over which one averaging after another goes, each where the one before did not suffice: so far
 beside a jolt wholly, and fading as far again.
 """
-MENDED, FALLING = 0.1, 0.35
-"""How far beside a jolt, wholly, where a level is left as averaged, and where that does not suffice or it is left for
-those above it.
+BACK = 4
+"""Times that a level is left for those above it where it changes them, ever further around."""
+AROUND = 0.35
+"""Seconds on either side of a jolt in which a level is left wholly as averaged, or for those above it; in as many again
+that fades.
 """
 CHANGED = Ramp(np.array(0.93 * HELD), np.array(1.07 * HELD))
 """Metres by which a level's easing may change those above it for it to be left for them."""
@@ -100,8 +98,6 @@ SEEN = 0.8
 """Seconds on either side of what jolts when solved in which anything may be eased; in as many again that ends."""
 LOOKED = 2.0 * SEEN + 0.25
 """Seconds beside a frame that have to do with whether it is eased."""
-FADED = 4.0
-"""Times the room that a level has to be left for those above it wholly."""
 LEGS = BodyPart.LEFT_THIGH, BodyPart.RIGHT_THIGH, BodyPart.LEFT_SHANK, BodyPart.RIGHT_SHANK
 """Segments as sharply as which root and trunk may move where a leg has a constraint: who kicks swings the pelvis."""
 
@@ -232,7 +228,7 @@ class Level:
         """(F,) how far it may be eased, from 0 to 1: near jolts of what is solved, where it acts but for its ends."""
         rate, sharp = self.solve.rate, self.solve.sharp / self.allowed
         acting = minimum_filter1d(self.acts.astype(np.float64), 3, mode="nearest")
-        return _mean(acting, 1) * _around(_excess(sharp, EASED), rate, SEEN)
+        return _mean(acting, 1) * _around(_excess(sharp), rate, SEEN)
 
 
 class Easing:
@@ -279,13 +275,14 @@ class Easing:
             self._kept = Above(now.positions.copy(), now.rotations.copy(), states, back)
 
     def _ease_level(self, number: int) -> None:
+        """Meet it again from its average; where that jolts leave it as averaged, or else for those above it."""
         level, room = self._levels[number], self._rooms[number]
         solved = Posed(level.solve.states.copy(), self._posed_limbs())
         smooth = self._smoothed(number, solved)
         now, bump = solved, np.sign(self._touched * room)
-        for meets, around, ramp in (True, MENDED, EASED), (False, FALLING, EASED), (False, FALLING, LEFT):
+        for meets in (True, False):
             now = self._posed_anew(number, now, smooth, bump, meets)
-            bump = np.maximum(self._bump(number, now, around, ramp), self._changed(number)) * (room > 0.0)
+            bump = self._to_ease(number, now)
         if number > 0 and bump.any():
             now = self._left(number, now, bump)
         self._jolts = level.solve.jolts_of(now.states, self._charts.turns(now.charts))
@@ -293,16 +290,20 @@ class Easing:
 
     def _left(self, number: int, posed: Posed, bump: FloatArray) -> Posed:
         """Go back to what those above have become, from what was ``posed``, by ``bump`` and where that changes them."""
-        fade = np.minimum(FADED * self._rooms[number], 1.0)
         now, back = posed, np.zeros(len(bump))
-        for last in [False] * BACK + [True]:
+        for last in [False] * (BACK - 1) + [True]:
             back = np.maximum(back, bump)
+            self._kept.back[:] = np.round(back, 9)
+            now = self._posed_anew(number, posed, self._eased, self._kept.back, False, last)
+            bump = self._to_ease(number, now)
             if not bump.any():
                 break
-            self._kept.back[:] = np.round(back * fade, 9)
-            now = self._posed_anew(number, posed, self._eased, self._kept.back, False, last)
-            bump = np.maximum(self._bump(number, now, FALLING, LEFT), self._changed(number)) * (fade > 0.0)
         return now
+
+    def _to_ease(self, number: int, now: Posed) -> FloatArray:
+        """(F,) how far frames are to be left, for their jolts or for those above, which they change."""
+        changed = self._spread(number, CHANGED.share_of(self._levels[number].solve.changes), AROUND)
+        return np.asarray(np.maximum(self._bump(number, now, AROUND), changed) * (self._rooms[number] > 0.0))
 
     def _posed_anew(
         self, number: int, first: Posed, second: Posed, share: FloatArray, meets: bool, holds: bool = False
@@ -317,11 +318,6 @@ class Easing:
         told = np.ascontiguousarray(self._told.T)  # kernels are compiled for no other
         self._pose(number, level.solve.easing(frames, turns, level.rank, meets, holds, told, self._kept))
         return Posed(level.solve.states.copy(), self._posed_limbs(first.charts))
-
-    def _changed(self, number: int) -> FloatArray:
-        """(F,) how far frames are to be left for those above, which they change."""
-        changed = CHANGED.share_of(self._levels[number].solve.changes)
-        return self._spread(number, changed, FALLING)
 
     def _spread(self, number: int, share: FloatArray, seconds: float) -> FloatArray:
         """``_around`` within each run of frames that has room: which there are below must not join others."""
@@ -355,21 +351,21 @@ class Easing:
         states[:, joints["segment"] == ROOT] += back[:, None]
         return Posed(states, values)
 
-    def _bump(self, number: int, poses: Posed, around: float, ramp: Ramp = EASED) -> FloatArray:
+    def _bump(self, number: int, poses: Posed, around: float) -> FloatArray:
         """(F,) how far frames of ``poses`` are to be eased, from 0 to 1, for their jolts.
 
-        ``around`` seconds on either side of a jolt are eased wholly, and as many again fade; ``ramp`` in
-        parts of what is allowed (3,). What those above have become is no fault of a level.
+        ``around`` seconds on either side of a jolt are eased wholly, and as many again fade. What those above have
+        become is no fault of a level.
         """
         level = self._levels[number]
-        allowed = np.maximum(level.allowed, self._jolts / ramp.begins)
+        allowed = np.maximum(level.allowed, self._jolts / EASED.begins)
         sharp = level.solve.jolts_of(poses.states, self._charts.turns(poses.charts)) / allowed
-        return self._spread(number, _excess(sharp, ramp), around)
+        return self._spread(number, _excess(sharp), around)
 
 
-def _excess(sharp: FloatArray, ramp: Ramp) -> FloatArray:
-    """(F,) how far the worst of jolts (F, 3), in parts of what is allowed, is on a ``ramp`` (3,)."""
-    return np.asarray(ramp.share_of(sharp).max(axis=1))
+def _excess(sharp: FloatArray) -> FloatArray:
+    """(F,) how far the worst of jolts (F, 3), in parts of what is allowed, is to be eased."""
+    return np.asarray(EASED.share_of(sharp).max(axis=1))
 
 
 def _around(share: FloatArray, rate: float, seconds: float) -> FloatArray:
