@@ -94,7 +94,7 @@ that fades.
 """
 CHANGED = Ramp(np.array(0.93 * HELD), np.array(1.07 * HELD))
 """Metres by which a level's easing may change those above it for it to be left for them."""
-SEEN = 0.8
+SEEN = 0.6
 """Seconds on either side of what jolts when solved in which anything may be eased; in as many again that ends."""
 LOOKED = 2.0 * SEEN + 0.25
 """Seconds beside a frame that have to do with whether it is eased."""
