@@ -192,6 +192,8 @@ class Document(EditedProject):
     def close(self) -> None:
         """Stop playback, end the journal, give back the lock, for good. Unsaved edits stay in their journal."""
         self._end_session()
+        self.undo_stack.blockSignals(True)
+        self.undo_stack.clear()  # Qt crashes where Python collects commands before the stack that holds them
         self._folder = None  # what a late answer still opens is neither kept for recovery nor locked
 
     def _end_session(self) -> None:
