@@ -373,3 +373,14 @@ def test_a_behaviour_that_two_play_becomes_ones_own(document, inspector):
     assert (own.name, own.cast, own.states) == ("Fighter 2", FIGHTER.cast, FIGHTER.states)
     assert fighter(document).cast == (Role(SECOND, FIRST),)
     assert document.undo_stack.count() == 2
+
+
+def test_a_button_that_is_down_while_its_behaviour_is_removed_does_nothing_when_it_is_let_go(document, inspector):
+    document.selection.set(("behaviours", "fighter"))
+    inspector.show()
+    delete = next(each for each in inspector.findChildren(QPushButton) if each.text() == "Delete behaviour")
+    QTest.mousePress(delete, LEFT)
+    document.remove("behaviours", "fighter", "Delete Fighter")
+    before = document.project
+    QTest.mouseRelease(delete, LEFT)
+    assert document.project is before
