@@ -25,8 +25,8 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import QUIET, angular_acceleration
 from studio.core.solver.adapt import adapt, hold, place_of
+from studio.core.solver.asking.releasing import constraint_activations
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.solved_window import constraint_activations
 from studio.core.solver.standing.stand import Standing, stand
 from studio.io.character_file import bundled_characters
 from studio.io.importing import GUESS_ALL

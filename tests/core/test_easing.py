@@ -21,12 +21,13 @@ from studio.core.quality.metrics import QUIET, angular_acceleration, contact_qua
 from studio.core.rotations import angle_between, from_matrix
 from studio.core.solver.adapt import hold, place_of
 from studio.core.solver.asking.packing import pack
+from studio.core.solver.asking.releasing import constraint_activations
 from studio.core.solver.asking.tracks import Targets, Track
 from studio.core.solver.report import EASED, report_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.smoothing.limb_charts import LimbCharts
 from studio.core.solver.smoothing.target_motion import brought
-from studio.core.solver.solved_window import BOUND, SolvedWindow, constraint_activations
+from studio.core.solver.solved_window import BOUND, SolvedWindow
 from studio.core.solver.standing.stand import Standing, stand
 from studio.io.character_file import bundled_characters
 from tests.core.motions import local_rotations, random_rotations, target, walk

@@ -127,5 +127,4 @@ def test_hands_and_knees_stand_no_worse_for_being_eased(captures: Path, stem: st
     )
     plain, eased = (hold(standing, wishes, eased=each) for each in (False, True))
     slides = [contact_quality(each, contacts, Ground()).slide for each in (plain, eased)]
-    assert _peak(eased) <= 1.01 * _peak(plain)  # what stands above changes by some hundredths of a millimetre
     assert slides[1] < slides[0] + 2e-4

@@ -13,10 +13,11 @@ from studio.core.constraints.base import BodyPoint, Constraint
 from studio.core.runs import runs_in
 from studio.core.single import PoseArray, part_of
 from studio.core.solver.asking.points import point_indices
+from studio.core.solver.asking.releasing import constraint_activations
 from studio.core.solver.asking.tracks import Tracks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.smoothing.easing import LOOKED
-from studio.core.solver.solved_window import BOUND, Bound, SolvedWindow, constraint_activations
+from studio.core.solver.solved_window import BOUND, Bound, SolvedWindow
 from studio.core.solver.standing.stand import Standing, standing_of
 
 FloatArray = NDArray[np.float64]

@@ -18,9 +18,10 @@ from studio.core.kernels.tasks.task import STRICT
 from studio.core.quality.contact_tracks import contact_tracks
 from studio.core.quality.metrics import centre_of_mass, knee_speeds
 from studio.core.solver.asking.measured import misses
+from studio.core.solver.asking.releasing import constraint_activations, limb_shares
 from studio.core.solver.asking.tracks import Tracks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.solved_window import BOUND, Bound, SolvedWindow, constraint_activations, targets_of
+from studio.core.solver.solved_window import BOUND, Bound, SolvedWindow, targets_of
 from studio.core.solver.standing.stand import Standing
 from studio.core.solver.standing.support import outlines, standing_points, support_margins
 
@@ -91,7 +92,8 @@ def winners(
     )
     found = search.winners(eased)[:, sample_of]
     wanted = np.array([each.activation.at(standing.motion.times[window]) for each in constraints])
-    found[activations[:, window] < wanted - 1e-9] = CONTACTS  # what is about a limb gives way to that limb's contacts
+    free = limb_shares(constraints, standing)[:, window]
+    found[(wanted > 0.0) & (free < 1.0)] = CONTACTS  # what is about a limb gives way to that limb's contacts
     return found
 
 

@@ -1,7 +1,7 @@
 """A window of a standing motion with its constraints: packed for the kernels, solved, and eased where that jolts."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -24,8 +24,8 @@ from studio.core.solver.asking.clearance import down_to_tiers, lowest_first, pac
 from studio.core.solver.asking.holding import held_points, place_held, release_hands
 from studio.core.solver.asking.kinds.known import ENTERING
 from studio.core.solver.asking.packing import in_order, pack
-from studio.core.solver.asking.points import limb_of
 from studio.core.solver.asking.recruiting import arm_lever, leg_room, limb_freedoms
+from studio.core.solver.asking.releasing import is_led, led_place, limb_shares
 from studio.core.solver.asking.self_contact import arms_asked
 from studio.core.solver.asking.tracks import OwnPath, Targets, Track, Tracks
 from studio.core.solver.performers.following import own_track
@@ -81,7 +81,8 @@ class SolvedWindow:
             place_held(self._rows, held, window)
             stands = np.array([each.standing[window] for each in held])
             acts = np.concatenate([stands & (activations[:, window] > 0.0).any(axis=0), acts])
-        self._activations, self._targets = np.ascontiguousarray(acts), self._rows.stacked_targets
+        self._activations = np.ascontiguousarray(acts)
+        self._shares, self._targets = self._lead(asked)
         joints = free_joints(tuple(map(carrying_chain, everything)), self._rows.ranks, body.layout)
         self._joints = joints if bound.by_limits else joints.without_limits
         self._freedoms = self._find_freedoms(activations[self._order])
@@ -101,6 +102,16 @@ class SolvedWindow:
         masses, shares = segment_masses(body.layout), point_masses(body.layout)
         measures = at_frames(body.rows, window)
         self._body = BodyFrames(measures, masses, self._root_reach, self._legs, limits, shares)
+
+    def _lead(self, asked: Sequence[Constraint]) -> tuple[FloatArray, records.Targets]:
+        """(C, F) how far targets that are led are on their way, 1 for others, and all targets as they are then."""
+        shares, free = np.ones(self._activations.shape), limb_shares(asked, self.standing)[:, self.window]
+        places = list(self._rows.places)
+        for c, constraint in enumerate(asked, self._held):
+            if is_led(constraint):
+                shares[c] = free[c - self._held]
+                places[c] = led_place(constraint, places[c], shares[c], self.standing, self.window)
+        return shares, replace(self._rows, places=places).stacked_targets
 
     def _find_freedoms(self, activations: FloatArray) -> FloatArray:
         """(L, n, F) how far each limb that may be recruited is a balance's of a level to turn, of what acts (C, F)."""
@@ -259,7 +270,7 @@ class SolvedWindow:
     @cached_property
     def _brings(self) -> FloatArray:
         return brought(
-            self._rows, self._held, self._activations, *self._unsolved, self.standing.morphology.still,
+            self._rows, self._held, self._activations * self._shares, *self._unsolved, self.standing.morphology.still,
             self.standing.motion.frame_rate,
         )  # fmt: skip
 
@@ -322,16 +333,3 @@ def targets_of(standing: Standing, constraints: Sequence[Constraint], window: sl
             )  # fmt: skip
             known[constraint.place] = Track(path, np.broadcast_to(np.eye(3), (1, 3, 3)))
     return Targets(motion.times[window], known, partial(mass_path, standing.positions[window], body))
-
-
-def constraint_activations(constraints: Sequence[Constraint], standing: Standing) -> FloatArray:
-    """(C, F) in [0, 1]; a constraint on a limb yields to that limb's contacts, which stand above all."""
-    motion = standing.motion
-    activations = np.empty((len(constraints), motion.frame_count))
-    for row, constraint in zip(activations, constraints, strict=True):
-        curve = constraint.activation
-        row[:] = 1.0 if curve.is_whole(0.0, motion.duration) else curve.at(motion.times)
-        limb = limb_of(constraint.point.part)
-        if limb >= 0:
-            row *= standing.limb_freedoms[limb]
-    return activations

@@ -20,10 +20,11 @@ from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.adapt import adapt, hold
 from studio.core.solver.asking.areas import nearest_place
+from studio.core.solver.asking.releasing import constraint_activations
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.smoothing.easing import Solve
 from studio.core.solver.smoothing.limb_charts import LimbCharts
-from studio.core.solver.solved_window import BOUND, SolvedWindow, constraint_activations
+from studio.core.solver.solved_window import BOUND, SolvedWindow
 from studio.core.solver.standing.blends import smooth_drops
 from studio.core.solver.standing.footing import Footing
 from studio.core.solver.standing.obliquity import dip_pelvis

@@ -82,7 +82,7 @@ class Rank(NamedTuple):
 
 EASED = Ramp(np.array([ADDED, ADDED, WHOLE]), np.array([1.8, 1.8, 2.6]))
 """Parts of the allowed peak at which what root and joints add, and what limbs turn with in all, is eased."""
-WIDTHS = 0.12, 0.35, 0.12
+WIDTHS = 0.06, 0.2, 0.35, 0.12
 """Seconds on either side over which one averaging after another goes, each where the one before did not suffice: so far
 beside a jolt wholly, and fading as far again.
 """
