@@ -14,7 +14,7 @@ from studio.document.document import Document
 from studio.engine.live import Live
 from studio.panels.body_map_section import BodyMapSection
 from studio.panels.editor import Editor
-from studio.panels.fields import Choice, NumberField, Section, labelled
+from studio.panels.fields import Choice, NumberField, Section, labelled, press_button
 
 UNITS = (("m", "metres"), ("cm", "centimetres"), ("mm", "millimetres"), ("inch", "inches"), ("cmu", "5.64 cm units"))
 REFERENCES = (("zero", "Zero pose"), ("here", "Frame at the playhead"))
@@ -34,7 +34,7 @@ class CaptureEditor(Editor):
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         self._facts = Section("Capture")
-        self._actor = self.button("Make a character", lambda: self.character_wanted.emit(self.entity_id), "link")
+        self._actor = press_button("Make a character", lambda: self.character_wanted.emit(self.entity_id), "link")
         self._actor.setToolTip("The captured actor as a character of exactly these measures")
         self._facts.head.addWidget(self._actor)
         self._values = {name: labelled("", "value") for name in ("File", "Frames", "Length", "Joints")}
@@ -44,7 +44,7 @@ class CaptureEditor(Editor):
         self._add_options()
         self._markers = labelled("", "value")
         self._markers.setWordWrap(True)
-        open_markers = self.button("Open…", lambda: self.markers_wanted.emit(self.entity_id), "link")
+        open_markers = press_button("Open…", lambda: self.markers_wanted.emit(self.entity_id), "link")
         open_markers.setAccessibleName("Open markers")
         self._marker_section = Section("Markers")
         self._marker_section.head.addWidget(open_markers)

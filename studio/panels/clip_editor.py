@@ -16,7 +16,7 @@ from studio.document import clips
 from studio.document.document import Document
 from studio.engine.live import Live
 from studio.panels.editor import Editor
-from studio.panels.fields import Choice, NumberField, Section, labelled, short
+from studio.panels.fields import Choice, NumberField, Section, labelled, press_button, short
 from studio.panels.layer_section import LayerSection
 
 FAR = 1000.0
@@ -48,7 +48,7 @@ class ClipEditor(Editor):
         self._players.setWordWrap(True)
         section.add_row("Motion", self._motion)
         section.add_row("Played by", self._players)
-        self._own = self.button("", self._make_own)
+        self._own = press_button("", self._make_own)
         self._own.setToolTip(
             "An edit changes the clip for every body that plays it. A copy of its own is edited separately."
         )
@@ -98,7 +98,7 @@ class ClipEditor(Editor):
         row.setContentsMargins(0, 4, 0, 0)
         row.setSpacing(4)
         for text, run in (("Split at playhead", self._split), ("Duplicate", self._duplicate)):
-            row.addWidget(self.button(text, run), 1)
+            row.addWidget(press_button(text, run), 1)
         return buttons
 
     def _box(self, text: str, put: Any) -> QCheckBox:

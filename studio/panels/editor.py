@@ -5,12 +5,12 @@ from dataclasses import replace
 from typing import Any
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from studio.core.errors import StudioError
 from studio.document.document import Document
 from studio.engine.live import Live
-from studio.panels.fields import NumberField, labelled, press_button
+from studio.panels.fields import NumberField, labelled
 
 
 class Editor(QWidget):
@@ -81,10 +81,6 @@ class Editor(QWidget):
         field.edited.connect(changed)
         field.ended.connect(self.end)
         return field
-
-    def button(self, text: str, run: Callable[[], object], role: str = "") -> QPushButton:
-        """A button of the form; when the entity is gone it does nothing: one that is down is still let go."""
-        return press_button(text, lambda: self.entity is not None and run(), role)
 
     def finish(self) -> None:
         """The form is complete: what is left over stays empty below it."""

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from PySide6.QtCore import Qt, QTimer, Signal
-from PySide6.QtWidgets import QFrame, QScrollArea, QWidget
+from PySide6.QtWidgets import QAbstractButton, QFrame, QScrollArea, QWidget
 
 from studio.document.document import Document
 from studio.engine.live import Live
@@ -80,6 +80,8 @@ class Inspector(QScrollArea):
         if editor is not None:
             # It may be in the middle of an event of its own: it stays a child until the event loop lets it go.
             self.takeWidget()
+            for button in editor.findChildren(QAbstractButton):
+                button.setDown(False)  # one that is pressed would be clicked when it is let go
             editor.hide()
             editor.setParent(self)
             editor.deleteLater()

@@ -20,7 +20,7 @@ from studio.engine.props import PropPose, between_hands, heading_of, in_hand, mo
 from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled
 from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.editor import Editor
-from studio.panels.fields import Choice, NumberField, Section, labelled
+from studio.panels.fields import Choice, NumberField, Section, labelled, press_button
 
 LEAST = 0.001
 STAYS, KEYED = "stays", "keyed"
@@ -57,13 +57,13 @@ class PropEditor(Editor):
         self._point = Choice("Point", [(point, name.capitalize()) for point, name in POINTS.items()])
         self._point.chosen.connect(self._fix)
         self._point_row = section.add_row("Point", self._point)
-        self._held, self._always = labelled("", "value"), self.button("always", self._hold_always)
+        self._held, self._always = labelled("", "value"), press_button("always", self._hold_always)
         self._held_row = section.add_row("Held", self._held, self._always)
         self._position = VectorRow(self, section, "Centre", self._move)
         self._heading = self.bind(NumberField("Heading", "°", -360.0, 360.0, 1.0, 1), self._turn)
         self._heading_row = section.add_row("Heading", self._heading)
         self._rule = ProceduralRows(self, section, "position")
-        self._keys = [self.button("Set key", self._set_key), self.button("Delete key", self._delete_key)]
+        self._keys = [press_button("Set key", self._set_key), press_button("Delete key", self._delete_key)]
         self._keys_row = section.add_row("Keys", *self._keys)
         document.playhead.changed.connect(self._playhead_moved)
         self.column.addWidget(section)

@@ -8,7 +8,7 @@ from studio.document.behaviours import make_own, state_key
 from studio.document.document import Document
 from studio.engine.live import Live
 from studio.panels.editor import Editor
-from studio.panels.fields import ROW_HEIGHT, Choice, Section, labelled
+from studio.panels.fields import ROW_HEIGHT, Choice, Section, labelled, press_button
 
 
 class BehaviourEditor(Editor):
@@ -26,12 +26,12 @@ class BehaviourEditor(Editor):
         self._players = labelled("", "value")
         self._players.setWordWrap(True)
         section.add_row("Played by", self._players)
-        self._own = self.button("", self._make_own)
+        self._own = press_button("", self._make_own)
         self._own.setToolTip(
             "An edit changes the behaviour of every body that uses it. A copy of its own is edited separately."
         )
         section.add_wide(self._own)
-        section.add_wide(self.button("Delete behaviour", self._delete))
+        section.add_wide(press_button("Delete behaviour", self._delete))
         self.column.addWidget(section)
         states = Section("States")
         self._states = QListWidget()

@@ -14,7 +14,7 @@ from studio.document.document import Document
 from studio.engine.live import Live
 from studio.panels.behaviour.condition_section import ConditionSection
 from studio.panels.behaviour.part_editor import PartEditor
-from studio.panels.fields import SIDE, Choice, NumberField, Section, labelled
+from studio.panels.fields import SIDE, Choice, NumberField, Section, labelled, press_button
 
 
 class TransitionEditor(PartEditor):
@@ -34,7 +34,7 @@ class TransitionEditor(PartEditor):
         self._blend.setSpecialValueText("as needed")
         section.add_row("Blend", self._blend)
         self._order = labelled("", "value")
-        self._earlier = self.button("Try earlier", self._try_earlier)
+        self._earlier = press_button("Try earlier", self._try_earlier)
         self._earlier.setToolTip(
             "Where several transitions leave a state, the first whose conditions all hold is taken."
         )
@@ -47,7 +47,7 @@ class TransitionEditor(PartEditor):
         below = QWidget()
         row = QVBoxLayout(below)
         row.setContentsMargins(SIDE, 12, SIDE, 0)
-        row.addWidget(self.button("Add condition", self._add))
+        row.addWidget(press_button("Add condition", self._add))
         row.addWidget(labelled("All conditions have to hold in the same frame.", "hint"))
         self.column.addWidget(below)
         self.finish()
