@@ -12,15 +12,11 @@ from numpy.typing import NDArray
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.position import PositionConstraint
-from studio.core.kernels.body.parts import limb_parts
-from studio.core.rotations import from_matrix, normalized, rotate, shortest_arc, slerp
+from studio.core.rotations import normalized
 from studio.core.solver.asking.points import limb_of, point_indices
 from studio.core.solver.standing.stand import Standing
 
 FloatArray = NDArray[np.float64]
-
-_UP, _UNTURNED = np.eye(3)[2], np.eye(4)[3]
-"""A direction, and the quaternion that turns nothing."""
 
 
 def limb_shares(constraints: Sequence[Constraint], standing: Standing) -> FloatArray:
@@ -61,17 +57,19 @@ def led_place(
         return target
     origin, segment = point_indices(constraint.point, layout)
     positions, rotations = standing.positions[window], standing.rotations[window]
-    root = positions[:, limb_parts(limb, layout.spine_count)[2]]
+    root = positions[:, layout.collar(limb) + 1 if limb < 2 else layout.hip(limb - 2)]
     stands = positions[:, origin] + rotations[:, segment] @ np.array(constraint.point.offset) - root
     way = target - root
-    last = _directions(way, _directions(stands, _UP))
-    first = _directions(stands, last)
-    turned = rotate(slerp(_UNTURNED, from_matrix(shortest_arc(first, last)), share), first)
     begins, ends = (np.linalg.norm(each, axis=1, keepdims=True) for each in (stands, way))
-    led = root + (begins + share[:, None] * (ends - begins)) * turned
+    led = root + (begins + share[:, None] * (ends - begins)) * _arc(normalized(stands), normalized(way), share[:, None])
     return np.where(share[:, None] < 1.0, led, target)
 
 
-def _directions(ways: FloatArray, otherwise: FloatArray) -> FloatArray:
-    """(F, 3) unit vectors of ``ways`` (F, 3); of those that have none ``otherwise``."""
-    return np.where(ways.any(axis=1, keepdims=True), normalized(ways), otherwise)
+def _arc(first: FloatArray, last: FloatArray, share: FloatArray) -> FloatArray:
+    """(F, 3) unit vectors that are a ``share`` (F, 1) of the way from some to others on great circles."""
+    sine = np.linalg.norm(np.cross(first, last), axis=1, keepdims=True)
+    angle, turns = np.arctan2(sine, (first * last).sum(axis=1, keepdims=True)), sine > 1e-9
+    divisor = np.where(turns, sine, 1.0)
+    begins = np.where(turns, np.sin((1.0 - share) * angle) / divisor, 1.0 - share)
+    ends = np.where(turns, np.sin(share * angle) / divisor, share)
+    return np.asarray(begins * first + ends * last)
