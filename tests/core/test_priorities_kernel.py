@@ -10,7 +10,6 @@ from studio.core.kernels.adapt import make_search
 from studio.core.kernels.records import Pose
 from studio.core.kernels.search.joints import ROOT, add_point_row, carry_arm, carry_trunk, set_brakes
 from studio.core.kernels.search.priorities import eliminate, find_step, move_joints
-from studio.core.kernels.search.reused_step import step_again
 from studio.core.kernels.tasks.second_order import ASK, HOLD
 from studio.core.normalized.realize import realize
 from studio.core.solver.asking.chains import CLAVICLE_LIMIT, VERTEBRA_LIMIT, free_joints
@@ -115,21 +114,6 @@ def test_what_is_held_stays_while_others_ask(seed: int) -> None:
     for _ in range(8):
         search.step()
     assert abs(search.gained[0]) < 2e-4
-
-
-@given(seeds, st.integers(0, 2), st.floats(0.1, 1.0))
-@settings(max_examples=25, deadline=None)
-def test_a_step_by_what_was_eliminated_goes_the_same_way_and_leaves_no_more(seed: int, held: int, part: float) -> None:
-    search = _Search(seed, 1, held)
-    search.step()
-    rows, equations = search.search.rows, search.search.equations
-    found, missed = equations.flat.steps[-1].copy(), part * search.goals[-1]
-    rows.errors[: search.count] *= part
-    step_again(search.held, search.count, rows, search.free.chain, equations)
-    rows, way = equations.flat.jacobian[: search.count], equations.flat.steps[-1]
-    assert rows[:-1] @ way == pytest.approx(0.0, abs=1e-6)
-    assert abs(missed - rows[-1] @ way) <= abs(missed - part * rows[-1] @ found) + 1e-9
-    assert np.linalg.norm(found) * way == pytest.approx(np.linalg.norm(way) * found, abs=1e-9)
 
 
 @given(seeds)

@@ -480,13 +480,8 @@ PULL = np.dtype(
 the segment
 ``carrier`` (-1 none), or of a limb of length ``span`` from there; how much it counts.
 """
-LAST_STEP = np.dtype(
-    [("missed", np.float64), ("moved", np.float64), ("held", np.int64), ("rows", np.int64), ("suffices", np.int64)],
-    align=True,
-)
-"""Of the last step of a search: what it missed; how far all has moved since rows were last eliminated, how many of them
-were held (-1: not yet) and how many there were in all; whether the last will do.
-"""
+LAST_STEP = np.dtype([("missed", np.float64), ("suffices", np.int64)], align=True)
+"""Of the last step of a search: what it missed, and whether it will do."""
 EASED_LEVEL = np.dtype(
     [(name, np.int64) for name in ("rank", "meets", "contacts", "strict", "clears")],
     align=True,

@@ -143,7 +143,7 @@ def take_steps(level, fresh, problem):
     """Steps until a level has what it wants, or as much of it as there is."""
     tasks, chain, search = problem.tasks, problem.chain, problem.search
     past = search.last[0]
-    past.missed, past.held = 0.0, -1
+    past.missed = 0.0
     balances = note_balances(level, problem)
     if is_met(level, problem):
         return
@@ -187,7 +187,6 @@ def go_part(share, level, problem):
     search = problem.search
     blend_points(share, search.before, search.tried, search.state)
     place(level, False, problem)
-    search.last[0].held = -1
     return mend(level, AIM * KEPT, True, problem)
 
 
@@ -229,14 +228,13 @@ def mend(level, most, both_ways, problem):
     """Give those above this level back what it has cost them, and, ``both_ways``, take back what it gave them, until
     that is less than ``most`` metres; what it is in the end.
     """
-    chain, search = problem.chain, problem.search
-    least, fails, past = math.inf, 0, search.last[0]
+    chain, least, fails = problem.chain, math.inf, 0
     disturbs = disturbance(level, both_ways, problem)
     for _ in range(MENDS):
         if disturbs < most:
             break
         if disturbs > GAINS * least:
-            fails, past.held = fails + 1, -1
+            fails += 1
             if fails > 1:
                 break
         least, joints = min(least, disturbs), chain.joints.shape[0]

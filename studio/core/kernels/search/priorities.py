@@ -58,10 +58,8 @@ def find_step(held, count, damping, rows, chain, equations, positions):
     for i in range(count):
         active[i] = roles[i] != BOUND
     slope = 0.0
-    for attempt in range(ATTEMPTS):
+    for _ in range(ATTEMPTS):
         slope = solve_rows(held, count, damping, rows, chain, equations, positions)
-        if attempt == ATTEMPTS - 1:  # the active rows stay those that were eliminated: the next step goes by them
-            break
         if not let_go(held, roles, equations) and not catch_bound(held, count, rows.errors, rows.rooms, equations):
             break
     return slope

@@ -11,7 +11,6 @@ from studio.core.kernels.limits.within_limits import NEARLY
 from studio.core.kernels.search.all_joints import refine_step
 from studio.core.kernels.search.joints import set_brakes
 from studio.core.kernels.search.priorities import find_step, go_on
-from studio.core.kernels.search.reused_step import is_kept, step_again
 from studio.core.kernels.tasks.goals import counts
 from studio.core.kernels.tasks.rows import add_feet_rows, add_rows
 from studio.core.kernels.tasks.second_order import BOUND, part_of_step
@@ -29,13 +28,10 @@ NOUGHT = 0.03
 """Part of what was missed that the last step must gain for another to be taken whole where little is missed."""
 STILL = 0.1 * STRICT
 """Metres by which a step must move something for another to be worth while."""
-SURE, SURER = 0.2 * STRICT, 0.05 * STRICT
-"""Metres that a step is to leave, as the one before it gained, for no other to be looked at, and for it to be found by
-what was eliminated for the one before where several rows ask. A step must promise the first to be worth its way, and
-twice that to be taken whole.
+SURE = 0.2 * STRICT
+"""Metres that a step is to leave, as the one before it gained, for no other to be looked at. It must promise as many to
+be worth its way, and twice that to be taken whole.
 """
-NEAR = 0.03
-"""Metres that a step may have moved things for the next to be found so, or one that mends."""
 
 
 @kernel
@@ -67,27 +63,14 @@ def step(level, mending, whole, is_late, stays, damping, problem):
     past.missed = missed
     if worst < (STILL if mending else CLOSE_ENOUGH) and missed < MET:
         return 0.0
-    part = 1.0
-    again = (
-        past.held == own
-        and past.moved < NEAR
-        and (mending or (left < (SURE if count == own + 1 else SURER) and past.rows == count))
-    )
-    if not (
-        again and is_kept(own, rows, search.equations) and step_again(own, count, rows, chain, search.equations) < NEAR
-    ):
-        promised, part = find_anew(own, count, whole, damping, missed, problem)
-        worth = 1.0 if mending else min(max(promised / SURE - 1.0, 0.0), 1.0)
-        part = worth * part
-        past.suffices = past.suffices or (worth == 0.0 and worst < KEPT)
-        past.held, past.moved, past.rows = own, 0.0, count
-    moved = go_on(0.0 if mending else STILL, ease, part, problem)
-    past.moved += moved
-    return moved
+    promised, part = newton_step(own, count, whole, damping, missed, problem)
+    worth = 1.0 if mending else min(max(promised / SURE - 1.0, 0.0), 1.0)
+    past.suffices = past.suffices or (worth == 0.0 and worst < KEPT)
+    return go_on(0.0 if mending else STILL, ease, worth * part, problem)
 
 
 @kernel
-def find_anew(own, count, whole, damping, missed, problem):
+def newton_step(own, count, whole, damping, missed, problem):
     """A step from rows of which the first ``own`` are held; the metres that it promises, and the part of it to go.
 
     ``whole``: every joint is looked at; ``missed`` metres, near which it is damped in full.

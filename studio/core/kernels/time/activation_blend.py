@@ -200,7 +200,7 @@ def mend_kept(level, problem):
     """Give what was blended with little missing what it asks; where steps lead away from that, none is taken."""
     search = problem.search
     copy_points(search.state, search.tried)
-    missed, search.last[0].held = disturbance(level, False, problem), -1
+    missed = disturbance(level, False, problem)
     if mend(level, CLOSE_ENOUGH, False, problem) > missed:
         copy_points(search.tried, search.state)
         carry_body(problem)
