@@ -198,3 +198,14 @@ def test_a_clip_over_a_longer_one_takes_over_in_its_first_second() -> None:
     kick = example("front_kick")
     row = compose((example("walk_turn"), cut(kick, start=2.0)))
     assert row.played[0].last < row.played[1].first <= round((2.0 + LONGEST) * row.timing.frame_rate)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_clips_that_cover_each_other_leave_no_part_of_a_row_empty(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    whole = [example(EXAMPLES[k]) for k in random.permutation(4)]
+    row = compose(
+        tuple(cut(each, last=each.first + int(random.integers(1, 90)), start=0.5 * random.random()) for each in whole)
+    )
+    assert all(part.start < part.stop for part in row.motion.parts)
+    assert standing(row).positions.shape[0] == row.motion.frame_count

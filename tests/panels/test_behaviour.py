@@ -115,6 +115,16 @@ def test_all_states_in_a_rectangle_are_moved_together(document, hand):
     assert document.history == ("Move 2 states",)
 
 
+def test_a_behaviour_that_is_removed_while_a_state_of_it_is_dragged_leaves_nothing_behind(document, panel, hand):
+    start = hand.at("Strike")
+    hand.drag(start, start + QPoint(80, 64), release=False)
+    document.remove("behaviours", "fighter", "Delete Fighter")
+    panel.refresh()
+    QTest.mouseRelease(hand.port, LEFT, NONE, start)
+    assert panel.diagram.behaviour is None
+    assert not document.project.behaviours
+
+
 def test_escape_leaves_a_drag_and_all_is_as_it_was(document, panel, hand):
     start = hand.at("Strike")
     hand.drag(start, start + QPoint(80, 64), release=False)

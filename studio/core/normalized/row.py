@@ -114,10 +114,14 @@ class Row:
             self._hold(until)
 
     def _hold(self, until: int) -> None:
-        self.changes.append(Change(self.end))
+        self._change(Change(self.end))
         frames = slice(self.end, until)
         self.channels[frames], self.stands[:, frames] = self.channels[self.end - 1], self.stands[:, [self.end - 1]]
         self.end = until
+
+    def _change(self, change: Change) -> None:
+        """Note it, instead of those that would be at the same time or later: nothing is seen of what they brought."""
+        self.changes = [*(each for each in self.changes if each.first < change.first), change]
 
     def _follow(self, source: PieceSource, first: int, last: int) -> int:
         """Play what may take over from ``first`` on, no later than what is there ends; the frame in which it does."""
@@ -126,7 +130,7 @@ class Row:
             self.placement = self._join(source, first, first - 1, first - 1).placement
             there = source.placed(self.placement).channels(np.array([first - 1]))
             way = float(np.linalg.norm((there[0] - self.channels[first - 1])[at.HIPS : at.HIPS + 2]))
-            self.changes.append(Change(first, source.piece.ease, way > FARTHEST))
+            self._change(Change(first, source.piece.ease, way > FARTHEST))
         self._put(source.placed(self.placement), first, last)
         self.played[-1] = replace(self.played[-1], last=min(self.played[-1].last, first - 1))
         return first

@@ -59,9 +59,9 @@ class Diagram(QGraphicsView):
     def show_behaviour(self, behaviour_id: str) -> None:
         """Draw it; one that was not shown before is brought into view whole."""
         other = behaviour_id != self.behaviour_id
-        self.behaviour_id = behaviour_id
         if other:
             self.leave_gesture()
+        self.behaviour_id = behaviour_id
         self.refresh()
         if other:
             self.fit()
@@ -94,7 +94,9 @@ class Diagram(QGraphicsView):
         self._whole = True
 
     def edit(self, edit: BehaviourEdit, text: str, gesture: int | None = None) -> bool:
-        """Change the behaviour; what cannot be is said in a sentence. Whether it could be."""
+        """Change the behaviour, if it is still there; what cannot be is said in a sentence. Whether it could be."""
+        if self.behaviour is None:
+            return False
         try:
             edit_behaviour(self.document, self.behaviour_id, edit, text, gesture)
         except StudioError as error:
