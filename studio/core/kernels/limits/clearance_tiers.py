@@ -3,15 +3,14 @@
 Tier 0 is the highest that keep clear and all above and beside them, and every priority below is a tier of its own. A
 frame is solved and cleared down to each tier in which something acts, and what has come to be is kept (``KeptTier``).
 
-Where a tier changes what one above it misses, it goes but a part of its way from there: its arms alone where that
-does, for it is they that are kept clear, else all but neck and head, which keep no arm clear, else the whole body.
+Where a tier changes what one above it misses, the body goes but a part of its way from there.
 """
 
 import math
 
 import numpy as np
 
-from studio.core.kernels.algebra.vectors import copy_matrix, copy_point, copy_points
+from studio.core.kernels.algebra.vectors import copy_matrix, copy_points
 from studio.core.kernels.body.parts import limb_parts
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.limbs.limb_tasks import BLENDED
@@ -24,12 +23,7 @@ from studio.core.kernels.search.retreat import AIM, NEAR, begin_retreat, note_di
 from studio.core.kernels.search.step import KEPT
 from studio.core.kernels.tasks.kinds import follow, miss_of
 from studio.core.kernels.tasks.task import INACTIVE, ON_EDGE
-from studio.core.kernels.time.activation_blend import blend_kept, blend_limb, note_turns
-
-ARMS, ALL_BUT_HEAD, BODY = range(3)
-"""What of the body goes back, tried in this order."""
-LEFT = 0.8
-"""Part of what a tier may change that it may where it is back wholly: tiers above may have left it little."""
+from studio.core.kernels.time.activation_blend import blend_kept, note_turns
 
 
 @allocating_kernel
@@ -114,17 +108,12 @@ def hold_above(tier, frame, clip, problem):
     if change < KEPT:
         return
     note_ways(frame, clip, problem)
-    what = ARMS
-    back = go_part(0.0, what, tier, frame, clip, problem)
-    while back >= LEFT * KEPT and what < BODY:
-        what += 1
-        back = go_part(0.0, what, tier, frame, clip, problem)
+    back, retreat = go_part(0.0, tier, frame, clip, problem), problem.search.retreat[0]
     if back > (AIM - NEAR) * KEPT:
         return
-    retreat = problem.search.retreat[0]
     begin_retreat(back, change, KEPT, retreat)
     while tries_share(retreat):
-        note_disturbance(go_part(retreat.share, what, tier, frame, clip, problem), retreat)
+        note_disturbance(go_part(retreat.share, tier, frame, clip, problem), retreat)
 
 
 @kernel
@@ -140,27 +129,19 @@ def note_ways(frame, clip, problem):
 
 
 @kernel
-def go_part(share, what, tier, frame, clip, problem):
-    """Pose the body where ``what`` of it has gone a ``share`` of a tier's way, and tell all misses; by how much those
-    above it change.
+def go_part(share, tier, frame, clip, problem):
+    """Pose the body where it has gone a ``share`` of a tier's way, and tell all misses; by how much those above it
+    change.
     """
-    joints, search, start, pose = problem.chain.joints, problem.search, problem.start, problem.pose
-    spine_count = pose.positions.shape[0] - 23
-    blend_kept(0.0 if what == ARMS else 1.0 - share, search)
-    if what == ALL_BUT_HEAD:
-        for joint in range(joints.shape[0]):
-            if spine_count <= joints[joint].segment < spine_count + 2:
-                copy_point(search.before[joint], search.state[joint])
-    if what != ARMS:
-        for limb in range(4):
-            search.blended[limb] = BLENDED if limb < 2 or is_named(limb, problem.tasks) else 0
-        carry_body(problem)
-        for limb in range(4):
-            search.blended[limb] = 0
+    search, start, pose = problem.search, problem.start, problem.pose
+    blend_kept(1.0 - share, search)
+    for limb in range(4):
+        search.blended[limb] = BLENDED if limb < 2 or is_named(limb, problem.tasks) else 0
+    carry_body(problem)
+    for limb in range(4):
+        search.blended[limb] = 0
     for side in range(2):
-        if what == ARMS:
-            blend_limb(1.0 - share, side, search)
-        carrier, upper, root = limb_parts(side, spine_count)
+        carrier, upper, root = limb_parts(side, pose.positions.shape[0] - 23)
         pose_limb(carrier, upper, root, 4 * side, search.blended_turns, start, pose)
     return tell(share, tier, frame, clip, problem)
 
