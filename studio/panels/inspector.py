@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from PySide6.QtCore import Qt, QTimer, Signal
-from PySide6.QtWidgets import QAbstractButton, QFrame, QScrollArea, QWidget
+from PySide6.QtWidgets import QFrame, QScrollArea, QWidget
 
 from studio.document.document import Document
 from studio.engine.live import Live
@@ -35,6 +35,14 @@ EDITORS: dict[str, Callable[[Document, Live, str, str], Editor]] = {
 }
 DRAGGED_MILLISECONDS = 100
 """How often the form follows a hand that drags: bodies come first."""
+
+
+def _silence(editor: Editor) -> None:
+    """End what is done with a form whose entity is gone: a button that is let go, a name that is left count no more."""
+    if editor.gesture is not None:
+        editor.end()
+    for child in editor.findChildren(QWidget):
+        child.blockSignals(True)
 
 
 class Inspector(QScrollArea):
@@ -80,8 +88,8 @@ class Inspector(QScrollArea):
         if editor is not None:
             # It may be in the middle of an event of its own: it stays a child until the event loop lets it go.
             self.takeWidget()
-            for button in editor.findChildren(QAbstractButton):
-                button.setDown(False)  # one that is pressed would be clicked when it is let go
+            if editor.collection and editor.entity is None:
+                _silence(editor)
             editor.hide()
             editor.setParent(self)
             editor.deleteLater()

@@ -394,3 +394,16 @@ def test_a_button_that_is_down_while_its_behaviour_is_removed_does_nothing_when_
     before = document.project
     QTest.mouseRelease(delete, LEFT)
     assert document.project is before
+
+
+def test_a_name_that_is_typed_while_its_performer_is_removed_renames_nobody(document, inspector):
+    inspector.show()
+    name = next(
+        each for each in inspector.findChildren(QLineEdit) if each.text() == document.project.performers[FIRST].name
+    )
+    name.setFocus()
+    name.setText("Somebody else")
+    document.remove("performers", FIRST, "Remove performer")
+    before = document.project
+    name.editingFinished.emit()
+    assert document.project is before
