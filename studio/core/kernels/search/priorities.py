@@ -34,6 +34,8 @@ EASED = 0.05
 """Metres of error at which that is asked for by half: Newton's steps near the goal are not damped."""
 ATTEMPTS = 4
 """Times that a step is found, at most, until no bound is broken and none pushes the wrong way."""
+PRESSING = 0.5
+"""Part of its curvature with which a limit answers."""
 ROUNDING = 1.5 * 2.0**18
 """Added to a number and taken away again it leaves multiples of 2^-34, 6e-11 radians or metres, of it."""
 CLOSER, CLOSEST = 0.3, 3e-5
@@ -219,7 +221,7 @@ def way_of(held, j, kept, system, active, weighted, flat):
 @kernel
 def solve_own(held, count, kept, damping, rows, chain, equations, positions):
     """Newton's step among the ways of the rows that ask, into ``answer`` (METHOD (23)); the slope along it."""
-    errors, joints = rows.errors, chain.joints
+    errors, joints, limits = rows.errors, chain.joints, chain.limits
     gram, system, normal, active = equations.gram, equations.held, equations.normal, equations.active
     answer, levers = equations.answer, equations.levers
     own = count - held
@@ -248,7 +250,34 @@ def solve_own(held, count, kept, damping, rows, chain, equations, positions):
             normal[i, j] = along
     add_curvature(held, count, kept, rows, joints, equations, positions)
     far_off = worst / (worst + EASED)
+    press_on_limits(far_off, held, count, rows, limits, equations.steps, normal)
     return solve_positive(normal, own, gram, damping * far_off, answer, held)
+
+
+@kernel
+def press_on_limits(far_off, held, count, rows, limits, steps, normal):
+    """Add what limits answer to joints that are pressed on them: push / angle across, their own curvature (24).
+
+    Without it what may turn at a limit, but no further, sways along it from step to step; near the goal it is left out.
+    """
+    jacobian, errors, brakes = rows.jacobian, rows.errors, rows.brakes
+    for k in range(brakes.shape[0]):
+        if brakes[k].part >= 1.0:
+            continue
+        x, y, z, root = brakes[k].axis[0], brakes[k].axis[1], brakes[k].axis[2], brakes[k].part
+        push = 0.0
+        for q in range(held, count):
+            pull = min(max(errors[q], -LONGEST_ERROR), LONGEST_ERROR)
+            push += pull * (x * jacobian[q, k, 0] + y * jacobian[q, k, 1] + z * jacobian[q, k, 2])
+        if push <= 0.0:
+            continue
+        across = far_off * PRESSING * push * (1.0 - root * root) / (max(root, 1e-6) * 2.0 * limits[k])
+        for i in range(held, count):
+            way = steps[i, k]
+            along = x * way[0] + y * way[1] + z * way[2]
+            ax, ay, az = way[0] - along * x, way[1] - along * y, way[2] - along * z
+            for j in range(held, count):
+                normal[i - held, j - held] += across * (ax * steps[j, k, 0] + ay * steps[j, k, 1] + az * steps[j, k, 2])
 
 
 @kernel
