@@ -92,7 +92,7 @@ def winners(
     )
     found = search.winners(eased)[:, sample_of]
     wanted = np.array([each.activation.at(standing.motion.times[window]) for each in constraints])
-    free = limb_shares(constraints, standing)[:, window]
+    free = limb_shares(constraints, standing, window)
     found[(wanted > 0.0) & (free < 1.0)] = CONTACTS  # what is about a limb gives way to that limb's contacts
     return found
 

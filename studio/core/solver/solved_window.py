@@ -105,7 +105,7 @@ class SolvedWindow:
 
     def _lead(self, asked: Sequence[Constraint]) -> tuple[FloatArray, records.Targets]:
         """(C, F) how far targets that are led are on their way, 1 for others, and all targets as they are then."""
-        shares, free = np.ones(self._activations.shape), limb_shares(asked, self.standing)[:, self.window]
+        shares, free = np.ones(self._activations.shape), limb_shares(asked, self.standing, self.window)
         places = list(self._rows.places)
         for c, constraint in enumerate(asked, self._held):
             if is_led(constraint):

@@ -19,13 +19,14 @@ from studio.core.solver.standing.stand import Standing
 FloatArray = NDArray[np.float64]
 
 
-def limb_shares(constraints: Sequence[Constraint], standing: Standing) -> FloatArray:
+def limb_shares(constraints: Sequence[Constraint], standing: Standing, window: slice = slice(None)) -> FloatArray:
     """(C, F) how free of its contacts the limb is that each constraint is about, 1 where that is none."""
-    shares = np.ones((len(constraints), standing.motion.frame_count))
+    freedoms = standing.limb_freedoms[:, window]
+    shares = np.ones((len(constraints), freedoms.shape[1]))
     for row, constraint in zip(shares, constraints, strict=True):
         limb = limb_of(constraint.point.part)
         if limb >= 0:
-            row[:] = standing.limb_freedoms[limb]
+            row[:] = freedoms[limb]
     return shares
 
 
