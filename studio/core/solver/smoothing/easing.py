@@ -306,7 +306,7 @@ class Easing:
         return now
 
     def _to_ease(self, number: int, now: Posed, limits: Ramp = EASED) -> FloatArray:
-        """Share (F,) of each frame to be smoothed or dropped, for peaks beyond ``limits`` or changes of levels above."""
+        """Share (F,) of each frame to be smoothed or dropped, for peaks over ``limits`` or changes of levels above."""
         changed = self._spread(number, CHANGED.share_of(self._levels[number].solve.changes), AROUND)
         peaks = self._bump(number, now, AROUND, limits)
         return np.asarray(np.maximum(peaks, changed) * (self._rooms[number] > 0.0))
