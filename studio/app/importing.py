@@ -144,7 +144,7 @@ def tell_repairs(bench: Workbench, capture_id: str) -> None:
     if capture.markers is not None and capture.body_map is None:
         ask = ("Markers…", lambda: bench.window.inspector.markers_wanted.emit(capture_id))
         held = next(guess.reason for guess in capture.guesses if guess.subject == "marker map").partition(".")[0]
-        bench.window.strip.say(f"{capture.source} shows no body yet. {held}: say which marker is what.", ask)
+        bench.window.strip.say(f"No body was found in {capture.source}. {held}: label its markers.", ask)
         return
     if not capture.repairs:
         bench.window.strip.clear()

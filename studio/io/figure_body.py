@@ -71,7 +71,7 @@ def character_of(figures: Sequence[Figure], options: ImportOptions) -> ReadChara
     try:
         return _embodied(body, guesses)
     except ValueError as error:
-        raise StudioError(f"{body.figure.source}: its body or its skin makes no sense. {error}") from error
+        raise StudioError(f"{body.figure.source}: invalid body or skin. {error}") from error
 
 
 def _body(figure: Figure, options: ImportOptions) -> _Body:
