@@ -6,8 +6,8 @@ from studio.core.mesh.skin import Blending
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.round_trip import round_trip
 from studio.core.solver.warm_up import warm_up, warm_up_constraints, warm_up_easing, warm_up_seldom, warm_up_standing
-from studio.io.character_file import bundled_characters
 from studio.io.importing import load_capture
+from studio.io.project.character_file import bundled_characters
 from studio.library.warm_up import warm_up as warm_up_search
 from studio.resources_folder import example_captures_folder
 

@@ -13,9 +13,9 @@ from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
 from studio.core.kernels.body import channels as kernel
 from studio.io.beside import read_bytes
-from studio.io.bvh_hierarchy import Hierarchy, read_hierarchy
-from studio.io.bvh_spelling import plainly_spelled
-from studio.io.bvh_writer import write_bvh
+from studio.io.bvh.hierarchy import Hierarchy, read_hierarchy
+from studio.io.bvh.spelling import plainly_spelled
+from studio.io.bvh.writer import write_bvh
 from studio.io.numbers import count_per_line, lines_of, number, table
 
 __all__ = ["BvhFile", "read_bvh", "write_bvh"]

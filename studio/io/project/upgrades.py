@@ -3,8 +3,8 @@
 from collections.abc import Callable, Mapping
 
 from studio.core.errors import StudioError
-from studio.io.entity_json import PROJECT_SCHEMA
-from studio.io.value_json import Json
+from studio.io.project.entity_json import PROJECT_SCHEMA
+from studio.io.project.value_json import Json
 
 
 def _with_clips_that_have_ids(record: Json) -> Json:

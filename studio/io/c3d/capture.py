@@ -6,10 +6,10 @@ from studio.core.captures.annotations import Annotations, Label
 from studio.core.captures.capture import Capture
 from studio.core.markers.cleaning import USUAL_STEPS
 from studio.core.markers.take import MarkerTake
-from studio.io.c3d import read_c3d
+from studio.io.c3d.reader import read_c3d
 from studio.io.importing import ImportOptions
-from studio.io.marker_capture import capture_of_take
-from studio.io.marker_maps import find_map, find_subject, unreadable_maps
+from studio.io.markers.capture import capture_of_take
+from studio.io.markers.maps import find_map, find_subject, unreadable_maps
 from studio.io.registry import Progress
 
 

@@ -20,7 +20,7 @@ from studio.core.kernels import layout as at
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import from_matrix
-from studio.io.constraint_file import constraint_record
+from studio.io.project.constraint_file import constraint_record
 from studio.io.registry import Progress
 from studio.io.zipped import npy, write_zip
 

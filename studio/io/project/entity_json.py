@@ -22,7 +22,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.project import CLASSES, COLLECTIONS, Entity, Project
 from studio.core.stage.prop import Prop
 from studio.io.json_text import json_of
-from studio.io.value_json import Array, Json, MemberCodec, UnknownKind, from_json, to_json, unknown_fields
+from studio.io.project.value_json import Array, Json, MemberCodec, UnknownKind, from_json, to_json, unknown_fields
 
 PROJECT_SCHEMA = 2
 ENTITY_SCHEMAS = {

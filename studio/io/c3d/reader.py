@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from studio.core.errors import StudioError
 from studio.core.markers.trial import Trial
 from studio.io.beside import read_bytes
-from studio.io.c3d_contents import analog_signals, force_plates, labels_and_kinds, marked_events, measures, unit_of
-from studio.io.c3d_parameters import BLOCK, Numbers, Parameters, read_parameters
+from studio.io.c3d.contents import analog_signals, force_plates, labels_and_kinds, marked_events, measures, unit_of
+from studio.io.c3d.parameters import BLOCK, Numbers, Parameters, read_parameters
 
 FloatArray = NDArray[np.float64]
 Progress = Callable[[float, str], None]

@@ -14,8 +14,9 @@ from pathlib import Path
 from studio.core.constraints.objections import objections
 from studio.core.errors import StudioError
 from studio.core.project import Project
-from studio.io.archive import Archive, Stamp, read_archive, stamp, write_archive
-from studio.io.entity_json import (
+from studio.io.npy import array_of
+from studio.io.project.archive import Archive, Stamp, read_archive, stamp, write_archive
+from studio.io.project.entity_json import (
     MEMBER_NAME,
     PROJECT_SCHEMA,
     Members,
@@ -26,10 +27,9 @@ from studio.io.entity_json import (
     project_json,
     project_of,
 )
-from studio.io.npy import array_of
+from studio.io.project.upgrades import schema_of, upgraded
+from studio.io.project.value_json import Array, Json
 from studio.io.replacing import FolderNotWritable
-from studio.io.upgrades import schema_of, upgraded
-from studio.io.value_json import Array, Json
 
 __all__ = [
     "ChangedOnDisk",

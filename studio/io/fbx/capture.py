@@ -12,8 +12,8 @@ from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.rotations import from_matrix, normalized, to_matrix
-from studio.io.bvh_capture import capture_of
-from studio.io.fbx_reading import INSTEAD, read_arrays
+from studio.io.bvh.capture import capture_of
+from studio.io.fbx.reading import INSTEAD, read_arrays
 from studio.io.guessing import UNITS
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress

@@ -20,11 +20,11 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import girdle_of, restore
 from studio.core.rotations import IDENTITY, to_matrix
 from studio.io.beside import read_bytes
-from studio.io.constraint_file import constraint_of, contacts_of
 from studio.io.json_text import json_of
 from studio.io.npy import array_of
-from studio.io.s4d import CHANNELS, FORMAT, RECORD, ROTATIONS, TRANSLATIONS, VERSION, S4d
-from studio.io.value_json import Json, MemberCodec, from_json
+from studio.io.project.constraint_file import constraint_of, contacts_of
+from studio.io.project.value_json import Json, MemberCodec, from_json
+from studio.io.s4d.writer import CHANNELS, FORMAT, RECORD, ROTATIONS, TRANSLATIONS, VERSION, S4d
 from studio.io.zipped import UnpacksTooFarError, unpacked
 
 FloatArray = NDArray[np.float64]

@@ -23,7 +23,7 @@ def is_s4d(head: bytes) -> bool:
 
 def load_s4d(path: Path, options: ImportOptions, progress: Progress) -> Capture:
     """The capture that the file was made from, within 0.1 mm and 0.01 degrees."""
-    from studio.io.s4d_reader import read_s4d
+    from studio.io.s4d.reader import read_s4d
 
     progress(0.0, f"Reading {path.name}")
     capture = read_s4d(path).capture
@@ -45,14 +45,14 @@ def load_s4d(path: Path, options: ImportOptions, progress: Progress) -> Capture:
 
 def load_annotations(path: Path, motion_id: str) -> Annotations:
     """The contacts, constraints and labels that are stored with the motion."""
-    from studio.io.s4d_reader import read_annotations
+    from studio.io.s4d.reader import read_annotations
 
     return read_annotations(path, motion_id)
 
 
 def write_take(path: Path, take: Take, progress: Progress) -> None:
     """Write the morphology-independent motion of ``take`` with its actor; raises StudioError for what is no human."""
-    from studio.io.s4d import S4d, write_s4d
+    from studio.io.s4d.writer import S4d, write_s4d
 
     def normalising(share: float) -> None:
         progress(_NORMALISED * share, f"Normalising {take.name}")

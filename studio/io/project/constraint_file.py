@@ -28,10 +28,10 @@ from studio.core.constraints.objections import objection
 from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
 from studio.core.stage.prop import Prop
-from studio.io.entity_json import Members, entity_of, entity_record
 from studio.io.json_text import read_json
-from studio.io.mesh_file import read_mesh_beside
-from studio.io.value_json import Json, unknown_fields
+from studio.io.meshes.mesh_file import read_mesh_beside
+from studio.io.project.entity_json import Members, entity_of, entity_record
+from studio.io.project.value_json import Json, unknown_fields
 
 _MEMBERS = ("constraints", "contacts", "props")
 _LARGEST = 1e6

@@ -9,11 +9,11 @@ from pathlib import Path
 from studio.core.errors import StudioError
 from studio.core.grounds import GROUND_KINDS
 from studio.core.grounds.ground import Ground
-from studio.io.constraint_file import too_large
-from studio.io.entity_json import entity_of
 from studio.io.json_text import read_json
-from studio.io.mesh_file import read_mesh_beside
-from studio.io.value_json import Json, unknown_fields
+from studio.io.meshes.mesh_file import read_mesh_beside
+from studio.io.project.constraint_file import too_large
+from studio.io.project.entity_json import entity_of
+from studio.io.project.value_json import Json, unknown_fields
 
 _HEADER = {"kind", "id", "schema"}
 

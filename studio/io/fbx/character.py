@@ -13,14 +13,14 @@ from scipy.spatial import cKDTree
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Material
 from studio.io.beside import content_of
-from studio.io.fbx_reading import read_arrays
-from studio.io.figure import MOST_VERTICES, Figure, FloatArray, IntArray, Piece
-from studio.io.figure_body import character_of
+from studio.io.fbx.reading import read_arrays
+from studio.io.figure.body import character_of
+from studio.io.figure.figure import MOST_VERTICES, Figure, FloatArray, IntArray, Piece
+from studio.io.figure.textures import checked_picture
 from studio.io.gltf.materials import hex_colour
 from studio.io.importing import ImportOptions
-from studio.io.mesh_shapes import smooth_normals, unit
+from studio.io.meshes.shapes import smooth_normals, unit
 from studio.io.registry import Progress, ReadCharacter
-from studio.io.textures import checked_picture
 
 Arrays = Mapping[str, NDArray[Any]]
 

@@ -36,7 +36,7 @@ def has_skin(path: Path) -> bool:
 
 
 def read_arrays(path: Path, what: str, progress: Progress) -> Mapping[str, NDArray[Any]]:
-    """What ``fbx_child`` has read: ``motion`` or ``figure``. Raises StudioError with what to do."""
+    """What ``child`` has read: ``motion`` or ``figure``. Raises StudioError with what to do."""
     if find_spec("ufbx") is None:
         raise StudioError(
             f"{path.name}: FBX is read with the package 'ufbx' (`pip install morpho-studio[fbx]`). Or: {INSTEAD}"
@@ -57,7 +57,7 @@ def _run_child(path: Path, target: Path, what: str, alive: Callable[[], object])
         seconds = _PATIENCE + path.stat().st_size / _BYTES_A_SECOND
     except OSError as error:
         raise StudioError(f"{path.name} could not be read: {error.strerror}. Check the file and try again.") from error
-    command = [sys.executable, "-m", "studio.io.fbx_child", str(path.resolve()), str(target), what]
+    command = [sys.executable, "-m", "studio.io.fbx.child", str(path.resolve()), str(target), what]
     with child_process(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, behind=0) as child:
         stop = threading.Timer(seconds, child.kill)
         stop.start()

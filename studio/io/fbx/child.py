@@ -1,8 +1,8 @@
-"""The child process that reads an FBX file: ``python -m studio.io.fbx_child IN.fbx OUT.npz [figure]``.
+"""The child process that reads an FBX file: ``python -m studio.io.fbx.child IN.fbx OUT.npz [figure]``.
 
 ufbx is written in C and the file may be anybody's, so it runs where a crash or an endless loop costs nothing. It
 imports but its own parts, and hands back plain arrays; what goes wrong is one line on standard error. What ufbx made is
-kept (``fbx_objects``), nothing is collected, and the process ends without taking leave of it.
+kept (``objects``), nothing is collected, and the process ends without taking leave of it.
 """
 
 import gc
@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from studio.io.fbx_child_meshes import clustered, meshes_of
-from studio.io.fbx_objects import all_of, keep, matrix_of
+from studio.io.fbx.child_meshes import clustered, meshes_of
+from studio.io.fbx.objects import all_of, keep, matrix_of
 
 MOST_VALUES = 1 << 27
 MOST_JOINTS = 4096

@@ -17,9 +17,9 @@ from studio.core.errors import StudioError
 from studio.core.kernels.body.channels import turn_axes
 from studio.core.pieces import over_frames
 from studio.core.rotations import IDENTITY
-from studio.io.body_maps import FoundBody, find_body
-from studio.io.bvh import read_bvh
+from studio.io.bvh.reader import read_bvh
 from studio.io.capture_guesses import ReadJoints, body_guesses, stood_capture
+from studio.io.figure.body_maps import FoundBody, find_body
 from studio.io.guessing import (
     AXES,
     Scale,

@@ -13,7 +13,7 @@ def is_bvh(head: bytes) -> bool:
 
 def write_take(path: Path, take: Take, progress: Progress) -> None:
     """Write the joints and poses of ``take`` as BVH; read back, every joint is within 0.01 mm."""
-    from studio.io.bvh_writer import write_bvh
+    from studio.io.bvh.writer import write_bvh
 
     progress(0.0, f"Writing {path.name}")
     write_bvh(path, take.skeleton, take.poses, take.frame_rate, progress=progress)

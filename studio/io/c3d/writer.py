@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.core.markers.trial import MARKER, Trial
-from studio.io.c3d_parameters import BLOCK
+from studio.io.c3d.parameters import BLOCK
 from studio.io.registry import Progress
 from studio.io.replacing import write_pieces
 

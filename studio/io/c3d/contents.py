@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.core.markers.trial import MARKER, NO_SIGNALS, VIRTUAL, AnalogSignals, ForcePlate, TrialEvent, bare_label
-from studio.io.c3d_parameters import BLOCK, Parameters
+from studio.io.c3d.parameters import BLOCK, Parameters
 
 FloatArray = NDArray[np.float64]
 

@@ -18,7 +18,7 @@ from studio.core.mesh.joint_skin import JointSkin, bone_skin, character_skin
 from studio.io.export import Take
 from studio.io.registry import Progress
 from studio.io.replacing import replacing_all
-from studio.io.usd_materials import bind_materials, identifiers
+from studio.io.usd.materials import bind_materials, identifiers
 from studio.io.zipped import write_zip
 
 PACKED = ".usdz"

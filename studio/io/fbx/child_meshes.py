@@ -1,10 +1,10 @@
-"""Meshes of an FBX file as plain arrays: read in the child process of ``fbx_child``."""
+"""Meshes of an FBX file as plain arrays: read in the child process of ``child``."""
 
 from typing import Any
 
 import numpy as np
 
-from studio.io.fbx_objects import FloatArray, all_of, keep, matrix_of, numbers_of
+from studio.io.fbx.objects import FloatArray, all_of, keep, matrix_of, numbers_of
 
 MOST_CORNERS = 4_000_000
 

@@ -22,12 +22,12 @@ from studio.core.mesh.appearance import Appearance, Material
 from studio.core.mesh.hand_shapes import HandShapes
 from studio.core.mesh.skin import Blending, SkinnedMesh
 from studio.io.beside import path_beside, read_bytes
+from studio.io.figure.textures import checked_picture
 from studio.io.importing import ImportOptions
 from studio.io.json_text import json_of
 from studio.io.npy import arrays_of
 from studio.io.registry import Progress, ReadCharacter
 from studio.io.replacing import replacing_all
-from studio.io.textures import checked_picture
 from studio.resources_folder import resources_folder
 
 FORMAT = "morpho-studio character"

@@ -24,11 +24,11 @@ from studio.core.body.standing import standing_points
 from studio.core.captures.capture import Guess
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Appearance, Material
-from studio.io.body_maps import find_body, similar_joints
-from studio.io.figure import Figure, Piece
+from studio.io.figure.body_maps import find_body, similar_joints
+from studio.io.figure.figure import Figure, Piece
 from studio.io.guessing import AXES, guess_unit, unit_called
 from studio.io.importing import ImportOptions
-from studio.io.mesh_shapes import unit
+from studio.io.meshes.shapes import unit
 from studio.io.registry import ReadCharacter
 
 FloatArray = NDArray[np.float64]
