@@ -113,12 +113,6 @@ def test_the_body_map_that_is_printed_can_be_given_back(capsys, walk, tmp_path):
     assert again["body_map"] == record["body_map"]
 
 
-@pytest.mark.parametrize("rate", ["0", "-30", "nan"])
-def test_a_frame_rate_that_is_none_is_refused(capsys, walk, rate):
-    assert main(["info", str(walk), f"--frame-rate={rate}"]) == 1
-    assert "frame rate" in capsys.readouterr().err
-
-
 def test_people_get_lines_with_everything_guessed(capsys, walk):
     assert main(["info", str(walk)]) == 0
     printed = capsys.readouterr().out

@@ -220,6 +220,21 @@ def test_the_verb_fights_a_replayed_head_and_reports(tmp_path, capsys):
     assert "60 packets taken, 0 bad" in printed
 
 
+def test_ctrl_c_ends_a_fight_with_the_report_of_what_was_fought_until_then(library):
+    body = bundled_characters()["child"].morphology
+    fighter = Fighter(library, body, guard_of(None))
+
+    def target_until_stopped(now):
+        if now >= 0.5:
+            raise KeyboardInterrupt
+        return near(body)
+
+    report = fight(fighter, target_until_stopped, lambda now: None, 60.0)
+    assert report.stopped
+    assert report.frames == 0.5 * fighter.rate
+    assert report.words.startswith(f"{report.frames} frames, 0 strikes")
+
+
 @pytest.mark.parametrize("name", ["child", "adult_woman"])
 def test_the_bundled_fighter_strikes_for_a_minute_at_a_head_that_ducks(bundled, name):
     report = fought(bundled, BODIES[name], 60.0)

@@ -167,6 +167,14 @@ def test_a_port_that_is_taken_is_told():
             UdpInput(Inbox(), taken.getsockname()[1])
 
 
+@pytest.mark.parametrize("address", ["no-such-host.invalid", "a..b", "x" * 80])
+def test_an_address_that_cannot_be_found_is_told_before_anything_is_sent(address):
+    with pytest.raises(StudioError, match=r"Nothing can be sent to .*Choose another address"):
+        Streamer(39_540, address)
+    with pytest.raises(StudioError, match=r"Nothing can listen at .*Choose another port or address"):
+        UdpInput(Inbox(), 0, address)
+
+
 def test_a_recording_is_replayed_as_it_came_and_a_damaged_one_is_told(tmp_path):
     body, path = BODIES["child"], tmp_path / "session.osc"
     packets = [(0.1 * k, packet) for k, packet in enumerate(packets_of(*frame_of(body), body, 0.0))]
