@@ -19,9 +19,8 @@ from studio.document import colours
 from studio.document.document import Document
 from studio.io.character_file import actor_character
 from studio.io.importing import GUESS_ALL, load_character
-from studio.io.registry import ReadCharacter, format_of
+from studio.io.registry import ReadCharacter, known_formats
 
-JOBS = ("capture_reader", "character_reader")
 APART, ROOM = 1.2, 0.6
 """Metres from the outermost performer to a new one, and for the arms between their trunks and heads, at least."""
 
@@ -37,7 +36,8 @@ def import_character(bench: Workbench, path: Path) -> int:
         try:
             return load_character(path, GUESS_ALL, progress)
         except StudioError as error:
-            alone = " To read a motion, use Import motion." if format_of(path, *JOBS).capture_reader else ""
+            moves = path.suffix.lower() in known_formats().suffixes("capture_reader")
+            alone = " To read a motion, use Import motion." if moves else ""
             raise StudioError(f"{error}{alone} {UNCHANGED}") from error
 
     task: int = bench.runner.run(f"Opening {path.name}", work, done)

@@ -181,8 +181,10 @@ class LiveAdaptation(QObject):
     def _by_need(self, project: Project) -> tuple[list[Circle], list[Circle]]:
         """Those who are worked on and whom these follow, then all others; leaders before who follows."""
         circles = _circles_of(project)
-        first = {*in_order(project, self._selected(key for circle in circles for key in circle))}
-        return [each for each in circles if each in first], [each for each in circles if each not in first]
+        playing = [key for circle in circles for key in circle]
+        active = [key for key in playing if key == self._document.active_performer_id]
+        first = dict.fromkeys((*in_order(project, active), *in_order(project, self._selected(playing))))
+        return [each for each in first if each in circles], [each for each in circles if each not in first]
 
     def _selected(self, performer_ids: Iterable[str]) -> list[str]:
         """Those who are worked on: the selected ones, else the one that is active."""

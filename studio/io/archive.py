@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from studio.core.errors import StudioError
-from studio.io.beside import refuse_devices
+from studio.io.beside import SNIFFED, refuse_devices, refuse_stand_in
 from studio.io.replacing import FolderNotWritable, remove_leftovers, replacing
 from studio.io.zipped import UnpacksTooFarError, unpacked
 
@@ -62,6 +62,7 @@ def read_archive(path: Path) -> Archive:
     if not archive.sealed and not archive.damaged:
         archive.members |= _repacked(path, content)
     if not archive.members and not archive.damaged:
+        refuse_stand_in(path.name, content[:SNIFFED])
         raise StudioError(f"'{path.name}' is not a Morpho Studio project: it is not a ZIP archive.")
     return archive
 

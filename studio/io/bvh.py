@@ -16,7 +16,7 @@ from studio.io.beside import read_bytes
 from studio.io.bvh_hierarchy import Hierarchy, read_hierarchy
 from studio.io.bvh_spelling import plainly_spelled
 from studio.io.bvh_writer import write_bvh
-from studio.io.numbers import count_per_line, lines_of, number, table
+from studio.io.numbers import count_per_line, glued_words, lines_of, parted, table
 
 __all__ = ["BvhFile", "read_bvh", "write_bvh"]
 
@@ -27,6 +27,11 @@ _LARGEST_FILE = 1 << 30
 _LONGEST_HIERARCHY = 1 << 24
 _MOST_NUMBERS = 1 << 28
 _WITHOUT_COLON = re.compile(rb"^\s*(frames|frame\s*time)(?=\s+[\d.])", re.IGNORECASE)
+_FRAME_TIME = re.compile(
+    r"(?P<over>\+?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(?:\s*/\s*(?P<under>\d+\.?\d*))?(?=\s|;|s|$)",
+    re.ASCII | re.IGNORECASE,
+)
+"""Seconds as a number or as a fraction."""
 _SCALE_NOISE = 1e-3
 _DEEDS = {"scale": kernel.NOTHING, "position": kernel.PLACE, "rotation": kernel.TURN}  # scales are told as repairs
 _MOTION = re.compile(rb"(?:\A|[\r\n}])[ \t]*(MOTION)[ \t]*(?=[\r\n]|\Z)", re.IGNORECASE)
@@ -205,18 +210,23 @@ def _motion_header(name: str, body: list[bytes], motion_line: int) -> tuple[_Hea
 
 
 def _frame_time(name: str, header: _Header, repairs: list[str]) -> tuple[float | None, float]:
+    """Seconds a frame, and the worth of their last digit: none of a fraction (``1/60``)."""
     text = header.frame_time
     if not text:
         repairs.append(f"{name}, line {header.frame_time_line or header.line}: the file has no Frame Time.")
         return None, 0.0
     where = f"{name}, line {header.frame_time_line}"
-    value = number(text, where)
-    if not 1e-4 <= value <= 1.0:
+    plain = _FRAME_TIME.match(text.replace(",", "."))
+    seconds = float(plain["over"]) / float(plain["under"] or 1.0) if plain and float(plain["under"] or 1.0) else 0.0
+    if not plain or not 1e-4 <= seconds <= 1.0:
         repairs.append(f"{where}: Frame Time {text[:20]} cannot be true and was not used.")
         return None, 0.0
-    mantissa, _, exponent = text.lower().partition("e")
-    digits = len(mantissa.partition(".")[2])
-    return value, float(10.0 ** (float(exponent or 0) - digits))
+    if plain[0] != text or plain["under"]:
+        repairs.append(f"{where}: Frame Time {text[:20]} was read as {seconds:.6g} s.")
+    if plain["under"]:
+        return seconds, 1e-9
+    mantissa, _, exponent = plain["over"].lower().partition("e")
+    return seconds, float(10.0 ** (float(exponent or 0) - len(mantissa.partition(".")[2])))
 
 
 def _frames(
@@ -233,6 +243,7 @@ def _frames(
     if width == 0:
         raise StudioError(f"{name}: no joint declares channels, so there is no motion to read. Export it with motion.")
     counts = count_per_line(lines)
+    _part_glued(name, lines, counts, width, first_line, repairs)
     total = int(counts.sum())
     if total > _MOST_NUMBERS:
         raise StudioError(f"{name} holds {total} numbers; at most {_MOST_NUMBERS} are read. Cut the take into parts.")
@@ -257,8 +268,49 @@ def _frames(
     lines, counts = lines[: last + 1], counts[: last + 1]
     told = lambda share: progress(0.3 + 0.7 * share, f"Reading the motion of {name}")  # noqa: E731
     values = table(lines, counts, name, first_line, told).reshape(-1, width)
+    row_lines = first_line + np.searchsorted(np.cumsum(counts), rows[: len(values)])
+    _fill(name, values, row_lines, hierarchy, repairs)
     _compare_count(name, header, len(values), first_line + last, repairs)
     return values
+
+
+def _part_glued(
+    name: str, lines: list[bytes], counts: NDArray[np.int64], width: int, first_line: int, repairs: list[str]
+) -> None:
+    """Part the numbers of rows that have too few words and would be whole; list each such row."""
+    for row in np.flatnonzero((counts > 0) & (counts < width)).tolist():
+        line = parted(lines[row].decode("utf-8", "replace")).encode()
+        if len(line.split()) == width:
+            lines[row], counts[row] = line, width
+            repairs.append(glued_words(name, first_line + row))
+
+
+def _fill(name: str, values: FloatArray, lines: NDArray[np.int64], hierarchy: Hierarchy, repairs: list[str]) -> None:
+    """Interpolate in time what no row says, angles the shorter way round; list how many rows and the first line.
+
+    ``values`` (F, C) with NaN for a missing value, ``lines`` (F,) of the file. Raises StudioError where a channel has
+    no number at all.
+    """
+    missing = ~np.isfinite(values)
+    rows = np.flatnonzero(missing.any(axis=1))
+    if not len(rows):
+        return
+    channels = [(joint, each) for joint, all_ in enumerate(hierarchy.channels) for each in all_]
+    frames = np.arange(len(values))
+    for column in np.flatnonzero(missing.any(axis=0)).tolist():
+        joint, channel = channels[column]
+        known = ~missing[:, column]
+        if not known.any():
+            raise StudioError(
+                f"{name}: {channel} of '{hierarchy.names[joint]}' has no number in any row. Export the file again."
+            )
+        course = values[known, column]
+        course = np.unwrap(course, period=360.0) if channel.endswith("rotation") else course
+        values[:, column] = np.where(known, values[:, column], np.interp(frames, frames[known], course))
+    count = "1 row lacks" if len(rows) == 1 else f"{len(rows)} rows lack"
+    repairs.append(
+        f"{name}, line {lines[rows[0]]}: {count} numbers; what is missing was filled from the rows before and after."
+    )
 
 
 def _is_cut(lines: list[bytes], last: int, header: _Header, rows: int) -> bool:

@@ -1,13 +1,15 @@
 """The HIERARCHY block of a BVH file: joints, offsets and channels, read word by word without recursion."""
 
+import re
 from dataclasses import dataclass, field
 
 from studio.core.errors import StudioError
-from studio.io.numbers import number
+from studio.io.numbers import glued_words, number, parted
 
 _MOST_JOINTS = 4096
 _CHANNELS = {f"{axis}{kind}".lower(): f"{axis}{kind}" for axis in "XYZ" for kind in ("position", "rotation", "scale")}
 _CHANNELS |= {f"{axis}scaling".lower(): f"{axis}scale" for axis in "XYZ"}
+_OFFSET = re.compile(r"\s*OFFSET\b", re.IGNORECASE)
 _KEYWORDS = {"ROOT", "JOINT", "END", "OFFSET", "CHANNELS", "MOTION", "{", "}"}
 
 
@@ -30,7 +32,10 @@ class _Words:
 
     def __init__(self, name: str, lines: list[str]) -> None:
         self.name = name
-        spaced = (line.replace("{", " { ").replace("}", " } ") for line in lines)
+        self.glued = [at for at, line in enumerate(lines, 1) if _OFFSET.match(line) and parted(line) != line]
+        """Lines of offsets whose numbers have no blank between them."""
+        whole = (parted(line) if at in self.glued else line for at, line in enumerate(lines, 1))
+        spaced = (line.replace("{", " { ").replace("}", " } ") for line in whole)
         self._words = [(word, at) for at, line in enumerate(spaced, 1) for word in line.split()]
         self._next = 0
         self._last_line = len(lines)
@@ -71,7 +76,7 @@ class _Words:
 def read_hierarchy(name: str, lines: list[str]) -> Hierarchy:
     """The joints declared by ``lines`` (from the first line of file ``name`` up to MOTION)."""
     words = _Words(name, lines)
-    hierarchy = Hierarchy()
+    hierarchy = Hierarchy(repairs=[glued_words(name, line) for line in words.glued])
     if words.take("HIERARCHY").lstrip("\ufeff").upper() != "HIERARCHY":
         raise StudioError(f"{name}, line 1: a BVH file begins with HIERARCHY, this one does not. Choose a BVH file.")
     open_joints: list[int] = []

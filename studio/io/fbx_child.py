@@ -43,7 +43,7 @@ def main(source: str, target: str, what: str = "motion") -> None:
     everything = _nodes(scene)
     nodes, parents = _skeleton(everything, clustered([node for node, _ in everything]) if drawn else set())
     if not nodes:
-        sys.exit("it holds no joints")
+        sys.exit("it has no skeleton (bones). Rig its mesh first")
     if len(nodes) > MOST_JOINTS:
         sys.exit(f"it holds {len(nodes)} joints, more than a body has")
     if drawn:

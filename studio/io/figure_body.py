@@ -25,7 +25,7 @@ from studio.core.captures.capture import Guess
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Appearance, Material
 from studio.io.body_maps import find_body, similar_joints
-from studio.io.figure import Figure, Piece
+from studio.io.figure import NO_SKELETON, Figure, Piece
 from studio.io.guessing import AXES, guess_unit, unit_called
 from studio.io.importing import ImportOptions
 from studio.io.mesh_shapes import unit
@@ -35,6 +35,8 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 PLAIN = "#B4BEC8"
+_LIMB_DEPTH = 3
+"""Joints above an ankle at least: a root, a hip and a knee."""
 _LEGS_IN_METRES = (0.15, 3.0)
 _HANDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)
 
@@ -104,7 +106,7 @@ def _check_limbs(figure: Figure, body_map: BodyMap) -> None:
 def _rooted(figure: Figure) -> Figure:
     """The same with one root above all."""
     if not figure.joint_names:
-        raise StudioError(f"{figure.source} has no joints: it is not a character. Export it with its skeleton.")
+        raise StudioError(f"{figure.source} {NO_SKELETON}")
     if figure.parents.count(-1) == 1 and figure.parents[0] == -1:
         return figure
     name = "scene" + "_" * sum(each.startswith("scene") for each in figure.joint_names)
@@ -130,12 +132,22 @@ def _find(figure: Figure, skeleton: Skeleton, options: ImportOptions) -> tuple[B
     if by_shape is not None:
         reason = "The names of its joints say nothing; legs reach lowest, arms widest, the head highest."
         return by_shape, Guess("body map", f"{len(by_shape.parts)} parts by shape", reason)
+    if _deepest(skeleton) < _LIMB_DEPTH:
+        raise StudioError(f"{figure.source} {NO_SKELETON}")
     offers = {limb: similar_joints(skeleton, limb) for limb in found.missing}
     words = "; ".join(f"no {limb} (candidates: {', '.join(names) or 'none'})" for limb, names in offers.items())
     raise StudioError(
         f"{figure.source} shows no complete human body: {words}. Name its joints as H-Anim, Mixamo or VRM do, and"
         " export it again."
     )
+
+
+def _deepest(skeleton: Skeleton) -> int:
+    """Joints above the deepest one."""
+    depths: list[int] = []
+    for parent in skeleton.parents.tolist():
+        depths.append(depths[parent] + 1 if parent >= 0 else 0)
+    return max(depths)
 
 
 def _upright(figure: Figure, body_map: BodyMap, up_axis: str | None) -> FloatArray:
@@ -204,7 +216,7 @@ def _embodied(body: _Body, guesses: list[Guess]) -> ReadCharacter:
     pieces = _worn(figure, segments, len(body.body_map.spine), repairs)
     if not pieces:
         if figure.moves:
-            raise StudioError(f"{figure.source} is an animation: a skeleton without a mesh. Import it as a capture.")
+            raise StudioError(f"{figure.source} has a skeleton but no mesh: it is a motion, not a character.")
         raise StudioError(f"{figure.source} has a skeleton but no mesh. Export it with its mesh.")
     vertices = np.concatenate([piece.vertices for piece in pieces]) @ body.to_world.T
     width = max(piece.joints.shape[1] for piece in pieces)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from studio.core.errors import StudioError
 from studio.core.plausible import BONE, TRAVEL
-from studio.io.beside import refuse_devices
+from studio.io.beside import SNIFFED, refuse_devices, refuse_stand_in
 
 if TYPE_CHECKING:
     from studio.core.body.character import Character
@@ -27,7 +27,6 @@ Progress = Callable[[float, str], None]
 """Hears a share from 0 to 1 and what is being done; it raises to cancel."""
 
 ENTRY_POINTS = "morpho_studio.formats"
-_SNIFFED = 4096
 
 
 @dataclass(frozen=True)
@@ -263,7 +262,10 @@ def format_of(path: Path, *jobs: str) -> Format:
     by_suffix = [each for each in candidates if path.suffix.lower() in each.suffixes]
     head = _head(path)
     others = (each for each in candidates if each not in by_suffix)
-    found = next(_recognising([*by_suffix, *others], head), next(iter(by_suffix), None))
+    found = next(_recognising([*by_suffix, *others], head), None)
+    if found is None:
+        refuse_stand_in(path.name, head)
+        found = next(iter(by_suffix), None)
     if found is None:
         kinds = " or ".join(job.removesuffix("_reader") for job in jobs)
         names = ", ".join(each.name for each in candidates)
@@ -281,6 +283,6 @@ def _head(path: Path) -> bytes:
     refuse_devices(path)
     try:
         with path.open("rb") as file:
-            return file.read(_SNIFFED)
+            return file.read(SNIFFED)
     except OSError as error:
         raise StudioError(f"{path.name} could not be read: {error.strerror}. Check the file and try again.") from error

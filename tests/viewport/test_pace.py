@@ -33,3 +33,17 @@ def test_an_answer_seen_again_is_no_older_for_that_playback_has_no_age_and_at_re
     assert pace.words == "10 pictures/s"
     pace.rest()
     assert pace.words == ""
+
+
+def test_a_body_that_nobody_has_moved_since_the_drag_began_is_not_behind() -> None:
+    """A box is dragged beside it: what it shows was asked a minute and a half ago."""
+    clock = Clock()
+    pace = Pace(clock)
+    for _ in range(11):
+        clock.now += 0.1
+        pace.picture(asked_at=clock.now - 96.073)
+    assert pace.words == "10 pictures/s"
+    for _ in range(11):
+        clock.now += 0.1
+        pace.picture(asked_at=clock.now - 0.085)
+    assert pace.words == "10 pictures/s · 85 ms behind"
