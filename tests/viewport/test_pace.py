@@ -26,7 +26,7 @@ def test_an_answer_seen_again_is_no_older_for_that_playback_has_no_age_and_at_re
     for _ in range(11):
         clock.now += 0.1
         pace.picture(asked_at=100.05)
-    assert pace.words == "10 pictures/s · 50 ms behind"
+    assert pace.words == "10 pictures/s · latency 50 ms"
     for _ in range(11):
         clock.now += 0.1
         pace.picture(None)
