@@ -158,3 +158,16 @@ def test_a_change_that_asks_nothing_new_of_a_body_leaves_no_frame_of_it_behind(b
     drag.live.bring(drag.document.playhead.time)
     assert drag.live.shown(ACTIVE) is drag.live.result(ACTIVE)
     assert drag.live.is_eased(ACTIVE)
+
+
+def test_after_release_the_one_body_that_was_dragged_is_solved_once(begin: Any) -> None:
+    """So its strips wait for nothing but its own solve, however slow that is."""
+    drag = begin(lambda _: 0.5 * LONG)
+    for _ in range(PICTURES):
+        drag.move()
+    drag.let_worker_answer()
+    drag.count = 0
+    drag.live.interactive = False
+    assert drag.live.wait(100.0)
+    assert drag.count == 1
+    assert drag.live.told(ACTIVE) is drag.live.result(ACTIVE)
