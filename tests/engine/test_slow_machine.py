@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QApplication
 
 from studio.document.document import Document
 from studio.engine.frames import BUDGET, LONG
+from studio.engine.hand import BUSY, Rest
 from studio.engine.live_adaptation import LiveAdaptation
 from studio.engine.standing_solver import StandingSolver
 from tests.builders import make_project
@@ -61,6 +62,19 @@ class Drag:
         """Whether what is shown of a body answers the move at ``moved_at``."""
         asked_at = self.live.asked_at(performer_id)
         return asked_at is not None and asked_at >= moved_at
+
+
+def test_a_hand_does_not_rest_while_the_window_is_too_busy_to_hear_of_it(qapp: Any) -> None:
+    """Whole clips are not solved in the middle of a drag because one picture took long."""
+    told: list[float] = []
+    rest = Rest(50)
+    rest.rested.connect(lambda: told.append(time.monotonic()))
+    rest.begin()
+    time.sleep(0.05 + 3.0 * BUSY)
+    busy_until = time.monotonic()
+    while not told and time.monotonic() < busy_until + 10.0:
+        QApplication.processEvents()
+    assert told[0] >= busy_until + 0.045
 
 
 @pytest.fixture
