@@ -17,8 +17,8 @@ from studio.core.names import free_name
 from studio.core.project import Performer
 from studio.document import colours
 from studio.document.document import Document
-from studio.io.character_file import actor_character
 from studio.io.importing import GUESS_ALL, load_character
+from studio.io.project.character_file import actor_character
 from studio.io.registry import ReadCharacter, known_formats
 
 APART, ROOM = 1.2, 0.6

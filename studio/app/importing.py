@@ -243,7 +243,7 @@ def _perform(document: Document, motion_id: str, text: str) -> None:
 
 
 def _bundled_bodies() -> list[Any]:
-    from studio.io.character_file import bundled_characters
+    from studio.io.project.character_file import bundled_characters
 
     characters = bundled_characters()
     return list(zip(characters.values(), side_by_side(characters).values(), strict=True))

@@ -13,8 +13,8 @@ from studio.core.solver.warm_up import (
     warm_up_standing,
     warm_up_support,
 )
-from studio.io.character_file import bundled_characters
 from studio.io.importing import load_capture
+from studio.io.project.character_file import bundled_characters
 from studio.library.warm_up import warm_up as warm_up_search
 from studio.resources_folder import example_captures_folder
 

@@ -13,8 +13,8 @@ from studio.document.editing import EditedProject
 from studio.document.file_lock import FileLock
 from studio.document.journal import Journal, StateHash, Step
 from studio.document.recovery import Session, mark_recovered, recover
-from studio.io.archive import Stamp
-from studio.io.project_file import (
+from studio.io.project.archive import Stamp
+from studio.io.project.project_file import (
     ChangedOnDisk,
     OpenedProject,
     document_id_of,

@@ -25,8 +25,8 @@ from studio.core.project import COLLECTIONS, Entity, Project
 from studio.document.commands.replace import Edit
 from studio.document.file_lock import FileLock
 from studio.document.playhead import PlayheadState
-from studio.io.archive import Stamp
-from studio.io.entity_json import Members, entity_record, line, npy_parts, project_json
+from studio.io.project.archive import Stamp
+from studio.io.project.entity_json import Members, entity_record, line, npy_parts, project_json
 
 STEPS_BETWEEN_SNAPSHOTS = 50
 RESTS, HEALS = 2.0, 2.0

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from studio.cli import example, process
+from studio.cli import example, process, system_libraries
 from studio.cli import main as main_module
 from studio.cli.process import content_digest, has_display, kernel_cache_folder, writable_kernel_cache
 from studio.core.errors import StudioError
@@ -180,15 +180,36 @@ print(kept, resident() - before)
 @pytest.fixture
 def bare(monkeypatch):
     """A system without the library that Qt and VTK draw with."""
-    monkeypatch.setattr(process, "DRAWING", {"libEGL-missing.so.1": "libegl1", **process.DRAWING})
+    monkeypatch.setitem(system_libraries.DRAWING, "libEGL-missing.so.1", "libegl1")
 
 
-def test_a_missing_library_is_one_sentence_with_what_to_type(bare):
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="libraries of Linux")
+@pytest.mark.parametrize(
+    ("user", "programs", "advice"),
+    [
+        (0, {"apt-get", "sudo"}, "Type: apt-get update && apt-get install -y libegl1"),
+        (1000, {"apt-get", "sudo"}, "Type: sudo sh -c 'apt-get update && apt-get install -y libegl1'"),
+        (1000, {"apt-get"}, "Type: su -c 'apt-get update && apt-get install -y libegl1'"),
+        (1000, {"dnf"}, "Install what your system has for Debian's packages libegl1."),
+    ],
+)
+def test_a_missing_library_is_one_sentence_with_what_this_user_can_type(bare, monkeypatch, user, programs, advice):
+    monkeypatch.setattr("os.geteuid", lambda: user)
+    monkeypatch.setattr("shutil.which", lambda name: name if name in programs else None)
+    monkeypatch.setattr(system_libraries, "missing_packages", lambda: ["libegl1"])
     with pytest.raises(StudioError) as raised:
         process.check_libraries(window=True)
-    assert str(raised.value) == (
-        "System libraries are missing: libEGL-missing.so.1. Type: sudo apt-get install -y libegl1"
-    )
+    assert str(raised.value) == f"System libraries are missing: libEGL-missing.so.1. {advice}"
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="libraries of Linux")
+def test_what_is_to_be_typed_is_all_that_pictures_and_a_window_take_and_each_once(monkeypatch):
+    monkeypatch.setattr(system_libraries, "_loads", lambda name: False)
+    needed = {**system_libraries.DRAWING, **system_libraries.WINDOW, **system_libraries.LIKED}
+    packages = system_libraries.missing_packages()
+    assert set(needed.values()) <= set(packages)
+    assert len(packages) == len(set(packages))
+    assert " ".join(packages) in system_libraries.sentence_about(system_libraries.DRAWING)
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="libraries of Linux")

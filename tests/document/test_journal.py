@@ -21,8 +21,8 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.prop import Prop
 from studio.document.document import Document
 from studio.document.recovery import recover, recoverable_sessions, tidy
-from studio.io.entity_json import project_json
-from studio.io.project_file import ChangedOnDisk, read_project, write_project
+from studio.io.project.entity_json import project_json
+from studio.io.project.project_file import ChangedOnDisk, read_project, write_project
 from tests.builders import make_capture, make_project
 from tests.document.test_undo import edit_at_random
 

@@ -13,7 +13,7 @@ from studio.core.constraints.base import BodyPoint
 from studio.core.project import Performer
 from studio.core.solver.request import AdaptedMotion
 from studio.document.document import Document
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from studio.panels.constraint_editors.body_figure import SCALE, SHAPES, BodyFigure
 from studio.panels.constraint_editors.priority import OrderList
 from studio.panels.constraint_editors.residuals import BodyResidual, ResidualTable, residuals_of, words_of
