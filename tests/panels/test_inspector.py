@@ -30,6 +30,8 @@ class FakeLive(QObject):
     adapted = Signal(str)
     told_changed = Signal()
 
+    ready = True
+
     def __init__(self):
         super().__init__()
         self.interactive = False
