@@ -20,7 +20,7 @@ from studio.io.c3d.reader import read_c3d
 from studio.io.c3d.writer import write_c3d
 from studio.io.export import take_of_capture, write_take
 from studio.io.guessing import AXES
-from studio.io.importing import GUESS_ALL, ImportOptions, load_annotations, load_capture
+from studio.io.importing import GUESS_ALL, ImportOptions, known_of_motion, load_capture, read_capture
 from studio.io.markers.capture import capture_of_take
 from studio.io.project.project_file import read_project, write_project
 from tests.core.markers.made import made_trial
@@ -231,8 +231,9 @@ def test_contacts_become_events(captures: Path) -> None:
 def test_feet_are_seen_to_strike_and_to_leave_when_the_file_says_so(captures: Path, name: str) -> None:
     """The operator marked these events by the force plates and by eye; contacts are found from the solved feet."""
     path = captures / "c3d" / f"{name}.c3d"
-    capture = load_capture(path)
-    known = load_annotations(path, capture, "m")
+    read = read_capture(path)
+    capture = read.capture
+    known = known_of_motion(capture, read.annotations, "m")
     near = 0.12 * capture.frame_rate
     for label in known.labels:
         side, what = label.name.split(" ", 1)

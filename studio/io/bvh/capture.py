@@ -30,7 +30,7 @@ from studio.io.guessing import (
     unit_called,
 )
 from studio.io.importing import ImportOptions
-from studio.io.registry import Progress
+from studio.io.registry import Progress, ReadCapture
 
 FloatArray = NDArray[np.float64]
 
@@ -56,9 +56,18 @@ class Recording(Protocol):
         """Local rotations (N, J, 4) and translations (N, J, 3) of these frames."""
 
 
-def load_bvh(path: Path, options: ImportOptions, progress: Progress) -> Capture:
+def load_bvh(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
     """The capture in the BVH file at ``path``."""
-    return capture_of(read_bvh(path, lambda share, text: progress(0.6 * share, text)), path, options, progress)
+    return read_of(read_bvh(path, lambda share, text: progress(0.6 * share, text)), path, options, progress)
+
+
+def read_of(file: Recording, path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
+    """``capture_of`` a recording, to be made again of the same recording with other options."""
+
+    def interpret(options: ImportOptions, progress: Progress) -> Capture:
+        return capture_of(file, path, options, progress)
+
+    return ReadCapture(interpret(options, progress), interpret=interpret)
 
 
 def capture_of(file: Recording, path: Path, options: ImportOptions, progress: Progress) -> Capture:

@@ -1,4 +1,4 @@
-"""The child process that reads an FBX file: ``python -m studio.io.fbx.child IN.fbx OUT.npz [figure]``.
+"""The child process that reads an FBX file: ``python -m studio.io.fbx.child IN.fbx OUT.npz motion|figure|either``.
 
 ufbx is written in C and the file may be anybody's, so it runs where a crash or an endless loop costs nothing. It
 imports but its own parts, and hands back plain arrays; what goes wrong is one line on standard error. What ufbx made is
@@ -24,13 +24,16 @@ MEMORY = 3 << 30
 """Bytes of addresses beside twenty times the file: what Python and NumPy reserve, and half a gigabyte."""
 
 
-def main(source: str, target: str, what: str = "motion") -> None:
-    """Read the longest animation of ``source``, or its ``figure``, and write it to ``target``."""
+def main(source: str, target: str, what: str) -> None:
+    """Read the longest animation of ``source``, or its figure, and write it to ``target``.
+
+    ``what`` is ``motion``, ``figure``, or ``either``: the figure of a file in which a skin hangs from joints.
+    """
     import ufbx
 
     _limit_memory(Path(source).stat().st_size)
     gc.disable()
-    drawn = what == "figure"
+    drawn = what != "motion"
     scene = keep(
         ufbx.load_file(
             source,
@@ -41,12 +44,13 @@ def main(source: str, target: str, what: str = "motion") -> None:
         )
     )
     everything = _nodes(scene)
-    nodes, parents = _skeleton(everything, clustered([node for node, _ in everything]) if drawn else set())
+    bound = clustered([node for node, _ in everything]) if drawn else set()
+    nodes, parents = _skeleton(everything, bound)
     if not nodes:
         sys.exit("it has no skeleton (bones). Rig its mesh first")
     if len(nodes) > MOST_JOINTS:
         sys.exit(f"it holds {len(nodes)} joints, more than a body has")
-    if drawn:
+    if what == "figure" or bound:
         _write_figure(target, scene, everything, nodes, parents)
         return
     stack = max(all_of(scene.anim_stacks), key=lambda each: each.time_end - each.time_begin, default=None)

@@ -21,7 +21,7 @@ from studio.io.gltf.nodes import Nodes, read_nodes
 from studio.io.gltf.vrm import vrm_bones
 from studio.io.guessing import AXES, guess_frame_rate, leg_length, unit_called
 from studio.io.importing import ImportOptions
-from studio.io.registry import Progress
+from studio.io.registry import Progress, ReadCapture
 
 FloatArray = NDArray[np.float64]
 
@@ -45,13 +45,26 @@ class _Figure:
     names: tuple[str, ...]
 
 
-def load_gltf(path: Path, options: ImportOptions, progress: Progress) -> Capture:
+def load_gltf(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
     """The first animation in the file, on the joints of its skins; all angles are zero as the file's nodes rest.
 
     Raises StudioError where the file is damaged or holds no animation.
     """
     progress(0.0, f"Reading {path.name}")
-    file = read_gltf(path)
+    return capture_in(read_gltf(path), options, progress)
+
+
+def capture_in(file: GltfFile, options: ImportOptions, progress: Progress) -> ReadCapture:
+    """The capture of ``file``, to be made again of it with other options."""
+
+    def interpret(options: ImportOptions, progress: Progress) -> Capture:
+        return _capture(file, options, progress)
+
+    return ReadCapture(interpret(options, progress), interpret=interpret)
+
+
+def _capture(file: GltfFile, options: ImportOptions, progress: Progress) -> Capture:
+    path = file.path
     nodes, accessors = read_nodes(file.root), Accessors(file)
     bones = vrm_bones(file.root, len(nodes.parents))
     tracks, guesses = _first_animation(file, accessors, len(nodes.parents))
