@@ -56,6 +56,14 @@ class BvhFile:
     repairs: tuple[str, ...]
 
     @property
+    def said_unit(self) -> None:
+        """None: BVH has no word for it."""
+
+    @property
+    def said_axis(self) -> None:
+        """None: BVH has no word for it."""
+
+    @property
     def frame_count(self) -> int:
         """Frames F."""
         return len(self.frames)

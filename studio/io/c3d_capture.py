@@ -9,7 +9,8 @@ from studio.core.markers.take import MarkerTake
 from studio.io.c3d import read_c3d
 from studio.io.importing import ImportOptions
 from studio.io.marker_capture import capture_of_take
-from studio.io.marker_maps import find_map, find_subject, unreadable_maps
+from studio.io.marker_maps import find_subject, unreadable_maps
+from studio.io.marker_unit import in_believable_unit
 from studio.io.registry import Progress
 
 
@@ -18,11 +19,13 @@ def load_c3d(path: Path, options: ImportOptions, progress: Progress) -> Capture:
     file = read_c3d(path, lambda share, text: progress(0.4 * share, text))
     progress(0.4, f"Finding the body in {path.name}")
     subject = find_subject(file.trial)
-    marker_map = options.marker_map or find_map(file.trial, subject)
+    trial, marker_map, guesses = in_believable_unit(file.trial, options.marker_map, subject, options.unit)
     steps = USUAL_STEPS if options.marker_steps is None else options.marker_steps
-    take = MarkerTake(file.trial, marker_map, steps, subject)
+    take = MarkerTake(trial, marker_map, steps, subject)
     repairs = (*file.repairs, *unreadable_maps())
     capture = capture_of_take(take, options, repairs, lambda share, text: progress(0.4 + 0.6 * share, text))
+    for guess in guesses:
+        capture = capture.with_guess(guess)
     progress(1.0, f"Loaded {path.name}")
     return capture
 
