@@ -15,14 +15,14 @@ from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
 from studio.core.kernels.body.channels import turn_axes
 from studio.core.pieces import over_frames
-from studio.core.rotations import IDENTITY
+from studio.core.rotations import IDENTITY, normalized
 from studio.io.body_maps import FoundBody, find_body
 from studio.io.bvh import read_bvh
 from studio.io.capture_guesses import ReadJoints, body_guesses, stood_capture
 from studio.io.guessing import Scale, find_unit, guess_frame_rate, leg_length
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress
-from studio.io.up_axis import AXES, BVH_USE, BodyPoints, axis_called, guess_up_axis, said_axis, turn_to_world, unit
+from studio.io.up_axis import AXES, BVH_USE, BodyPoints, axis_called, guess_up_axis, said_axis, turn_to_world
 
 FloatArray = NDArray[np.float64]
 
@@ -140,7 +140,7 @@ def _up_axis(
         return said or "Y"
     still = PoseSequence(np.tile(IDENTITY, (1, file.skeleton.joint_count, 1)), file.skeleton.offsets[None])
     standing = BodyPoints.of_joints(joint_positions(file.skeleton, still)[None], body_map)
-    rest = unit(standing.shoulders.mean(axis=2) - standing.ankles.mean(axis=2))[0, 0]
+    rest = normalized(standing.shoulders.mean(axis=2) - standing.ankles.mean(axis=2))[0, 0]
     body = BodyPoints.of_joints(points, body_map)
     guess = guess_up_axis(body, BVH_USE, rest) if said is None else guess_up_axis(body, said_axis(said))
     guesses += [guess] if guess.value != said else []

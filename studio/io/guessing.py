@@ -10,6 +10,7 @@ from studio.core.body.humanoid import BodyMap, BodyPart
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Guess
 from studio.core.errors import StudioError
+from studio.core.runs import runs_of
 from studio.io.numbers import number
 
 FloatArray = NDArray[np.float64]
@@ -25,8 +26,9 @@ UNITS = {
 }
 """Metres a unit; ``cmu`` is that of the raw CMU files, 1 / 0.45 inch."""
 _USUAL_LEG = 0.85
-_ANY_LEG, _ADULT_LEG = (0.25, 2.0), (0.7, 1.0)
-"""Metres of a leg from a small child to a giant of four metres, and of a usual adult."""
+_ANY_LEG, _ADULT_LEG, _SAID_LEG = (0.25, 2.0), (0.7, 1.0), (0.12, 2.2)
+"""Metres of a leg from a small child to a giant of four metres, of a usual adult, and of a body, be it a toy's, whose
+file says its unit."""
 _RARE = ("inch", "foot", "cmu")
 """Units that only a usual adult makes plausible."""
 _ALIASES = {"in": "inch", "inches": "inch", "ft": "foot", "feet": "foot"}
@@ -39,6 +41,10 @@ _SOLE = 0.02
 """Metres of foot usual below its lowest joint."""
 _CALIBRATED = 0.035
 """Up to this height the lowest joints of the feet speak for a floor at zero: they lie inside the foot."""
+_STEP = 0.12
+"""Metres by which one level that is stood on lies above another at least."""
+_RESTING, _REST, _SHOWN = 0.25, 0.08, 4
+"""Metres a second of a foot that stands, seconds for which it does, and levels that a sentence names."""
 _LONGEST_SNAP = 0.1
 """Seconds over which a filter may have smeared the snap out of a calibration pose."""
 
@@ -66,7 +72,7 @@ def find_unit(leg: float | None, said: Scale | None = None, chosen: str | None =
     """
     if chosen is not None:
         return unit_called(chosen, leg), None
-    if said is not None and (leg is None or _ANY_LEG[0] <= leg * said.metres <= _ANY_LEG[1]):
+    if said is not None and (leg is None or _SAID_LEG[0] <= leg * said.metres <= _SAID_LEG[1]):
         return said, None
     if leg is None:
         return Scale("cm", 0.01), Guess(
@@ -158,21 +164,50 @@ def _steps(positions: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.norm(np.diff(relative, axis=0), axis=2).max(axis=1))
 
 
-def guess_floor(skeleton: Skeleton, positions: FloatArray, body_map: BodyMap) -> Guess:
-    """Height of the ground by where the feet are lowest; ``positions`` (F, J, 3) metres, world axes."""
+def guess_floor(skeleton: Skeleton, positions: FloatArray, body_map: BodyMap, frame_rate: float) -> Guess:
+    """Height of the ground by where the feet are lowest; ``positions`` (F, J, 3) metres, world axes.
+
+    Of several heights on which a take stands, as on stairs or off a stage, the lowest is the floor.
+    """
     feet = {body_map[BodyPart.LEFT_FOOT], body_map[BodyPart.RIGHT_FOOT]}
     below = {joint for foot in feet for joint in skeleton.descendants(foot)}
     lowest = positions[:, sorted(feet | below), 2].min(axis=1)
-    height = float(np.percentile(lowest, 10))
+    usual = height = float(np.percentile(lowest, 10))
     ankle = float(np.percentile(positions[:, sorted(feet), 2].min(axis=1), 10))
+    levels = _levels([positions[:, [foot, *skeleton.descendants(foot)]] for foot in sorted(feet)], frame_rate)
     reason = "The feet are lowest there in a tenth of the frames."
-    if ankle - height < 0.01:
+    if levels and levels[0] < usual - _STEP:
+        height = levels[0]
+        reason = f"The feet stand at {height:.3f} m at the lowest."
+    toes = ankle - usual >= 0.01
+    if not toes:
         height -= _FOOT_HEIGHT
         reason = f"The ankles are lowest {_FOOT_HEIGHT} m above it; the skeleton has no toes."
     if 0.0 <= height <= _CALIBRATED:
         reason = f"The lowest joints of the feet come to {height:.3f} m, which fits a floor at zero."
         height = 0.0
-    elif height > 0.0:
+    elif toes and not -_CALIBRATED <= height < 0.0:
         reason = f"The lowest joints of the feet come to {height:.3f} m; the sole is usually {_SOLE} m below."
         height -= _SOLE
+    if len(levels) > 1:
+        over = ", ".join(f"{level - levels[0]:.2f}" for level in levels[1 : _SHOWN + 1])
+        reason += f" The take also stands {over} m above it, as on steps: give the stage a ground with them."
     return Guess("floor", f"{height:.4f} m", reason)
+
+
+def _levels(feet: list[FloatArray], frame_rate: float) -> list[float]:
+    """Heights from the lowest up, a step apart, on which one of ``feet`` (F, n, 3) rests alone or with the other."""
+    rests = []
+    lowest = np.min([joints[1:, :, 2].min(axis=1) for joints in feet], axis=0)
+    for joints in feet:
+        moved = np.linalg.norm(np.diff(joints, axis=0), axis=2).min(axis=1, initial=np.inf)
+        height = joints[1:, :, 2].min(axis=1)
+        for first, past in runs_of(moved * frame_rate < _RESTING):
+            level = float(np.median(height[first:past]))
+            if np.count_nonzero(lowest[first:past] > level - _STEP / 2.0) >= max(2.0, _REST * frame_rate):
+                rests.append(level)
+    levels: list[float] = []
+    for level in sorted(rests):
+        if not levels or level > levels[-1] + _STEP:
+            levels.append(level)
+    return levels

@@ -80,7 +80,7 @@ def _body(take: MarkerTake, followed: FollowedBody, options: ImportOptions, gues
     solved = solve_body(tracks, joints, followed.measures.radius, _stature(take))
     positions = joint_positions(solved.skeleton, solved.poses)
     guesses += _body_guesses(take, followed, solved, joints, positions)
-    floor, floor_guess = _floor(solved, positions[followed.first_frame :], options)
+    floor, floor_guess = _floor(solved, positions[followed.first_frame :], options, trial.frame_rate)
     guesses += floor_guess
     rate = options.frame_rate or trial.frame_rate
     return Capture(
@@ -158,15 +158,17 @@ def _stature(take: MarkerTake) -> float | None:
     return next((height for height in heights if 0.6 < height < 2.5), None)
 
 
-def _floor(solved: SolvedBody, positions: FloatArray, options: ImportOptions) -> tuple[float, list[Guess]]:
+def _floor(
+    solved: SolvedBody, positions: FloatArray, options: ImportOptions, frame_rate: float
+) -> tuple[float, list[Guess]]:
     if options.floor is not None:
         return options.floor, []
     if "legs" in solved.resting:
-        guess = guess_floor(solved.skeleton, positions, solved.body_map)
+        guess = guess_floor(solved.skeleton, positions, solved.body_map, frame_rate)
         return float(guess.value.split()[0]), [
             replace(guess, reason="Where the legs, which are not shown, would stand.")
         ]
-    guess = guess_floor(solved.skeleton, positions, solved.body_map)
+    guess = guess_floor(solved.skeleton, positions, solved.body_map, frame_rate)
     return float(guess.value.split()[0]), [guess]
 
 

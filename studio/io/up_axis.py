@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from studio.core.body.humanoid import BodyMap, BodyPart
 from studio.core.captures.capture import Guess
 from studio.core.errors import StudioError
-from studio.core.rotations import shortest_arc
+from studio.core.rotations import normalized, shortest_arc
 
 FloatArray = NDArray[np.float64]
 
@@ -38,6 +38,8 @@ _LEAST_TILT, _AGREED = np.radians(12.0), np.radians(10.0)
 square to the floor."""
 _WALKS, _CARRIED = 0.3, 0.25
 """Leg lengths of a path that tells the floor, and of the body over what carries it where it stands."""
+_FEWEST = 24
+"""Frames that tell a lean from a pose."""
 _FLOOR_NOISE = 0.03
 """Leg lengths by which standing feet lie off one plane."""
 _DOUBTFUL = 0.3
@@ -94,7 +96,7 @@ def turn_to_world(up_axis: str) -> FloatArray:
     name = axis_called(up_axis)
     if name in AXES:
         return AXES[name]
-    direction = unit(np.array([float(word) for word in name.split()]))
+    direction = normalized(np.array([float(word) for word in name.split()]))
     nearest = max(AXES, key=lambda axis: float(AXES[axis][2] @ direction))
     return AXES[nearest] @ shortest_arc(direction, AXES[nearest][2])
 
@@ -142,12 +144,12 @@ def _standing(body: BodyPoints) -> tuple[FloatArray, FloatArray]:
     One that crawls is bent at its hips; one that lies stretches its feet.
     """
     shoulders, hips, ankles = (pair[0].mean(axis=1) for pair in (body.shoulders, body.hips, body.ankles))
-    straight = np.clip(np.einsum("fi,fi->f", unit(shoulders - hips), unit(hips - ankles)), 0.0, 1.0) ** 2
+    straight = np.clip(np.einsum("fi,fi->f", normalized(shoulders - hips), normalized(hips - ankles)), 0.0, 1.0) ** 2
     if body.toes is not None:
-        shank, foot = unit(body.knees[0] - body.ankles[0]), unit(body.toes[0] - body.ankles[0])
+        shank, foot = normalized(body.knees[0] - body.ankles[0]), normalized(body.toes[0] - body.ankles[0])
         stretched = -np.einsum("fsi,fsi->fs", shank, foot)
         straight = straight * np.clip(1.0 - 2.0 * (stretched - 0.35), 0.0, 1.0).max(axis=1)
-    return unit(shoulders - ankles), straight
+    return normalized(shoulders - ankles), straight
 
 
 def _supported(body: BodyPoints) -> FloatArray | None:
@@ -166,9 +168,9 @@ def _supported(body: BodyPoints) -> FloatArray | None:
 
 def _tilted(body: BodyPoints, along: FloatArray, straight: NDArray[np.bool_]) -> FloatArray | None:
     """(3,) direction that is up where no axis is: that in which the body stands, square to where it goes and rests."""
-    if straight.mean() < 0.5:
+    if straight.mean() < 0.5 or len(along) < _FEWEST:
         return None
-    lean = unit(np.median(along[straight], axis=0))
+    lean = normalized(np.median(along[straight], axis=0))
     level = [body.hips[0].mean(axis=1)[straight]]
     if np.linalg.norm(level[0].std(axis=0)) < _WALKS * body.leg:
         level = []
@@ -179,7 +181,7 @@ def _tilted(body: BodyPoints, along: FloatArray, straight: NDArray[np.bool_]) ->
     path = np.concatenate([np.zeros((2, 3)), *(places - places.mean(axis=0) for places in level if len(places))])
     _, spread, ways = np.linalg.svd(path, full_matrices=False)
     spread = (spread[:2] / (np.sqrt(len(path)) * body.leg)) ** 2
-    up = unit(lean - (spread / (spread + _FLOOR_NOISE**2) * (ways[:2] @ lean)) @ ways[:2])
+    up = normalized(lean - (spread / (spread + _FLOOR_NOISE**2) * (ways[:2] @ lean)) @ ways[:2])
     nearest = np.abs(np.stack([lean, up])).max(axis=1)
     leans = np.arccos(np.clip(nearest, -1.0, 1.0)).min()
     agrees = np.arccos(np.clip(up @ lean, -1.0, 1.0))
@@ -189,11 +191,6 @@ def _tilted(body: BodyPoints, along: FloatArray, straight: NDArray[np.bool_]) ->
 def said_axis(name: str) -> dict[str, float]:
     """The ``usual`` of a file that says which axis is up."""
     return {name: _SAID}
-
-
-def unit(vectors: FloatArray) -> FloatArray:
-    """(..., 3) of length 1, or zero."""
-    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-9))
 
 
 def _named(direction: FloatArray) -> str:
