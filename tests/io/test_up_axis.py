@@ -12,8 +12,11 @@ from studio.core.body.pose import PoseSequence
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.io.bvh import write_bvh
+from studio.io.export import take_of_capture, write_take
+from studio.io.guessing import UNITS
 from studio.io.importing import ImportOptions, load_capture
 from studio.io.up_axis import AXES, C3D_USE, BodyPoints, axis_called, guess_up_axis, said_axis, turn_to_world
+from tests.io.fbx_text import fbx_text
 
 WALK = Path(__file__).resolve().parents[2] / "examples" / "captures" / "walk_turn.bvh"
 
@@ -66,6 +69,48 @@ def test_the_tilt_of_a_camera_is_taken_back_and_told(
     up = turn_to_world(read.up_axis)[2]
     assert np.degrees(np.arccos(up @ (AXES[axis].T @ tilt)[:, 2])) < 3.0
     assert any("as a tilted camera sees it" in guess.reason for guess in read.guesses)
+
+
+def fbx(up: int, sign: int, unit: float) -> str:
+    """The body of ``fbx_text``, Y up in centimetres, in a file that says otherwise."""
+    said = fbx_text()
+    for name, kind, usual, other in (
+        ("UpAxis", '"int", "Integer"', 1, up),
+        ("UpAxisSign", '"int", "Integer"', 1, sign),
+        ("FrontAxis", '"int", "Integer"', 2, 3 - up),
+        ("UnitScaleFactor", '"double", "Number"', 1, unit),
+    ):
+        assert f'"{name}", {kind}, "",{usual}' in said
+        said = said.replace(f'"{name}", {kind}, "",{usual}', f'"{name}", {kind}, "",{other:g}')
+    return said
+
+
+@pytest.mark.parametrize(("up", "sign", "unit"), [(1, -1, 1.0), (2, 1, 1.0), (2, -1, 100.0), (1, 1, 0.1), (1, 1, 2.54)])
+def test_an_fbx_that_says_another_axis_or_unit_than_its_body_has_stands_all_the_same(
+    tmp_path: Path, up: int, sign: int, unit: float
+) -> None:
+    (tmp_path / "take.fbx").write_text(fbx(1, 1, 1.0))
+    right = load_capture(tmp_path / "take.fbx")
+    (tmp_path / "take.fbx").write_text(fbx(up, sign, unit))
+    read = load_capture(tmp_path / "take.fbx")
+    assert read.up_axis == "Y"
+    if unit != 2.54:  # legs of 2.1 m are a giant's, as the file says
+        assert np.abs(heights(read) - heights(right)).max() < 2e-3
+
+
+@pytest.mark.parametrize(("unit", "axis"), [("dm", "Z"), ("cm", "Y"), ("mm", "-Y"), ("inch", "-Z"), ("foot", "X")])
+def test_a_gltf_in_another_unit_and_along_another_axis_stands_as_tall(
+    tmp_path: Path, walk: Capture, unit: str, axis: str
+) -> None:
+    turned_walk = turned(walk, AXES[axis].T)
+    poses = PoseSequence(turned_walk.poses.local_rotations, turned_walk.poses.local_translations / UNITS[unit])
+    skeleton = replace(walk.skeleton, offsets=walk.skeleton.offsets / UNITS[unit])
+    write_take(take_of_capture(replace(turned_walk, skeleton=skeleton, poses=poses)), tmp_path / "walk.glb")
+    read = load_capture(tmp_path / "walk.glb")
+    assert (read.unit, read.up_axis) == (unit, axis)
+    same = [read.skeleton.index(name) for name in walk.skeleton.names]
+    assert np.abs(heights(read)[:, same] - heights(walk)).max() < 5e-3
+    assert {"unit", *({"up axis"} if axis != "Y" else ())} <= {guess.subject for guess in read.guesses}
 
 
 def test_one_who_lies_or_crawls_through_the_take_is_not_stood_up(captures: Path) -> None:
