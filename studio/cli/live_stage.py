@@ -15,7 +15,7 @@ from studio.cli.warm_up import compile_first
 from studio.core.constraints.base import Constraint
 from studio.core.errors import StudioError
 from studio.core.project import Project
-from studio.io.project_file import read_project
+from studio.io.project.project_file import read_project
 from studio.live.stage import LiveStage
 
 STEP = 1.0 / 60.0

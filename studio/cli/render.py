@@ -27,7 +27,7 @@ from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.staging import staged
 from studio.io.film import write_moving
 from studio.io.png import write_png
-from studio.io.project_file import read_project
+from studio.io.project.project_file import read_project
 
 Pixels = NDArray[np.uint8]
 

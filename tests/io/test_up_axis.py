@@ -11,7 +11,7 @@ from studio.core.body.kinematics import joint_positions
 from studio.core.body.pose import PoseSequence
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
-from studio.io.bvh import write_bvh
+from studio.io.bvh.writer import write_bvh
 from studio.io.export import take_of_capture, write_take
 from studio.io.guessing import UNITS
 from studio.io.importing import ImportOptions, load_capture
