@@ -245,8 +245,10 @@ def add_adaptation_options(parser: ArgumentParser) -> None:
 def add_import_options(parser: ArgumentParser) -> None:
     """Unit, up axis, frame rate, floor, reference pose, body map."""
     group = parser.add_argument_group("reading", "What a file does not say is guessed; say it here to overrule.")
-    group.add_argument("--unit", help="m, cm, mm, inch, cmu, unknown, or metres a unit")
-    group.add_argument("--up-axis", choices=("X", "Y", "Z"), help="axis of the file that points up")
+    group.add_argument("--unit", help="m, dm, cm, mm, inch, foot, cmu, unknown, or metres a unit")
+    group.add_argument(
+        "--up-axis", metavar="AXIS", help="axis of the file that points up: X, Y, Z, --up-axis=-Y, or 'x y z'"
+    )
     group.add_argument("--frame-rate", type=frame_rate, metavar="HZ", help="frames a second")
     group.add_argument("--floor", type=metres, metavar="METRES", help="height of the ground")
     group.add_argument("--reference", metavar="POSE", help="'zero', or the frame that stands upright")

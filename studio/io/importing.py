@@ -19,9 +19,9 @@ class ImportOptions:
     """What the user knows better; None is guessed and listed."""
 
     unit: str | None = None
-    """``m``, ``cm``, ``mm``, ``inch``, ``cmu``, ``unknown``, or metres a unit as a number."""
+    """``m``, ``dm``, ``cm``, ``mm``, ``inch``, ``foot``, ``cmu``, ``unknown``, or metres a unit as a number."""
     up_axis: str | None = None
-    """``X``, ``Y`` or ``Z``."""
+    """``X``, ``-Y`` and so on, or a direction of the file: ``0.1 -0.98 0.2``."""
     frame_rate: float | None = None
     floor: float | None = None
     """Height of the ground in metres."""

@@ -10,7 +10,8 @@ from studio.core.markers.trial import Trial
 from studio.io.c3d.reader import read_c3d
 from studio.io.importing import ImportOptions
 from studio.io.markers.capture import capture_of_take
-from studio.io.markers.maps import find_map, find_subject, unreadable_maps
+from studio.io.markers.maps import find_subject, unreadable_maps
+from studio.io.markers.unit import in_believable_unit
 from studio.io.registry import Progress, ReadCapture
 
 
@@ -24,11 +25,14 @@ def load_c3d(path: Path, options: ImportOptions, progress: Progress) -> ReadCapt
     def interpret(options: ImportOptions, progress: Progress) -> Capture:
         progress(0.4, f"Finding the body in {path.name}")
         subject = find_subject(file.trial)
-        marker_map = options.marker_map or find_map(file.trial, subject)
+        trial, marker_map, guesses = in_believable_unit(file.trial, options.marker_map, subject, options.unit)
         steps = USUAL_STEPS if options.marker_steps is None else options.marker_steps
-        take = MarkerTake(file.trial, marker_map, steps, subject)
+        take = MarkerTake(trial, marker_map, steps, subject)
         repairs = (*file.repairs, *unreadable_maps())
-        return capture_of_take(take, options, repairs, lambda share, text: progress(0.4 + 0.6 * share, text))
+        capture = capture_of_take(take, options, repairs, lambda share, text: progress(0.4 + 0.6 * share, text))
+        for guess in guesses:
+            capture = capture.with_guess(guess)
+        return capture
 
     read = ReadCapture(interpret(options, progress), _events(file.trial), interpret)
     progress(1.0, f"Loaded {path.name}")

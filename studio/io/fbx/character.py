@@ -1,7 +1,6 @@
 """The character in an FBX file: its joints and its skin as they were bound."""
 
 import json
-from dataclasses import replace
 from pathlib import Path, PureWindowsPath
 from typing import Any
 
@@ -35,8 +34,7 @@ def character_in(arrays: Arrays, path: Path, options: ImportOptions, progress: P
         figure = _figure(path, about, arrays)
     except (KeyError, IndexError, ValueError) as error:
         raise StudioError(f"{path.name}: its joints or its skin make no sense: {error}. {INSTEAD}") from error
-    said = options.unit or f"{about['unit_metres']:.9g}"
-    return character_of([figure], replace(options, unit=said))
+    return character_of([figure], options)
 
 
 def _figure(path: Path, about: dict[str, Any], arrays: Arrays) -> Figure:
@@ -67,6 +65,7 @@ def _figure(path: Path, about: dict[str, Any], arrays: Arrays) -> Figure:
         positions=world[:, :3, 3],
         pieces=tuple(pieces),
         up=about["up_axis"],
+        metres=about["unit_metres"],
         moves=about["moves"],
         repairs=tuple(repairs),
     )

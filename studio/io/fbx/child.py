@@ -72,11 +72,17 @@ def main(source: str, target: str, what: str) -> None:
         "parents": parents,
         "frame_rate": rate,
         "unit_metres": settings.unit_meters,
-        "up_axis": keep(settings.axes).up.name[-1],
+        "up_axis": _axis(keep(settings.axes).up.name),
         "animation": stack.name if stack else "",
     }
     rest = np.array([_values(node.local_transform) for node in nodes])
     np.savez(target, frames=frames, rest=rest, about=np.frombuffer(json.dumps(about).encode(), dtype=np.uint8))
+
+
+def _axis(name: str) -> str:
+    """``POSITIVE_Y`` as ``Y``, ``NEGATIVE_Z`` as ``-Z``; Y where the file does not say it."""
+    sign, _, axis = name.partition("_")
+    return ("-" if sign == "NEGATIVE" else "") + (axis or "Y")
 
 
 def _write_figure(target: str, scene: Any, everything: list[Any], nodes: list[Any], parents: list[int]) -> None:
@@ -86,7 +92,7 @@ def _write_figure(target: str, scene: Any, everything: list[Any], nodes: list[An
         "names": [node.name for node in nodes],
         "parents": parents,
         "unit_metres": settings.unit_meters,
-        "up_axis": keep(settings.axes).up.name[-1],
+        "up_axis": _axis(keep(settings.axes).up.name),
         "moves": bool(len(keep(scene.anim_curves))),
         "meshes": meshes,
     }
