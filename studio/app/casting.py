@@ -17,8 +17,8 @@ from studio.core.names import free_name
 from studio.core.project import Performer
 from studio.document import colours
 from studio.document.document import Document
-from studio.io.character_file import actor_character
 from studio.io.importing import GUESS_ALL, load_character
+from studio.io.project.character_file import actor_character
 from studio.io.registry import ReadCharacter, known_formats
 
 APART, ROOM = 1.2, 0.6
@@ -63,7 +63,7 @@ def make_actor_character(bench: Workbench, capture_id: str) -> None:
     document = bench.document
     capture = document.project.captures[capture_id]
     colour = colours.character_colour(len(document.project.characters))
-    text = f"Make the actor of {capture.name} a character"
+    text = f"Create character from the actor of {capture.name}"
 
     def work(progress: Callable[[float, str], None]) -> Character:
         progress(0.1, f"Measuring the actor of {capture.name}")
@@ -116,7 +116,7 @@ def _tell(bench: Workbench, path: Path, read: ReadCharacter) -> None:
     elif daring:
         sentences.append(f"{path.name} was read; guessed {' '.join(daring)}")
     actions: list[tuple[str, Callable[[], object]]] = [("Close", bench.window.strip.clear)]
-    sentences += [f"Odd: {remark.sentence}" for remark in remarks_on_body(read.character.build)]
+    sentences += [f"Warning: {remark.sentence}" for remark in remarks_on_body(read.character.build)]
     if read.moves:
         sentences.append("The file holds a motion too." if sentences else f"{path.name} holds a motion too.")
         actions.insert(0, ("Import its motion", lambda: import_motion(bench, path)))

@@ -29,11 +29,11 @@ from studio.core.grounds.ground import Ground
 from studio.core.plausible import PLACE
 from studio.core.solver.request import AdaptRequest
 from studio.core.stage.placement import Placement
-from studio.io.constraint_file import ConstraintFile, read_constraints
 from studio.io.export import take_of_actor, take_of_adapted, write_take
 from studio.io.export_options import ExportOptions
-from studio.io.ground_file import read_ground
 from studio.io.importing import ImportOptions
+from studio.io.project.constraint_file import ConstraintFile, read_constraints
+from studio.io.project.ground_file import read_ground
 from studio.io.registry import known_formats
 from studio.io.report_file import write_json
 

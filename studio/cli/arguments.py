@@ -232,7 +232,7 @@ def add_adaptation_options(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--free-joints", action="store_true", help="let constraints bring limbs further than a person's joints go"
     )
-    parser.add_argument("--exact", action="store_true", help="let joints jolt rather than miss anything for a moment")
+    parser.add_argument("--exact", action="store_true", help="disable temporal smoothing")
     parser.add_argument(
         "--through-body", action="store_true", help="let arms pass through trunk, head and thighs of their own body"
     )

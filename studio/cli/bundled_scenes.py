@@ -4,7 +4,7 @@ from pathlib import Path
 
 from studio.core.errors import StudioError
 from studio.core.project import Project
-from studio.io.project_file import read_project
+from studio.io.project.project_file import read_project
 from studio.library.scenes import SCENES
 
 BUNDLED_SCENES = {scene.title.lower().replace(",", "").replace(" ", "-"): scene for scene in SCENES}

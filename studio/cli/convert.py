@@ -14,9 +14,9 @@ from studio.cli.outputs import refuse_replacing
 from studio.cli.printing import print_json
 from studio.cli.warm_up import tell_what_reading_waits_for
 from studio.core.captures.capture import Guess
-from studio.io.character_file import actor_character
 from studio.io.export import Take, format_for, take_of_capture, take_of_standing, write_take
 from studio.io.importing import ImportOptions, load_annotations, load_capture, load_character
+from studio.io.project.character_file import actor_character
 from studio.io.registry import ReadCharacter, format_of, known_formats
 
 

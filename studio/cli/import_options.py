@@ -7,7 +7,7 @@ from studio.core.errors import StudioError
 from studio.core.markers.cleaning import USUAL_STEPS, FillLongGaps, FillShortGaps, LowPass, Step, UndoSwaps
 from studio.io.importing import ImportOptions
 from studio.io.json_text import read_json
-from studio.io.marker_maps import read_map
+from studio.io.markers.maps import read_map
 
 
 def import_options(arguments: Namespace) -> ImportOptions:

@@ -24,7 +24,7 @@ from studio.core.normalized.normalize import normalize
 from studio.core.normalized.round_trip import round_trip
 from studio.core.project import COLLECTIONS
 from studio.io.importing import ImportOptions, load_annotations, load_capture, load_character
-from studio.io.project_file import read_project
+from studio.io.project.project_file import read_project
 from studio.io.registry import format_of
 
 Record = dict[str, Any]

@@ -10,9 +10,9 @@ import pytest
 
 from studio.cli.main import main
 from studio.core.captures.contacts import CONTACT_POINTS
-from studio.io.c3d_writer import write_c3d
+from studio.io.c3d.writer import write_c3d
 from studio.io.export import write_capture
-from studio.io.project_file import new_document_id, write_project
+from studio.io.project.project_file import new_document_id, write_project
 from studio.resources_folder import resources_folder
 from tests.architecture.sources import ROOT
 from tests.builders import make_capture, make_project

@@ -10,7 +10,7 @@ from studio.cli.render import adapted_performers
 from studio.core.solver.adapt import place_of
 from studio.core.stage.placement import Placement
 from studio.io.export import write_capture
-from studio.io.project_file import new_document_id, write_project
+from studio.io.project.project_file import new_document_id, write_project
 from tests.builders import make_capture, make_project
 from tests.engine.test_following import RIGHT, stage
 

@@ -31,8 +31,8 @@ from studio.core.solver.smoothing.limb_charts import LimbCharts
 from studio.core.solver.smoothing.target_motion import brought
 from studio.core.solver.solved_window import BOUND, SolvedWindow
 from studio.core.solver.standing.stand import Standing, stand
-from studio.io.character_file import bundled_characters
 from studio.io.importing import GUESS_ALL
+from studio.io.project.character_file import bundled_characters
 from studio.resources_folder import example_captures_folder
 from tests.core.motions import local_rotations, random_rotations, target, walk
 from tests.core.test_smooth_law import BEFORE, BODIES, CONTACTS, STANDING, Wishes

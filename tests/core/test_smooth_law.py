@@ -20,7 +20,7 @@ from studio.core.solver.adapt import hold, place_of
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.stand import stand
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.core.motions import ALWAYS, local_rotations, walk
 
 BODIES = tuple(character.morphology for character in bundled_characters().values())

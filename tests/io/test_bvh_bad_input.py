@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from studio.core.errors import StudioError
-from studio.io.bvh import BvhFile, read_bvh
+from studio.io.bvh.reader import BvhFile, read_bvh
 from studio.io.importing import load_capture
 from tests.io.bvh_text import HIERARCHY, ROW, bvh_text
 

@@ -8,7 +8,7 @@ import pytest
 
 from studio.core.body.kinematics import joint_world
 from studio.core.errors import StudioError
-from studio.io import fbx_reading
+from studio.io.fbx import reading
 from studio.io.importing import ImportOptions, load_capture
 from tests.builders import BODY_MAP
 from tests.io.fbx_text import ORDERS, body, fbx_text
@@ -97,7 +97,7 @@ def test_a_reader_that_crashes_costs_the_import_alone(tmp_path: Path, monkeypatc
 
 def test_a_reader_that_never_ends_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "take.fbx").write_text(fbx_text())
-    monkeypatch.setattr(fbx_reading, "_PATIENCE", 0.5)
+    monkeypatch.setattr(reading, "_PATIENCE", 0.5)
     instead_of_the_reader(monkeypatch, "while True: pass")
     with pytest.raises(StudioError, match="takes longer than"):
         load_capture(tmp_path / "take.fbx")
@@ -120,6 +120,6 @@ def test_a_reader_that_is_cancelled_leaves_nothing_open(tmp_path: Path, monkeypa
 
 def test_without_its_package_the_sentence_says_what_to_export(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "take.fbx").write_text(fbx_text())
-    monkeypatch.setattr(fbx_reading, "find_spec", lambda _name: None)
+    monkeypatch.setattr(reading, "find_spec", lambda _name: None)
     with pytest.raises(StudioError, match=rf"read with the package 'ufbx'.*{INSTEAD}"):
         load_capture(tmp_path / "take.fbx")

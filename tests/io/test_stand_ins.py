@@ -6,7 +6,7 @@ import pytest
 
 from studio.core.errors import StudioError
 from studio.io.importing import load_capture, load_character
-from studio.io.project_file import read_project
+from studio.io.project.project_file import read_project
 from studio.io.registry import known_formats
 
 POINTER = b"version https://git-lfs.github.com/spec/v1\noid sha256:0f\nsize 12345\n"

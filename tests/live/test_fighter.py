@@ -12,7 +12,7 @@ from examples.keyed.strikes import HIT, STRIKES, Kick
 from studio.cli.live import guard_of, swaying
 from studio.cli.main import main
 from studio.core.captures.contacts import touching_points
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from studio.library.catalogue import Catalogue
 from studio.library.clips import Kind, Limb
 from studio.library.indexing import bundled_library, index

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from studio.core.errors import StudioError
 from studio.core.normalized.encode import encode
 from studio.core.normalized.realize import realize
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from studio.live import vmc
 from studio.live.osc import encode_message
 from studio.live.recording import read_recording, write_recording

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.io.figure import MOST_JOINTS, NO_SKELETON, Figure
+from studio.io.figure.figure import MOST_JOINTS, NO_SKELETON, Figure
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.container import GltfFile, read_gltf
 from studio.io.gltf.meshes import MeshReader
