@@ -49,7 +49,9 @@ def add_convert_arguments(parser: ArgumentParser) -> None:
 def add_adapt_arguments(parser: ArgumentParser) -> None:
     """Capture, characters, constraints, where to write."""
     parser.add_argument("capture", type=Path, nargs="?", metavar="CAPTURE", help="a motion of a human body")
-    parser.add_argument("--stage", type=Path, metavar="PROJECT", help="all performers of a .studio project instead")
+    parser.add_argument(
+        "--stage", type=Path, metavar="PROJECT|SCENE", help="all performers of a project or scene instead"
+    )
     add_adaptation_options(parser)
 
 
@@ -113,7 +115,7 @@ def add_search_arguments(parser: ArgumentParser) -> None:
 
 def add_live_arguments(parser: ArgumentParser) -> None:
     """Who fights, against what, and where it is seen; or which stage plays, and the keys that are pressed meanwhile."""
-    parser.add_argument("--stage", type=Path, metavar="PROJECT", help="play a project's stage with its behaviours")
+    parser.add_argument("--stage", type=Path, metavar="PROJECT|SCENE", help="play a stage with its behaviours")
     parser.add_argument(
         "--press",
         nargs="+",
@@ -152,7 +154,7 @@ def add_formats_arguments(parser: ArgumentParser) -> None:
 
 def add_render_arguments(parser: ArgumentParser) -> None:
     """What to draw, as what, how large."""
-    parser.add_argument("source", type=Path, metavar="PROJECT|CAPTURE", help="a .studio project or a capture")
+    parser.add_argument("source", type=Path, metavar="PROJECT|SCENE|CAPTURE", help="a project, a scene or a capture")
     parser.add_argument(
         "--out",
         type=Path,
