@@ -12,7 +12,7 @@ from studio.core.errors import StudioError
 from studio.core.markers.cleaning import LowPass
 from studio.core.markers.marker_map import MarkerMap
 from studio.core.markers.take import centre_errors
-from studio.core.markers.trial import METRES
+from studio.core.markers.trial import METRES, ForcePlate
 from studio.core.markers.virtual import virtual_trial
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.round_trip import round_trip
@@ -115,7 +115,7 @@ def test_joints_of_the_other_leg_are_told_where_bones_cannot_follow(joint: str) 
 
     def told(one: MarkerMap) -> str:
         capture = load_capture_of(trial, ImportOptions(marker_map=one))
-        return next(guess.reason for guess in capture.guesses if guess.subject == "skeleton")
+        return " ".join(guess.reason for guess in capture.guesses if guess.subject in ("skeleton", "sides"))
 
     swapped = marker_map
     for role in (joint, f"inner_{joint}"):
@@ -123,6 +123,52 @@ def test_joints_of_the_other_leg_are_told_where_bones_cannot_follow(joint: str) 
         swapped = swapped.with_role(f"left_{role}", right).with_role(f"right_{role}", left)
     assert "swapped" not in told(marker_map)
     assert "labels of left and right may be swapped" in told(swapped)
+
+
+def test_legs_that_carry_each_others_names_are_put_right_and_told() -> None:
+    trial, _ = made_trial()
+    names = {label: label.replace("left", "L").replace("right", "R") for label in trial.labels}
+    leg = ("knee", "ankle", "thigh", "shank", "heel", "toe")
+    swapped = {
+        label: ("R" + name[1:] if name[0] == "L" else "L" + name[1:]) if label.endswith(leg) else name
+        for label, name in names.items()
+    }
+    right, wrong = (
+        load_capture_of(replace(trial, labels=tuple(own[label] for label in trial.labels)), GUESS_ALL)
+        for own in (names, swapped)
+    )
+    assert "legs" not in " ".join(guess.value for guess in right.guesses)
+    assert np.array_equal(wrong.poses.local_rotations, right.poses.local_rotations)
+    assert not [guess for guess in right.guesses if guess.subject == "sides"]
+    [guess] = [guess for guess in wrong.guesses if guess.subject == "sides"]
+    assert guess.value == "left and right exchanged"
+
+
+def test_frames_in_which_a_foot_is_not_yet_seen_size_no_foot() -> None:
+    """The toes come into sight after two thirds of the take, while the body walks on."""
+    trial, marker_map = made_trial()
+    points = trial.points.copy()
+    late = [trial.labels.index(label) for label in ("lefttoe", "leftheel", "leftankle", "leftinnerankle")]
+    points[:100, late] = np.nan
+    whole, cut = (
+        load_capture_of(trial.with_points(each), ImportOptions(marker_map=marker_map))
+        for each in (trial.points, points)
+    )
+    for joint in ("LeftFoot", "LeftToe"):
+        lengths = [np.linalg.norm(each.skeleton.offsets[each.skeleton.index(joint)]) for each in (whole, cut)]
+        assert lengths[1] == pytest.approx(lengths[0], abs=0.003)
+    assert not any("swapped" in guess.reason for guess in cut.guesses)
+
+
+@pytest.mark.parametrize(("height", "floor"), [(-0.05, -0.05), (0.06, 0.06), (0.4, 0.0)])
+def test_level_plates_under_the_feet_are_the_floor_and_others_are_not(height: float, floor: float) -> None:
+    trial, marker_map = made_trial()
+    corners = 1000.0 * np.array([[0.5, 0.5, height], [0.0, 0.5, height], [0.0, 0.0, height], [0.5, 0.0, height]])
+    tilted = corners + np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 80.0], [0.0, 0.0, 80.0], [0.0, 0.0, 0.0]])
+    plates = tuple(ForcePlate(2, each, np.zeros(3), (0, 1, 2, 3, 4, 5)) for each in (tilted, corners))
+    capture = load_capture_of(replace(trial, plates=plates), ImportOptions(marker_map=marker_map))
+    without = load_capture_of(trial, ImportOptions(marker_map=marker_map))
+    assert capture.floor == pytest.approx(floor if abs(height) < 0.2 else without.floor)
 
 
 def test_a_unit_that_makes_a_giant_is_overruled_and_listed() -> None:

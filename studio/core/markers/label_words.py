@@ -10,8 +10,14 @@ _SEGMENT_WORD = r".?4x4"
 """Ends the pose of a segment, which begins at its upper joint."""
 
 PART_WORDS: tuple[tuple[str, str], ...] = (
-    ("back_hip", r"psis?|bwt|ips|eips|eps|waist.?back|back.?waist|hip.?back|post(erior)?.?(sup(erior)?.?)?iliac.*"),
-    ("front_hip", r"asis?|fwt|ias|eias|eas|waist.?front|front.?waist|hip.?front|ant(erior)?.?(sup(erior)?.?)?iliac.*"),
+    (
+        "back_hip",
+        r"psis?|bwt|ips|eips|eps|(waist|hip).?back|back.?(waist|hip)|post(erior)?.?(sup(erior)?.?)?iliac.*",
+    ),
+    (
+        "front_hip",
+        r"asis?|fwt|ias|eias|eas|(waist|hip).?front|front.?(waist|hip)|ant(erior)?.?(sup(erior)?.?)?iliac.*",
+    ),
     ("sacrum", r"v?\.?sacr?(um|al)?|s1"),
     ("pelvis", r"pv\d*|pelv(is)?\d*|waist\d*"),
     ("hip centre", rf"hjc|hip.?{_CENTRE_WORD}|thigh{_SEGMENT_WORD}"),
@@ -22,13 +28,13 @@ PART_WORDS: tuple[tuple[str, str], ...] = (
     ("wrist centre", rf"wjc|wrist.?{_CENTRE_WORD}|hand{_SEGMENT_WORD}"),
     (
         "inner_knee",
-        rf"fme|mfe|mek|cm|mfc|knm|kne.?m|mknee?|(knee?|k).?{_INNER}|(med|m)(ial)?.?(knee?|fem.*)|knee.?med.?epi.*",
+        rf"fme|mfe|mek|cm|mfc|knm|kne.?m|mknee?|(knee?|k).?{_INNER}|{_INNER}.?(knee?|fem.*)|knee.?med.?epi.*",
     ),
-    ("knee", rf"knee?|fle|lfe|lek|lke|cl|lfc|lk|(knee?|k).?{_OUTER}|(lat|l)(eral)?.?(knee?|fem.*)|knee.?lat.?epi.*"),
-    ("inner_ankle", rf"tam|mank(le)?|mm(al)?|med|(ankl?e?|an|a).?{_INNER}|(med|m)(ial)?.?(ankle?|mal(l(eolus)?)?)"),
+    ("knee", rf"knee?|fle|lfe|lek|lke|cl|lfc|lk|(knee?|k).?{_OUTER}|{_OUTER}.?(knee?|fem.*)|knee.?lat.?epi.*"),
+    ("inner_ankle", rf"tam|mank(le)?|mm(al)?|med|(ankl?e?|an|a).?{_INNER}|{_INNER}.?(ankle?|mal(l(eolus)?)?)"),
     (
         "ankle",
-        rf"ankl?e?|fal|lm(al)?|ml|mall?(eolus)?|(ankl?e?|an|a).?{_OUTER}|(lat|l)(eral)?.?(ankle?|mal(l(eolus)?)?)",
+        rf"ankl?e?|fal|lm(al)?|ml|mall?(eolus)?|(ankl?e?|an|a).?{_OUTER}|{_OUTER}.?(ankle?|mal(l(eolus)?)?)",
     ),
     ("heel", r"hee?l?|heel.?(back|foot)|cal(c(aneus)?)?|fcc|ca|h"),
     (
@@ -49,8 +55,8 @@ PART_WORDS: tuple[tuple[str, str], ...] = (
     ("shank", r"bar.?2|sha(nk)?\d*|shi?n\d*|tib(ia)?\d*|ttc|fax|sk\d*|lleg\d*|tia[pd]|tiba[pd]"),
     ("hip", r"hip|gt(ro?)?|ftc|troch(anter)?|greater.?troch.*|gr.?troch.*|tro"),
     ("shoulder", r"sho(ulder)?|should|saj|acr(omion)?|ac|acrom|shoulder.?top|sho.?top"),
-    ("inner_elbow", rf"elb(ow)?.?{_INNER}|hme|mhe|mee|elm|em|el.?m|melb(ow)?|(med|m)(ial)?.?(elb(ow)?|epi.*)"),
-    ("elbow", rf"elb(ow)?|hle|lhe|lee|ell|el|cou(de)?|elb(ow)?.?{_OUTER}|lelb(ow)?|(lat|l)(eral)?.?(elb(ow)?|epi.*)"),
+    ("inner_elbow", rf"elb(ow)?.?{_INNER}|hme|mhe|mee|elm|em|el.?m|melb(ow)?|{_INNER}.?(elb(ow)?|epi.*)"),
+    ("elbow", rf"elb(ow)?|hle|lhe|lee|ell|el|cou(de)?|elb(ow)?.?{_OUTER}|lelb(ow)?|{_OUTER}.?(elb(ow)?|epi.*)"),
     ("wrist", rf"wra|wrist?.?(a|thumb|rad(ius)?|{_INNER})|rsp|rhe|rad(ial)?(.?sty(loid)?)?|lw|wr[ru]?|wm"),
     ("outer_wrist", rf"wrb|wrist?.?(b|uln(a)?|{_OUTER})|usp|uhe|uln(ar?)?(.?sty(loid)?)?|mw|wl"),
     ("wrists", r"wri(st)?\d*|mai"),

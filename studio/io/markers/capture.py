@@ -254,23 +254,23 @@ def _far_off(off: Mapping[str, FloatArray]) -> str:
 
 
 def _side_guesses(take: MarkerTake) -> list[Guess]:
-    """Labels that name the other side than that with which their markers move: exchanged by the map, or not."""
-    labels = {
+    """Places of which left and right are exchanged, or labels that the map has put right."""
+    names = exchanged_places(take.trial, take.marker_map, take.subject)
+    if names:
+        shown = ", ".join(name.replace("_", " ") for name in names)
+        moving = f"The markers at {shown} move with the other side of the body"
+        return [Guess("sides", "as the map says", f"{moving}: labels of left and right may be swapped.")]
+    labels = sorted(
         label
         for role, own in take.marker_map.markers.items()
         for label in own
         if (said := part_of(label)) is not None and said[0] and not role.startswith(said[0])
-    }
-    if labels:
-        shown = ", ".join(sorted(labels)[:_SHOWN]) + (f" and {len(labels) - _SHOWN} more" * (len(labels) > _SHOWN))
-        reason = f"{shown} carry the name of one side and move with the other: taken as swapped, and put right."
-        return [Guess("sides", "left and right exchanged", reason)]
-    names = exchanged_places(take.trial, take.marker_map, take.subject)
-    if not names:
+    )
+    if not labels:
         return []
-    shown = ", ".join(name.replace("_", " ") for name in names)
-    reason = f"The markers at {shown} move with the other side of the body: labels of left and right may be swapped."
-    return [Guess("sides", "as the map says", reason)]
+    shown = ", ".join(labels[:_SHOWN]) + (f" and {len(labels) - _SHOWN} more" if len(labels) > _SHOWN else "")
+    reason = f"{shown} carry the name of one side and move with the other: their labels are swapped, and put right."
+    return [Guess("sides", "left and right exchanged", reason)]
 
 
 def _not_shown(take: MarkerTake, used: MarkerMap, resting: Sequence[str]) -> Guess:
