@@ -13,9 +13,7 @@ import pytest
 from hypothesis import settings
 
 from studio.cli.process import has_display, prepare_process
-
-ROOT = Path(__file__).resolve().parents[1]
-CAPTURES = ROOT.parent / "shared" / "captures"
+from tests.captures import CAPTURES, missing
 
 # A cold compile takes many seconds, so kernels outlive the run: their folder is named before the others move.
 prepare_process()
@@ -50,9 +48,20 @@ def collected() -> Iterator[None]:
     gc.enable()
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark every test that uses the folder of captures as one that needs them."""
+    for item in items:
+        if "captures" in getattr(item, "fixturenames", ()):
+            item.add_marker("captures")
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Skip a test that needs captures of people where there are none."""
+    if item.get_closest_marker("captures") and not CAPTURES.is_dir():
+        pytest.skip(missing())
+
+
 @pytest.fixture(scope="session")
 def captures() -> Path:
-    """The folder of real captures beside the repository; they are not ours to copy into it."""
-    if not CAPTURES.is_dir():
-        pytest.skip(f"the shared captures are not here ({CAPTURES})")
+    """Folder of captures of people."""
     return CAPTURES
