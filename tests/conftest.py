@@ -26,8 +26,10 @@ for _kind in ("CACHE", "CONFIG", "DATA", "STATE"):
 if sys.platform.startswith("linux") and not has_display():
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
-# Time on a busy machine says nothing; where nobody looks at the examples, the same ones are tried every time.
-settings.register_profile("studio", deadline=None, derandomize="CI" in os.environ)
+# Time on a busy machine says nothing. The same examples are tried every time, on every machine; others are tried by
+# pytest --hypothesis-profile=random.
+settings.register_profile("studio", deadline=None, derandomize=True)
+settings.register_profile("random", deadline=None)
 settings.load_profile("studio")
 
 
