@@ -62,7 +62,7 @@ soak: .venv/.ready-to-test
 examples: .venv/.ready-to-run
 	@set -e; for made in captures strikes characters sample; do echo "$$made"; .venv/bin/python examples/make_$$made.py; done
 
-pictures: .venv/.ready-to-run
+pictures: .venv/.ready-to-test
 	.venv/bin/python examples/make_pictures.py
 
 format: .venv/.ready-to-test

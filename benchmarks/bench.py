@@ -27,7 +27,7 @@ from studio.cli.bench_cases import clip_of, make_tasks
 from studio.cli.bench_timing import time_jobs
 from studio.core.body.character import Character
 from studio.core.solver.source import source_motion
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 
 DOCS = ROOT / "docs"
 ROUNDS, QUICK_ROUNDS = 9, 3

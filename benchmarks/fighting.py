@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from benchmarks.report import table as markdown
 from studio.cli.live import guard_of, rehearse, swaying
 from studio.core.body.morphology import Morphology
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from studio.library.indexing import bundled_library
 from studio.library.library import Library
 from studio.live.fight import ANY_STRIKE, ORDERS, FightReport, fight, orders_every

@@ -14,7 +14,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.normalized.pieces import Piece
 from studio.core.solver.adapt import hold
 from studio.core.solver.standing.stand import stand
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from studio.library.indexing import bundled_library
 from studio.library.library import Library
 from studio.library.scenes.choosing import AHEAD, BODIES, FEW, HEIGHT, target_of

@@ -46,9 +46,9 @@ from studio.document.document import Document  # noqa: E402
 from studio.engine.live_adaptation import normalised  # noqa: E402
 from studio.engine.saving import save_in_background  # noqa: E402
 from studio.engine.standing_solver import StandingSolver  # noqa: E402
-from studio.io.bvh import read_bvh  # noqa: E402
-from studio.io.character_file import bundled_characters  # noqa: E402
+from studio.io.bvh.reader import read_bvh  # noqa: E402
 from studio.io.importing import load_annotations, load_capture  # noqa: E402
+from studio.io.project.character_file import bundled_characters  # noqa: E402
 from studio.timeline.curves import Quantity  # noqa: E402
 
 BYTES = 60_000_000

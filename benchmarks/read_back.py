@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from studio.core.body.kinematics import joint_world
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
-from studio.io.c3d import read_c3d
+from studio.io.c3d.reader import read_c3d
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.container import read_gltf
 from studio.io.guessing import AXES

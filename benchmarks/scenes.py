@@ -28,8 +28,8 @@ from studio.core.solver.adapt import adapt, hold, place_of
 from studio.core.solver.asking.releasing import constraint_activations
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.stand import Standing, stand
-from studio.io.character_file import bundled_characters
 from studio.io.importing import GUESS_ALL
+from studio.io.project.character_file import bundled_characters
 from studio.resources_folder import example_captures_folder
 
 FloatArray = NDArray[np.float64]

@@ -16,9 +16,9 @@ from studio.core.normalized.normalize import detected_contacts  # noqa: E402
 from studio.core.project import Motion, Project  # noqa: E402
 from studio.core.stage.staging import staged  # noqa: E402
 from studio.io.adapted_file import write_adapted  # noqa: E402
-from studio.io.character_file import bundled_characters  # noqa: E402
 from studio.io.importing import load_capture  # noqa: E402
-from studio.io.project_file import write_project  # noqa: E402
+from studio.io.project.character_file import bundled_characters  # noqa: E402
+from studio.io.project.project_file import write_project  # noqa: E402
 
 
 def main(arguments: list[str]) -> None:

@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from studio.io.project_file import new_document_id, write_project
+from studio.io.project.project_file import new_document_id, write_project
 from studio.library.scenes import SCENES
 
 

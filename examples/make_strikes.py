@@ -15,7 +15,7 @@ from studio.core.mannequin.physique import Physique  # noqa: E402
 from studio.core.normalized.normalize import detected_contacts, normalize  # noqa: E402
 from studio.core.solver.adapt import adapt  # noqa: E402
 from studio.core.solver.request import AdaptRequest  # noqa: E402
-from studio.io.bvh_writer import write_bvh  # noqa: E402
+from studio.io.bvh.writer import write_bvh  # noqa: E402
 from studio.io.export import take_of_adapted  # noqa: E402
 from studio.io.importing import load_capture  # noqa: E402
 

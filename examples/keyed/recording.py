@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.rotations import IDENTITY, inverse, multiply, rotate
-from studio.io.bvh_writer import write_bvh
+from studio.io.bvh.writer import write_bvh
 
 from .box_lift import box_lift
 from .cartwheel import cartwheel

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from studio.io.bvh_writer import write_bvh
+from studio.io.bvh.writer import write_bvh
 
 from .performer import make_skeleton
 from .solve import solve

@@ -25,8 +25,8 @@ from studio.core.mesh.skin import skin_vertices
 from studio.core.solver.adapt import hold
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.stand import stand
-from studio.io.character_file import bundled_characters
 from studio.io.importing import GUESS_ALL
+from studio.io.project.character_file import bundled_characters
 
 FloatArray = NDArray[np.float64]
 

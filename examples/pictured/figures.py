@@ -22,8 +22,8 @@ from studio.core.kernels.records import Limb, Pose
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import hold
 from studio.core.solver.standing.stand import stand
-from studio.io.character_file import bundled_characters
 from studio.io.importing import GUESS_ALL
+from studio.io.project.character_file import bundled_characters
 
 BLUE, RED, GREEN, GREY, INK = "#2F6FB3", "#C8553D", "#4B8B3B", "#9AA4AE", "#22272E"
 mpl.rcParams.update({"svg.hashsalt": "morpho-studio", "font.size": 9, "svg.fonttype": "path"})

@@ -23,8 +23,8 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.mesh.hand_shapes import AT_EASE, FIST
 from studio.core.stage.staging import staged
 from studio.document.document import Document
-from studio.io.character_file import bundled_characters
 from studio.io.importing import ImportOptions
+from studio.io.project.character_file import bundled_characters
 from studio.resources_folder import example_captures_folder
 from studio.viewport.camera import OrbitCamera
 

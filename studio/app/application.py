@@ -97,7 +97,7 @@ def fill_window(
     # The imports take a second or more; the interpreter does them beside the window.
     bench.runner.run("Starting the 3D view", lambda _: import_viewport(warm_up), lambda _: show_first(window, warm_up))
     if warm_up is not None and warm_up.running:
-        bench.runner.run("Preparing the solver", warm_up.follow)
+        bench.runner.run("Preparing the solver" if warm_up.cold else "Loading the solver", warm_up.follow)
 
 
 def show_first(window: MainWindow, warm_up: WarmUp | None) -> None:

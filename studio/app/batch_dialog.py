@@ -23,7 +23,7 @@ from studio.app.batching import run_batch
 from studio.app.file_dialogs import CONSTRAINTS, ask_file, ask_folder
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from studio.io.registry import known_formats
 from studio.panels.fields import SIDE, Choice, Section, labelled, press_button
 

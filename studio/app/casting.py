@@ -17,11 +17,10 @@ from studio.core.names import free_name
 from studio.core.project import Performer
 from studio.document import colours
 from studio.document.document import Document
-from studio.io.character_file import actor_character
 from studio.io.importing import GUESS_ALL, load_character
-from studio.io.registry import ReadCharacter, format_of
+from studio.io.project.character_file import actor_character
+from studio.io.registry import ReadCharacter, known_formats
 
-JOBS = ("capture_reader", "character_reader")
 APART, ROOM = 1.2, 0.6
 """Metres from the outermost performer to a new one, and for the arms between their trunks and heads, at least."""
 
@@ -37,7 +36,8 @@ def import_character(bench: Workbench, path: Path) -> int:
         try:
             return load_character(path, GUESS_ALL, progress)
         except StudioError as error:
-            alone = " To read a motion, use Import motion." if format_of(path, *JOBS).capture_reader else ""
+            moves = path.suffix.lower() in known_formats().suffixes("capture_reader")
+            alone = " To read a motion, use Import motion." if moves else ""
             raise StudioError(f"{error}{alone} {UNCHANGED}") from error
 
     task: int = bench.runner.run(f"Opening {path.name}", work, done)
@@ -63,7 +63,7 @@ def make_actor_character(bench: Workbench, capture_id: str) -> None:
     document = bench.document
     capture = document.project.captures[capture_id]
     colour = colours.character_colour(len(document.project.characters))
-    text = f"Make the actor of {capture.name} a character"
+    text = f"Create character from the actor of {capture.name}"
 
     def work(progress: Callable[[float, str], None]) -> Character:
         progress(0.1, f"Measuring the actor of {capture.name}")
@@ -116,7 +116,7 @@ def _tell(bench: Workbench, path: Path, read: ReadCharacter) -> None:
     elif daring:
         sentences.append(f"{path.name} was read; guessed {' '.join(daring)}")
     actions: list[tuple[str, Callable[[], object]]] = [("Close", bench.window.strip.clear)]
-    sentences += [f"Odd: {remark.sentence}" for remark in remarks_on_body(read.character.build)]
+    sentences += [f"Warning: {remark.sentence}" for remark in remarks_on_body(read.character.build)]
     if read.moves:
         sentences.append("The file holds a motion too." if sentences else f"{path.name} holds a motion too.")
         actions.insert(0, ("Import its motion", lambda: import_motion(bench, path)))

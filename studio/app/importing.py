@@ -144,7 +144,7 @@ def tell_repairs(bench: Workbench, capture_id: str) -> None:
     if capture.markers is not None and capture.body_map is None:
         ask = ("Markers…", lambda: bench.window.inspector.markers_wanted.emit(capture_id))
         held = next(guess.reason for guess in capture.guesses if guess.subject == "marker map").partition(".")[0]
-        bench.window.strip.say(f"{capture.source} shows no body yet. {held}: say which marker is what.", ask)
+        bench.window.strip.say(f"No body was found in {capture.source}. {held}: label its markers.", ask)
         return
     if not capture.repairs:
         bench.window.strip.clear()
@@ -243,7 +243,7 @@ def _perform(document: Document, motion_id: str, text: str) -> None:
 
 
 def _bundled_bodies() -> list[Any]:
-    from studio.io.character_file import bundled_characters
+    from studio.io.project.character_file import bundled_characters
 
     characters = bundled_characters()
     return list(zip(characters.values(), side_by_side(characters).values(), strict=True))

@@ -30,7 +30,7 @@ def solve_again(bench: Workbench, capture_id: str, take: MarkerTake, options: Im
 
     def work(progress: Callable[[float, str], None]) -> tuple[Capture, Annotations]:
         from studio.core.normalized.normalize import detected_contacts  # late: both load kernels
-        from studio.io.marker_capture import capture_of_take
+        from studio.io.markers.capture import capture_of_take
 
         solved = capture_of_take(
             take, chosen, capture.repairs, lambda share, text: progress(importing.READ_SHARE * share, text)

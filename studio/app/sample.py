@@ -13,8 +13,8 @@ from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.staging import side_by_side, staged
 from studio.io.adapted_file import read_adapted
-from studio.io.character_file import bundled_characters
-from studio.io.project_file import read_project
+from studio.io.project.character_file import bundled_characters
+from studio.io.project.project_file import read_project
 from studio.library.scenes import Scene
 from studio.resources_folder import example_captures_folder, sample_folder
 

@@ -13,7 +13,7 @@ from studio.app.pose_mapping import PoseMapping
 from studio.app.strike_edit import Wish, put_strike
 from studio.app.strike_target import StrikeTarget, targets_of
 from studio.app.workbench import Workbench
-from studio.cli.library_options import library_folder
+from studio.cli.arguments import library_folder
 from studio.core.errors import StudioError
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.placement import Placement

@@ -1,7 +1,7 @@
 """``adapt``: a capture on many characters, as files, with a report of what was reached."""
 
 import math
-from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from argparse import Namespace
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,10 +16,10 @@ from studio.cli.adaptation import (
     ready_capture,
 )
 from studio.cli.batch_summary import rows_of, write_rows
-from studio.cli.export_options import add_export_options, export_options
+from studio.cli.export_options import export_options
 from studio.cli.following import with_tracks
-from studio.cli.import_options import add_import_options, import_options
-from studio.cli.outputs import add_output_options, refuse_replacing
+from studio.cli.import_options import import_options
+from studio.cli.outputs import refuse_replacing
 from studio.cli.printing import print_json, print_table
 from studio.cli.stage import run_stage
 from studio.cli.warm_up import compile_first
@@ -29,72 +29,15 @@ from studio.core.grounds.ground import Ground
 from studio.core.plausible import PLACE
 from studio.core.solver.request import AdaptRequest
 from studio.core.stage.placement import Placement
-from studio.io.constraint_file import ConstraintFile, read_constraints
 from studio.io.export import take_of_actor, take_of_adapted, write_take
 from studio.io.export_options import ExportOptions
-from studio.io.ground_file import read_ground
 from studio.io.importing import ImportOptions
+from studio.io.project.constraint_file import ConstraintFile, read_constraints
+from studio.io.project.ground_file import read_ground
 from studio.io.registry import known_formats
 from studio.io.report_file import write_json
-from studio.resources_folder import help_file
 
 ACTOR = "actor"
-SPACE = """
-Targets of constraints are metres in the motion's own space: X forward, Y left, Z up, the origin on the ground
-under the root at the motion's first frame. Times are seconds from the first frame of the file. The format of
-FILE.json is told in
-"""
-
-
-def add_arguments(parser: ArgumentParser) -> None:
-    """Capture, characters, constraints, where to write."""
-    parser.add_argument("capture", type=Path, nargs="?", metavar="CAPTURE", help="a motion of a human body")
-    parser.add_argument("--stage", type=Path, metavar="PROJECT", help="all performers of a .studio project instead")
-    add_shared_arguments(parser)
-
-
-def add_shared_arguments(parser: ArgumentParser) -> None:
-    """What holds for one capture as for many: characters, constraints, where to write, how to read."""
-    parser.formatter_class = RawDescriptionHelpFormatter
-    parser.epilog = SPACE + str(help_file())
-    parser.add_argument(
-        "--character",
-        nargs="+",
-        action="extend",
-        default=[],
-        metavar="NAME|FILE",
-        help="bundled characters by name, character files, or 'actor': the capture's own body; by default all bundled",
-    )
-    parser.add_argument("--constraints", type=Path, metavar="FILE.json", help="constraints, and contacts if it has any")
-    parser.add_argument("--ground", type=Path, metavar="FILE.json", help="the ground; level at 0 by default")
-    parser.add_argument(
-        "--place",
-        nargs=4,
-        action="append",
-        default=[],
-        metavar=("NAME", "X", "Y", "DEGREES"),
-        help="where on the stage a character stands and how far it is turned: what it follows and the ground are there",
-    )
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the files; made if missing")
-    parser.add_argument("--format", default="bvh", metavar="SUFFIX", help="kind of the files; bvh by default")
-    parser.add_argument(
-        "--body-only",
-        action="store_true",
-        help="characters do not carry the capture's fingers, props and the like along",
-    )
-    parser.add_argument(
-        "--free-joints", action="store_true", help="let constraints bring limbs further than a person's joints go"
-    )
-    parser.add_argument("--exact", action="store_true", help="let joints jolt rather than miss anything for a moment")
-    parser.add_argument(
-        "--through-body", action="store_true", help="let arms pass through trunk, head and thighs of their own body"
-    )
-    parser.add_argument("--all-frames", action="store_true", help="keep the calibration pose a file may begin with")
-    parser.add_argument("--by-frame", action="store_true", help="put into the report what happens in every frame, too")
-    parser.add_argument("--json", action="store_true", help="print the report instead of a table")
-    add_output_options(parser)
-    add_export_options(parser)
-    add_import_options(parser)
 
 
 def run(arguments: Namespace) -> int:

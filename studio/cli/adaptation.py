@@ -19,8 +19,8 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import detected_contacts, normalize
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.source import source_motion
-from studio.io.character_file import bundled_characters
 from studio.io.importing import ImportOptions, load_annotations, load_capture, load_character
+from studio.io.project.character_file import bundled_characters
 from studio.io.registry import known_formats
 
 MOTION_ID = "motion"

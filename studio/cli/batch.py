@@ -3,7 +3,7 @@
 import signal
 import sys
 import threading
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
 from collections.abc import Generator, Sequence
 from contextlib import closing
 from pathlib import Path
@@ -18,18 +18,8 @@ from studio.cli.printing import counted, print_json
 from studio.cli.warm_up import compile_first
 from studio.core.errors import Stopped, StudioError
 
-_OWN = ("folder", "out", "overwrite", "json", "scheduler", "workers", "run", "capture")
+_OWN = ("folder", "out", "overwrite", "json", "scheduler", "workers", "capture")
 """Arguments on which no result depends."""
-
-
-def add_arguments(parser: ArgumentParser) -> None:
-    """Those of ``adapt``, with a folder for the capture, and where to work."""
-    parser.add_argument("folder", type=Path, metavar="FOLDER", help="captures, in folders below it too")
-    adapt.add_shared_arguments(parser)
-    parser.add_argument("--workers", type=int, metavar="N", help="processes on this machine; as many as it has cores")
-    parser.add_argument(
-        "--scheduler", metavar="ADDRESS", help="a running Dask cluster instead, such as tcp://host:8786"
-    )
 
 
 def run(arguments: Namespace) -> int:

@@ -15,8 +15,8 @@ from studio.cli.adapt_report import character_report
 from studio.cli.adaptation import ready_capture
 from studio.cli.batch_jobs import Job, Record, died, work
 from studio.core.solver.request import AdaptRequest
-from studio.io.character_file import bundled_characters
 from studio.io.importing import GUESS_ALL
+from studio.io.project.character_file import bundled_characters
 from studio.resources_folder import example_captures_folder
 
 ATTEMPTS = 2

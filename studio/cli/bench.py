@@ -1,7 +1,7 @@
 """``bench``: how long the studio's jobs take on this machine, beside the paper's figures and our aims."""
 
 import sys
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -36,23 +36,8 @@ class Case:
     aim: float | None = None
 
 
-def add_arguments(parser: ArgumentParser) -> None:
-    """On what, how often."""
-    parser.add_argument(
-        "capture",
-        nargs="?",
-        type=Path,
-        help="a human motion; a bundled one by default",
-    )
-    parser.add_argument("--character", default="adult_woman", metavar="NAME|FILE", help="adult_woman by default")
-    parser.add_argument("--runs", type=int, default=9, metavar="N", help="runs of which the median counts; 9")
-    parser.add_argument("--json", action="store_true", help="a list of {name, microseconds, best, paper, aim, ratio}")
-
-
 def run(arguments: Namespace) -> int:
     """Measure every case by the processor's time, and print."""
-    if arguments.runs < 1:
-        raise StudioError("--runs needs one run at least.")
     path = arguments.capture or bundled_capture()
     [character] = chosen_characters([arguments.character]).values()
     print(f"Measuring on {path.name}; the first run compiles, which may take a minute.", file=sys.stderr)

@@ -1,6 +1,6 @@
 """``convert``: a motion in another file format, with its own joints and frame rate; or a character."""
 
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -8,26 +8,16 @@ from pathlib import Path
 import numpy as np
 
 from studio.cli.adaptation import MOTION_ID, cleaning_records, ready_capture
-from studio.cli.export_options import add_export_options, export_options
-from studio.cli.import_options import add_import_options, import_options
-from studio.cli.outputs import add_output_options, refuse_replacing
+from studio.cli.export_options import export_options
+from studio.cli.import_options import import_options
+from studio.cli.outputs import refuse_replacing
 from studio.cli.printing import print_json
 from studio.cli.warm_up import tell_what_reading_waits_for
 from studio.core.captures.capture import Guess
-from studio.io.character_file import actor_character
 from studio.io.export import Take, format_for, take_of_capture, take_of_standing, write_take
 from studio.io.importing import ImportOptions, load_annotations, load_capture, load_character
+from studio.io.project.character_file import actor_character
 from studio.io.registry import ReadCharacter, format_of, known_formats
-
-
-def add_arguments(parser: ArgumentParser) -> None:
-    """What to read and what to write."""
-    parser.add_argument("source", type=Path, metavar="IN", help="any capture or character that the studio reads")
-    parser.add_argument("target", type=Path, metavar="OUT", help="the new file; its suffix says the format")
-    parser.add_argument("--json", action="store_true", help="one object: what was written, guessed and repaired")
-    add_output_options(parser)
-    add_export_options(parser)
-    add_import_options(parser)
 
 
 def run(arguments: Namespace) -> int:

@@ -13,7 +13,7 @@ OUT = Path("morpho-studio-example")
 
 def run_example() -> int:
     """Adapt a bundled capture to every bundled character, draw it, and name the files."""
-    print("There is no display, so no window opens. The bundled example is adapted instead.")
+    print("There is no display, so no window opens. The bundled example is adapted instead.", flush=True)
     capture = example_captures_folder() / EXAMPLE
     if not capture.exists():
         raise StudioError("No example capture is bundled. Make them with `make examples`.")

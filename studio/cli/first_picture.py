@@ -2,7 +2,7 @@
 
 from studio.core.body.rest_pose import rest_pose
 from studio.core.mesh.skin import Blending, skin_vertices
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 
 
 def run(blending: Blending = Blending.LINEAR) -> None:

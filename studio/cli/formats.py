@@ -1,14 +1,9 @@
 """``formats``: the kinds of files that are known here, what can be done with each, and those that failed."""
 
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
 
 from studio.cli.printing import print_json, print_table
 from studio.io.registry import known_formats
-
-
-def add_arguments(parser: ArgumentParser) -> None:
-    """How to print."""
-    parser.add_argument("--json", action="store_true", help="one object: formats, and failures as sentences")
 
 
 def run(arguments: Namespace) -> int:

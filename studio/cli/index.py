@@ -1,22 +1,12 @@
 """``index``: folders of captures into the motion library."""
 
-from argparse import ArgumentParser, Namespace
-from pathlib import Path
+from argparse import Namespace
 
-from studio.cli.library_options import add_library_option
 from studio.cli.printing import print_json, print_table, progress_line
 from studio.library.catalogue import Catalogue
 from studio.library.indexing import index
 from studio.library.library import Library, LibraryClip
 from studio.resources_folder import bundled_strikes_folder
-
-
-def add_arguments(parser: ArgumentParser) -> None:
-    """Folders, where the library is."""
-    parser.add_argument("folders", nargs="*", type=Path, metavar="FOLDER", help="captures here and in folders below")
-    parser.add_argument("--bundled", action="store_true", help="take in the strikes that come with the studio, too")
-    add_library_option(parser)
-    parser.add_argument("--json", action="store_true", help="print clips and problems as JSON instead of a table")
 
 
 def run(arguments: Namespace) -> int:

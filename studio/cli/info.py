@@ -1,7 +1,7 @@
 """``info``: what was read from files and what was guessed, with the error of the round trip."""
 
 import sys
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
 from collections.abc import Callable, Iterable
 from math import degrees
 from pathlib import Path
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from studio.cli.adaptation import MOTION_ID, cleaning_records, spans_by_foot
-from studio.cli.import_options import add_import_options, import_options
+from studio.cli.import_options import import_options
 from studio.cli.printing import counted, print_json
 from studio.cli.warm_up import tell_what_reading_waits_for
 from studio.core.body.character_skeleton import character_body_map, character_skeleton
@@ -24,7 +24,7 @@ from studio.core.normalized.normalize import normalize
 from studio.core.normalized.round_trip import round_trip
 from studio.core.project import COLLECTIONS
 from studio.io.importing import ImportOptions, load_annotations, load_capture, load_character
-from studio.io.project_file import read_project
+from studio.io.project.project_file import read_project
 from studio.io.registry import format_of
 
 Record = dict[str, Any]
@@ -45,13 +45,6 @@ _NOTHING: Record = {
     "repairs": [],
     "remarks": [],
 }
-
-
-def add_arguments(parser: ArgumentParser) -> None:
-    """Files, and how to print."""
-    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="capture, character or project")
-    parser.add_argument("--json", action="store_true", help="a list with one object a file")
-    add_import_options(parser)
 
 
 def run(arguments: Namespace) -> int:

@@ -1,22 +1,24 @@
-"""What verbs of the motion library share: where it is."""
+"""The motion library that a verb works with."""
 
-from argparse import ArgumentParser
-from pathlib import Path
+from argparse import Namespace
 
-import platformdirs
-
-
-def add_library_option(parser: ArgumentParser) -> None:
-    """``--library DIR``."""
-    parser.add_argument(
-        "--library",
-        type=Path,
-        default=library_folder(),
-        metavar="DIR",
-        help="folder of the library's catalogue; by default the user's own",
-    )
+from studio.cli.printing import progress_line
+from studio.core.errors import StudioError
+from studio.library.catalogue import Catalogue
+from studio.library.indexing import index
+from studio.library.library import Library
+from studio.resources_folder import bundled_strikes_folder
 
 
-def library_folder() -> Path:
-    """Where the user's own library has its catalogue."""
-    return Path(platformdirs.user_data_path("morpho-studio", appauthor=False)) / "library"
+def library_with_clips(arguments: Namespace) -> Library:
+    """The library of ``--library``, with the bundled strikes for ``--bundled``. Raises StudioError when it is empty."""
+    with Catalogue(arguments.library) as catalogue:
+        if arguments.bundled:
+            index(catalogue, [bundled_strikes_folder()], progress_line())
+        library = Library.of(catalogue)
+    if not library.clips:
+        raise StudioError(
+            f"The library in '{arguments.library}' has no clips. Add captures with `index FOLDER`, or the strikes that "
+            "come with the studio with `--bundled`."
+        )
+    return library

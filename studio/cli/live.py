@@ -2,7 +2,7 @@
 
 import select
 import sys
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
@@ -12,19 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.cli.adaptation import chosen_characters, ready_capture
-from studio.cli.library_options import add_library_option
+from studio.cli.library_options import library_with_clips
 from studio.cli.live_stage import run_live_stage
-from studio.core.errors import StudioError
+from studio.cli.printing import STOPPED
 from studio.core.normalized.pieces import Piece
 from studio.io.importing import GUESS_ALL
-from studio.library.catalogue import Catalogue
-from studio.library.library import Library
 from studio.library.mirroring import with_mirrored
 from studio.live.fight import ANY_STRIKE, ORDERS, Order, fight, orders_every
 from studio.live.fighter import Fighter
 from studio.live.recording import read_recording
 from studio.live.streamer import Streamer
-from studio.live.tracker import LOOPBACK, PORT, Inbox, UdpInput
+from studio.live.tracker import Inbox, UdpInput
 from studio.resources_folder import example_captures_folder
 
 FloatArray = NDArray[np.float64]
@@ -35,36 +33,18 @@ CIRCLE, SWAY = 0.5, 0.35
 """Metres and radians a second of the head that moves where none is tracked."""
 
 
-def add_arguments(parser: ArgumentParser) -> None:
-    """Who fights, against what, and where it is seen; or which stage plays, and the keys that are pressed meanwhile."""
-    parser.add_argument("--stage", type=Path, metavar="PROJECT", help="play a project's stage with its behaviours")
-    parser.add_argument("--press", nargs="+", metavar="KEY@S", help="keys that behaviours of the stage hear, and when")
-    parser.add_argument("--json", action="store_true", help="print what became of the stage as JSON")
-    parser.add_argument("--character", default="adult_woman", metavar="NAME|FILE")
-    parser.add_argument("--guard", type=Path, metavar="CAPTURE", help="a motion that begins on guard, feet in place")
-    parser.add_argument("--seconds", type=float, default=60.0, metavar="S", help="how long it goes on")
-    parser.add_argument("--head", nargs="+", metavar="NAME", help="trackers whose middle is the target, or one bone")
-    parser.add_argument("--port", type=int, default=PORT, metavar="N", help="port at which trackers are heard")
-    parser.add_argument("--listen", default=LOOPBACK, metavar="ADDRESS", help="loopback unless you choose another")
-    parser.add_argument("--sender", nargs="+", default=[LOOPBACK], metavar="ADDRESS", help="who is listened to")
-    parser.add_argument("--replay", type=Path, metavar="FILE", help="recorded datagrams in place of the network")
-    parser.add_argument("--stream", type=int, metavar="PORT", help="send the fighter as VMC to this port")
-    parser.add_argument("--stream-to", default=LOOPBACK, metavar="ADDRESS")
-    parser.add_argument("--strike-every", type=float, metavar="S", help="strike by itself; else type 'left punch'")
-    parser.add_argument("--frozen", action="store_true", help="strike where the target was, so that it can dodge")
-    parser.add_argument("--mirrored", action="store_true", help="play every clip with the other limb, too")
-    parser.add_argument("--fast", action="store_true", help="do not wait for the clock")
-    add_library_option(parser)
-
-
 def run(arguments: Namespace) -> int:
     """Fight, or play a stage, then say what became of it."""
     if arguments.stage is not None:
         return run_live_stage(arguments)
-    library = opened_library(arguments)
+    library = library_with_clips(arguments)
+    library = with_mirrored(library) if arguments.mirrored else library
     body = next(iter(chosen_characters([arguments.character]).values())).morphology
     inbox = Inbox()
     with ExitStack() as stack:
+        streamer = None
+        if arguments.stream is not None:
+            streamer = stack.enter_context(Streamer(arguments.stream, arguments.stream_to))
         beside = None if arguments.fast else stack.enter_context(ThreadPoolExecutor(1))
         fighter = Fighter(library, body, guard_of(arguments.guard), executor=beside, follows=not arguments.frozen)
         rehearse(fighter)
@@ -72,34 +52,21 @@ def run(arguments: Namespace) -> int:
         every = arguments.strike_every
         order_at = typed_order if every is None else orders_every(every, [ANY_STRIKE])
         timed = fighter, target_at, order_at, arguments.seconds
-        if arguments.stream is None:
+        if streamer is None:
             report = fight(*timed, paced=not arguments.fast)
         else:
-            streamer = stack.enter_context(Streamer(arguments.stream, arguments.stream_to))
             report = fight(*timed, streamer.send, paced=not arguments.fast)
     print(report.words)
     if arguments.head:
         counts = inbox.counts
         print(f"{counts.taken} packets taken, {counts.bad} bad, {counts.strangers} of strangers")
-    return 0
+    return STOPPED if report.stopped else 0
 
 
 def rehearse(fighter: Fighter) -> None:
     """Let another one strike for a moment, so that nothing is compiled or fetched when it counts."""
     double = Fighter(fighter.library, fighter.body, fighter.guard)
     fight(double, lambda now: swaying(now, double.body.stature), orders_every(0.1, [ANY_STRIKE]), 1.0)
-
-
-def opened_library(arguments: Namespace) -> Library:
-    """The library that is named; StudioError when it is empty."""
-    with Catalogue(arguments.library) as catalogue:
-        library = Library.of(catalogue)
-    if not library.clips:
-        raise StudioError(
-            f"The library in '{arguments.library}' has no clips. Bring some in with `index FOLDER`, or those that come "
-            "with the studio with `index --bundled`."
-        )
-    return with_mirrored(library) if arguments.mirrored else library
 
 
 def guard_of(path: Path | None) -> Piece:

@@ -9,13 +9,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from studio.cli.adapt_report import REACHED_DEG, REACHED_MM, Record, residual_record
-from studio.cli.printing import print_json, print_table
+from studio.cli.printing import STOPPED, print_json, print_table
 from studio.cli.render import prepared
 from studio.cli.warm_up import compile_first
 from studio.core.constraints.base import Constraint
 from studio.core.errors import StudioError
 from studio.core.project import Project
-from studio.io.project_file import read_project
+from studio.io.project.project_file import read_project
 from studio.live.stage import LiveStage
 
 STEP = 1.0 / 60.0
@@ -72,44 +72,41 @@ class Part:
 def run_live_stage(arguments: Namespace) -> int:
     """Play and report; 1 where somebody failed, which keeps nobody else from playing on."""
     project = read_project(arguments.stage).project
-    presses = sorted(map(pressed, arguments.press or ()))
+    presses = sorted(arguments.press)
     compile_first()
     report = played(project, arguments.seconds, presses)
     if arguments.json:
         print_json({"source": str(arguments.stage), **report})
     else:
         print_report(report)
+    if report["stopped"]:
+        return STOPPED
     return 0 if report["ok"] else 1
 
 
-def pressed(text: str) -> tuple[float, str]:
-    """The second and the key of ``KEY@SECONDS``. Raises StudioError where it is none."""
-    key, _, seconds = text.rpartition("@")
-    try:
-        when = float(seconds)
-    except ValueError:
-        when = math.nan
-    if not key or not math.isfinite(when):
-        raise StudioError(f"'{text}' is not a key press: say the key and the second, as in K@1.5.")
-    return when, key.upper()
-
-
 def played(project: Project, seconds: float, presses: Iterable[tuple[float, str]] = ()) -> Record:
-    """The report of a stage that plays live for so many of its own seconds, as fast as it can be solved."""
+    """The report of a stage that plays live for so many of its own seconds, as fast as it can be solved.
+
+    Ctrl-C ends it early, with the report of the steps until then.
+    """
     stage, waiting = LiveStage(project, prepared), list(presses)
     parts = {key: Part(each.name) for key, each in project.performers.items() if each.visible and each.clips}
     if not parts:
         raise StudioError("Nobody who is shown plays anything: there is nothing to play live.")
     stage.step(0.0)
     stage.record()
-    spent = []
-    for _ in range(max(round(seconds / STEP), 1)):
-        while waiting and waiting[0][0] <= stage.seconds:
-            stage.press(waiting.pop(0)[1])
-        begun = time.thread_time()
-        stage.step(STEP)
-        spent.append(time.thread_time() - begun)
-        _note(stage, parts)
+    spent: list[float] = []
+    stopped = False
+    try:
+        for _ in range(max(round(seconds / STEP), 1)):
+            while waiting and waiting[0][0] <= stage.seconds:
+                stage.press(waiting.pop(0)[1])
+            begun = time.thread_time()
+            stage.step(STEP)
+            spent.append(time.thread_time() - begun)
+            _note(stage, parts)
+    except KeyboardInterrupt:
+        stopped = True
     take = stage.recorded()
     for key, begun_then in take.begun if take else ():
         parts[key].takeovers += not begun_then.own
@@ -117,7 +114,8 @@ def played(project: Project, seconds: float, presses: Iterable[tuple[float, str]
         "ok": not any(each.failure for each in parts.values()),
         "steps": len(spent),
         "steps_a_second": len(spent) / max(sum(spent), 1e-9),
-        "slowest_step_ms": 1000.0 * max(spent),
+        "slowest_step_ms": 1000.0 * max(spent, default=0.0),
+        "stopped": stopped,
         "performers": [each.record for each in parts.values()],
     }
 

@@ -1,15 +1,16 @@
-"""The command line: one verb a file, imported only when it is the one asked for."""
+"""The command line: one verb a file, imported only when it runs."""
 
 import json
 import os
 import sys
-from argparse import ArgumentParser
+from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING
 
 from studio import __version__
+from studio.cli.printing import STOPPED
 from studio.cli.process import check_libraries, has_display, prepare_process
 from studio.core.errors import Stopped, StudioError
 from studio.io.registry import known_formats
@@ -29,8 +30,8 @@ VERBS = {
     "render": "draw a project or a capture as a picture or a film",
     "bench": "measure how long the studio's jobs take on this machine",
 }
-WORK_FAILED, STOPPED, NOBODY_READS = 1, 130, 141
-"""Exit codes; the last two are those of tools which a signal ends: Ctrl-C, and a pipe that is closed."""
+WORK_FAILED, NOBODY_READS = 1, 141
+"""Exit codes; the second is that of a tool which a closed pipe ends."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -44,7 +45,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         try:
             return _run(given)
         except KeyboardInterrupt:
-            report(Stopped("Stopped. What was not written whole was not written at all."), "--json" in given)
+            report(Stopped("Stopped. No file was left incomplete."), "--json" in given)
             return STOPPED
         finally:
             if sys.stdout is not None:
@@ -62,7 +63,7 @@ def _run(given: Sequence[str]) -> int:
     wants_json = getattr(parsed, "json", False)
     try:
         if verb is not None:
-            run: Callable[..., int] = parsed.run
+            run: Callable[[Namespace], int] = import_module(f"studio.cli.{verb}").run
             return run(parsed)
         if has_display():
             return open_window(files)
@@ -78,6 +79,7 @@ def make_parser(verb: str | None) -> ArgumentParser:
     """The parser with every verb named, and the options of the one asked for."""
     parser = ArgumentParser(
         prog="morpho-studio",
+        allow_abbrev=False,
         description="Adapts captured motions live to any character.",
         epilog="Without a verb the window opens, with the captures and projects that are named. Every verb has its own"
         " --help.",
@@ -85,11 +87,10 @@ def make_parser(verb: str | None) -> ArgumentParser:
     parser.add_argument("--version", action="version", version=f"Morpho Studio {__version__}")
     verbs = parser.add_subparsers(title="verbs", metavar="VERB")
     for name, summary in VERBS.items():
-        verb_parser = verbs.add_parser(name, help=summary, description=summary[0].upper() + summary[1:] + ".")
+        description = summary[0].upper() + summary[1:] + "."
+        verb_parser = verbs.add_parser(name, help=summary, description=description, allow_abbrev=False)
         if name == verb:
-            module = import_module(f"studio.cli.{name}")
-            module.add_arguments(verb_parser)
-            verb_parser.set_defaults(run=module.run)
+            import_module("studio.cli.arguments").ADD_ARGUMENTS[name](verb_parser)
     return parser
 
 

@@ -5,6 +5,8 @@ import sys
 from collections.abc import Callable, Sequence
 
 Progress = Callable[[float, str], None]
+STOPPED = 130
+"""Exit code of a verb that Ctrl-C ends, as of any tool that a signal ends."""
 
 
 def print_json(value: object) -> None:

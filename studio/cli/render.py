@@ -1,19 +1,16 @@
 """``render``: a project, or a capture on characters, as a picture or a film."""
 
-import re
-from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from argparse import Namespace
 from collections.abc import Callable, Iterator, Sequence
 from importlib.metadata import entry_points
-from math import isfinite
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from studio.cli.adaptation import MOTION_ID, chosen_characters, make_folder, ready_capture
-from studio.cli.import_options import add_import_options, import_options
-from studio.cli.outputs import add_output_options, refuse_replacing
+from studio.cli.import_options import import_options
+from studio.cli.outputs import refuse_replacing
 from studio.cli.printing import Progress, counted, print_json, progress_line
 from studio.cli.process import check_libraries
 from studio.cli.warm_up import compile_first
@@ -30,54 +27,9 @@ from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.staging import staged
 from studio.io.film import write_moving
 from studio.io.png import write_png
-from studio.io.project_file import read_project
+from studio.io.project.project_file import read_project
 
 Pixels = NDArray[np.uint8]
-Size = tuple[int, int]
-
-LARGEST = 8192
-
-
-def add_arguments(parser: ArgumentParser) -> None:
-    """What to draw, as what, how large."""
-    parser.add_argument("source", type=Path, metavar="PROJECT|CAPTURE", help="a .studio project or a capture")
-    parser.add_argument(
-        "--out",
-        type=Path,
-        required=True,
-        metavar="PNG|MP4|FOLDER",
-        help="the picture or the film; a new folder for a picture a frame",
-    )
-    parser.add_argument(
-        "--character",
-        nargs="+",
-        action="extend",
-        default=[],
-        metavar="NAME|FILE",
-        help="characters that perform a capture; all bundled ones by default",
-    )
-    parser.add_argument("--time", type=moment, metavar="S", help="moment of a picture in seconds; else the middle")
-    parser.add_argument("--size", type=size_of, default=(1280, 720), metavar="WxH", help="pixels; 1280x720 by default")
-    parser.add_argument("--film-rate", type=float, default=30.0, metavar="HZ", help="frames a second of a film; 30")
-    parser.add_argument("--json", action="store_true", help="print what was written as JSON")
-    add_output_options(parser)
-    add_import_options(parser)
-
-
-def size_of(text: str) -> Size:
-    """Width and height out of ``1280x720``."""
-    found = re.fullmatch(r"(\d+)x(\d+)", text)
-    size = (int(found[1]), int(found[2])) if found else (0, 0)
-    if not all(16 <= side <= LARGEST for side in size):
-        raise ArgumentTypeError(f"'{text}' is not a size: width x height in pixels, 16 to {LARGEST}, as 1280x720")
-    return size
-
-
-def moment(text: str) -> float:
-    """Seconds that are a finite number."""
-    if not isfinite(seconds := float(text)):
-        raise ArgumentTypeError(f"'{text}' is not a time: say how many seconds")
-    return seconds
 
 
 def run(arguments: Namespace) -> int:
@@ -86,8 +38,6 @@ def run(arguments: Namespace) -> int:
     if suffix not in (".png", ".mp4", ""):
         sentence = "says no kind of picture. End its name with .png or .mp4, or name a new folder for many pictures."
         raise StudioError(f"{arguments.out.name} {sentence}")
-    if not 1.0 <= arguments.film_rate <= 240.0:
-        raise StudioError(f"{arguments.film_rate:g} is not a frame rate for a film: 1 to 240 frames a second.")
     if arguments.time is not None and suffix != ".png":
         raise StudioError("--time is the moment of one picture: let the file end with .png.")
     if suffix:

@@ -19,7 +19,7 @@ from studio.core.solver.source import played_on
 from studio.core.solver.standing.stand import standing_of
 from studio.io.export import write_take
 from studio.io.export_options import ExportOptions
-from studio.io.project_file import read_project
+from studio.io.project.project_file import read_project
 from studio.io.registry import known_formats
 from studio.io.report_file import write_json
 from studio.io.staged_export import safe_name, take_of_performer

@@ -5,21 +5,33 @@ Debian packages that lack; it runs before anything is installed, and so imports 
 """
 
 import ctypes
+import os
+import shutil
 import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-DRAWING = {"libEGL.so.1": "libegl1", "libGL.so.1": "libgl1"}
-"""Debian's packages by library: what pictures are drawn with."""
-WINDOW = {
+DRAWING = {
+    "libEGL.so.1": "libegl1",
+    "libGL.so.1": "libgl1",
     "libglib-2.0.so.0": "libglib2.0-0",
+    "libgthread-2.0.so.0": "libglib2.0-0",
     "libdbus-1.so.3": "libdbus-1-3",
     "libfontconfig.so.1": "libfontconfig1",
+    "libxkbcommon.so.0": "libxkbcommon0",
+}
+"""Debian's packages by library: what pictures are drawn with. Debian 13 takes ``libglib2.0-0`` for its own name."""
+WINDOW = {
     "libxkbcommon-x11.so.0": "libxkbcommon-x11-0",
     "libxcb-cursor.so.0": "libxcb-cursor0",
     "libxcb-icccm.so.4": "libxcb-icccm4",
     "libxcb-keysyms.so.1": "libxcb-keysyms1",
+    "libxcb-randr.so.0": "libxcb-randr0",
     "libxcb-shape.so.0": "libxcb-shape0",
+    "libxcb-sync.so.1": "libxcb-sync1",
+    "libxcb-xfixes.so.0": "libxcb-xfixes0",
+    "libxcb-xkb.so.1": "libxcb-xkb1",
+    "libX11-xcb.so.1": "libx11-xcb1",
 }
 """What a window takes beside."""
 LIKED = {"libXcursor.so.1": "libxcursor1"}
@@ -32,10 +44,25 @@ def missing(libraries: Mapping[str, str]) -> dict[str, str]:
     return {name: package for name, package in libraries.items() if not _loads(name)}
 
 
+def missing_packages() -> list[str]:
+    """Debian's packages that lack for pictures and a window."""
+    fonts = [] if FONTS.is_dir() and any(FONTS.rglob("*.[to]tf")) else [FONT_PACKAGE]
+    return list(dict.fromkeys([*missing({**DRAWING, **WINDOW, **LIKED}).values(), *fonts]))
+
+
 def sentence_about(libraries: Mapping[str, str]) -> str:
-    """What to say, and to type, where some are missing."""
-    packages = " ".join(dict.fromkeys(libraries.values()))
-    return f"System libraries are missing: {', '.join(libraries)}. Type: sudo apt-get install -y {packages}"
+    """Sentence on missing libraries, with the one line to type that installs all that pictures and a window take."""
+    return f"System libraries are missing: {', '.join(libraries)}. {advice(missing_packages())}"
+
+
+def advice(packages: list[str]) -> str:
+    """What to type to install packages, by whoever this process runs as."""
+    if shutil.which("apt-get") is None:
+        return f"Install what your system has for Debian's packages {' '.join(packages)}."
+    line = f"apt-get update && apt-get install -y {' '.join(packages)}"
+    if os.geteuid() == 0:
+        return f"Type: {line}"
+    return f"Type: {'sudo sh' if shutil.which('sudo') else 'su'} -c '{line}'"
 
 
 def _loads(name: str) -> bool:
@@ -47,5 +74,4 @@ def _loads(name: str) -> bool:
 
 
 if __name__ == "__main__" and sys.platform.startswith("linux"):
-    lacking = list(missing({**DRAWING, **WINDOW, **LIKED}).values())
-    print(*lacking, *([] if FONTS.is_dir() and any(FONTS.rglob("*.[to]tf")) else [FONT_PACKAGE]))
+    print(*missing_packages())

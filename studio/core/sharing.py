@@ -1,36 +1,71 @@
-"""What is asked for twice at the same time is worked out once."""
+"""Results that several callers need of one object: computed once, kept as long as the object lives."""
 
 import threading
+import weakref
 from collections.abc import Callable
 from concurrent.futures import Future
-from typing import Generic, TypeVar
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
 
-Key = TypeVar("Key")
+Source = TypeVar("Source")
 Result = TypeVar("Result")
 
 
-class Shared(Generic[Key, Result]):
-    """``compute(key)``; threads that ask for the same object while it is computed wait for that and share it.
+@dataclass(frozen=True, eq=False)
+class _Kept(Generic[Result]):
+    """The ``result`` for an owner while its ``terms`` were these."""
 
-    Nothing is kept afterwards.
+    terms: object
+    result: "Future[Result]"
+
+
+class Shared(Generic[Source, Result]):
+    """``compute(source)``, computed once and kept while the owner of the source lives.
+
+    Threads that call it meanwhile wait for the one that computes. What goes wrong is not kept. The result must not
+    refer to the owner, or neither of them is ever freed.
     """
 
-    def __init__(self, compute: Callable[[Key], Result]) -> None:
-        self._compute = compute
-        self._running: dict[int, Future[Result]] = {}
+    def __init__(
+        self,
+        compute: Callable[..., Result],
+        owner: Callable[[Source], object] = lambda source: source,
+        terms: Callable[[Source], object] = lambda source: None,
+    ) -> None:
+        """``owner(source)`` has no other source but those whose ``terms(source)`` tell their results apart.
+
+        Of one owner the latest terms alone are kept.
+        """
+        self._compute, self._owner, self._terms = compute, owner, terms
+        self._kept: dict[int, _Kept[Result]] = {}
         self._lock = threading.Lock()
 
-    def __call__(self, key: Key) -> Result:
-        """The result for ``key``; raises what ``compute`` raises."""
-        with self._lock:
-            running = self._running.get(id(key))
-            future = self._running.setdefault(id(key), Future())
-        if running is None:
-            try:
-                future.set_result(self._compute(key))
-            except BaseException as error:  # noqa: BLE001 - raised below, in every thread that asked
-                future.set_exception(error)
-            finally:
-                with self._lock:
-                    del self._running[id(key)]
-        return future.result()
+    def __call__(self, source: Source, *known: Any) -> Result:
+        """The result for ``source``; ``compute`` has what is ``known`` as well, and its error is raised."""
+        owner, terms = self._owner(source), self._terms(source)
+        key = id(owner)
+        while True:
+            with self._lock:
+                kept = self._kept.get(key)
+                own = kept is None or kept.terms != terms
+                if kept is None:
+                    weakref.finalize(owner, self._kept.pop, key, None).atexit = False
+                if own:
+                    kept = self._kept[key] = _Kept(terms, Future())
+            assert kept is not None
+            if own:
+                return self._computed(source, key, kept, known)
+            if kept.result.exception() is None:  # else who computed it gave up, or failed: try again
+                return kept.result.result()
+
+    def _computed(self, source: Source, key: int, kept: _Kept[Result], known: tuple[Any, ...]) -> Result:
+        try:
+            result = self._compute(source, *known)
+        except BaseException as error:
+            with self._lock:
+                if self._kept.get(key) is kept:
+                    del self._kept[key]
+            kept.result.set_exception(error)
+            raise
+        kept.result.set_result(result)
+        return result

@@ -25,8 +25,8 @@ from studio.core.project import COLLECTIONS, Entity, Project
 from studio.document.commands.replace import Edit
 from studio.document.file_lock import FileLock
 from studio.document.playhead import PlayheadState
-from studio.io.archive import Stamp
-from studio.io.entity_json import Members, entity_record, line, npy_parts, project_json
+from studio.io.project.archive import Stamp
+from studio.io.project.entity_json import Members, entity_record, line, npy_parts, project_json
 
 STEPS_BETWEEN_SNAPSHOTS = 50
 RESTS, HEALS = 2.0, 2.0
@@ -127,10 +127,10 @@ class Journal(QObject):
     def state(self) -> str:
         """One line for the status bar."""
         if self._stopped:
-            return "Journal stopped - save the project"
+            return "Backup stopped - save the project"
         if self.acknowledged == self.recorded:
-            return f"Journal safe - {self.recorded} edit{'' if self.recorded == 1 else 's'}"
-        return f"Journal writing - {self.acknowledged} of {self.recorded} edits"
+            return f"All changes backed up - {self.recorded} edit{'' if self.recorded == 1 else 's'}"
+        return f"Backing up - {self.acknowledged} of {self.recorded} edits"
 
     def record(self, step: Step) -> None:
         """Write a step as soon as may be; does not wait."""

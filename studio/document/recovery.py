@@ -14,10 +14,10 @@ from studio.document.commands.replace import Edit, applied
 from studio.document.file_lock import FileLock
 from studio.document.journal import StateHash, Step, files_of, lock_of, remove_session, steps_of
 from studio.document.playhead import PlayheadState
-from studio.io.archive import Stamp
-from studio.io.entity_json import entity_of, parsed, project_of
 from studio.io.npy import array_of
-from studio.io.value_json import Array
+from studio.io.project.archive import Stamp
+from studio.io.project.entity_json import entity_of, parsed, project_of
+from studio.io.project.value_json import Array
 
 KEPT_WHEN_DECLINED = timedelta(days=30)
 

@@ -3,12 +3,14 @@
 A frame is solved from its own pose alone (``core.solver.adapt.hold``), so it is what the whole clip has there, but for
 the easing of what jolts. Who is worked on is solved before the picture is drawn, on the window's own thread: it costs
 less than a message to another one, and the body follows the hand in the same picture. The others are solved beside the
-window while that picture is drawn, half of them with each, and are in the next.
+window while that picture is drawn, half of them with each, and are in the next. The cost of a frame is measured each
+time, here or beside: a body that was slow once is solved here again as soon as it is not.
 """
 
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
 
 from studio.core.body.morphology import Morphology
 from studio.core.captures.capture import Capture
@@ -27,9 +29,11 @@ Circle = tuple[str, ...]
 """Performers who follow each other, mostly one alone: they are solved together."""
 
 BUDGET = 0.002
-"""Processor seconds before a picture after which no other body is begun: who is left is solved beside it."""
-LONG = 0.05
-"""Processor seconds above which a frame would keep pictures waiting: then it is solved beside them, whosever it is."""
+"""Processor seconds before a picture that the bodies nobody works on may take: the rest are solved beside it."""
+LONG = 0.1
+"""Processor seconds before a picture that the bodies worked on may take. With 50 ms of drawing a pose is no older than
+150 ms; solved beside, it would be older by another picture.
+"""
 MANY, PIECE = 50_000, 2000
 """Frames of a circle with which even its first one would, for how a body stands is known of all frames together; and
 how many frames cost what it costs to join one more clip, or one more time that a clip plays: 4.7 ms beside 2.3 us.
@@ -91,7 +95,7 @@ class Instant:
             current = {key: self.answered[key] for key in circle}
             return Outcome(circle, project, self.asked_at, current=current)
         if {key: each.wanted for key, each in known.items()} == wanted:
-            same = {key: replace(each, project=project) for key, each in known.items()}
+            same = {key: replace(each, project=project, asked_at=self.asked_at) for key, each in known.items()}
             return Outcome(circle, project, self.asked_at, same)
         try:
             motions = self._motions(circle, wanted, rows)
@@ -130,11 +134,14 @@ class Frames:
         """``answered``: what the newest whole motion of each performer answers; it changes as answers come."""
         self._prepare, self._solve, self._answered = prepare, solve, answered
         self._frames: dict[str, Frame] = {}
-        self._current: dict[str, tuple[Project, Wanted]] = {}
-        """With what project the newest whole motion was found to be what is asked."""
+        self._current: dict[str, Outcome] = {}
+        """The last outcome by which the newest whole motion is what is asked."""
         self._whole_at: dict[str, float] = {}
         """When that was asked which the newest whole motion answers."""
-        self._slow: set[Circle] = set()
+        self._costs: dict[Circle, float] = {}
+        """Processor seconds of the last frame that was solved."""
+        self._looked_at: dict[Circle, float] = {}
+        """When that was asked of which the last outcome was."""
         self._driven: set[str] = set()
 
     def get(self, performer_id: str) -> Frame | None:
@@ -148,17 +155,24 @@ class Frames:
     def whole_is_there(self, performer_id: str, asked_at: float) -> None:
         """The whole motion answers what was asked at ``asked_at``: a frame that answers nothing newer is let go."""
         self._whole_at[performer_id] = asked_at
-        if self.asked_at(performer_id) <= asked_at:
+        frame, answered = self._frames.get(performer_id), self._answered.get(performer_id)
+        if frame is not None and (frame.asked_at <= asked_at or frame.wanted == answered):
             self.drop(performer_id)
 
     def asked_at(self, performer_id: str) -> float:
-        """When that was asked which the frame of one performer answers; 0 where there is none."""
-        frame = self._frames.get(performer_id)
-        return 0.0 if frame is None else frame.asked_at
+        """When that was asked last which the frame of one performer, or without one its whole motion, answers.
+
+        0 where neither was found to answer anything.
+        """
+        if (frame := self._frames.get(performer_id)) is not None:
+            return frame.asked_at
+        outcome = self._current.get(performer_id)
+        answers = outcome is not None and outcome.current[performer_id] is self._answered.get(performer_id)
+        return outcome.asked_at if outcome is not None and answers else 0.0
 
     def clear(self) -> None:
         """Another project is shown."""
-        for held in (self._frames, self._current, self._whole_at, self._slow):
+        for held in (self._frames, self._current, self._whole_at, self._costs, self._looked_at):
             held.clear()
 
     def bring(
@@ -173,9 +187,9 @@ class Frames:
     ) -> Callable[[], Sequence[Outcome]] | None:
         """Solve what performers do at ``seconds`` of the stage, leaders before those who follow them.
 
-        Those ``driven`` by a live input are not solved here; who follows them is, in every picture. ``others`` who
-        have no room in ``BUDGET`` are left to what is given back: any thread may call it, and ``take`` hears what comes
-        of it.
+        Those ``driven`` by a live input are not solved here; who follows them is, in every picture. Those who by their
+        last cost have no room, the ``first`` ones in ``LONG``, ``others`` in ``BUDGET``, are left to what is given
+        back: any thread may call it, and ``take`` hears what comes of it.
         """
         if not self._driven <= driven.keys():
             self._frames.clear()  # who followed somebody that was driven follows its clips again
@@ -192,30 +206,28 @@ class Frames:
             if not (solved or left or follows) and self._is_seen(circle, project, seconds):
                 continue  # nor has anybody moved whom it may follow
             moving |= {*circle} if follows else set()
-            has_room = whole in first or time.thread_time() - begun < BUDGET
-            if not follows and (left or self._is_slow(circle, project) or not has_room):
+            elapsed, limit = time.thread_time() - begun, LONG if whole in first else BUDGET
+            has_room = elapsed + self._costs.get(circle, 0.0) <= limit and not _is_long(circle, project)
+            waits = bool(left) and any(leaders_of(project, key) & {*chain(*left)} for key in circle)
+            if not follows and (waits or not has_room):
                 left.append(circle)
                 continue
             outcome = instant.solved(circle)
             solved |= bool(outcome.spent)
             self._put(outcome)
-        turn = self._turn_of(left, project)
+        turn = self._turn_of(left, first, project)
         return (lambda: [instant.solved(circle) for circle in turn]) if turn else None
 
-    def _is_slow(self, circle: Circle, project: Project) -> bool:
-        performers = [project.performers[key] for key in circle]
-        frames = sum(frame_count_of(project, each) for each in performers)
-        pieces = sum(clip.repeats for each in performers for clip in each.all_clips)
-        return circle in self._slow or frames + PIECE * pieces > MANY
-
-    def _turn_of(self, left: list[Circle], project: Project) -> list[Circle]:
-        """Half of those who are left, furthest behind first: more would hold up the picture.
+    def _turn_of(self, left: list[Circle], first: Sequence[Circle], project: Project) -> list[Circle]:
+        """The first of those worked on, and half of the rest in turn: more would hold up the picture.
 
         Who follows somebody is not parted from whom it follows.
         """
         if any(leaders_of(project, key) for circle in left for key in circle):
             return left
-        return sorted(left, key=lambda circle: self.asked_at(circle[0]))[: (len(left) + 1) // 2]
+        ahead = [circle for circle in left if circle in first][:1]
+        rest = sorted((each for each in left if each not in ahead), key=lambda each: self._looked_at.get(each, 0.0))
+        return ahead + rest[: (len(rest) + 1) // 2]
 
     def take(self, outcomes: Iterable[Outcome]) -> list[str]:
         """Take what was solved beside the window and is no older than what is there; tells whose frames are new."""
@@ -229,12 +241,13 @@ class Frames:
         return self.asked_at(performer_id) <= outcome.asked_at and whole_at < outcome.asked_at
 
     def _put(self, outcome: Outcome) -> None:
+        self._looked_at[outcome.circle] = outcome.asked_at
         if outcome.spent:
-            (self._slow.add if outcome.spent > LONG else self._slow.discard)(outcome.circle)
+            self._costs[outcome.circle] = outcome.spent
         for key in outcome.circle:
             self.drop(key)
         self._frames |= outcome.frames
-        self._current |= {key: (outcome.project, wanted) for key, wanted in outcome.current.items()}
+        self._current |= dict.fromkeys(outcome.current, outcome)
 
     def _is_prepared(self, project: Project, performer_id: str) -> bool:
         return all(map(self._prepare.holds, _captures_of(project, project.performers[performer_id])))
@@ -253,8 +266,15 @@ class Frames:
         """Whether the newest whole motion was found to be what is asked, and neither has changed since."""
         if performer_id in self._frames or performer_id not in self._current:
             return False
-        known, wanted = self._current[performer_id]
-        return known is project and wanted is self._answered.get(performer_id)
+        outcome = self._current[performer_id]
+        return outcome.project is project and outcome.current[performer_id] is self._answered.get(performer_id)
+
+
+def _is_long(circle: Circle, project: Project) -> bool:
+    performers = [project.performers[key] for key in circle]
+    frames = sum(frame_count_of(project, each) for each in performers)
+    pieces = sum(clip.repeats for each in performers for clip in each.all_clips)
+    return frames + PIECE * pieces > MANY
 
 
 def _captures_of(project: Project, performer: Performer) -> list[Capture]:

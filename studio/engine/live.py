@@ -10,6 +10,8 @@ class Live(Protocol):
 
     adapted: Any
     """Signal(str): a newer result of that performer is there."""
+    ready: bool
+    """Whether constraints can be solved: not before their kernels are compiled."""
     interactive: bool
     """Whether something is being dragged: then whole clips are solved only when the hand rests."""
     interactive_changed: Any

@@ -21,12 +21,12 @@ from studio.core.solver.request import AdaptedMotion
 from studio.document.document import Document
 from studio.engine.driven import Driven
 from studio.engine.frames import Circle, Frames, Outcome, Solve
-from studio.engine.hand import Hand
+from studio.engine.hand import Hand, Rest
 from studio.engine.live_play import LivePlay
 from studio.engine.scheduler import SolveScheduler
 from studio.engine.solve_cache import SolveCache
+from studio.engine.solver_kernels import SolverKernels
 from studio.engine.standing_solver import StandingSolver
-from studio.engine.tasks import PATIENCE
 from studio.engine.wanted import Prepare, Wanted, player_of, wanted_of
 
 WINDOW_SECONDS = 0.75
@@ -82,13 +82,13 @@ class LiveAdaptation(QObject):
         workers: int | None = None,
         warm_up: WarmUp | None = None,
     ) -> None:
-        """No solve begins before all kernels are there."""
+        """No solve begins before the kernels it needs are there."""
         super().__init__(parent)
         self._document = document
         self._prepare = SolveCache(prepare)
         self._standing = StandingSolver()
         self._solve, self._realise = solve or self._standing, realise
-        self._warm_up = warm_up
+        self._kernels = SolverKernels(warm_up, self)
         self._wanted: dict[str, Wanted] = {}
         self._results: dict[str, AdaptedMotion] = {}
         self._answered: dict[str, Wanted] = {}
@@ -113,8 +113,9 @@ class LiveAdaptation(QObject):
         self.play.running_changed.connect(self._play_changed)
         self._turn = QTimer(self, singleShot=True, interval=0)
         self._turn.timeout.connect(lambda: self._refresh(whole=not self._interactive))
-        self._rest = QTimer(self, singleShot=True, interval=REST_MILLISECONDS)
-        self._rest.timeout.connect(lambda: self._refresh(whole=True))
+        self._kernels.changed.connect(self._kernels_changed)
+        self._rest = Rest(REST_MILLISECONDS, self)
+        self._rest.rested.connect(lambda: self._refresh(whole=True))
         self._telling = QTimer(self, singleShot=True, interval=TELL_MILLISECONDS)
         self._telling.timeout.connect(self._tell_results)
         document.entity_changed.connect(self._schedule)
@@ -153,8 +154,12 @@ class LiveAdaptation(QObject):
 
     @property
     def ready(self) -> bool:
-        """Whether the kernels are there: who calls one before waits seconds for it to be compiled."""
-        return self._warm_up is None or self._warm_up.ready
+        """As ``Live.ready``."""
+        return self._kernels.ready
+
+    def _kernels_changed(self) -> None:
+        self._refresh(whole=True)
+        self.told_changed.emit()
 
     def failure(self, performer_id: str) -> str:
         """As ``Live.failure``."""
@@ -166,10 +171,11 @@ class LiveAdaptation(QObject):
 
     def bring(self, seconds: float) -> None:
         """As ``Live.bring``."""
-        if not self.ready:
+        if not self._kernels.grounded:
             return
         project = self._document.project
-        self.driven.bring(project, seconds, self._results)
+        if self.ready:
+            self.driven.bring(project, seconds, self._results)
         if self.play.running:
             self.play.drawn()
             return
@@ -180,9 +186,11 @@ class LiveAdaptation(QObject):
 
     def _by_need(self, project: Project) -> tuple[list[Circle], list[Circle]]:
         """Those who are worked on and whom these follow, then all others; leaders before who follows."""
-        circles = _circles_of(project)
-        first = {*in_order(project, self._selected(key for circle in circles for key in circle))}
-        return [each for each in circles if each in first], [each for each in circles if each not in first]
+        circles = [circle for circle in _circles_of(project) if self._kernels.can_solve(project, circle)]
+        playing = [key for circle in circles for key in circle]
+        active = [key for key in playing if key == self._document.active_performer_id]
+        first = dict.fromkeys((*in_order(project, active), *in_order(project, self._selected(playing))))
+        return [each for each in first if each in circles], [each for each in circles if each not in first]
 
     def _selected(self, performer_ids: Iterable[str]) -> list[str]:
         """Those who are worked on: the selected ones, else the one that is active."""
@@ -252,19 +260,19 @@ class LiveAdaptation(QObject):
 
     def show_until_solved(self, motions: Mapping[str, AdaptedMotion]) -> None:
         """Show what is known already of performers, whose solves may have to wait for the kernels."""
-        for key in motions.keys() & self._wanted.keys():
+        for key in motions.keys() & {key for circle in self._circles for key in circle}:
             self._results[key] = motions[key]
             self.adapted.emit(key)
 
     def expect(self, capture: Capture) -> None:
         """Normalise a capture that is about to be shown, beside what else is done until then; from any thread."""
         if capture.body_map is not None:
-            self._scheduler.request(f"{_EXPECTED}{id(capture)}", 0, lambda: self._prepare(capture))
+            self._scheduler.request(f"{_EXPECTED}{id(capture)}", 0, lambda: self._prepared(capture))
 
     def wait(self, timeout: float = 10.0) -> bool:
         """Run the event loop until all is solved and told; False when ``timeout`` seconds are not enough."""
         end = time.monotonic() + timeout
-        while self._turn.isActive() or self._rest.isActive() or self._scheduler.busy or self._beside.busy:
+        while self._kernels.awaited or self._turn.isActive() or self._rest.isActive() or self._works:
             if time.monotonic() > end:
                 return False
             QCoreApplication.processEvents()
@@ -274,6 +282,10 @@ class LiveAdaptation(QObject):
             self._tell_results()
         return True
 
+    @property
+    def _works(self) -> bool:
+        return self._scheduler.busy or self._beside.busy
+
     def close(self) -> None:
         """Stop the timers, drop requests, join the workers."""
         for timer in (self._turn, self._rest, self._telling):
@@ -282,9 +294,8 @@ class LiveAdaptation(QObject):
         self.play.close()
         self._document.entity_changed.disconnect(self._schedule)
         self._document.project_opened.disconnect(self._begin_anew)
-        if self._warm_up is not None:
-            self._scheduler.failed.disconnect(self._tell)  # workers wait for the kernels, and are told to give up
-            self._warm_up.stop(PATIENCE)
+        self._scheduler.failed.disconnect(self._tell)  # workers wait for the kernels, and are told to give up
+        self._kernels.close()
         self._beside.close()
         self._scheduler.close()
 
@@ -298,7 +309,7 @@ class LiveAdaptation(QObject):
         if self.play.running:
             return
         if self._interactive:
-            self._rest.start()
+            self._rest.begin()
         if not self._turn.isActive():
             self._turn.start(WINDOW_MILLISECONDS if self._interactive else 0)
 
@@ -345,6 +356,9 @@ class LiveAdaptation(QObject):
             return
         if not same:
             self._wanted |= known
+        if not self._kernels.can_solve(project, circle):
+            self._unfinished.add(circle)  # until the kernels are there
+            return
         known = {key: self._wanted[key] for key in circle}
         stages = self._stages(project, circle, known, whole)
         if stages:
@@ -373,18 +387,17 @@ class LiveAdaptation(QObject):
 
         return (window,)
 
-    def _wait_for_kernels(self) -> None:
-        if self._warm_up is not None:
-            self._warm_up.join()
+    def _prepared(self, capture: Capture) -> tuple[NormalizedMotion, Morphology]:
+        """A capture without its actor's body, for a worker: it waits for the kernels."""
+        self._kernels.join_grounded()
+        return self._prepare(capture)
 
     def _realised(self, capture: Capture) -> AdaptedMotion:
-        self._wait_for_kernels()
-        return self._realise(*self._prepare(capture))
+        return self._realise(*self._prepared(capture))
 
     def _solved(
         self, project: Project, wanted: Mapping[str, Wanted], asked_at: float, first: int, last: int | None
     ) -> Solved:
-        self._wait_for_kernels()
         players = {key: player_of(project, key, each, self._prepare) for key, each in wanted.items()}
         if len(players) == 1:
             [(key, player)] = players.items()

@@ -16,6 +16,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.project import Project
 from studio.core.solver.performers.stage import asked_of
 from studio.core.solver.request import AdaptedMotion
+from studio.engine.live import Live
 from studio.engine.measures import LENGTH, Measure, measure_of
 
 FloatArray = NDArray[np.float64]
@@ -108,6 +109,11 @@ def is_asked(project: Project, performer_id: str, constraint_id: str) -> bool:
         clip.motion_id == constraint.motion_id and constraint.scope.includes(performer_id, clip.id)
         for clip in performer.clips
     )
+
+
+def unsolved_words(live: Live) -> str:
+    """Words for a residual that is not known."""
+    return "not solved yet" if live.ready else "waits for the solver"
 
 
 def worst_residual(

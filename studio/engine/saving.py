@@ -6,7 +6,7 @@ from pathlib import Path
 from studio.core.errors import StudioError
 from studio.document.document import Document
 from studio.engine.tasks import TaskRunner
-from studio.io.archive import Stamp
+from studio.io.project.archive import Stamp
 
 
 def save_in_background(

@@ -2,6 +2,7 @@
 
 import base64
 import binascii
+import re
 from pathlib import Path, PureWindowsPath
 from stat import S_ISREG
 from urllib.parse import unquote
@@ -10,6 +11,26 @@ from studio.core.errors import StudioError
 
 LARGEST = 500_000_000
 """Bytes of one file; more is refused unread."""
+SNIFFED = 4096
+"""Bytes that tell what a file is."""
+
+
+_POINTERS = (b"version https://git-lfs.github.com/spec/", b"/annex/objects/")
+_PAGE = re.compile(
+    rb"(\xef\xbb\xbf)?\s*(<\?xml[^>]*>\s*)?(<!--.*?-->\s*)*<(!doctype\s+html|html|head|body|error)\b|40[34]: ",
+    re.DOTALL | re.IGNORECASE,
+)
+"""A page of the web, or the sentence of a server that has no such file."""
+
+
+def refuse_stand_in(name: str, head: bytes) -> None:
+    """Raise StudioError where the file ``name``, which begins with ``head``, is only what stands for another one."""
+    if head.startswith(_POINTERS):
+        raise StudioError(f"{name} is a Git LFS pointer, not the file itself. Fetch it with 'git lfs pull'.")
+    if _PAGE.match(head):
+        raise StudioError(f"{name} is a web page, not the file itself. Download the file again, not the page about it.")
+    if not head:
+        raise StudioError(f"{name} is empty. Copy or export it again.")
 
 
 def refuse_devices(path: Path) -> None:
@@ -53,7 +74,10 @@ def content_of(uri: str, beside: Path, where: str) -> bytes:
             return base64.b64decode(body, validate=True)
         except (binascii.Error, ValueError) as error:
             raise StudioError(f"{where}: its base64 data are damaged. Export the file again.") from error
-    return read_bytes(path_beside(uri, beside, where))
+    path = path_beside(uri, beside, where)
+    content = read_bytes(path)
+    refuse_stand_in(path.name, content[:SNIFFED])
+    return content
 
 
 def path_beside(uri: str, beside: Path, where: str) -> Path:

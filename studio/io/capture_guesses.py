@@ -14,7 +14,7 @@ from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
 from studio.core.errors import StudioError
 from studio.core.rotations import IDENTITY, normalized
-from studio.io.body_maps import FoundBody, similar_joints
+from studio.io.figure.body_maps import FoundBody, similar_joints
 from studio.io.guessing import guess_first_frame, guess_floor
 from studio.io.importing import ImportOptions
 

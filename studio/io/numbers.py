@@ -1,4 +1,7 @@
-"""Numbers from text, strictly: what is not a plain decimal number is refused with its line."""
+"""Numbers from text, strictly: what is not a plain decimal number is refused with its line.
+
+Programs write a missing value as a word (``nan``, ``1.#IND``, ``null``); a table may hold it, as NaN.
+"""
 
 import re
 from collections.abc import Callable
@@ -11,6 +14,12 @@ from studio.core.pieces import in_threads
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+", re.ASCII)
+_MISSING = re.compile(
+    r"[+-]?(nan(\(\w*\))?|inf(inity)?|1\.?#[a-z]+\d*)|null|none|n/a|undefined", re.ASCII | re.IGNORECASE
+)
+"""Words for a value that a program did not have."""
+_GLUED = re.compile(r"(?<=[\d.])(?=[-+][\d.])", re.ASCII)
+"""Where a number ends and a signed one begins without a blank: ``0.0-7.5``, not ``1e-5``."""
 _ALLOWED = b"0123456789+-.eE \t\r\n\f\v"
 _ABSURD = 1e12
 _PIECE = 1 << 18
@@ -25,6 +34,16 @@ def number(text: str, where: str) -> float:
     if abs(value) > _ABSURD:
         raise StudioError(f"{where}: {_shown(text)} is too large to be true. Export the file again.")
     return value
+
+
+def parted(line: str) -> str:
+    """The line with a blank before every signed number that follows another one directly."""
+    return _GLUED.sub(" ", line)
+
+
+def glued_words(name: str, line: int) -> str:
+    """The sentence of the repair that ``parted`` makes."""
+    return f"{name}, line {line}: numbers stand there without a blank between them; they were parted before the sign."
 
 
 def not_a_number(text: str, where: str) -> StudioError:
@@ -71,8 +90,8 @@ def table(
 ) -> NDArray[np.float64]:
     """All numbers of ``lines``, flat, ``counts`` in each; ``first_line`` is where they begin in file ``name``.
 
-    ``progress`` hears the share that is read. Raises StudioError at the first word that is not a plain, believable
-    number.
+    NaN for a missing value. ``progress`` hears the share that is read. Raises StudioError at the first other word that
+    is not a plain, believable number.
     """
     ends = np.concatenate([[0], np.cumsum(counts)])
     values = np.empty(int(ends[-1]))
@@ -98,10 +117,12 @@ def _read(lines: list[bytes], out_values: NDArray[np.float64], name: str, first_
         if values is not None and len(values) == len(out_values) and (np.abs(values) <= _ABSURD).all():
             out_values[:] = values
             return
+    at = 0
     for line_number, line in enumerate(lines, first_line):
         for word in line.split():
-            number(word.decode("utf-8", "replace"), f"{name}, line {line_number}")
-    raise StudioError(f"{name}: its numbers could not be read. Export the file again.")
+            text = word.decode("utf-8", "replace")
+            out_values[at] = np.nan if _MISSING.fullmatch(text) else number(text, f"{name}, line {line_number}")
+            at += 1
 
 
 def _parse(block: bytes) -> NDArray[np.float64] | None:

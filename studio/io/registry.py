@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from studio.core.errors import StudioError
 from studio.core.plausible import BONE, TRAVEL
-from studio.io.beside import refuse_devices
+from studio.io.beside import SNIFFED, refuse_devices, refuse_stand_in
 
 if TYPE_CHECKING:
     from studio.core.body.character import Character
@@ -27,7 +27,6 @@ Progress = Callable[[float, str], None]
 """Hears a share from 0 to 1 and what is being done; it raises to cancel."""
 
 ENTRY_POINTS = "morpho_studio.formats"
-_SNIFFED = 4096
 
 
 @dataclass(frozen=True)
@@ -135,25 +134,25 @@ OWN_FORMATS = (
     Format(
         name="BVH",
         suffixes=(".bvh",),
-        sniff="studio.io.bvh_format:is_bvh",
-        capture_reader="studio.io.bvh_capture:load_bvh",
-        motion_writer="studio.io.bvh_format:write_take",
+        sniff="studio.io.bvh.format:is_bvh",
+        capture_reader="studio.io.bvh.capture:load_bvh",
+        motion_writer="studio.io.bvh.format:write_take",
     ),
     Format(
         name="FBX",
         suffixes=(".fbx",),
-        sniff="studio.io.fbx_reading:is_fbx",
-        capture_reader="studio.io.fbx_capture:load_fbx",
-        character_reader="studio.io.fbx_character:load_character",
-        character_test="studio.io.fbx_reading:has_skin",
+        sniff="studio.io.fbx.reading:is_fbx",
+        capture_reader="studio.io.fbx.capture:load_fbx",
+        character_reader="studio.io.fbx.character:load_character",
+        character_test="studio.io.fbx.reading:has_skin",
     ),
     Format(
         name="S4D",
         suffixes=(".s4d",),
-        sniff="studio.io.s4d_format:is_s4d",
-        capture_reader="studio.io.s4d_format:load_s4d",
-        annotation_reader="studio.io.s4d_format:load_annotations",
-        motion_writer="studio.io.s4d_format:write_take",
+        sniff="studio.io.s4d.format:is_s4d",
+        capture_reader="studio.io.s4d.format:load_s4d",
+        annotation_reader="studio.io.s4d.format:load_annotations",
+        motion_writer="studio.io.s4d.format:write_take",
     ),
     Format(
         name="glTF",
@@ -172,7 +171,7 @@ OWN_FORMATS = (
     Format(
         name="USD",
         suffixes=(".usd", ".usda", ".usdc", ".usdz"),
-        motion_writer="studio.io.usd_writer:write_take",
+        motion_writer="studio.io.usd.writer:write_take",
     ),
     Format(
         name="Table of joints",
@@ -199,17 +198,17 @@ OWN_FORMATS = (
     Format(
         name="C3D",
         suffixes=(".c3d",),
-        sniff="studio.io.c3d_format:is_c3d",
-        capture_reader="studio.io.c3d_capture:load_c3d",
-        annotation_reader="studio.io.c3d_capture:load_events",
-        motion_writer="studio.io.c3d_format:write_take",
+        sniff="studio.io.c3d.format:is_c3d",
+        capture_reader="studio.io.c3d.capture:load_c3d",
+        annotation_reader="studio.io.c3d.capture:load_events",
+        motion_writer="studio.io.c3d.format:write_take",
     ),
     Format(
         name="Morpho Studio character",
         suffixes=(".json",),
-        sniff="studio.io.character_file:is_character",
-        character_reader="studio.io.character_file:load_character",
-        character_writer="studio.io.character_file:save_character",
+        sniff="studio.io.project.character_file:is_character",
+        character_reader="studio.io.project.character_file:load_character",
+        character_writer="studio.io.project.character_file:save_character",
     ),
 )
 
@@ -263,7 +262,10 @@ def format_of(path: Path, *jobs: str) -> Format:
     by_suffix = [each for each in candidates if path.suffix.lower() in each.suffixes]
     head = _head(path)
     others = (each for each in candidates if each not in by_suffix)
-    found = next(_recognising([*by_suffix, *others], head), next(iter(by_suffix), None))
+    found = next(_recognising([*by_suffix, *others], head), None)
+    if found is None:
+        refuse_stand_in(path.name, head)
+        found = next(iter(by_suffix), None)
     if found is None:
         kinds = " or ".join(job.removesuffix("_reader") for job in jobs)
         names = ", ".join(each.name for each in candidates)
@@ -281,6 +283,6 @@ def _head(path: Path) -> bytes:
     refuse_devices(path)
     try:
         with path.open("rb") as file:
-            return file.read(_SNIFFED)
+            return file.read(SNIFFED)
     except OSError as error:
         raise StudioError(f"{path.name} could not be read: {error.strerror}. Check the file and try again.") from error

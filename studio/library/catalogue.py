@@ -96,7 +96,8 @@ class Catalogue:
                 self._put_aside(str(error))
                 self._open()
         except (OSError, sqlite3.Error) as error:
-            raise StudioError(f"The library's folder '{folder}' cannot be used: {error}. Choose another.") from error
+            reason = getattr(error, "strerror", None) or error
+            raise StudioError(f"The library's folder '{folder}' cannot be used: {reason}. Choose another.") from error
 
     def __enter__(self) -> "Catalogue":
         return self

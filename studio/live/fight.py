@@ -31,6 +31,8 @@ class FightReport:
     latencies: list[float] = field(default_factory=list)
     slowest_frame: float = 0.0
     frames: int = 0
+    stopped: bool = False
+    """True if Ctrl-C ended it early."""
 
     @property
     def words(self) -> str:
@@ -59,25 +61,29 @@ def fight(
 ) -> FightReport:
     """Let ``fighter`` fight for some ``seconds``, a frame at a time; ``paced`` by the clock, or as fast as it goes.
 
+    Ctrl-C ends the fight early, with the report of what was fought until then.
     ``clock`` is what the report goes by: ``time.thread_time`` tells what was computed, where nothing is made beside.
     """
     report, ordered, begun = FightReport(fighter.hits), 0.0, time.perf_counter()
     waiting = False
-    for frame in range(round(seconds * fighter.rate)):
-        now = frame / fighter.rate
-        if paced:
-            time.sleep(max(begun + now - time.perf_counter(), 0.0))
-        order, target = order_at(now), target_at(now)
-        start = clock()
-        if order is not None and fighter.strike(target, *order):
-            ordered, waiting = start, True
-        positions, rotations = fighter.step(target)
-        report.slowest_frame = max(report.slowest_frame, clock() - start)
-        if waiting and not fighter.waits:
-            report.latencies.append(clock() - ordered)
-            waiting = False
-        show(positions, rotations, fighter.body, now)
-        report.frames += 1
+    try:
+        for frame in range(round(seconds * fighter.rate)):
+            now = frame / fighter.rate
+            if paced:
+                time.sleep(max(begun + now - time.perf_counter(), 0.0))
+            order, target = order_at(now), target_at(now)
+            start = clock()
+            if order is not None and fighter.strike(target, *order):
+                ordered, waiting = start, True
+            positions, rotations = fighter.step(target)
+            report.slowest_frame = max(report.slowest_frame, clock() - start)
+            if waiting and not fighter.waits:
+                report.latencies.append(clock() - ordered)
+                waiting = False
+            show(positions, rotations, fighter.body, now)
+            report.frames += 1
+    except KeyboardInterrupt:
+        report.stopped = True
     return report
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.morphology import Morphology
+from studio.core.errors import StudioError
 from studio.live import vmc
 from studio.live.osc import bundles, encode_message
 from studio.live.tracker import LOOPBACK
@@ -78,8 +79,7 @@ class Broadcast:
                     host = host or socket.gethostbyname(self._address)
                     self._send_all(out, host)
                 except (OSError, OverflowError, UnicodeError) as error:
-                    reason = getattr(error, "strerror", None) or error
-                    self.problem = f"Nothing can be sent to {self._address}: {reason}. Choose another address."
+                    self.problem = str(unreachable(self._address, error))
                 else:
                     self.problem = ""
 
@@ -92,10 +92,13 @@ class Broadcast:
 
 
 class Streamer:
-    """Sends frames to one address; use it in a ``with``."""
+    """Sends frames to one address; use it in a ``with``. Raises StudioError where the address cannot be found."""
 
     def __init__(self, port: int, address: str = LOOPBACK) -> None:
-        self._to = address, port
+        try:
+            self._to = socket.gethostbyname(address), port
+        except (OSError, UnicodeError) as error:
+            raise unreachable(address, error) from error
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 
     def __enter__(self) -> "Streamer":
@@ -109,6 +112,15 @@ class Streamer:
         self._socket.close()
 
     def send(self, positions: FloatArray, rotations: FloatArray, body: Morphology, seconds: float) -> None:
-        """Send one frame."""
-        for packet in packets_of(positions, rotations, body, seconds):
-            self._socket.sendto(packet, self._to)
+        """Send one frame. Raises StudioError where the system refuses it."""
+        try:
+            for packet in packets_of(positions, rotations, body, seconds):
+                self._socket.sendto(packet, self._to)
+        except OSError as error:
+            raise unreachable(self._to[0], error) from error
+
+
+def unreachable(address: str, error: Exception) -> StudioError:
+    """Sentence for an address that cannot be found or sent to."""
+    reason = getattr(error, "strerror", None) or error
+    return StudioError(f"Nothing can be sent to {address}: {reason}. Choose another address.")

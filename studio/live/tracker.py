@@ -136,10 +136,11 @@ class UdpInput:
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
             self._socket.bind((address, port))
-        except (OSError, OverflowError) as error:
+        except (OSError, OverflowError, UnicodeError) as error:
             self._socket.close()
-            reason = error.strerror if isinstance(error, OSError) else error
-            raise StudioError(f"Nothing can listen at {address}:{port}: {reason}. Choose another port.") from error
+            reason = getattr(error, "strerror", None) or error
+            sentence = f"Nothing can listen at {address}:{port}: {reason}. Choose another port or address."
+            raise StudioError(sentence) from error
         self._begun = time.monotonic()
         self._stopped = threading.Event()
         self._thread = threading.Thread(target=self._listen, name="live-input", daemon=True)

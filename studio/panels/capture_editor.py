@@ -56,7 +56,7 @@ class CaptureEditor(Editor):
         self.finish()
 
     def _add_options(self) -> None:
-        section = Section("Read as")
+        section = Section("Import settings")
         self._unit = Choice("Unit", UNITS)
         self._unit.chosen.connect(lambda unit: self._ask(unit=unit))
         self._axis = Choice("Up axis", AXES)
@@ -145,11 +145,11 @@ def _make_report(capture: Capture) -> QWidget:
     for guess in capture.guesses:
         section.add_wide(_guess_lines(guess))
     if not capture.guesses:
-        section.add_wide(labelled("Nothing: the file says everything.", "hint"))
+        section.add_wide(labelled("No assumptions were made.", "hint"))
     for repair in capture.repairs:
         section.add_wide(labelled(f"Repaired: {repair}", "hint"))
     for remark in remarks_on(capture):
-        section.add_wide(labelled(f"Odd: {remark.sentence}", "hint"))
+        section.add_wide(labelled(f"Warning: {remark.sentence}", "hint"))
     return section
 
 

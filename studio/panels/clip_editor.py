@@ -74,8 +74,8 @@ class ClipEditor(Editor):
 
     def _placing(self) -> Section:
         section = Section("Where it plays")
-        self._joined = self._box("where the last one ends", lambda on: self._set("Join", joined=on))
-        section.add_row("Begins", self._joined)
+        self._joined = self._box("At end of previous clip", lambda on: self._set("Join", joined=on))
+        section.add_row("Placement", self._joined)
         turn = NumberField("Turn", "°", -360.0, 360.0, 1.0, 1)
         self._turn = self._number(turn, "Turn", "", turn=math.radians(1.0))
         section.add_row("Turn", self._turn)
@@ -86,9 +86,9 @@ class ClipEditor(Editor):
         for field in self._offset:
             field.setToolTip("In leg lengths, so that it is in proportion for every body. Drag sideways to change.")
         section.add_row("Offset  legs", *self._offset)
-        self._ease = self._number(NumberField("Takes over in", "s", 0.0, 60.0, 0.05), "Ease", "", ease=1.0)
+        self._ease = self._number(NumberField("Blend time", "s", 0.0, 60.0, 0.05), "Ease", "", ease=1.0)
         self._ease.setSpecialValueText("as needed")
-        section.add_row("Takes over", self._ease)
+        section.add_row("Blend", self._ease)
         section.add_wide(labelled("Over another clip, a line in its bar shows when it takes over.", "hint"))
         return section
 

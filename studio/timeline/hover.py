@@ -5,6 +5,7 @@ from typing import Any
 from PySide6.QtCore import QPointF
 
 from studio.core.stage.clip_row import players_of
+from studio.engine.residuals import unsolved_words
 from studio.timeline.figures import moment
 from studio.timeline.gestures.activation import time_of
 from studio.timeline.gestures.begin import name_of
@@ -61,7 +62,9 @@ def strip_text(sheet: Sheet, constraint_id: str, performer_id: str, frame: int) 
     strip = sheet.shown.strip(constraint_id, performer_id)
     name = sheet.shown.project.performers[performer_id].name
     if strip is None:
-        return f"{name}: {StripState.UNKNOWN}" if sheet.shown.is_asked(constraint_id, performer_id) else ""
+        return (
+            f"{name}: {unsolved_words(sheet.shown.live)}" if sheet.shown.is_asked(constraint_id, performer_id) else ""
+        )
     if strip.state_at(frame) == StripState.INACTIVE:
         return ""
     if strip.state_at(frame) == StripState.YIELDING:

@@ -7,7 +7,7 @@ import pyvista as pv
 from numpy.typing import NDArray
 
 from studio.core.mesh.appearance import Appearance, Material
-from studio.io.textures import shown_picture
+from studio.io.figure.textures import shown_picture
 from studio.viewport.live_mesh import LiveMesh
 
 _HOLES = """//VTK::TCoord::Impl

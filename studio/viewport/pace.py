@@ -17,6 +17,7 @@ class Pace:
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
         self._pictures: deque[float] = deque()
+        self._begun: float | None = None
         self._asked_at: float | None = None
         self._behind: float | None = None
         self._posed: tuple[float | None] | None = None
@@ -25,7 +26,7 @@ class Pace:
     def rest(self) -> None:
         """Nothing moves any more."""
         self._pictures.clear()
-        self._asked_at = self._behind = None
+        self._begun = self._asked_at = self._behind = None
         self._words, self._said_at = "", -math.inf
 
     def posed(self, asked_at: float | None) -> None:
@@ -41,12 +42,16 @@ class Pace:
         self._posed = None
 
     def picture(self, asked_at: float | None) -> None:
-        """A picture is made; ``asked_at`` (by the clock) that was asked which its pose answers, None for playback."""
+        """A picture is made; ``asked_at`` (by the clock) that was asked which its pose answers, None for playback.
+
+        A pose that answers what was asked before anything moved is not behind: nobody has asked anything else of it.
+        """
         now = self._clock()
+        self._begun = now if self._begun is None else self._begun
         self._pictures.append(now)
         while now - self._pictures[0] > OF_LATE:
             self._pictures.popleft()
-        if asked_at is None:
+        if asked_at is None or asked_at < self._begun - OF_LATE:
             self._behind = None
         elif asked_at != self._asked_at:  # the same answer seen again is no older for that
             self._behind = now - asked_at
@@ -54,7 +59,7 @@ class Pace:
 
     @property
     def words(self) -> str:
-        """``12 pictures/s · 85 ms behind``, anew some times a second, to be read; nothing at rest."""
+        """``12 pictures/s · 85 ms latency``, anew some times a second, to be read; nothing at rest."""
         now = self._clock()
         if not self._words or now - self._said_at >= SAID_EVERY:
             self._words, self._said_at = self._now, now
@@ -65,5 +70,5 @@ class Pace:
         if len(self._pictures) < 2:
             return ""
         count = (len(self._pictures) - 1) / (self._pictures[-1] - self._pictures[0])
-        behind = "" if self._behind is None else f" · {1000 * self._behind:.0f} ms behind"
+        behind = "" if self._behind is None else f" · latency {1000 * self._behind:.0f} ms"
         return f"{count:.0f} pictures/s{behind}"

@@ -7,10 +7,10 @@ from typing import IO, Any
 
 from studio.core.constraints.base import BodyPoint
 from studio.core.project import Project
-from studio.io.entity_json import Members, npy_parts, parsed, project_json, project_of
 from studio.io.json_text import json_of
 from studio.io.npy import array_of
-from studio.io.value_json import MemberCodec, from_json, to_json
+from studio.io.project.entity_json import Members, npy_parts, parsed, project_json, project_of
+from studio.io.project.value_json import MemberCodec, from_json, to_json
 from studio.viewport.camera import OrbitCamera
 
 

@@ -3,7 +3,7 @@
 from studio.app.casting import put_character
 from studio.app.sample import empty_project
 from studio.document.document import Document
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 
 
 def test_characters_of_one_name_are_numbered() -> None:

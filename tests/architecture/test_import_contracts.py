@@ -40,7 +40,7 @@ def test_empty_packages_break_no_contract(checkout):
         ("core/body/pose.py", "import studio.io"),
         ("core/body/pose.py", "import pathlib"),
         ("core/body/pose.py", "from PySide6.QtCore import QObject"),
-        ("io/bvh.py", "import studio.document"),
+        ("io/bvh/reader.py", "import studio.document"),
         ("cli/render.py", "import pyqtgraph"),
         ("viewport/scene.py", "import studio.panels"),
         ("timeline/tracks.py", "import studio.viewport"),

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.architecture.sources import ROOT
+from tests.architecture.test_readme import links_of
 
 BIN = "Scripts" if sys.platform == "win32" else "bin"
 
@@ -41,6 +42,22 @@ def test_the_file_to_which_a_help_text_points_is_in_the_wheel(away):
     [path] = (Path(word) for word in told.split() if word.endswith("headless.md"))
     assert away in path.parents
     assert "# Without a window" in path.read_text(encoding="utf-8")
+    assert dead_links(path) == []
+
+
+def dead_links(page):
+    """Links of a page, and of the pages that it links to, at which there is no file."""
+    waiting, seen, dead = [page], set(), []
+    while waiting:
+        page = waiting.pop()
+        seen.add(page)
+        for link in links_of(page):
+            goal = (page.parent / link.partition("#")[0]).resolve() if not link.startswith("#") else page
+            if not goal.exists():
+                dead.append(f"{page.name}: {link}")
+            elif goal.suffix == ".md" and goal not in seen:
+                waiting.append(goal)
+    return dead
 
 
 PRINT_PACKAGES = "import sysconfig; print(sysconfig.get_path('purelib'))"

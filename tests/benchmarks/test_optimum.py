@@ -9,7 +9,7 @@ from benchmarks.optimum import excess
 from studio.cli.bench_cases import LIMB, Task, make_tasks, places_of
 from studio.core.grounds.ground import Ground
 from studio.core.solver.standing.stand import stand
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.core.motions import walk
 
 BODY = bundled_characters()["adult_woman"].morphology

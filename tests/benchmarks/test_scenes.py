@@ -8,8 +8,8 @@ from studio.cli.adaptation import ready_capture
 from studio.cli.bench_cases import clip_of
 from studio.core.grounds.ground import Ground
 from studio.core.solver.standing.stand import stand
-from studio.io.character_file import bundled_characters
 from studio.io.importing import GUESS_ALL
+from studio.io.project.character_file import bundled_characters
 from studio.resources_folder import example_captures_folder
 
 LAW = 0.2

@@ -29,8 +29,8 @@ from studio.core.solver.adapt import adapt
 from studio.core.solver.report import report_of
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.standing.stand import standing_of
-from studio.io.character_file import bundled_characters
 from studio.io.importing import load_capture
+from studio.io.project.character_file import bundled_characters
 from studio.library.catalogue import Catalogue
 from studio.library.indexing import index
 from studio.library.library import Library

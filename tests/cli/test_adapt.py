@@ -18,9 +18,9 @@ from studio.core.body.morphology import Proportions
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
-from studio.io.character_file import bundled_characters, write_character
 from studio.io.export import write_capture
 from studio.io.importing import load_capture
+from studio.io.project.character_file import bundled_characters, write_character
 from studio.resources_folder import resources_folder
 from tests.architecture.sources import ROOT
 from tests.builders import make_capture, make_constraint

@@ -17,6 +17,7 @@ import pytest
 from distributed import Client, LocalCluster
 
 from studio.cli import batch
+from studio.cli.arguments import ADD_ARGUMENTS
 from studio.cli.batch_jobs import Job, done_before, find_jobs, work
 from studio.cli.main import main
 from studio.io.export import write_capture
@@ -27,7 +28,7 @@ from tests.builders import make_capture
 def asked_by(*words: str) -> dict[str, Any]:
     """What a job is told of the command line."""
     parser = ArgumentParser()
-    batch.add_arguments(parser)
+    ADD_ARGUMENTS["batch"](parser)
     told = vars(parser.parse_args(["captures", "--out", "out", *words]))
     return {key: value for key, value in told.items() if key not in batch._OWN}
 

@@ -49,15 +49,21 @@ def test_search_of_a_frame_there_is_not_says_which_there_are(library, capsys):
     assert "has frames 0 to" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
-    "wrong", [["--target", "nan", "0", "1"], ["--posture-weight", "-1"], ["--reach-weight", "inf"]]
-)
-def test_search_for_what_is_no_place_or_weight_is_refused(library, capsys, wrong):
-    ask = ["search", str(EXAMPLES / "walk_turn.bvh"), "--target", "1", "0", "1", "--library", library]
-    assert main([*ask, *wrong]) == 1
-    assert "finite numbers" in capsys.readouterr().err
+def test_a_library_where_nothing_can_be_written_is_told_without_an_error_number(tmp_path, capsys):
+    file = tmp_path / "home"
+    file.write_text("")
+    assert main(["index", str(EXAMPLES), "--library", str(file / "library")]) == 1
+    told = capsys.readouterr().err
+    assert f"The library's folder '{file / 'library'}' cannot be used: Not a directory." in told
+    assert "Errno" not in told
+
+
+def test_search_finds_the_bundled_strikes_in_a_library_that_is_empty(tmp_path, capsys):
+    ask = ["search", str(EXAMPLES / "walk_turn.bvh"), "--target", "0.7", "0", "1.35", "--library", str(tmp_path)]
+    assert main([*ask, "--bundled", "--json"]) == 0
+    assert len(printed(capsys)["results"]) == 8
 
 
 def test_search_of_an_empty_library_says_how_to_fill_it(tmp_path, capsys):
     assert main(["search", str(EXAMPLES / "walk_turn.bvh"), "--target", "1", "0", "1", "--library", str(tmp_path)]) == 1
-    assert "`index FOLDER`" in capsys.readouterr().err
+    assert "`index FOLDER`, or the strikes that come with the studio with `--bundled`" in capsys.readouterr().err

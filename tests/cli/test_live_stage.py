@@ -3,14 +3,12 @@
 import json
 from dataclasses import replace
 
-import pytest
-
-from studio.cli.live_stage import played, pressed
+from studio.cli.live_stage import played
 from studio.cli.main import main
-from studio.core.errors import StudioError
 from studio.core.stage.behaviour import Transition
 from studio.core.stage.conditions import ClipEndCondition, EventCondition, KeyCondition, TimeCondition
-from studio.io.project_file import write_project
+from studio.io.project.project_file import write_project
+from studio.live.stage import LiveStage
 from tests.live.test_live_stage import GUARD, KICK, STEP_BACK, of_two, reaching
 
 
@@ -59,7 +57,20 @@ def test_who_fails_is_told_and_the_rest_plays_on(tmp_path, capsys):
     assert two["steps"] == 12
 
 
-@pytest.mark.parametrize("text", ["K", "@1", "K@soon", "K@nan"])
-def test_what_is_no_key_press_is_refused_in_a_sentence(text):
-    with pytest.raises(StudioError, match="not a key press"):
-        pressed(text)
+def test_ctrl_c_ends_a_stage_with_the_report_of_the_steps_until_then(tmp_path, capsys, monkeypatch):
+    path = tmp_path / "fight.studio"
+    write_project(path, fighting(), "fight")
+    step, steps = LiveStage.step, []
+
+    def step_until_stopped(stage, seconds):
+        steps.append(seconds)
+        if len(steps) == 12:
+            raise KeyboardInterrupt
+        return step(stage, seconds)
+
+    monkeypatch.setattr(LiveStage, "step", step_until_stopped)
+    assert main(["live", "--stage", str(path), "--seconds", "60", "--json"]) == 130
+    report = json.loads(capsys.readouterr().out)
+    assert report["stopped"]
+    assert report["steps"] == 10
+    assert [each["steps"] for each in report["performers"]] == [10, 10]

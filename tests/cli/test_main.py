@@ -8,6 +8,7 @@ from types import ModuleType, SimpleNamespace
 import pytest
 
 import studio.cli.main as command_line
+from studio.cli.arguments import ADD_ARGUMENTS
 from studio.core.errors import StudioError
 
 
@@ -17,9 +18,9 @@ def verb_that(monkeypatch):
 
     def install(deed):
         verb = ModuleType("studio.cli.info")
-        verb.add_arguments = lambda parser: parser.add_argument("--json", action="store_true")
         verb.run = deed
         monkeypatch.setitem(sys.modules, "studio.cli.info", verb)
+        monkeypatch.setitem(ADD_ARGUMENTS, "info", lambda parser: parser.add_argument("--json", action="store_true"))
 
     return install
 
@@ -59,7 +60,7 @@ def test_ctrl_c_ends_any_verb_with_one_sentence(verb_that, capsys):
     verb_that(be_stopped)
     assert command_line.main(["info"]) == 130
     printed = capsys.readouterr()
-    assert printed.err == "morpho-studio: Stopped. What was not written whole was not written at all.\n"
+    assert printed.err == "morpho-studio: Stopped. No file was left incomplete.\n"
     assert command_line.main(["info", "--json"]) == 130
     assert json.loads(capsys.readouterr().out)["ok"] is False
 

@@ -10,7 +10,7 @@ from studio.cli.render import adapted_performers
 from studio.core.solver.adapt import place_of
 from studio.core.stage.placement import Placement
 from studio.io.export import write_capture
-from studio.io.project_file import new_document_id, write_project
+from studio.io.project.project_file import new_document_id, write_project
 from tests.builders import make_capture, make_project
 from tests.engine.test_following import RIGHT, stage
 
@@ -83,10 +83,8 @@ def test_a_folder_gets_a_picture_for_every_frame(capsys, walk, tmp_path):
     ("arguments", "sentence"),
     [
         (["--out", "walk.gif"], "End its name with .png or .mp4"),
-        (["--out", "walk.mp4", "--film-rate", "0"], "not a frame rate for a film"),
         (["--out", "walk.mp4", "--size", "161x90"], "even numbers"),
         (["--out", "walk.png", "--time", "9"], "--time 9 is outside walk.bvh, which lasts 0.48 seconds."),
-        (["--out", "walk.png", "--time", "-1"], "--time -1 is outside"),
         (["--out", "walk.mp4", "--time", "0"], "--time is the moment of one picture"),
     ],
 )

@@ -14,7 +14,7 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.project import Performer
 from studio.core.stage.clip import Clip
 from studio.io.importing import load_capture
-from studio.io.project_file import new_document_id, read_project, write_project
+from studio.io.project.project_file import new_document_id, read_project, write_project
 from tests.builders import make_capture, make_project
 from tests.core.motions import ALWAYS
 

@@ -1,5 +1,6 @@
-"""The warm-up is followed until it is done, and its share is that of the kernels that are there."""
+"""The warm-up is followed until it is done, and its share is that of the work that is done."""
 
+import os
 import subprocess
 import sys
 from concurrent.futures import CancelledError
@@ -9,71 +10,101 @@ from types import SimpleNamespace
 import pytest
 
 from studio.cli import first_run, warm_up
+from studio.cli.compile_work import CompileWork, all_kernels, kernels_below
 from studio.core.kernels.adapt import place_frames, solve_frames
 from studio.core.kernels.body.normalize import encode_frames
 
+FETCHED = [warm_up.STANDING, "first_run.run", warm_up.REST]
 
-def test_following_the_warm_up_reports_rising_shares_until_it_is_done(monkeypatch):
-    shares = iter((0.2, 0.5, 0.9))
-    running = iter((True, True, True, False))
-    monkeypatch.setattr(warm_up, "ready_share", lambda: next(shares))
-    monkeypatch.setattr(warm_up, "LOOKED_AT_EVERY", 0.0)
-    monkeypatch.setattr(warm_up.WarmUp, "running", property(lambda _: next(running)))
-    told = []
+
+def followed(monkeypatch, *steps):
+    """What is reported while the shares of both processes are as in ``steps``, a second each."""
+    clock, left = [100.0], list(steps)
     warming = object.__new__(warm_up.WarmUp)
-    warming._shares = dict(zip(warm_up.HALVES, (0.05, 0.2), strict=True))
-    warming.follow(lambda share, words: told.append((share / warm_up.TRANSLATED, words)))
-    assert told == [(pytest.approx(0.45), ""), (pytest.approx(0.75), ""), (1.0, "")]
+    warming.cold, warming._pace_from, warming._shares = True, None, dict.fromkeys(warm_up.SOLVER, 0.0)
 
+    def pass_by(_seconds):
+        clock[0] += 1.0
 
-def test_what_was_told_is_not_taken_back_when_more_kernels_are_loaded(monkeypatch):
-    shares, running = iter((0.6, 0.2, 0.9)), iter((True, True, True, False))
-    monkeypatch.setattr(warm_up, "ready_share", lambda: next(shares))
-    monkeypatch.setattr(warm_up, "LOOKED_AT_EVERY", 0.0)
-    monkeypatch.setattr(warm_up.WarmUp, "running", property(lambda _: next(running)))
+    def is_running(_self):
+        if left:
+            warming._shares = dict(zip(warm_up.SOLVER, left.pop(0), strict=True))
+            return True
+        return False
+
+    monkeypatch.setattr(warm_up, "time", SimpleNamespace(monotonic=lambda: clock[0], sleep=pass_by))
+    monkeypatch.setattr(warm_up.WarmUp, "running", property(is_running))
     told = []
+    warming.follow(lambda share, words: told.append((share / warm_up.COMPILED, words)))
+    return told
+
+
+def test_it_is_as_far_as_the_process_that_is_furthest_from_its_end(monkeypatch):
+    told = followed(monkeypatch, (0.2, 0.1), (0.6, 0.2), (1.0, 0.3), (1.0, 1.0))
+    assert [share for share, _ in told] == [0.1, 0.2, 0.3, 1.0]
+
+
+def test_the_time_that_is_left_follows_from_the_time_since_the_first_kernels(monkeypatch):
+    """However long it took until then."""
+    steps = [(0.0, 0.0)] * 30 + [(0.5, 0.1 * step) for step in range(1, 6)]
+    words = [each for _, each in followed(monkeypatch, *steps)]
+    assert words[30:] == ["once on this machine", *(f"once on this machine, {left} s left" for left in (8, 7, 6, 5))]
+
+
+def test_a_process_that_counts_anew_takes_nothing_back():
     warming = object.__new__(warm_up.WarmUp)
-    warming._shares = dict.fromkeys(warm_up.HALVES, 0.0)
-    warming.follow(lambda share, _words: told.append(share / warm_up.TRANSLATED))
-    assert told == [pytest.approx(0.6), pytest.approx(0.6), pytest.approx(0.9)]
+    part = warm_up.SOLVER[0]
+    warming._shares, warming._running = {part: 0.0}, {}
+    warming._listen(part, [b"first_run.run_standing 0.400\n", b"first_run.run_rest 0.100\n", b"first_run.ru"])
+    assert warming._shares == {part: 0.4}
+    assert warming._running == {part: "first_run.run_rest"}
 
 
-def test_kernels_that_are_loaded_while_they_are_counted_do_not_end_the_telling(monkeypatch):
-    module = SimpleNamespace()
+class Counted:
+    """A kernel of some bytes that calls others."""
 
-    class Kernel:
-        @property
-        def signatures(self):
-            setattr(module, f"loaded_{len(vars(module))}", None)
-            return [()]
-
-    module.done = Kernel()
-    monkeypatch.setattr(warm_up.sys, "modules", {"studio.core.kernels.one": module})
-    share = warm_up.ready_share()
-    monkeypatch.undo()
-    assert share == 1.0
+    def __init__(self, size, **calls):
+        code = SimpleNamespace(co_code=bytes(size), co_names=tuple(calls), co_consts=())
+        self.py_func = SimpleNamespace(__code__=code, __globals__=calls)
+        self.py_func = type("Function", (), vars(self.py_func))
+        self.signatures = []
 
 
-def test_the_share_counts_kernels_with_a_signature_once_each(monkeypatch):
-    done, waiting = SimpleNamespace(signatures=[()]), SimpleNamespace(signatures=[])
-    modules = {
-        "studio.core.kernels.one": SimpleNamespace(done=done, waiting=waiting),
-        "studio.core.kernels.two": SimpleNamespace(done=done, other=3),
-    }
-    monkeypatch.setattr(warm_up.sys, "modules", modules)
-    share = warm_up.ready_share()
-    monkeypatch.undo()
-    assert share == 0.5
+def test_the_share_is_that_of_the_bytes_of_kernels_that_are_translated_with_all_they_call():
+    leaf, aside = Counted(30), Counted(50)
+    middle = Counted(20, leaf=leaf)
+    top = Counted(100, middle=middle, aside=aside, other=3)
+    compiling = CompileWork([top])
+    assert compiling.share_after(1.0) == 0.0
+    middle.signatures.append(())
+    assert compiling.share_after(2.0) == 0.25
+    top.signatures.append(())
+    assert compiling.share_after(3.0) == 1.0
+
+
+def test_linking_takes_its_part_of_the_share_by_the_pace_of_translating():
+    kernel = Counted(30)
+    compiling = CompileWork([kernel], linking=0.25)
+    kernel.signatures.append(())
+    shares = [compiling.share_after(spent) for spent in (8.0, 9.0, 10.0, 11.0)]
+    assert shares == pytest.approx([0.8, 0.9, 1.0, 1.0])
+
+
+def test_no_kernel_is_left_out_of_what_is_counted():
+    """All that the warm-up has compiled in this process, and nothing that is not compiled by it."""
+    kernels = all_kernels()
+    assert len(kernels) > 500
+    compiled = kernels_below(each for each in kernels if each.signatures)
+    assert [each.py_func.__name__ for each in kernels if id(each) not in compiled] == []
 
 
 @pytest.fixture
 def cold(monkeypatch, tmp_path):
     """A cache that is empty, and what was run in place of compiling."""
     ran = []
-    parts = SimpleNamespace(run=lambda: ran.append("most"), run_seldom=lambda: ran.append("rest"))
-    monkeypatch.setattr(warm_up, "import_module", lambda _: parts)
+    monkeypatch.setattr(warm_up, "run", ran.append)
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    monkeypatch.setattr(warm_up, "CHILD", (sys.executable, "-c", "print(0.5)"))
+    monkeypatch.setattr(warm_up, "CHILD", (sys.executable, "-c", "print('first_run.run_standing 0.5')"))
     return ran
 
 
@@ -81,7 +112,7 @@ def test_a_cold_cache_is_filled_by_two_processes_and_then_fetched(cold):
     warming = warm_up.WarmUp()
     warming.follow(lambda _share, _text: None)
     warming.join()
-    assert cold == ["most", "rest"]
+    assert cold == FETCHED
 
 
 def test_a_verb_says_what_it_waits_for_and_how_far_that_is(cold, capsys):
@@ -89,7 +120,7 @@ def test_a_verb_says_what_it_waits_for_and_how_far_that_is(cold, capsys):
     told = capsys.readouterr().err.splitlines()
     assert "The solver is compiled, once on this machine" in told[0]
     assert told[-1] == "100% The solver is ready"
-    assert cold == ["most", "rest"]
+    assert cold == FETCHED
 
 
 def test_who_only_reads_says_so_where_that_is_still_to_be_compiled_and_else_nothing(cold, tmp_path, capsys):
@@ -103,7 +134,7 @@ def test_who_only_reads_says_so_where_that_is_still_to_be_compiled_and_else_noth
 def test_what_another_process_fails_in_is_done_and_told_here(cold, monkeypatch):
     monkeypatch.setattr(warm_up, "CHILD", (sys.executable, "-c", "raise SystemExit(3)"))
     warm_up.WarmUp().join()
-    assert cold[0] == "most"
+    assert cold[0] == FETCHED[0]
 
 
 def test_a_window_that_closes_does_not_wait_for_the_other_processes(cold, monkeypatch):
@@ -123,7 +154,7 @@ def test_a_full_cache_needs_no_other_process(cold, capsys):
     assert cold == []
     assert capsys.readouterr().err == ""
     warm_up.WarmUp().join()
-    assert cold[0] == "most"
+    assert cold[0] == FETCHED[0]
 
 
 def test_a_warm_up_that_was_stopped_is_told_of_the_next_time_too(cold, capsys):
@@ -139,7 +170,7 @@ def test_while_it_is_held_other_processes_compile_and_this_one_fetches_nothing(c
     assert cold == []
     warming.go_on()
     warming.join()
-    assert cold[0] == "most"
+    assert cold[0] == FETCHED[0]
 
 
 def test_one_that_is_held_can_be_stopped(cold):
@@ -150,7 +181,7 @@ def test_one_that_is_held_can_be_stopped(cold):
 
 
 def test_a_process_whose_listener_is_gone_ends_without_a_word():
-    process = (sys.executable, "-m", "studio.cli.warm_up", "first_run", "run_standing")
+    process = (sys.executable, "-m", "studio.cli.warm_up", warm_up.STANDING)
     with subprocess.Popen(process, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as child:
         child.stdout.close()
         assert child.wait(60) == 0
@@ -166,6 +197,7 @@ def test_both_halves_compile_exactly_what_the_whole_needs():
     needed = [kernel.signatures for kernel in (place_frames, solve_frames)]
     first_run.run_standing()
     first_run.run_constraints()
+    first_run.run_rest()
     assert [kernel.signatures for kernel in (place_frames, solve_frames)] == needed
 
 
@@ -174,3 +206,48 @@ def test_nothing_is_compiled_after_the_warm_up():
     process = (sys.executable, "-m", "tests.cli.late_kernels")
     done = subprocess.run(process, cwd=Path(__file__).parents[2], capture_output=True, text=True, check=False)
     assert (done.stdout.strip(), done.returncode) == ("", 0), done.stderr
+
+
+def test_what_was_compiled_before_a_kernel_was_written_is_compiled_again(cold, tmp_path):
+    """A checkout made anew at the same place holds the same kernels, which numba takes for others all the same."""
+    mark = tmp_path / warm_up.COMPLETE
+    mark.touch()
+    assert not warm_up.is_cold()
+    os.utime(mark, (1e9, 1e9))
+    assert warm_up.is_cold()
+
+
+def test_bodies_can_stand_before_the_constraints_are_compiled(cold, monkeypatch):
+    script = (
+        "import sys, time; constraints = 'run_constraints' in sys.argv[1]\n"
+        "print('first_run.run_rest 0.9', flush=True); time.sleep(600 if constraints else 0)"
+    )
+    monkeypatch.setattr(warm_up, "CHILD", (sys.executable, "-c", script))
+    warming = warm_up.WarmUp()
+    warming.join_grounded()
+    assert cold == [warm_up.STANDING]
+    assert warming.grounded
+    assert not warming.ready
+    warming.stop()
+
+
+def test_a_second_start_says_nothing_of_compiling(cold):
+    warm_up.WarmUp().join()
+    first = warm_up.WarmUp()
+    first.stop()
+    Path(os.environ["NUMBA_CACHE_DIR"], warm_up.COMPLETE).touch()
+    second = warm_up.WarmUp(held=True)
+    assert (second.cold, second.words) == (False, "")
+    second.stop()
+
+
+def test_the_processes_are_as_urgent_as_the_one_that_waits_for_them(cold, monkeypatch, tmp_path):
+    """Of two processors that two others keep busy they get half, and so end in twice their time."""
+    script = "import os, sys; print(os.nice(0), file=open(sys.argv[-1].replace('.', '-'), 'w'))"
+    monkeypatch.setattr(warm_up, "CHILD", (sys.executable, "-c", script))
+    monkeypatch.setattr("studio.io.child_process.ROOT", tmp_path)
+    warm_up.WarmUp().join()
+    told = {
+        part[-1]: (tmp_path / part[-1].replace(".", "-")).read_text() for part in (warm_up.PICTURE, *warm_up.SOLVER)
+    }
+    assert told == dict.fromkeys(told, f"{os.nice(0)}\n")

@@ -19,7 +19,7 @@ from studio.core.quality.metrics import contact_quality
 from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.asking.points import limb_of, point_indices
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.builders import make_constraint, make_morphology
 from tests.core.motions import ALWAYS, RATE, local_rotations, target, walk
 from tests.core.twins.body import bone_lengths

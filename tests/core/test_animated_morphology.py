@@ -16,7 +16,7 @@ from studio.core.normalized.realize import realize
 from studio.core.quality.metrics import angular_acceleration, contact_quality
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.builders import make_morphology
 from tests.core.motions import target, walk
 

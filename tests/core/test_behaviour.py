@@ -28,7 +28,7 @@ from studio.core.stage.conditions import (
 from studio.core.stage.manners import KeepDistance, LeanAway, Manner, Meet, asked_by
 from studio.core.stage.prop import Prop
 from studio.core.stage.whom import FollowPartner, Gap, Whom
-from studio.io.entity_json import entity_of, entity_record, project_json, project_of
+from studio.io.project.entity_json import entity_of, entity_record, project_json, project_of
 from tests.builders import make_project
 
 NEAR = DistanceCondition(distance=1.0)

@@ -29,7 +29,7 @@ from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.arching import arch_trunk
 from studio.core.solver.standing.blends import averaged, eased
 from studio.core.solver.standing.carrying import find_carrying, leaning
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.builders import make_capture, make_morphology, make_skeleton
 from tests.core.motions import RATE, about, random_rotations, walk
 from tests.core.twins.limb import place_limb, soft_reach

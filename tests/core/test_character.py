@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from studio.core.body.morphology import Proportions
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 
 
 def test_a_character_without_sliders_moved_has_the_measures_of_its_build():

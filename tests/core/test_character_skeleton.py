@@ -19,8 +19,8 @@ from studio.core.normalized.normalize import normalize
 from studio.core.rotations import IDENTITY
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
-from studio.io.body_maps import find_body
-from studio.io.character_file import bundled_characters
+from studio.io.figure.body_maps import find_body
+from studio.io.project.character_file import bundled_characters
 from tests.builders import make_capture, make_morphology
 
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}

@@ -17,7 +17,7 @@ from studio.core.body.skeleton import Skeleton
 from studio.core.body.standing import standing_points
 from studio.core.mannequin.tailoring import tailored
 from studio.core.mesh.skin import Blending, bound_pose, fit_skin, skin_vertices
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.io.character_files import JOINTS, NAMES, PLACES
 
 

@@ -25,7 +25,7 @@ from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.asking.clearance import rest_rooms, rooms
 from studio.core.solver.asking.self_contact import self_contact_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.core.motions import walk
 
 CHARACTERS = bundled_characters()

@@ -22,7 +22,7 @@ from studio.core.rotations import from_matrix, to_matrix
 from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.asking.areas import nearest_place
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.core.motions import walk
 
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}

@@ -11,8 +11,8 @@ from studio.core.body.pose import PoseSequence
 from studio.core.captures.capture import Capture
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
-from studio.io.character_file import bundled_characters
 from studio.io.importing import load_capture
+from studio.io.project.character_file import bundled_characters
 from studio.resources_folder import example_captures_folder
 
 BODIES = bundled_characters()

@@ -16,7 +16,7 @@ from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.footprints import planes_under, tilts_of
 from studio.core.solver.standing.stand import stand
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.core.motions import walk
 
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}

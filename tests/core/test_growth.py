@@ -15,8 +15,8 @@ from studio.core.errors import StudioError
 from studio.core.solver.adapt import adapt
 from studio.core.solver.performers.performing import perform
 from studio.document.document import Document
-from studio.io.character_file import bundled_characters, read_character, write_character
-from studio.io.entity_json import entity_of, entity_record
+from studio.io.project.character_file import bundled_characters, read_character, write_character
+from studio.io.project.entity_json import entity_of, entity_record
 from tests.builders import make_project
 
 CHILD = bundled_characters()["child"]

@@ -18,7 +18,7 @@ from studio.core.solver.asking.tracks import Track
 from studio.core.solver.report import LIMITS, winners
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import standing_of
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.core.motions import ALWAYS, RATE, local_rotations, target, walk
 from tests.core.reachable import Mannequin
 from tests.core.scenes import Scene

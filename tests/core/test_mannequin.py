@@ -16,7 +16,7 @@ from studio.core.mannequin.physiques import BUNDLED
 from studio.core.mannequin.sculpt import make_mannequin
 from studio.core.mesh.hand_shapes import AT_EASE, FIST, HALF_CLOSED, OPEN
 from studio.core.mesh.skin import fit_skin, gripping
-from studio.io.character_file import bundled_characters, read_character, write_character
+from studio.io.project.character_file import bundled_characters, read_character, write_character
 
 STATURES = {"adult_woman": 1.66, "tall_man": 1.94, "stocky_man": 1.68, "child": 1.20, "giant": 2.21}
 

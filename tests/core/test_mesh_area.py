@@ -15,7 +15,7 @@ from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.asking.areas import nearest_place
 from studio.core.solver.request import AdaptRequest
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.core.motions import walk
 
 WRIST = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from studio.core.body.morphology import Morphology, Proportions
 from studio.core.kernels import layout as at
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.builders import make_morphology
 from tests.core.motions import times
 

@@ -15,7 +15,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.solver.adapt import adapt, hold, place_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import stand
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.core.motions import ALWAYS, target, walk
 from tests.core.reachable import reachable_target
 from tests.core.scenes import KINDS, Scene

@@ -10,7 +10,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import contact_quality
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.core.motions import target, walk
 from tests.core.reachable import reachable_target
 

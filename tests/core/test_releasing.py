@@ -13,7 +13,7 @@ from studio.core.solver.adapt import hold, place_of
 from studio.core.solver.asking.releasing import constraint_activations, led_place, limb_shares
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.standing.stand import stand
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.core.motions import target, walk
 
 WALK, CONTACTS = walk(120)

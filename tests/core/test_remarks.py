@@ -12,8 +12,8 @@ from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture
 from studio.core.captures.remarks import Remark, remarks_on, remarks_on_body
 from studio.core.normalized.normalize import normalize
-from studio.io.character_file import bundled_characters
 from studio.io.importing import load_capture
+from studio.io.project.character_file import bundled_characters
 from studio.resources_folder import example_captures_folder
 
 

@@ -11,8 +11,8 @@ from studio.core.normalized.normalize import detected_contacts, normalize
 from studio.core.solver.adapt import hold, place_of
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.standing.stand import Standing, standing_of
-from studio.io.character_file import bundled_characters
 from studio.io.importing import load_capture
+from studio.io.project.character_file import bundled_characters
 from studio.resources_folder import example_captures_folder
 
 KICK = load_capture(example_captures_folder() / "front_kick.bvh")

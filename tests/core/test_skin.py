@@ -11,7 +11,7 @@ from studio.core.body.character import Character
 from studio.core.body.morphology import Proportions
 from studio.core.body.rest_pose import rest_pose
 from studio.core.mesh.skin import fit_skin, segment_scales, skin_vertices
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 
 
 @pytest.fixture(scope="module")

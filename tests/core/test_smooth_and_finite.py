@@ -24,7 +24,7 @@ from studio.core.plausible import PLACE, TURN
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.core.motions import ALWAYS, RATE, local_rotations, walk
 from tests.core.scenes import Scene
 

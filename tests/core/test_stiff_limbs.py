@@ -21,7 +21,7 @@ from studio.core.solver.adapt import hold
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.stand import stand
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.core.motions import ALWAYS, RATE, local_rotations, target, walk
 
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}

@@ -39,7 +39,7 @@ from studio.core.solver.standing.stand import stand
 from studio.core.solver.standing.support import outlines, smoothed, standing_points, support_margins
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Prop
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.core.motions import RATE, swaying, walk
 from tests.core.test_constraint_kinds import ALL, HEAD, LEFT, MET, RIGHT, ask
 

@@ -21,9 +21,9 @@ from studio.core.normalized.realize import realize
 from studio.core.solver.adapt import adapt
 from studio.core.solver.asking.clearance import rooms
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.io.character_file import bundled_characters
-from studio.io.entity_json import entity_of, entity_record
 from studio.io.importing import load_capture
+from studio.io.project.character_file import bundled_characters
+from studio.io.project.entity_json import entity_of, entity_record
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "captures"
 BODIES = ("child", "giant", "stocky_man")

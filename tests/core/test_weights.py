@@ -20,7 +20,7 @@ from studio.core.quality.metrics import contact_quality
 from studio.core.rotations import angle_between, from_matrix
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.builders import make_capture, make_skeleton
 from tests.core.motions import local_rotations, target, walk
 

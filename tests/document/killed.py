@@ -18,8 +18,8 @@ from studio.core.project import Project
 from studio.core.stage.prop import Prop
 from studio.document.document import Document
 from studio.document.recovery import recover, recoverable_sessions
-from studio.io.entity_json import project_json
-from studio.io.project_file import read_project, write_project
+from studio.io.project.entity_json import project_json
+from studio.io.project.project_file import read_project, write_project
 from tests.builders import make_project
 
 ID = "00112233445566778899aabbccddeeff"

@@ -25,7 +25,7 @@ from studio.core.stage.manners import KeepDistance
 from studio.core.stage.prop import Prop
 from studio.core.stage.whom import FollowPartner, Gap
 from studio.document.document import Document
-from studio.io.entity_json import project_json
+from studio.io.project.entity_json import project_json
 from tests.builders import make_capture, make_constraint, make_contact, make_project
 
 WRIST = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)

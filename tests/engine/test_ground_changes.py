@@ -16,7 +16,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.engine.standing_solver import StandingSolver
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.core.motions import walk
 from tests.core.test_touching import guard
 

@@ -10,7 +10,7 @@ from studio.core.rotations import angle_between, from_matrix
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.engine.standing_solver import StandingSolver
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.builders import make_constraint
 from tests.core.motions import walk
 

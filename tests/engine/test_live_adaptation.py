@@ -22,8 +22,10 @@ from studio.core.grounds.ground import Ground
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.project import GROUND_ID
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.stage.scope import Scope
 from studio.document.document import Document
 from studio.engine.live_adaptation import LiveAdaptation
+from studio.engine.residuals import unsolved_words
 from tests.builders import make_capture, make_constraint, make_morphology, make_project
 
 FRAMES = 400
@@ -345,9 +347,10 @@ def test_closing_while_kernels_are_still_compiled_waits_for_none_and_tells_nothi
     class Warming:
         """Kernels that are never there."""
 
+        grounded = ready = False
         stopped, asked = threading.Event(), threading.Event()
 
-        def join(self) -> None:
+        def join_grounded(self) -> None:
             self.asked.set()
             self.stopped.wait()
             raise CancelledError
@@ -360,6 +363,7 @@ def test_closing_while_kernels_are_still_compiled_waits_for_none_and_tells_nothi
     live = LiveAdaptation(document, solver.prepare, solver.solve, solver.realise, warm_up=cast(WarmUp, warming))
     document.new(make_project())
     live.wait(0.01)
+    live.source("motion")
     assert warming.asked.wait(10.0)
     live.close()
     qapp.processEvents()
@@ -367,9 +371,9 @@ def test_closing_while_kernels_are_still_compiled_waits_for_none_and_tells_nothi
 
 
 def test_what_is_known_is_shown_until_the_kernels_are_there(qapp: Any) -> None:
-    solver, document, kernels = Solver(), Document(), threading.Event()
-    warming = cast(WarmUp, SimpleNamespace(join=kernels.wait, stop=lambda _patience: kernels.set()))
-    live = LiveAdaptation(document, solver.prepare, solver.solve, solver.realise, warm_up=warming)
+    solver, document = Solver(), Document()
+    kernels = SimpleNamespace(grounded=False, ready=False, stop=lambda _patience: None)
+    live = LiveAdaptation(document, solver.prepare, solver.solve, solver.realise, warm_up=cast(WarmUp, kernels))
     solver.hold.set()
     document.new(project := make_project())
     key = next(iter(project.performers))
@@ -379,7 +383,34 @@ def test_what_is_known_is_shown_until_the_kernels_are_there(qapp: Any) -> None:
     live.wait(0.05)
     assert live.result(key) is known
     assert live.result("nobody") is None
-    kernels.set()
+    kernels.grounded = kernels.ready = True
     assert live.wait()
     assert live.result(key) is not known
+    live.close()
+
+
+def test_bodies_stand_while_the_kernels_of_constraints_are_still_compiled(qapp: Any) -> None:
+    """Whoever has a constraint, and whoever gets one, waits for them, and the words say so."""
+    solver, document = Solver(), Document(make_project(constraints=0))
+    solver.hold.set()
+    kernels = SimpleNamespace(grounded=True, ready=False, stop=lambda _patience: None)
+    live = LiveAdaptation(document, solver.prepare, solver.solve, solver.realise, warm_up=cast(WarmUp, kernels))
+    live.wait(0.5)
+    assert live.told("performer 0") is live.result("performer 0") is not None
+    document.replace("grounds", GROUND_ID, Ground(0.2), "Raise ground")
+    live.bring(0.0)
+    assert live.shown("performer 0").positions[0, 0, 0] == 0.2  # type: ignore[union-attr]
+    live.wait(0.5)
+    solved, known = len(solver.windows), live.result("performer 0")
+    document.add("constraints", replace(make_constraint(), scope=Scope(performer_id="performer 0")), "Reach")
+    live.bring(0.0)
+    live.wait(0.5)
+    assert (len(solver.windows), live.result("performer 0")) == (solved, known)
+    assert live.told("performer 0") is None
+    assert live.told("performer 1") is not None
+    assert unsolved_words(live) == "waits for the solver"
+    kernels.ready = True
+    assert live.wait()
+    assert live.told("performer 0") is live.result("performer 0") is not known
+    assert unsolved_words(live) == "not solved yet"
     live.close()

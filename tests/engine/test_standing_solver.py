@@ -10,7 +10,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.standing import stand
 from studio.engine.standing_solver import KEPT_STANDING, StandingSolver
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.builders import make_constraint
 from tests.core.motions import walk
 

@@ -9,7 +9,7 @@ from studio.app.application import make_application, make_window
 from studio.app.settings import Settings
 from studio.core.captures.contacts import ContactPoint
 from studio.document.document import Document
-from studio.io.bvh_writer import write_bvh
+from studio.io.bvh.writer import write_bvh
 from studio.timeline.timeline import Timeline
 from studio.viewport.widget import Viewport
 from tests.builders import make_capture, make_constraint, make_contact, make_project

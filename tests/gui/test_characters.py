@@ -18,7 +18,7 @@ from studio.core.solver.request import AdaptedMotion
 from studio.document.commands.replace import same_value
 from studio.engine.performance import Placement, Posed
 from studio.io.importing import load_character
-from studio.io.project_file import new_document_id, read_project, write_project
+from studio.io.project.project_file import new_document_id, read_project, write_project
 from studio.viewport.bodies import BodyVisual
 from tests.io.character_files import PIXEL, Gltf, vrml
 from tests.patience import PATIENCE

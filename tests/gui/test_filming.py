@@ -16,7 +16,7 @@ from studio.app.application import make_application, make_window
 from studio.app.settings import Settings
 from studio.core.errors import StudioError
 from studio.document.document import Document
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from studio.viewport.camera import OrbitCamera
 from studio.viewport.film_pictures import render_shots
 from studio.viewport.shots import Shots, View

@@ -14,7 +14,7 @@ from studio.core.normalized.realize import realize
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Prop
 from studio.document.document import Document
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from studio.live.osc import encode_message
 from studio.live.recording import read_recording
 from studio.live.streamer import packets_of

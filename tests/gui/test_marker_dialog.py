@@ -10,8 +10,8 @@ from studio.app.application import show_views
 from studio.app.marker_dialog import open_markers
 from studio.core.markers.cleaning import LowPass
 from studio.core.markers.trial import AnalogSignals, ForcePlate, Trial, TrialEvent
-from studio.io.c3d_writer import write_c3d
-from studio.io.marker_maps import known_maps, maps_folder
+from studio.io.c3d.writer import write_c3d
+from studio.io.markers.maps import known_maps, maps_folder
 from tests.builders import make_project
 from tests.core.markers.made import FRAMES, RATE, made_trial
 from tests.io.trials import make_trial

@@ -11,7 +11,7 @@ from studio.core.solver.performers.performing import perform
 from studio.core.stage.layer import Layer, Region
 from studio.document import clips
 from studio.engine.wanted import wanted_of
-from studio.io.project_file import new_document_id, read_project, write_project
+from studio.io.project.project_file import new_document_id, read_project, write_project
 from studio.panels.inspector import Inspector
 from studio.timeline.hover import hover_text
 from tests.gui.hand import RATE, pixels

@@ -3,7 +3,7 @@
 import struct
 from collections.abc import Callable
 
-from studio.io.c3d_writer import c3d_bytes
+from studio.io.c3d.writer import c3d_bytes
 from tests.io.trials import make_trial
 
 GOOD = c3d_bytes(make_trial())

@@ -9,15 +9,15 @@ from io import BytesIO
 from pathlib import Path
 from random import Random
 
-from studio.io.c3d_writer import write_c3d
-from studio.io.character_file import mesh_bytes, write_character
-from studio.io.character_file import read_mesh as read_skin
-from studio.io.constraint_file import constraint_record, read_constraints
+from studio.io.c3d.writer import write_c3d
 from studio.io.export import write_capture
-from studio.io.ground_file import read_ground
 from studio.io.importing import GUESS_ALL
-from studio.io.mesh_file import read_mesh
-from studio.io.project_file import read_project, write_project
+from studio.io.meshes.mesh_file import read_mesh
+from studio.io.project.character_file import mesh_bytes, write_character
+from studio.io.project.character_file import read_mesh as read_skin
+from studio.io.project.constraint_file import constraint_record, read_constraints
+from studio.io.project.ground_file import read_ground
+from studio.io.project.project_file import read_project, write_project
 from studio.io.registry import format_of
 from tests.builders import make_capture, make_character, make_constraint, make_project
 from tests.io.character_files import Gltf, vrml, x3d

@@ -9,13 +9,13 @@ import pytest
 
 from studio.cli.main import main
 from studio.core.errors import StudioError
-from studio.io.character_file import read_character, write_character
-from studio.io.constraint_file import read_constraints
 from studio.io.importing import load_capture
 from studio.io.json_text import json_of
-from studio.io.mesh_file import read_mesh
+from studio.io.meshes.mesh_file import read_mesh
 from studio.io.npy import array_of
-from studio.io.project_file import read_project
+from studio.io.project.character_file import read_character, write_character
+from studio.io.project.constraint_file import read_constraints
+from studio.io.project.project_file import read_project
 from studio.io.zipped import npy
 from studio.live.recording import read_recording
 from tests.builders import make_character

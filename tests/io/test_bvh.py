@@ -10,8 +10,8 @@ from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
 from studio.core.rotations import from_euler, to_matrix
-from studio.io.bvh import BvhFile, read_bvh, write_bvh
-from studio.io.bvh_writer import _continued
+from studio.io.bvh.reader import BvhFile, read_bvh, write_bvh
+from studio.io.bvh.writer import _continued
 from tests.builders import make_poses, make_skeleton
 from tests.io.bvh_text import HIERARCHY, ROW, bvh_text
 

@@ -7,10 +7,11 @@ import random
 from contextlib import suppress
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from studio.core.errors import StudioError
-from studio.io.bvh import BvhFile, read_bvh
+from studio.io.bvh.reader import BvhFile, read_bvh
 from studio.io.importing import load_capture
 from tests.io.bvh_text import HIERARCHY, ROW, bvh_text
 
@@ -54,8 +55,6 @@ REFUSED = {
     "cut in the last number of the only frame": (bvh_text([ROW], end=""), "take.bvh, line 19: there is no complete"),
     "cut in the word motion": (HIERARCHY + "MOTI", "take.bvh, line 16: the file ends before MOTION"),
     "nothing after motion": (HIERARCHY + "MOTION\n", "there is no complete frame"),
-    "nan": (_rows("nan"), "take.bvh, line 20: 'nan' is not a number"),
-    "inf": (_rows("-inf"), "take.bvh, line 20: '-inf' is not a number"),
     "underscore": (_rows("1_000"), "take.bvh, line 20: '1_000' is not a number"),
     "arabic digits": (_rows("٩٠"), "take.bvh, line 20: '٩٠' is not a number"),
     "hexadecimal": (_rows("0x5a"), "line 20: '0x5a' is not a number"),
@@ -72,6 +71,10 @@ REFUSED = {
     "comma offset": (
         bvh_text(hierarchy=HIERARCHY.replace("0 20 0", "0 20,5 0")),
         "line 8: '20,5' is not a number. Commas seem",
+    ),
+    "a channel without any number": (
+        bvh_text([ROW.replace("90", "nan")] * 3),
+        "take.bvh: Yposition of 'Hips' has no number in any row",
     ),
     "nan offset": (
         bvh_text(hierarchy=HIERARCHY.replace("0 20 0", "0 nan 0")),
@@ -140,14 +143,6 @@ REFUSED = {
         "line 8: 'OFSET' is not",
     ),
     "unknown header": (bvh_text(header="Frames: 3\nColour: red\n"), "line 18: 'colour' is not part of"),
-    "frame time in words": (
-        bvh_text(header="Frames: 3\nFrame Time: fast\n"),
-        "line 18: 'fast' is not a number",
-    ),
-    "frame time with a comma": (
-        bvh_text(header="Frame Time: 0,033\n"),
-        "line 17: '0,033' is not a number. Commas",
-    ),
     "too many joints": (
         bvh_text(hierarchy="HIERARCHY\n" + "ROOT a\n{\n" + "JOINT b\n{\n" * 5000 + "}\n" * 5001),
         "more than 4096 joints are declared",
@@ -165,6 +160,98 @@ def test_it_is_refused_in_a_sentence(tmp_path: Path, case: str) -> None:
 
 
 REPAIRED = {
+    "nan": (
+        _rows("nan"),
+        3,
+        "line 20: 1 row lacks numbers; what is missing was filled from the rows before and after.",
+    ),
+    "-inf": (
+        _rows("-inf"),
+        3,
+        "line 20: 1 row lacks numbers; what is missing was filled from the rows before and after.",
+    ),
+    "1.#IND": (
+        _rows("1.#IND"),
+        3,
+        "line 20: 1 row lacks numbers; what is missing was filled from the rows before and after.",
+    ),
+    "-1.#IND00": (
+        _rows("-1.#IND00"),
+        3,
+        "line 20: 1 row lacks numbers; what is missing was filled from the rows before and after.",
+    ),
+    "1.#QNAN": (
+        _rows("1.#QNAN"),
+        3,
+        "line 20: 1 row lacks numbers; what is missing was filled from the rows before and after.",
+    ),
+    "null": (
+        _rows("null"),
+        3,
+        "line 20: 1 row lacks numbers; what is missing was filled from the rows before and after.",
+    ),
+    "-nan(ind)": (
+        _rows("-nan(ind)"),
+        3,
+        "line 20: 1 row lacks numbers; what is missing was filled from the rows before and after.",
+    ),
+    "decimal commas and the word of a German C library": (
+        bvh_text(
+            [ROW.replace(".", ","), ROW.replace("90", "1.#IND").replace(".", ","), ROW.replace(".", ",")],
+            header="Frames: 3\nFrame Time: 0.0333\n",
+        ),
+        3,
+        "take.bvh: its numbers have decimal commas; they were read as points.",
+    ),
+    "decimal commas but for the frame time": (
+        bvh_text([ROW.replace(".", ",")] * 3, header="Frames: 3\nFrame Time: 0.0333\n"),
+        3,
+        "take.bvh: its numbers have decimal commas; they were read as points.",
+    ),
+    "semicolons": (bvh_text([ROW.replace(" ", ";")] * 3), 3, "semicolons between them; they were read as blanks."),
+    "semicolons and decimal commas": (
+        bvh_text([ROW.replace(" ", "; ").replace(".", ",")] * 3),
+        3,
+        "take.bvh: its numbers have decimal commas; they were read as points.",
+    ),
+    "commas and blanks between": (
+        bvh_text([ROW.replace(" ", ", ")] * 3),
+        3,
+        "commas between them; they were read as blanks.",
+    ),
+    "commas between": (bvh_text([ROW.replace(" ", ",")] * 3), 3, "commas between them; they were read as blanks."),
+    "commas in one row only": (
+        bvh_text([ROW, ROW.replace(" ", ","), ROW]),
+        3,
+        "commas between them; they were read as blanks.",
+    ),
+    "commas in offsets": (
+        bvh_text(hierarchy=HIERARCHY.replace("0 20 0", "0,20,0")),
+        3,
+        "commas between them; they were read as blanks.",
+    ),
+    "glued numbers": (
+        bvh_text([ROW, ROW.replace(" -", "-"), ROW]),
+        3,
+        "take.bvh, line 20: numbers stand there without a blank",
+    ),
+    "glued offset": (
+        bvh_text(hierarchy=HIERARCHY.replace("0 20 0", "0.0-20.5 0")),
+        3,
+        "take.bvh, line 8: numbers stand there without a blank",
+    ),
+    "frame time in words": (
+        bvh_text(header="Frames: 3\nFrame Time: fast\n"),
+        3,
+        "line 18: Frame Time fast cannot be true",
+    ),
+    "frame time nan": (bvh_text(header="Frames: 3\nFrame Time: nan\n"), 3, "line 18: Frame Time nan cannot be true"),
+    "frame time with a comma": (
+        bvh_text(header="Frame Time: 0,033\n"),
+        3,
+        "line 17: Frame Time 0,033 was read as 0.033 s.",
+    ),
+    "frame time as a fraction of zero": (bvh_text(header="Frame Time: 1/0\n"), 3, "Frame Time 1/0 cannot be true"),
     "more rows than said": (
         bvh_text([ROW] * 4),
         4,
@@ -275,6 +362,37 @@ def test_it_is_repaired_and_listed(tmp_path: Path, case: str) -> None:
     file = _read(tmp_path, content)
     assert len(file.frames) == frames
     assert any(repair in listed for listed in file.repairs), file.repairs
+
+
+PLAIN = bvh_text()
+
+
+@pytest.mark.parametrize(
+    "case", ["semicolons", "semicolons and decimal commas", "commas and blanks between", "commas between"]
+)
+def test_other_marks_between_numbers_change_no_number(tmp_path: Path, case: str) -> None:
+    assert np.array_equal(_read(tmp_path, REPAIRED[case][0]).frames, _read(tmp_path, PLAIN).frames)
+
+
+def test_glued_numbers_are_those_that_stand_apart(tmp_path: Path) -> None:
+    glued = _read(tmp_path, REPAIRED["glued numbers"][0])
+    assert np.array_equal(glued.frames, _read(tmp_path, PLAIN).frames)
+    assert _read(tmp_path, REPAIRED["glued offset"][0]).skeleton.offsets[1].tolist() == [0.0, -20.5, 0.0]
+
+
+def test_a_row_without_numbers_lies_between_its_neighbours_and_angles_turn_the_shorter_way(tmp_path: Path) -> None:
+    rows = ["0 90 0 170 0 0 0 0 0", " ".join(["nan"] * 9), "0 94 0 -170 0 0 0 0 0"]
+    frames = _read(tmp_path, bvh_text(rows)).frames
+    assert frames[1, 1] == pytest.approx(92.0)
+    assert frames[1, 3] % 360.0 == pytest.approx(180.0)
+    assert frames[[0, 2], 3].tolist() == [170.0, -170.0]
+
+
+@pytest.mark.parametrize(("text", "rate"), [("1/60", 60.0), ("1 / 30", 30.0), ("1/29.97", 29.97), ("0.02 s", 50.0)])
+def test_a_frame_time_may_be_a_fraction(tmp_path: Path, text: str, rate: float) -> None:
+    file = _read(tmp_path, bvh_text(header=f"Frames: 3\nFrame Time: {text}\n"))
+    assert file.frame_time == pytest.approx(1.0 / rate)
+    assert any(f"Frame Time {text} was read as" in repair for repair in file.repairs) is ("/" in text or " s" in text)
 
 
 def test_two_ends_of_one_joint_get_names_of_their_own(tmp_path: Path) -> None:

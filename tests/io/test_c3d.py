@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from studio.core.markers.trial import MARKER, Trial
-from studio.io.c3d import read_c3d
-from studio.io.c3d_writer import write_c3d
+from studio.io.c3d.reader import read_c3d
+from studio.io.c3d.writer import write_c3d
 from tests.captures import CAPTURES
 from tests.io.trials import make_trial, same
 

@@ -17,8 +17,8 @@ import pytest
 
 from studio.cli.info import described, lines_of
 from studio.core.errors import StudioError
-from studio.io.c3d import C3dFile, read_c3d
-from studio.io.c3d_writer import c3d_bytes
+from studio.io.c3d.reader import C3dFile, read_c3d
+from studio.io.c3d.writer import c3d_bytes
 from studio.io.importing import GUESS_ALL, load_capture
 from tests.io.c3d_hostile import (
     GOOD,

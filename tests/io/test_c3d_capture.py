@@ -16,13 +16,13 @@ from studio.core.markers.virtual import virtual_trial
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.round_trip import round_trip
 from studio.core.project import Project
-from studio.io.c3d import read_c3d
-from studio.io.c3d_writer import write_c3d
+from studio.io.c3d.reader import read_c3d
+from studio.io.c3d.writer import write_c3d
 from studio.io.export import take_of_capture, write_take
 from studio.io.guessing import AXES
 from studio.io.importing import GUESS_ALL, ImportOptions, load_annotations, load_capture
-from studio.io.marker_capture import capture_of_take
-from studio.io.project_file import read_project, write_project
+from studio.io.markers.capture import capture_of_take
+from studio.io.project.project_file import read_project, write_project
 from tests.core.markers.made import made_trial
 from tests.io.test_c3d import FILES
 from tests.io.trials import same
@@ -64,7 +64,7 @@ def test_a_map_said_by_hand_makes_a_body_of_bare_markers() -> None:
 
 def load_capture_of(trial, options):
     from studio.core.markers.take import MarkerTake
-    from studio.io.marker_maps import find_map
+    from studio.io.markers.maps import find_map
 
     return capture_of_take(MarkerTake(trial, options.marker_map or find_map(trial)), options)
 

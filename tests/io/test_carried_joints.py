@@ -20,10 +20,10 @@ from studio.core.normalized.normalize import normalize
 from studio.core.rotations import angle_between, from_matrix
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
-from studio.io.character_file import actor_character, bundled_characters
 from studio.io.export import Take, take_of_adapted, write_take
 from studio.io.export_options import ExportOptions
 from studio.io.importing import load_capture
+from studio.io.project.character_file import actor_character, bundled_characters
 from tests.builders import BODY_MAP, make_capture
 from tests.io.bvh_exports import EXTRAS, body, with_extras
 from tests.io.khronos import issues_of

@@ -10,7 +10,7 @@ import pytest
 from studio.core.body.character import Character
 from studio.core.body.morphology import Proportions
 from studio.core.errors import StudioError
-from studio.io.character_file import (
+from studio.io.project.character_file import (
     bundled_characters,
     mesh_bytes,
     read_character,

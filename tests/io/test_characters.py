@@ -12,8 +12,8 @@ import pytest
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Material
 from studio.core.mesh.skin import bound_pose
-from studio.io.character_file import read_character, write_character
 from studio.io.importing import ImportOptions, load_character
+from studio.io.project.character_file import read_character, write_character
 from studio.io.registry import ReadCharacter
 from tests.io.character_files import PIXEL, PLACES, Gltf, vrml, x3d
 

@@ -8,8 +8,8 @@ from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.constraints.activation import EaseShape
 from studio.core.errors import StudioError
-from studio.io.constraint_file import constraint_record, read_constraints
-from studio.io.entity_json import entity_record
+from studio.io.project.constraint_file import constraint_record, read_constraints
+from studio.io.project.entity_json import entity_record
 from tests.architecture.sources import ROOT
 from tests.builders import make_constraint
 

@@ -26,9 +26,9 @@ from studio.core.constraints.upright import UprightConstraint
 from studio.core.errors import StudioError
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.stage.prop import Prop
-from studio.io.constraint_file import constraint_of, constraint_record, read_constraints
-from studio.io.entity_json import entity_record, project_json, project_of
-from studio.io.project_file import read_project, write_project
+from studio.io.project.constraint_file import constraint_of, constraint_record, read_constraints
+from studio.io.project.entity_json import entity_record, project_json, project_of
+from studio.io.project.project_file import read_project, write_project
 from tests.builders import make_project
 
 WRIST = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True)

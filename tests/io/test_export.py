@@ -11,10 +11,10 @@ from studio.core.errors import StudioError
 from studio.core.normalized.normalize import capture_contacts, normalize
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.io.bvh import read_bvh
-from studio.io.character_file import bundled_characters
+from studio.io.bvh.reader import read_bvh
 from studio.io.export import take_of_actor, take_of_adapted, write_capture, write_take
 from studio.io.importing import load_capture
+from studio.io.project.character_file import bundled_characters
 from tests.builders import make_capture, make_morphology
 
 HUNDREDTH_OF_A_MILLIMETRE = 1e-5

@@ -12,11 +12,11 @@ from studio.core.mesh.joint_skin import character_skin
 from studio.core.normalized.normalize import normalize
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
-from studio.io.character_file import bundled_characters
 from studio.io.export import take_of_adapted, take_of_capture, write_take
 from studio.io.export_options import ExportOptions
 from studio.io.importing import load_capture
 from studio.io.joint_names import joint_namings, with_joint_names
+from studio.io.project.character_file import bundled_characters
 from tests.builders import make_capture
 
 NO_TURN = np.array([0.0, 0.0, 0.0, 1.0])

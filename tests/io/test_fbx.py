@@ -8,7 +8,7 @@ import pytest
 
 from studio.core.body.kinematics import joint_world
 from studio.core.errors import StudioError
-from studio.io import fbx_reading
+from studio.io.fbx import reading
 from studio.io.importing import ImportOptions, load_capture
 from tests.builders import BODY_MAP
 from tests.io.fbx_text import ORDERS, body, fbx_text
@@ -62,11 +62,10 @@ def test_what_the_user_knows_better_than_the_file_holds(tmp_path: Path) -> None:
 
 
 REFUSED = {
-    "empty": (b"", "could not be read as FBX"),
-    "a text": (b"; FBX 7.4.0 project file\nDear diary", "it holds no joints|could not be read as FBX"),
-    "cut off in the joints": (fbx_text().encode()[:1500], "could not be read as FBX|it holds no joints"),
+    "a text": (b"; FBX 7.4.0 project file\nDear diary", "it has no skeleton|could not be read as FBX"),
+    "cut off in the joints": (fbx_text().encode()[:1500], "could not be read as FBX|it has no skeleton"),
     "binary cut off": (b"Kaydara FBX Binary  \0\x1a\0\xe8\x1c\0\0" + b"\xff" * 40, "could not be read as FBX"),
-    "no joints": (fbx_text().replace('"LimbNode"', '"Null"').encode(), "it holds no joints"),
+    "no joints": (fbx_text().replace('"LimbNode"', '"Null"').encode(), "it has no skeleton"),
     "a take of three hundred years": (
         fbx_text().replace('"LocalStop", "KTime", "Time", "",', '"LocalStop", "KTime", "Time", "",4444444').encode(),
         "it says that it has [0-9]+ frames",
@@ -98,7 +97,7 @@ def test_a_reader_that_crashes_costs_the_import_alone(tmp_path: Path, monkeypatc
 
 def test_a_reader_that_never_ends_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "take.fbx").write_text(fbx_text())
-    monkeypatch.setattr(fbx_reading, "_PATIENCE", 0.5)
+    monkeypatch.setattr(reading, "_PATIENCE", 0.5)
     instead_of_the_reader(monkeypatch, "while True: pass")
     with pytest.raises(StudioError, match="takes longer than"):
         load_capture(tmp_path / "take.fbx")
@@ -121,6 +120,6 @@ def test_a_reader_that_is_cancelled_leaves_nothing_open(tmp_path: Path, monkeypa
 
 def test_without_its_package_the_sentence_says_what_to_export(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "take.fbx").write_text(fbx_text())
-    monkeypatch.setattr(fbx_reading, "find_spec", lambda _name: None)
+    monkeypatch.setattr(reading, "find_spec", lambda _name: None)
     with pytest.raises(StudioError, match=rf"read with the package 'ufbx'.*{INSTEAD}"):
         load_capture(tmp_path / "take.fbx")

@@ -55,5 +55,5 @@ def test_a_file_with_a_skin_is_a_character_and_one_without_is_a_motion(tmp_path:
     assert format_of(path, *JOBS).holds_character(path)
     path = written(tmp_path, fbx_text())
     assert not format_of(path, *JOBS).holds_character(path)
-    with pytest.raises(StudioError, match="Import it as a capture"):
+    with pytest.raises(StudioError, match="a skeleton but no mesh: it is a motion"):
         load_character(path)

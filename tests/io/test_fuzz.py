@@ -13,7 +13,7 @@ import pytest
 from studio.cli.info import described, lines_of
 from studio.io.export import write_capture
 from studio.io.importing import GUESS_ALL
-from studio.io.project_file import write_project
+from studio.io.project.project_file import write_project
 from studio.resources_folder import resources_folder
 from tests.builders import make_capture, make_project
 

@@ -17,12 +17,12 @@ from studio.core.mesh.skin import skin_vertices
 from studio.core.normalized.normalize import capture_contacts, normalize
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
-from studio.io.character_file import bundled_characters
 from studio.io.export import take_of_adapted, take_of_capture, write_take
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.container import read_gltf
 from studio.io.importing import load_capture, load_character
 from studio.io.png import png_bytes
+from studio.io.project.character_file import bundled_characters
 from tests.builders import make_capture, make_character
 from tests.io.khronos import issues_of
 

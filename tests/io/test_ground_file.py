@@ -8,7 +8,7 @@ import pytest
 from studio.core.errors import StudioError
 from studio.core.grounds import HeightMap, Slope, Steps, SurfaceMesh
 from studio.core.grounds.ground import Ground
-from studio.io.ground_file import read_ground
+from studio.io.project.ground_file import read_ground
 
 BLOCK = "v 0 0 0\nv 0 0 1\nv 1 0 0\nf 1 2 3\n"
 

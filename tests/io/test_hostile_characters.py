@@ -65,7 +65,7 @@ def at_one_place(text: str) -> str:
 
 
 GLTF = {
-    "empty": (b"", "no character the studio reads|not readable as JSON"),
+    "empty": (b"", "is empty"),
     "not glTF at all": (b"PK\x03\x04 a zip", "not readable as JSON"),
     "cut in its header": (Gltf().glb()[:15], "is cut off: it has 15 bytes"),
     "cut in its content": (Gltf().glb()[:-500], "is cut off: it should have"),
@@ -168,7 +168,16 @@ GLTF = {
     "flat bind matrices": (flat_bind(), "a bind matrix is flat"),
     "neither skin nor bones": (
         b'{"asset": {"version": "2.0"}}',
-        "has no skin and no bones: it is not a character",
+        "has no skeleton",
+    ),
+    "a mesh that hangs from no bones": (
+        gltf(
+            lambda root: (
+                root.update(skins=[], nodes=[{"mesh": 0, "name": "body"}, {"name": "Camera"}]),
+                root["scenes"][0].update(nodes=[0, 1]) if "scenes" in root else None,
+            )
+        ),
+        "has no skeleton .bones., so its mesh cannot move",
     ),
     "a missing leg": (node(11, children=[]), "shows no complete human body: no left leg"),
     "a missing arm": (node(8, children=[]), "shows no complete human body: .*no right arm"),

@@ -17,8 +17,8 @@ import numpy as np
 import pytest
 
 from studio.core.errors import StudioError
-from studio.io.character_file import read_character, write_character
-from studio.io.project_file import document_id_of, read_project, write_project
+from studio.io.project.character_file import read_character, write_character
+from studio.io.project.project_file import document_id_of, read_project, write_project
 from tests.builders import make_character, make_project
 
 Record = dict[str, Any]

@@ -11,7 +11,7 @@ from studio.core.body.humanoid import BodyPart
 from studio.core.body.kinematics import joint_world, rest_poses
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
-from studio.io.bvh import read_bvh, write_bvh
+from studio.io.bvh.reader import read_bvh, write_bvh
 from studio.io.importing import ImportOptions, load_capture
 from tests.builders import BODY_MAP, make_poses, make_skeleton
 from tests.captures import CAPTURES

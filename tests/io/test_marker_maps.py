@@ -6,9 +6,9 @@ import pytest
 
 from studio.core.errors import StudioError
 from studio.core.markers.marker_map import MarkerMap
-from studio.io.c3d import read_c3d
+from studio.io.c3d.reader import read_c3d
 from studio.io.importing import load_capture
-from studio.io.marker_maps import find_map, find_subject, known_maps, maps_folder, read_map, save_map
+from studio.io.markers.maps import find_map, find_subject, known_maps, maps_folder, read_map, save_map
 from tests.core.markers.made import made_trial
 from tests.io.trials import make_trial
 

@@ -8,7 +8,7 @@ import pytest
 import pyvista
 
 from studio.core.errors import StudioError
-from studio.io.mesh_file import read_mesh
+from studio.io.meshes.mesh_file import read_mesh
 
 OBJ = "v 0 0 0\nv 100 0 0\nv 100 0 100\nv 0 0 100\nv 50 80 50\nf 1 2 3 4\nf 1 2 5\n"
 STL = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n"

@@ -15,10 +15,10 @@ from studio.core.errors import StudioError
 from studio.core.project import Project
 from studio.core.stage.prop import Prop
 from studio.core.stage.scope import EVERYONE
-from studio.io.archive import stamp
-from studio.io.entity_json import project_json
-from studio.io.project_file import ChangedOnDisk, FolderNotWritable, read_project, write_project
-from studio.io.upgrades import upgraded
+from studio.io.project.archive import stamp
+from studio.io.project.entity_json import project_json
+from studio.io.project.project_file import ChangedOnDisk, FolderNotWritable, read_project, write_project
+from studio.io.project.upgrades import upgraded
 from tests.builders import make_constraint, make_project
 
 ID = "0123456789abcdef0123456789abcdef"

@@ -18,8 +18,8 @@ from studio.core.normalized.realize import realize
 from studio.core.rotations import angle_between, from_matrix
 from studio.io.export import take_of_capture, write_take
 from studio.io.importing import ImportOptions, load_annotations, load_capture
-from studio.io.s4d import S4d, write_s4d
-from studio.io.s4d_reader import read_s4d
+from studio.io.s4d.reader import read_s4d
+from studio.io.s4d.writer import S4d, write_s4d
 from tests.builders import make_capture, make_constraint, make_contact, make_morphology
 
 TENTH_OF_A_MILLIMETRE = 1e-4

@@ -11,8 +11,8 @@ import pytest
 from studio.core.errors import StudioError
 from studio.core.normalized.normalize import normalize
 from studio.io.importing import load_capture
-from studio.io.s4d import S4d, write_s4d
-from studio.io.s4d_reader import read_annotations
+from studio.io.s4d.reader import read_annotations
+from studio.io.s4d.writer import S4d, write_s4d
 from tests.builders import make_capture
 
 RECORD, CHANNELS = "s4d.json", "channels.npy"

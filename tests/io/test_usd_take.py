@@ -14,9 +14,9 @@ from studio.core.mesh.skin import skin_vertices
 from studio.core.normalized.normalize import normalize
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
-from studio.io.character_file import bundled_characters
 from studio.io.export import take_of_adapted, take_of_capture, write_take
 from studio.io.importing import load_capture, load_character
+from studio.io.project.character_file import bundled_characters
 from tests.builders import make_capture
 
 pytest.importorskip("pxr", reason="usd-core is not installed")

@@ -15,7 +15,7 @@ from studio.core.normalized.realize import realize
 from studio.core.quality.metrics import angular_acceleration, contact_quality, swing_depths
 from studio.core.solver.adapt import adapt
 from studio.core.stage.clip import Clip
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from studio.library.catalogue import Catalogue
 from studio.library.clips import Kind, Limb
 from studio.library.hitting import hit_places

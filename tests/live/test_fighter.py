@@ -13,7 +13,7 @@ from examples.keyed.strikes import HIT, STRIKES, Kick
 from studio.cli.live import guard_of, swaying
 from studio.cli.main import main
 from studio.core.captures.contacts import touching_points
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from studio.library.catalogue import Catalogue
 from studio.library.clips import Kind, Limb
 from studio.library.indexing import bundled_library, index
@@ -219,6 +219,21 @@ def test_the_verb_fights_a_replayed_head_and_reports(tmp_path, capsys):
     printed = capsys.readouterr().out
     assert "240 frames, 2 strikes" in printed
     assert "60 packets taken, 0 bad" in printed
+
+
+def test_ctrl_c_ends_a_fight_with_the_report_of_what_was_fought_until_then(library):
+    body = bundled_characters()["child"].morphology
+    fighter = Fighter(library, body, guard_of(None))
+
+    def target_until_stopped(now):
+        if now >= 0.5:
+            raise KeyboardInterrupt
+        return near(body)
+
+    report = fight(fighter, target_until_stopped, lambda now: None, 60.0)
+    assert report.stopped
+    assert report.frames == 0.5 * fighter.rate
+    assert report.words.startswith(f"{report.frames} frames, 0 strikes")
 
 
 @pytest.mark.parametrize("name", ["child", "adult_woman"])

@@ -15,7 +15,7 @@ from studio.core.errors import StudioError
 from studio.core.normalized.realize import realize
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from studio.live import tracker
 from studio.live.driving import ReceivedPose, driven
 from studio.live.osc import encode_message

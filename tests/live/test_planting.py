@@ -24,7 +24,7 @@ from studio.core.quality.contact_tracks import contact_tracks
 from studio.core.quality.metrics import LIMB_BONES, swing_depths, turning_peaks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.source import source_motion
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from studio.live.driving import ReceivedPose, driven
 from studio.live.planting import Planted
 from studio.live.streamer import packets_of

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from studio.core.errors import StudioError
 from studio.core.normalized.encode import encode
 from studio.core.normalized.realize import realize
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from studio.live import vmc
 from studio.live.osc import encode_message
 from studio.live.recording import read_recording, write_recording
@@ -163,6 +163,14 @@ def test_a_port_that_is_taken_is_told():
         taken.bind(("127.0.0.1", 0))
         with pytest.raises(StudioError, match="Choose another port"):
             UdpInput(Inbox(), taken.getsockname()[1])
+
+
+@pytest.mark.parametrize("address", ["no-such-host.invalid", "a..b", "x" * 80])
+def test_an_address_that_cannot_be_found_is_told_before_anything_is_sent(address):
+    with pytest.raises(StudioError, match=r"Nothing can be sent to .*Choose another address"):
+        Streamer(39_540, address)
+    with pytest.raises(StudioError, match=r"Nothing can listen at .*Choose another port or address"):
+        UdpInput(Inbox(), 0, address)
 
 
 def test_a_recording_is_replayed_as_it_came_and_a_damaged_one_is_told(tmp_path):

@@ -18,6 +18,7 @@ from tests.builders import make_project
 
 class FakeLive:
     interactive = False
+    ready = True
 
 
 @pytest.fixture

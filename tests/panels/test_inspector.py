@@ -13,7 +13,7 @@ from studio.core.constraints.base import BodyPoint
 from studio.core.project import Performer
 from studio.core.solver.request import AdaptedMotion
 from studio.document.document import Document
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from studio.panels.constraint_editors.body_figure import SCALE, SHAPES, BodyFigure
 from studio.panels.constraint_editors.priority import OrderList
 from studio.panels.constraint_editors.residuals import BodyResidual, ResidualTable, residuals_of, words_of
@@ -29,6 +29,8 @@ class FakeLive(QObject):
 
     adapted = Signal(str)
     told_changed = Signal()
+
+    ready = True
 
     def __init__(self):
         super().__init__()
@@ -350,7 +352,7 @@ def test_everything_that_takes_the_keyboard_has_a_name(inspector, document, item
 
 def test_jolts_of_a_character_are_eased_or_left_by_a_tick_that_can_be_undone(inspector, document):
     document.selection.set(("performers", "performer 0"))
-    tick = next(box for box in inspector.editor.findChildren(QCheckBox) if box.text() == "eased in time")
+    tick = next(box for box in inspector.editor.findChildren(QCheckBox) if box.text() == "Smooth pops")
     assert tick.isChecked()
     QTest.mouseClick(tick, LEFT, pos=QPoint(8, tick.height() // 2))
     assert [each.eased for each in document.project.performers.values()][:2] == [False, True]
@@ -361,7 +363,7 @@ def test_jolts_of_a_character_are_eased_or_left_by_a_tick_that_can_be_undone(ins
 
 def test_the_joints_of_a_character_are_freed_and_limited_by_a_tick_that_can_be_undone(inspector, document):
     document.selection.set(("performers", "performer 0"))
-    tick = next(box for box in inspector.editor.findChildren(QCheckBox) if box.text() == "like a person's")
+    tick = next(box for box in inspector.editor.findChildren(QCheckBox) if box.text() == "Limit to human range")
     assert tick.isChecked()
     QTest.mouseClick(tick, LEFT, pos=QPoint(8, tick.height() // 2))
     assert not document.project.performers["performer 0"].limited

@@ -16,7 +16,7 @@ from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.document.document import Document
 from studio.engine.performance import posed_performers
 from studio.engine.props import moved_prop, prop_at, turned_prop
-from studio.io.project_file import new_document_id, read_project, write_project
+from studio.io.project.project_file import new_document_id, read_project, write_project
 from studio.panels.fields import NumberField
 from studio.panels.inspector import Inspector
 from studio.viewport.prop_figures import unit_mesh

@@ -20,7 +20,7 @@ from studio.core.solver.asking.tracks import Track
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.source import source_motion
 from studio.core.solver.standing.stand import stand
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.core.motions import target
 from tests.real.taken import HUMANS, RECORDINGS, contacts_of, named, taken

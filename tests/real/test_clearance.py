@@ -18,7 +18,7 @@ from studio.core.solver.asking.clearance import rooms
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.source import source_motion
 from studio.core.solver.standing.stand import Standing, stand
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.real.taken import contacts_of, named, taken
 

@@ -18,8 +18,8 @@ from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.source import source_motion
 from studio.core.solver.standing.stand import standing_of
-from studio.io.character_file import bundled_characters
 from studio.io.importing import load_capture
+from studio.io.project.character_file import bundled_characters
 from tests.captures import capture_file, outside
 from tests.real.taken import RECORDINGS, contacts_of, named
 

@@ -15,7 +15,7 @@ from studio.core.solver.adapt import hold, place_of
 from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.stand import Standing, stand
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.core.motions import ALWAYS, local_rotations
 from tests.real.taken import contacts_of, named, taken

@@ -20,7 +20,7 @@ from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import hold
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.stand import Standing, stand
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.core.motions import ALWAYS
 from tests.real.taken import contacts_of, named, taken

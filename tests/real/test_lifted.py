@@ -12,7 +12,7 @@ from studio.core.single import Single
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.standing.lifted import lifted
 from studio.core.solver.standing.stand import standing_of
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.real.taken import contacts_of, named, taken
 

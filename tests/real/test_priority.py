@@ -18,7 +18,7 @@ from studio.core.rotations import from_matrix
 from studio.core.solver.adapt import hold, place_of
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.stand import stand
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.core.motions import ALWAYS
 from tests.core.twins.rotation import from_vector

@@ -10,7 +10,7 @@ from studio.core.solver.request import AdaptRequest
 from studio.core.solver.source import source_motion
 from studio.core.solver.standing.raised_arms import raise_arms
 from studio.core.solver.standing.stand import standing_of
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.real.taken import contacts_of, named, taken
 

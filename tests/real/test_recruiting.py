@@ -13,7 +13,7 @@ from studio.core.quality.motion_quality import motion_quality
 from studio.core.solver.adapt import hold
 from studio.core.solver.source import source_motion
 from studio.core.solver.standing.stand import stand
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.core.motions import ALWAYS
 from tests.real.taken import contacts_of, named, taken

@@ -9,7 +9,7 @@ from studio.core.quality.motion_quality import rises
 from studio.core.solver.adapt import adapt
 from studio.core.solver.asking.clearance import actor_rooms, rooms
 from studio.core.solver.request import AdaptRequest
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.real.taken import contacts_of, named, taken
 

@@ -7,7 +7,7 @@ from studio.core.quality.motion_quality import motion_quality
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.source import source_motion
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.real.taken import contacts_of, named, taken
 

@@ -14,7 +14,7 @@ from studio.core.quality.metrics import acceleration_ratio, contact_quality, swi
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.source import source_motion
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from studio.resources_folder import example_captures_folder
 from tests.captures import outside
 from tests.real.taken import contacts_of, named, taken

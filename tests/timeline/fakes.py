@@ -31,6 +31,8 @@ class FakeLive(QObject):
     adapted = Signal(str)
     told_changed = Signal()
 
+    ready = True
+
     def __init__(self, document):
         super().__init__()
         self.document = document

@@ -5,7 +5,7 @@ import pytest
 
 from studio.core.body.rest_pose import rest_pose
 from studio.core.mesh.skin import gripping, skin_vertices
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from studio.viewport.coarse import coarse_skin, coarse_triangles
 
 LEFT, NEAR = 0.4, 0.03

@@ -1,6 +1,6 @@
 import numpy as np
 
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from studio.viewport.offscreen import render_frame, render_video
 from tests.builders import make_project
 from tests.viewport.standing import results_of

@@ -1,7 +1,7 @@
 import numpy as np
 
 from studio.core.body.canonical import BodyPart
-from studio.io.character_file import bundled_characters
+from studio.io.project.character_file import bundled_characters
 from studio.viewport.coarse import coarse_skin
 from studio.viewport.offscreen import render_frame
 from studio.viewport.seams import panel_field, panel_signs

@@ -8,7 +8,7 @@ from studio.app.file_dialogs import ask_file
 from studio.app.workbench import Workbench
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.errors import StudioError
-from studio.io.mesh_file import SUFFIXES, MeshFile, read_mesh
+from studio.io.meshes.mesh_file import SUFFIXES, MeshFile, read_mesh
 
 
 def adder(kind: str) -> Callable[[Workbench], None]:

@@ -9,7 +9,7 @@ from studio.app.file_dialogs import PROJECTS, ask_file, ask_new_file, characters
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.engine.saving import save_in_background
-from studio.io.project_file import ChangedOnDisk, OpenedProject, read_project
+from studio.io.project.project_file import ChangedOnDisk, OpenedProject, read_project
 from studio.io.registry import format_of
 from studio.library.scenes import Scene
 

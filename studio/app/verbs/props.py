@@ -22,7 +22,7 @@ from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.document.document import Document
 from studio.engine.performance import motion_time, posed_performers
 from studio.engine.props import between_hands
-from studio.io.mesh_file import SUFFIXES, MeshFile, read_mesh
+from studio.io.meshes.mesh_file import SUFFIXES, MeshFile, read_mesh
 
 AHEAD = 0.6
 """Metres from a body's root to a new prop."""

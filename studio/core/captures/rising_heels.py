@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.captures.contacts import spans_of
+from studio.core.runs import runs_of
 
 FloatArray = NDArray[np.float64]
 
@@ -23,9 +24,13 @@ def rising_heels(
     ``heels`` frames (first, last) of its contacts, ``heights`` (F,) metres of the ankle.
     """
     rising = np.zeros(len(heights), dtype=np.bool_)
+    stances = spans_of(toe)
+    begins, ends = (np.array([stance[edge] for stance in stances], dtype=int) for edge in (0, 1))
     for first, last in heels:
-        above = heights - np.quantile(heights[first : last + 1], LYING)
-        for begin, end in spans_of(toe & (above > RISES * leg_length)):  # they go on to rise after the contact
-            own = slice(max(begin, first), min(end, last) + 1)
-            rising[own] |= above[begin : end + 1].max() > RISEN * leg_length
+        low = np.quantile(heights[first : last + 1], LYING)
+        for stance, past in stances[np.searchsorted(ends, first) : np.searchsorted(begins, last, "right")]:
+            above = heights[stance : past + 1] - low  # they go on to rise after the contact
+            for begin, end in runs_of(above > RISES * leg_length):
+                own = slice(max(stance + begin, first), min(stance + end, last + 1))
+                rising[own] |= above[begin:end].max() > RISEN * leg_length
     return rising

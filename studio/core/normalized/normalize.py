@@ -1,6 +1,7 @@
 """From a capture to its morphology-independent motion (K05 section 4; METHOD 2)."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,11 +62,17 @@ def normalize(
     ``progress`` hears a share from 0 to 1 and may raise to cancel. Raises StudioError when the capture has no body map:
     there is no telling what its joints are.
     """
+    return _NORMALIZED(capture, progress)
+
+
+def _normalize(capture: Capture, progress: Callable[[float], object]) -> tuple[NormalizedMotion, Actor]:
     if capture.body_map is None:
         raise StudioError(
             f"'{capture.name}' has no body map: choose which joint plays which part of the body, then try again."
         )
-    marks, contacts = _SEEN(capture)
+    marks = find_landmarks(capture, capture.body_map)
+    progress(0.4)
+    contacts = _FOUND(capture, marks).contacts
     progress(0.6)
     alignments = find_alignments(marks)
     _level_soles(marks, contacts, alignments)
@@ -78,6 +85,9 @@ def normalize(
     channels.setflags(write=False)
     motion = NormalizedMotion(capture.name, capture.frame_rate, channels, trunk_places(body.spine), girdle_of(body))
     return motion, Actor(capture.skeleton, body, marks.segment_joints, alignments, origin, capture.poses)
+
+
+_NORMALIZED: Shared[Capture, tuple[NormalizedMotion, Actor]] = Shared(_normalize)
 
 
 def motion_origin(capture: Capture) -> NDArray[np.float64]:
@@ -96,17 +106,12 @@ def capture_contacts(capture: Capture) -> Contacts:
     """Contacts of a mapped capture, as found in its own joints; none for one without a body map."""
     if capture.body_map is None:
         return {point: [] for point in ContactPoint}
-    return _SEEN(capture)[1]
+    return _FOUND(capture).contacts
 
 
 def sole_heights(capture: Capture) -> list[list[float]]:
     """Metres at which the ankle of each foot stands, one a contact of its heel, of a mapped capture."""
-    marks, contacts = _SEEN(capture)
-    ankles = [marks.points[:, marks.layout.ankle(side), 2] for side in range(2)]
-    return [
-        [float(np.median(track[first : last + 1])) for first, last in contacts[heel]]
-        for track, heel in zip(ankles, HEELS, strict=True)
-    ]
+    return _FOUND(capture).sole_heights
 
 
 def detected_contacts(capture: Capture, motion_id: str) -> tuple[ContactInterval, ...]:
@@ -126,14 +131,35 @@ def detected_contacts(capture: Capture, motion_id: str) -> tuple[ContactInterval
     )
 
 
-def _seen(capture: Capture) -> tuple[Landmarks, Contacts]:
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """Contacts of a capture, and the metres at which its ankles stand in those of each heel."""
+
+    contacts: Contacts
+    sole_heights: list[list[float]]
+
+
+def _find(capture: Capture, marks: Landmarks | None = None) -> _Found:
+    """What stands in a mapped capture, whose ``marks`` are found where they are not known."""
     assert capture.body_map is not None
-    marks = find_landmarks(capture, capture.body_map)
-    return marks, _contacts_of(marks, capture)
+    marks = marks or find_landmarks(capture, capture.body_map)
+    contacts = _contacts_of(marks, capture)
+    ankles = [marks.points[:, marks.layout.ankle(side), 2] for side in range(2)]
+    heights = [
+        [float(np.median(track[first : last + 1])) for first, last in contacts[heel]]
+        for track, heel in zip(ankles, HEELS, strict=True)
+    ]
+    return _Found(contacts, heights)
 
 
-_SEEN = Shared(_seen)
-"""A capture that is opened is normalised while its contacts are asked for: both need the same."""
+def _terms(capture: Capture) -> object:
+    """All of a capture, besides its poses, that its contacts depend on."""
+    offsets, reference = capture.skeleton.offsets.tobytes(), capture.reference_rotations.tobytes()
+    return offsets, reference, capture.body_map, capture.frame_rate, capture.floor, capture.first_frame
+
+
+_FOUND: Shared[Capture, _Found] = Shared(_find, owner=lambda capture: capture.poses, terms=_terms)
+"""The contacts of all captures that are the same but for their guesses."""
 
 
 def _risen(marks: Landmarks, heels: Sequence[NDArray[np.bool_]], leg_length: float) -> FloatArray:

@@ -33,8 +33,8 @@ from studio.core.solver.standing.stand import Standing, standing_of
 FRAMES = 4
 HAND = BodyPoint(BodyPart.LEFT_HAND)
 ALWAYS = ActivationCurve(0.0, 0.0, 1.0, 1.0)
-CORNERS = (0.1, 0.0, 0.0), (0.0, 0.1, 0.0), (0.0, 0.0, 0.1)
-"""Metres: a triangle that kernels are tried on."""
+TRIANGLE = TriangleMesh(np.array(((0.1, 0.0, 0.0), (0.0, 0.1, 0.0), (0.0, 0.0, 0.1))), np.array([[0, 1, 2]]))
+"""Metres: what kernels are tried on."""
 
 
 def warm_up(morphology: Morphology) -> AdaptedMotion:
@@ -72,21 +72,23 @@ def _placed(morphology: Morphology) -> Standing:
     return Standing(_still_motion(), morphology, (), Ground(), footing, (), None, positions, rotations)
 
 
-def warm_up_seldom(morphology: Morphology) -> None:
-    """What only some scenes call before they are solved: hands, knees, seat that stand, feet out of reach, meshes."""
+def warm_up_support(morphology: Morphology) -> Standing:
+    """What sets some bodies on the ground: hands, knees, seat that stand, hands that touch, feet out of reach."""
     points = ContactPoint.LEFT_TOE, ContactPoint.LEFT_HAND, ContactPoint.LEFT_KNEE, ContactPoint.SEAT
     touches = Touch.HANDS_TOGETHER, Touch.LEFT_HAND_ON_TRUNK
     contacts = tuple(ContactInterval("warm-up", point, 1, 2) for point in (*points, *touches))
-    mesh = TriangleMesh(np.array(CORNERS), np.array([[0, 1, 2]]))
-    what = "warm-up", "", HAND, Chain(), 0, ALWAYS
-    asked = ClearConstraint(*what), AreaConstraint(*what, shape=AreaShape.MESH, mesh=mesh)
-    ground = SurfaceMesh(vertices=mesh.vertices, triangles=mesh.triangles)
+    ground = SurfaceMesh(vertices=TRIANGLE.vertices, triangles=TRIANGLE.triangles)
     smooth_drops(np.full(FRAMES, 0.1), 30.0)
     pose = (np.stack([each] * FRAMES) for each in rest_pose(morphology))
     dip_pelvis(np.zeros((2, FRAMES, 3)), np.ones((2, FRAMES), np.int64), morphology, 30.0, *pose)
-    standing = standing_of(
-        AdaptRequest(_still_motion(), morphology, contacts, (), ground, actor=morphology, clears=True)
-    )
+    return standing_of(AdaptRequest(_still_motion(), morphology, contacts, (), ground, actor=morphology, clears=True))
+
+
+def warm_up_seldom(morphology: Morphology) -> None:
+    """What only some constraints call: distances kept, and areas that are meshes."""
+    what = "warm-up", "", HAND, Chain(), 0, ALWAYS
+    asked = ClearConstraint(*what), AreaConstraint(*what, shape=AreaShape.MESH, mesh=TRIANGLE)
+    standing = warm_up_support(morphology)
     SolvedWindow(standing, asked, constraint_activations(asked, standing), {}, BOUND, slice(0, FRAMES))
     nearest_place(asked[1], np.zeros(3))  # the window draws it
 

@@ -12,8 +12,8 @@ from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
 from studio.core.errors import StudioError
 from studio.core.rotations import from_matrix, to_matrix
-from studio.io.body_maps import FoundBody, find_body
 from studio.io.capture_guesses import ReadJoints, body_guesses, stood_capture
+from studio.io.figure.body_maps import FoundBody, find_body
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.animation import Track, read_tracks
 from studio.io.gltf.container import GltfFile, read_gltf

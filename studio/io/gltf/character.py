@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from studio.io.figure_body import character_of
+from studio.io.figure.body import character_of
 from studio.io.gltf.figure import read_figure
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress, ReadCharacter

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.io.figure import MOST_JOINTS, Figure
+from studio.io.figure.figure import MOST_JOINTS, NO_SKELETON, Figure
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.container import GltfFile, read_gltf
 from studio.io.gltf.meshes import MeshReader
@@ -36,7 +36,7 @@ def read_figure(path: Path) -> list[Figure]:
     bones = vrm_bones(file.root, len(nodes.parents))
     joints = _joints(skins, bones, nodes)
     if not joints:
-        raise StudioError(f"{path.name} has no skin and no bones: it is not a character. Export it with its skeleton.")
+        raise StudioError(f"{path.name} {NO_SKELETON}")
     if len(joints) > MOST_JOINTS:
         raise StudioError(f"{path.name} has more than {MOST_JOINTS:,} joints. Export only the figure's own.")
     poses = [nodes.world]

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Material
 from studio.io.beside import content_of
+from studio.io.figure.textures import checked_picture
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.container import GltfFile
 from studio.io.json_record import Record
-from studio.io.textures import checked_picture
 
 
 @dataclass(frozen=True, eq=False)

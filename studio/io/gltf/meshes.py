@@ -6,13 +6,13 @@ import numpy as np
 
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Material
-from studio.io.figure import MOST_VERTICES, Piece
+from studio.io.figure.figure import MOST_VERTICES, Piece
 from studio.io.gltf.accessors import Accessors, FloatArray, IntArray
 from studio.io.gltf.container import GltfFile
 from studio.io.gltf.materials import Materials
 from studio.io.gltf.nodes import Nodes
 from studio.io.json_record import Record
-from studio.io.mesh_shapes import smooth_normals
+from studio.io.meshes.shapes import smooth_normals
 
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 _Skins = list[tuple[list[int], FloatArray]]

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from studio.io.figure_body import character_of
+from studio.io.figure.body import character_of
 from studio.io.hanim.humanoid import figure_of
 from studio.io.hanim.vrml import read_vrml
 from studio.io.hanim.x3d import read_x3d

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.io.hanim.scene import SceneNode
-from studio.io.mesh_shapes import face_normals, smooth_normals, unit
+from studio.io.meshes.shapes import face_normals, smooth_normals, unit
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

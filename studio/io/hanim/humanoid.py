@@ -9,7 +9,7 @@ from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 from studio.core.errors import StudioError
-from studio.io.figure import MOST_JOINTS, MOST_VERTICES, Figure, Piece
+from studio.io.figure.figure import MOST_JOINTS, MOST_VERTICES, Figure, Piece
 from studio.io.hanim.geometry import Surface, surface_of
 from studio.io.hanim.looks import Looks
 from studio.io.hanim.scene import MOST_VISITS, SceneNode, walk

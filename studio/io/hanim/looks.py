@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Material
 from studio.io.beside import path_beside, read_bytes
+from studio.io.figure.textures import checked_picture
 from studio.io.gltf.materials import hex_colour
 from studio.io.hanim.scene import SceneNode
-from studio.io.textures import checked_picture
 
 _LARGEST_PICTURE = 100_000_000
 

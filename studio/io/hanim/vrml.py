@@ -10,13 +10,25 @@ import numpy as np
 
 from studio.core.errors import StudioError
 from studio.io.beside import read_bytes
-from studio.io.hanim.scene import DEEPEST, LARGEST, MOST_NODES, SceneNode, row_of, too_many
+from studio.io.hanim.scene import (
+    DEEPEST,
+    LARGEST,
+    MOST_NODES,
+    STRING,
+    FloatArray,
+    SceneNode,
+    row_of,
+    too_many,
+    unquoted,
+)
 
-_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
+_LONGEST_ROW = 1000
+"""Numbers in one token: the stack of a repeated group grows with every repetition."""
 _TOKEN = re.compile(
     rf"""(?P<gap>[\s,]+|\#[^\n\r]*|0[xX][0-9a-fA-F]+)
-    |(?P<string>"(?:[^"\\]++|\\.)*+")
-    |(?P<numbers>(?:{_NUMBER}(?:[\s,]++|(?=[\]\}}\#])|\Z))++)
+    |(?P<string>{STRING})
+    |(?P<numbers>(?:{_NUMBER}(?:[\s,]+|(?=[\]\}}\#])|\Z)){{1,{_LONGEST_ROW}}})
     |(?P<mark>[\[\]\{{\}}])
     |(?P<word>[^\s,"\#\[\]\{{\}}]+)
     |(?P<wrong>.)""",
@@ -153,9 +165,9 @@ class _Parser:
         if token.kind == "mark":
             return self._list()
         if token.kind == "numbers":
-            return row_of(self._take().text, self._where(token))
+            return self._row()
         if token.kind == "string":
-            return [_unquoted(self._take().text)]
+            return [unquoted(self._take().text)]
         if token.text == "IS":
             self._take()
             self._word()
@@ -175,15 +187,23 @@ class _Parser:
                 raise self._ended()
             match token.kind:
                 case "numbers":
-                    rows.append(row_of(self._take().text, self._where(token)))
+                    rows.append(self._row())
                 case "string":
-                    items.append(_unquoted(self._take().text))
+                    items.append(unquoted(self._take().text))
                 case "word" if token.text in ("TRUE", "FALSE"):
                     items.append(self._take().text)
                 case _:
                     items += self._statement()
         self._mark("]")
         return np.concatenate(rows) if rows and not items else items
+
+    def _row(self) -> FloatArray:
+        """(n,) all numbers up to the next text, name or sign."""
+        parts = []
+        while self._next is not None and self._next.kind == "numbers":
+            where = self._where(self._next)
+            parts.append(row_of(self._take().text, where))
+        return np.concatenate(parts)
 
     def _proto(self) -> None:
         """Its interface with the defaults; of its body only the braces matter here."""
@@ -281,7 +301,3 @@ def _tokens(text: str) -> Iterator[_Token]:
     for found in _TOKEN.finditer(text):
         if found.lastgroup != "gap":
             yield _Token(found.lastgroup or "wrong", found.group(), found.start())
-
-
-def _unquoted(text: str) -> str:
-    return re.sub(r"\\(.)", r"\1", text[1:-1])

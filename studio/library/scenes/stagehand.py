@@ -12,8 +12,8 @@ from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint
 from studio.core.normalized.normalize import detected_contacts
 from studio.core.project import Motion
-from studio.io.character_file import bundled_characters
 from studio.io.importing import load_capture
+from studio.io.project.character_file import bundled_characters
 from studio.resources_folder import example_captures_folder
 
 RATE = 60.0

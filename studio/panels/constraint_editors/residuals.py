@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 from studio.core.project import Project
 from studio.document import colours
 from studio.engine.live import Live
-from studio.engine.residuals import Residual, missed_by, worst_residual
+from studio.engine.residuals import Residual, missed_by, unsolved_words, worst_residual
 from studio.panels.editor import Editor
 from studio.panels.fields import Section
 
@@ -21,18 +21,18 @@ WIDEST = "0000 mm*"
 
 @dataclass(frozen=True)
 class BodyResidual:
-    """A body and the worst miss on it, None where nothing is asked; whether that is known."""
+    """A body and the worst miss on it, None where nothing is asked; words where it is not known."""
 
     name: str
     colour: str
     worst: Residual | None
-    known: bool = True
+    unsolved: str = ""
 
     @property
     def state(self) -> tuple[str, str]:
         """(word, colour): so that neither stands alone."""
-        if not self.known:
-            return "not solved yet", colours.TEXT_THIRD
+        if self.unsolved:
+            return self.unsolved, colours.TEXT_THIRD
         if self.worst is None:
             return "not active", colours.TEXT_THIRD
         if self.worst.held:
@@ -44,13 +44,13 @@ class BodyResidual:
 
 def residuals_of(project: Project, live: Live, constraint_id: str) -> list[BodyResidual]:
     """One for each visible performer of whom the constraint is asked."""
-    constraint = project.constraints[constraint_id]
+    constraint, unsolved = project.constraints[constraint_id], unsolved_words(live)
     return [
         BodyResidual(
             performer.name,
             project.characters[performer.character_id].colour,
             worst_residual(project, key, live.told(key), constraint_id),
-            not constraint.enabled or missed_by(project, key, live.told(key), constraint_id) is not None,
+            unsolved if constraint.enabled and missed_by(project, key, live.told(key), constraint_id) is None else "",
         )
         for key, performer in project.performers.items()
         if performer.visible
@@ -128,7 +128,7 @@ def words_of(residual: BodyResidual) -> str:
 def short_words_of(residual: BodyResidual) -> str:
     """``42 mm``, or that it holds, or that it is not active; a star where it is never fully active."""
     word, _ = residual.state
-    if not residual.known:
+    if residual.unsolved:
         return "…"
     if residual.worst is None or word == "held":
         return word

@@ -11,7 +11,7 @@ from studio.core.markers.roles import ROLE, ROLES, SIDES
 from studio.core.markers.take import MarkerTake
 from studio.core.markers.trial import bare_label, subject_of, whole
 from studio.document import colours
-from studio.io.marker_maps import find_map, fitted, known_maps, save_map
+from studio.io.markers.maps import find_map, fitted, known_maps, save_map
 from studio.panels.fields import SIDE, Choice, Section, labelled, press_button
 from studio.panels.markers.cloud import MarkerCloud
 from studio.panels.markers.figure import MarkerFigure

@@ -7,6 +7,7 @@ from PySide6.QtGui import QColor, QPainter, QPainterPath, QPolygonF
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.target import key_times
 from studio.document import colours
+from studio.engine.residuals import unsolved_words
 from studio.timeline.shown import HANDLES, Hit, Part, Shown, label_area, within
 from studio.timeline.subject import Body
 from studio.timeline.tracks.brush import hairline, paint_dot, paint_fold, paint_key, paint_label, translucent
@@ -193,12 +194,12 @@ def verdict(shown: Shown, constraint_id: str) -> tuple[str, str]:
     unknown = strips.count(None)
     if unknown:
         who = "" if unknown == len(strips) else f" for {unknown} of {len(strips)}"
-        return f"not solved yet{who}", colours.TEXT_THIRD
+        return f"{unsolved_words(shown.live)}{who}", colours.TEXT_THIRD
     found = [(shown.residual(constraint_id, body.performer_id), body.name) for body in bodies]
     missed = [(residual, name) for residual, name in found if residual is not None and not residual.held]
     if not missed:
         eases = any(strip.misses for strip in strips if strip)
-        held = f"held{' by all' if len(strips) > 1 else ''}{' while full' if eases else ''}"
+        held = f"held{' on all characters' if len(strips) > 1 else ''}{' at full activation' if eases else ''}"
         yields = any(strip.yields for strip in strips if strip)
         return "gives way to contacts" if yields else held, colours.TEXT_THIRD
     worst, name = max(missed, key=lambda each: each[0].weight)

@@ -11,7 +11,7 @@ from studio.core.errors import StudioError
 from studio.core.markers.cleaning import USUAL_STEPS, FillLongGaps, FillShortGaps, LowPass, UndoSwaps, clean
 from studio.core.markers.gaps import find_gaps
 from studio.core.markers.trial import Trial
-from studio.io.c3d import read_c3d
+from studio.io.c3d.reader import read_c3d
 from tests.core.markers.made import RATE, made_trial
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from studio.core.markers.force_plates import plate_force, plate_reactions, sample_times
 from studio.core.markers.trial import AnalogSignals, ForcePlate
-from studio.io.c3d import read_c3d
+from studio.io.c3d.reader import read_c3d
 from tests.io.trials import make_trial
 
 FloatArray = NDArray[np.float64]

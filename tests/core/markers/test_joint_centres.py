@@ -11,8 +11,8 @@ from studio.core.markers.functional import centre_of_rotation
 from studio.core.markers.joint_centres import chord, joint_centres
 from studio.core.markers.take import MarkerTake, centre_errors
 from studio.core.rotations import to_matrix
-from studio.io.c3d import read_c3d
-from studio.io.marker_maps import find_map
+from studio.io.c3d.reader import read_c3d
+from studio.io.markers.maps import find_map
 from tests.core.markers.made import made_body, made_measures
 
 LEGS = {f"{side}_{joint}" for side in ("left", "right") for joint in ("hip", "knee", "ankle")}

@@ -10,7 +10,7 @@ from studio.core.captures.capture import Capture
 from studio.core.captures.remarks import remarks_on
 from studio.core.markers.jumps import jumps
 from studio.core.markers.trial import Trial
-from studio.io.c3d_writer import write_c3d
+from studio.io.c3d.writer import write_c3d
 from studio.io.importing import load_capture
 from tests.core.markers.made import made_trial
 

@@ -5,7 +5,7 @@ import pytest
 
 from studio.core.markers.proposing import part_of, propose_map
 from studio.core.markers.trial import Trial
-from studio.io.c3d import read_c3d
+from studio.io.c3d.reader import read_c3d
 from tests.core.markers.made import made_trial
 
 

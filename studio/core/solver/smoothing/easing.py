@@ -82,6 +82,11 @@ class Rank(NamedTuple):
 
 EASED = Ramp(np.array([ADDED, ADDED, WHOLE]), np.array([1.8, 1.8, 2.6]))
 """Parts of the allowed peak at which what root and joints add, and what limbs turn with in all, is eased."""
+DROPPED = Ramp(4.0 * EASED.begins, 4.0 * EASED.whole)
+"""Parts of the allowed peak at which a level is dropped in favour of those above it, since even its average pops.
+
+A level that is merely sharper than a calm source is kept: dropped, it missed its target for seconds by up to 0.8 m.
+"""
 WIDTHS = 0.06, 0.2, 0.35, 0.12
 """Seconds on either side over which one averaging after another goes, each where the one before did not suffice: so far
 beside a jolt wholly, and fading as far again.
@@ -283,27 +288,28 @@ class Easing:
         for meets in (True, False):
             now = self._posed_anew(number, now, smooth, bump, meets)
             bump = self._to_ease(number, now)
-        if number > 0 and bump.any():
-            now = self._left(number, now, bump)
+        if number > 0:
+            now = self._left(number, now)
         self._jolts = level.solve.jolts_of(now.states, self._charts.turns(now.charts))
         self._eased, self._moved = now, Posed(now.states - solved.states, now.charts - solved.charts)
 
-    def _left(self, number: int, posed: Posed, bump: FloatArray) -> Posed:
-        """Go back to what those above have become, from what was ``posed``, by ``bump`` and where that changes them."""
-        now, back = posed, np.zeros(len(bump))
+    def _left(self, number: int, posed: Posed) -> Posed:
+        """Drop the level where what is ``posed`` pops or changes the levels above: pose it as they have become."""
+        now, back = posed, np.zeros(len(posed.states))
         for last in [False] * (BACK - 1) + [True]:
+            bump = self._to_ease(number, now, DROPPED)
+            if not bump.any():
+                break
             back = np.maximum(back, bump)
             self._kept.back[:] = np.round(back, 9)
             now = self._posed_anew(number, posed, self._eased, self._kept.back, False, last)
-            bump = self._to_ease(number, now)
-            if not bump.any():
-                break
         return now
 
-    def _to_ease(self, number: int, now: Posed) -> FloatArray:
-        """(F,) how far frames are to be left, for their jolts or for those above, which they change."""
+    def _to_ease(self, number: int, now: Posed, limits: Ramp = EASED) -> FloatArray:
+        """Share (F,) of each frame to be smoothed or dropped, for peaks over ``limits`` or changes of levels above."""
         changed = self._spread(number, CHANGED.share_of(self._levels[number].solve.changes), AROUND)
-        return np.asarray(np.maximum(self._bump(number, now, AROUND), changed) * (self._rooms[number] > 0.0))
+        peaks = self._bump(number, now, AROUND, limits)
+        return np.asarray(np.maximum(peaks, changed) * (self._rooms[number] > 0.0))
 
     def _posed_anew(
         self, number: int, first: Posed, second: Posed, share: FloatArray, meets: bool, holds: bool = False
@@ -351,7 +357,7 @@ class Easing:
         states[:, joints["segment"] == ROOT] += back[:, None]
         return Posed(states, values)
 
-    def _bump(self, number: int, poses: Posed, around: float) -> FloatArray:
+    def _bump(self, number: int, poses: Posed, around: float, limits: Ramp = EASED) -> FloatArray:
         """(F,) how far frames of ``poses`` are to be eased, from 0 to 1, for their jolts.
 
         ``around`` seconds on either side of a jolt are eased wholly, and as many again fade. What those above have
@@ -360,12 +366,12 @@ class Easing:
         level = self._levels[number]
         allowed = np.maximum(level.allowed, self._jolts / EASED.begins)
         sharp = level.solve.jolts_of(poses.states, self._charts.turns(poses.charts)) / allowed
-        return self._spread(number, _excess(sharp), around)
+        return self._spread(number, _excess(sharp, limits), around)
 
 
-def _excess(sharp: FloatArray) -> FloatArray:
-    """(F,) how far the worst of jolts (F, 3), in parts of what is allowed, is to be eased."""
-    return np.asarray(EASED.share_of(sharp).max(axis=1))
+def _excess(sharp: FloatArray, limits: Ramp = EASED) -> FloatArray:
+    """Position (F,) on ``limits`` of the worst acceleration peaks (F, 3), in parts of the allowed peak."""
+    return np.asarray(limits.share_of(sharp).max(axis=1))
 
 
 def _around(share: FloatArray, rate: float, seconds: float) -> FloatArray:

@@ -1,0 +1,74 @@
+"""Work of compiling kernels, known before it is done: bytes of bytecode that are to be translated and linked.
+
+Over all 551 kernels the share of the bytes that are translated and the share of the time are never more than 5 % apart.
+"""
+
+from collections.abc import Iterable
+from functools import cache
+from importlib import import_module
+from pkgutil import walk_packages
+from types import CodeType
+from typing import Any
+
+LINKING = 0.27
+"""Time of linking and optimising a large kernel with all below it, in units of the time of translating them."""
+
+
+def all_kernels() -> list[Any]:
+    """Every kernel of the studio."""
+    package = import_module("studio.core.kernels")
+    names = [each.name for each in walk_packages(package.__path__, f"{package.__name__}.")]
+    modules = [import_module(name) for name in names if ".compiling" not in name]
+    found = {id(each): each for module in modules for each in vars(module).values() if hasattr(each, "py_func")}
+    return [*found.values()]
+
+
+def kernels_below(kernels: Iterable[Any]) -> dict[int, Any]:
+    """Some kernels and all that they call, by identity."""
+    found: dict[int, Any] = {}
+    waiting = [*kernels]
+    while waiting:
+        kernel = waiting.pop()
+        if id(kernel) not in found:
+            found[id(kernel)] = kernel
+            waiting += called_by(kernel.py_func)
+    return found
+
+
+@cache
+def called_by(function: Any) -> list[Any]:
+    """Kernels whose names a function uses."""
+    known = function.__globals__
+    return [known[name] for name in names_in(function.__code__) if hasattr(known.get(name), "py_func")]
+
+
+def names_in(code: CodeType) -> set[str]:
+    """Names that code, and the functions within it, look up."""
+    within = (each for each in code.co_consts if isinstance(each, CodeType))
+    return {*code.co_names}.union(*map(names_in, within))
+
+
+class CompileWork:
+    """The work of compiling some kernels in this process, and how much of it is done."""
+
+    def __init__(self, kernels: Iterable[Any], linking: float = 0.0) -> None:
+        """``linking``: time after all is translated, in units of the time until then."""
+        self._kernels, self._linking = kernels_below(kernels), linking
+        self._translated_after = 0.0
+
+    def share_after(self, spent: float) -> float:
+        """Share of the work that is done, from 0 to 1, ``spent`` processor seconds after it was begun.
+
+        Linking happens in one go; it is taken to be as fast as translating was.
+        """
+        done = kernels_below(each for each in self._kernels.values() if each.signatures)
+        share = bytes_of(done) / bytes_of(self._kernels)
+        if share < 1.0 or not self._translated_after:
+            self._translated_after = spent
+        linked = (spent - self._translated_after) / max(self._translated_after, 1e-9)
+        return (share + min(linked, self._linking)) / (1.0 + self._linking)
+
+
+def bytes_of(kernels: dict[int, Any]) -> int:
+    """Bytes of bytecode of some kernels."""
+    return sum(len(kernel.py_func.__code__.co_code) for kernel in kernels.values())

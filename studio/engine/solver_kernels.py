@@ -1,0 +1,66 @@
+"""SolverKernels: which bodies can be solved while the kernels of a first start are still compiled."""
+
+from collections.abc import Iterable
+
+from PySide6.QtCore import QObject, QTimer, Signal
+
+from studio.cli.warm_up import WarmUp
+from studio.core.project import Project
+from studio.core.solver.performers.stage import asked_of
+from studio.engine.tasks import PATIENCE
+
+LOOKED_AT_MILLISECONDS = 100
+
+
+class SolverKernels(QObject):
+    """Follows a ``WarmUp``; without one all kernels are there."""
+
+    changed = Signal()
+    """More bodies can be solved."""
+
+    def __init__(self, warm_up: WarmUp | None, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._warm_up = warm_up
+        self._known = self.grounded, self.ready
+        self._looking = QTimer(self, interval=LOOKED_AT_MILLISECONDS)
+        self._looking.timeout.connect(self._look)
+        if not self.ready:
+            self._looking.start()
+
+    @property
+    def ready(self) -> bool:
+        """Whether all are there: who calls one before waits seconds for it to be compiled."""
+        return self._warm_up is None or self._warm_up.ready
+
+    @property
+    def grounded(self) -> bool:
+        """Whether those are there that set bodies on the ground: all that is needed without constraints."""
+        return self._warm_up is None or self._warm_up.grounded
+
+    @property
+    def awaited(self) -> bool:
+        """Whether ``changed`` is still to come."""
+        return self._looking.isActive()
+
+    def can_solve(self, project: Project, performer_ids: Iterable[str]) -> bool:
+        """Whether the kernels are there that some performers need."""
+        return self.ready or (self.grounded and not any(asked_of(project, key) for key in performer_ids))
+
+    def join_grounded(self) -> None:
+        """Wait until bodies can be set on the ground, in a worker. Raises CancelledError when they never will be."""
+        if self._warm_up is not None:
+            self._warm_up.join_grounded()
+
+    def close(self) -> None:
+        """Stop compiling."""
+        self._looking.stop()
+        if self._warm_up is not None:
+            self._warm_up.stop(PATIENCE)
+
+    def _look(self) -> None:
+        known = self.grounded, self.ready
+        if self.ready:
+            self._looking.stop()
+        if known != self._known:
+            self._known = known
+            self.changed.emit()

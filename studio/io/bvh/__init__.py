@@ -1,0 +1,1 @@
+"""BVH, text of joints and their channels: read, understood as a capture, written."""

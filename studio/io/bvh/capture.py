@@ -1,0 +1,160 @@
+"""A BVH file as a capture."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.body_shape import body_by_shape
+from studio.core.body.humanoid import BodyMap
+from studio.core.body.kinematics import joint_positions
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
+from studio.core.captures.capture import Capture, Guess
+from studio.core.errors import StudioError
+from studio.core.kernels.body.channels import turn_axes
+from studio.core.pieces import over_frames
+from studio.core.rotations import IDENTITY
+from studio.io.bvh.reader import read_bvh
+from studio.io.capture_guesses import ReadJoints, body_guesses, stood_capture
+from studio.io.figure.body_maps import FoundBody, find_body
+from studio.io.guessing import (
+    AXES,
+    Scale,
+    guess_frame_rate,
+    guess_unit,
+    guess_up_axis,
+    leg_length,
+    unit_called,
+)
+from studio.io.importing import ImportOptions
+from studio.io.registry import Progress
+
+FloatArray = NDArray[np.float64]
+
+_TURNING = "Turning it to world axes"
+_LOOKED_AT = 128
+"""Frames, spread over the clip, that decide about the body and the up axis."""
+
+
+class Recording(Protocol):
+    """What a file says of joints that move, in its own units and axes."""
+
+    @property
+    def skeleton(self) -> Skeleton: ...
+    @property
+    def frame_count(self) -> int: ...
+    @property
+    def frame_time(self) -> float | None: ...
+    @property
+    def frame_time_digit(self) -> float: ...
+    @property
+    def repairs(self) -> tuple[str, ...]: ...
+    def transforms(self, frames: NDArray[np.int64] | slice) -> tuple[FloatArray, FloatArray]:
+        """Local rotations (N, J, 4) and translations (N, J, 3) of these frames."""
+
+
+def load_bvh(path: Path, options: ImportOptions, progress: Progress) -> Capture:
+    """The capture in the BVH file at ``path``."""
+    return capture_of(read_bvh(path, lambda share, text: progress(0.6 * share, text)), path, options, progress)
+
+
+def capture_of(file: Recording, path: Path, options: ImportOptions, progress: Progress) -> Capture:
+    """A recording in world axes and metres, with everything guessed that ``options`` do not say.
+
+    ``progress`` goes on at a share of 0.6.
+    """
+    progress(0.6, f"Finding the body in {path.name}")
+    looked_at = np.unique(np.linspace(0, file.frame_count - 1, _LOOKED_AT).astype(int))
+    sample = PoseSequence(*file.transforms(looked_at))
+    points = joint_positions(file.skeleton, sample)
+    found = find_body(file.skeleton, points, options.body_map)
+    if found.body_map is None:
+        found = _found_by_shape(file.skeleton, options) or found
+    guesses: list[Guess] = body_guesses(file.skeleton, found, options)
+    scale = _unit(points, found.body_map, options, guesses)
+    up_axis = _up_axis(file.skeleton, points, found.body_map, options, guesses)
+    skeleton, poses = to_world(file, AXES[up_axis], scale.metres, lambda share: progress(0.6 + 0.2 * share, _TURNING))
+    frame_rate = _frame_rate(file.frame_time, file.frame_time_digit, options, guesses)
+    progress(0.8, f"Finding floor and reference pose of {path.name}")
+    positions = joint_positions(skeleton, poses)
+    read = ReadJoints(path, skeleton, poses, positions, frame_rate, scale.unit, up_axis, file.repairs)
+    capture = stood_capture(read, found, options, guesses)
+    progress(1.0, f"Loaded {path.name}")
+    return capture
+
+
+def _found_by_shape(skeleton: Skeleton, options: ImportOptions) -> FoundBody | None:
+    """The body that stands like one with all rotations zero, whatever its joints are called; None where none does."""
+    still = PoseSequence(np.tile(IDENTITY, (1, skeleton.joint_count, 1)), skeleton.offsets[None])
+    points = joint_positions(skeleton, still)[0]
+    for axis in (options.up_axis.upper(),) if options.up_axis else AXES:
+        by_shape = body_by_shape(skeleton, points @ AXES[axis].T) if axis in AXES else None
+        if by_shape is not None:
+            parts = {part: joint for part, joint in by_shape.parts.items() if not skeleton.end_sites[joint]}
+            return FoundBody(BodyMap(parts, by_shape.spine), "", ())
+    return None
+
+
+def to_world(
+    file: Recording, file_to_world: FloatArray, metres: float, progress: Callable[[float], object]
+) -> tuple[Skeleton, PoseSequence]:
+    """The body in world axes and metres: offsets C o, translations C t, rotations C R C^T.
+
+    A long file is taken in pieces by two threads, which tells how far it is and never keeps the window waiting.
+    """
+    skeleton, frame_count = file.skeleton, file.frame_count
+    offsets = metres * (skeleton.offsets @ file_to_world.T)
+    turned = Skeleton(skeleton.names, skeleton.parents, offsets, skeleton.end_sites)
+    rotations = np.empty((frame_count, skeleton.joint_count, 4))
+    translations = np.empty((frame_count, skeleton.joint_count, 3))
+
+    def turn(run: slice) -> None:
+        turn_axes(*file.transforms(run), file_to_world, metres, rotations[run], translations[run])
+
+    for done in over_frames(turn, frame_count):
+        progress(done)
+    translations.setflags(write=False)
+    return turned, PoseSequence(rotations, translations)
+
+
+def _unit(points: FloatArray, body_map: BodyMap | None, options: ImportOptions, guesses: list[Guess]) -> Scale:
+    leg = leg_length(points, body_map) if body_map else None
+    if options.unit is not None:
+        return unit_called(options.unit, leg)
+    if leg is None:
+        guesses.append(Guess("unit", "cm", "Without a human body nothing tells the unit; most files are in cm."))
+        return Scale("cm", 0.01)
+    scale, guess = guess_unit(leg)
+    guesses.append(guess)
+    return scale
+
+
+def _up_axis(
+    skeleton: Skeleton,
+    points: FloatArray,
+    body_map: BodyMap | None,
+    options: ImportOptions,
+    guesses: list[Guess],
+) -> str:
+    if options.up_axis is not None:
+        axis = options.up_axis.upper()
+        if axis not in AXES:
+            raise StudioError(f"'{options.up_axis}' is not an up axis. Choose {', '.join(AXES)}.")
+        return axis
+    if body_map is None:
+        guesses.append(Guess("up axis", "Y", "Without a human body nothing tells what is up; most files have Y up."))
+        return "Y"
+    still = PoseSequence(np.tile(IDENTITY, (1, skeleton.joint_count, 1)), skeleton.offsets[None])
+    guesses.append(guess_up_axis(joint_positions(skeleton, still)[0], points, body_map))
+    return guesses[-1].value
+
+
+def _frame_rate(frame_time: float | None, digit: float, options: ImportOptions, guesses: list[Guess]) -> float:
+    if options.frame_rate is not None:
+        return options.frame_rate
+    rate, guess = guess_frame_rate(frame_time, digit)
+    guesses += [guess] if guess else []
+    return rate

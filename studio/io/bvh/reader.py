@@ -1,0 +1,344 @@
+"""BVH files: read as they are, any channel order, any joint with positions; written by ``bvh_writer``."""
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
+from studio.core.errors import StudioError
+from studio.core.kernels.body import channels as kernel
+from studio.io.beside import read_bytes
+from studio.io.bvh.hierarchy import Hierarchy, read_hierarchy
+from studio.io.bvh.spelling import plainly_spelled
+from studio.io.bvh.writer import write_bvh
+from studio.io.numbers import count_per_line, glued_words, lines_of, parted, table
+
+__all__ = ["BvhFile", "read_bvh", "write_bvh"]
+
+FloatArray = NDArray[np.float64]
+Progress = Callable[[float, str], None]
+
+_LARGEST_FILE = 1 << 30
+_LONGEST_HIERARCHY = 1 << 24
+_MOST_NUMBERS = 1 << 28
+_WITHOUT_COLON = re.compile(rb"^\s*(frames|frame\s*time)(?=\s+[\d.])", re.IGNORECASE)
+_FRAME_TIME = re.compile(
+    r"(?P<over>\+?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(?:\s*/\s*(?P<under>\d+\.?\d*))?(?=\s|;|s|$)",
+    re.ASCII | re.IGNORECASE,
+)
+"""Seconds as a number or as a fraction."""
+_SCALE_NOISE = 1e-3
+_DEEDS = {"scale": kernel.NOTHING, "position": kernel.PLACE, "rotation": kernel.TURN}  # scales are told as repairs
+_MOTION = re.compile(rb"(?:\A|[\r\n}])[ \t]*(MOTION)[ \t]*(?=[\r\n]|\Z)", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class BvhFile:
+    """What a BVH file says, in its own units and axes, with what had to be repaired to read it."""
+
+    name: str
+    skeleton: Skeleton
+    channels: tuple[tuple[str, ...], ...]
+    """For each joint its channels in the order of the file (``Zrotation``); empty for end sites."""
+    moved_from_offsets: bool
+    """Whether positions, the first joint's aside, count from the offsets instead of replacing them."""
+    frames: FloatArray
+    """(F, C) as written: file units and degrees."""
+    frame_time: float | None
+    """Seconds a frame as the file says; None where it says nothing usable."""
+    frame_time_digit: float
+    """Worth in seconds of the last digit written, within which the frame time may be rounded."""
+    repairs: tuple[str, ...]
+
+    @property
+    def frame_count(self) -> int:
+        """Frames F."""
+        return len(self.frames)
+
+    def poses(self) -> PoseSequence:
+        """Rotations and translations of every joint in file axes."""
+        return PoseSequence(*self.transforms(slice(None)))
+
+    def transforms(self, frames: NDArray[np.int64] | slice) -> tuple[FloatArray, FloatArray]:
+        """Local rotations (N, J, 4) and translations (N, J, 3) of these frames, in file axes and units."""
+        offsets = self.skeleton.offsets
+        starts = np.array(offsets) if self.moved_from_offsets else np.zeros_like(offsets)
+        starts[_first_with_positions(self.channels)] = 0.0
+        channels = [(joint, channel) for joint, each in enumerate(self.channels) for channel in each]
+        joints = np.array([joint for joint, _ in channels])
+        deeds = np.array([_DEEDS[channel[1:]] for _, channel in channels])
+        axes = np.array(["XYZ".index(channel[0]) for _, channel in channels])
+        numbers = self.frames[frames]
+        rotations = np.empty((len(numbers), len(offsets), 4))
+        translations = np.empty((len(numbers), len(offsets), 3))
+        kernel.pose_joints(numbers, joints, deeds, axes, starts, offsets, rotations, translations)
+        return rotations, translations
+
+
+def read_bvh(path: Path | str, progress: Progress | None = None) -> BvhFile:
+    """The file at ``path``; raises StudioError with file, line and what to do when it cannot be trusted."""
+    path = Path(path)
+    report = progress or (lambda share, text: None)
+    report(0.0, f"Reading {path.name}")
+    spelling: list[str] = []
+    content = plainly_spelled(path.name, _content(path), spelling)
+    head, motion_line, body = _split(path.name, content)
+    hierarchy = read_hierarchy(path.name, head)
+    report(0.2, f"Reading the motion of {path.name}")
+    header, first_row = _motion_header(path.name, body, motion_line)
+    repairs = [*spelling, *hierarchy.repairs]
+    first_line = motion_line + min(first_row, len(body) - 1)
+    frames = _frames(path.name, body[first_row:], first_line, hierarchy, header, repairs, report)
+    frame_time, digit = _frame_time(path.name, header, repairs)
+    offsets = np.array(hierarchy.offsets)
+    moved = _moved_from_offsets(path.name, hierarchy.channels, offsets, frames, repairs)
+    repairs += _scaled_joints(path.name, hierarchy, frames)
+    report(1.0, f"Read {path.name}")
+    skeleton = Skeleton(
+        tuple(hierarchy.names),
+        np.array(hierarchy.parents),
+        offsets,
+        np.array(hierarchy.end_sites),
+    )
+    channels = tuple(hierarchy.channels)
+    return BvhFile(path.name, skeleton, channels, moved, frames, frame_time, digit, tuple(repairs))
+
+
+def _first_with_positions(channels: Sequence[tuple[str, ...]]) -> int:
+    return next((joint for joint, each in enumerate(channels) if any("position" in channel for channel in each)), 0)
+
+
+def _moved_from_offsets(
+    name: str, channels: list[tuple[str, ...]], offsets: FloatArray, frames: FloatArray, repairs: list[str]
+) -> bool:
+    """Whether most joints with positions, the first aside, stay near zero though their bones are long.
+
+    As a rule a position replaces the offset; read so, these files would have no bones.
+    """
+    travelling = _first_with_positions(channels)
+    ends = np.cumsum([len(each) for each in channels])
+    near = []
+    for joint, (each, end) in enumerate(zip(channels, ends.tolist(), strict=True)):
+        columns = [end - len(each) + place for place, channel in enumerate(each) if channel.endswith("position")]
+        length = float(np.linalg.norm(offsets[joint]))
+        if columns and joint != travelling and length > 0.0:
+            near.append(float(np.abs(frames[:, columns]).max()) < 0.1 * length)
+    if sum(near) <= len(near) / 2:
+        return False
+    repairs.append(f"{name}: the positions of its joints count from their offsets; they were added to them.")
+    return True
+
+
+def _scaled_joints(name: str, hierarchy: Hierarchy, frames: FloatArray) -> list[str]:
+    """A sentence where scale channels hold anything but 1: bones of a body do not grow."""
+    channels = [(joint, each) for joint, all_ in enumerate(hierarchy.channels) for each in all_]
+    columns = [column for column, (_, each) in enumerate(channels) if each.endswith("scale")]
+    grows = [column for column in columns if np.abs(frames[:, column] - 1.0).max() > _SCALE_NOISE]
+    if not grows:
+        return []
+    joint = hierarchy.names[channels[grows[0]][0]]
+    return [f"{name}: joints are scaled ('{joint}' the first of them); their scales were not applied."]
+
+
+def _content(path: Path) -> bytes:
+    content = read_bytes(path, _LARGEST_FILE)
+    if not content or content.isspace():
+        raise StudioError(f"{path.name} is empty. Export it again.")
+    if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return content.decode("utf-16", "replace").encode()
+    if b"\0" in content:
+        raise StudioError(
+            f"{path.name}, byte {content.index(0)}: this is binary data, not BVH text. Choose a BVH file."
+        )
+    return content
+
+
+def _split(name: str, content: bytes) -> tuple[list[str], int, list[bytes]]:
+    """Lines before MOTION, the line of MOTION (from 1), lines after it."""
+    found = _MOTION.search(content)
+    if not found:
+        if not content.lstrip(b"\xef\xbb\xbf \t\r\n")[:9].upper() == b"HIERARCHY":
+            raise StudioError(
+                f"{name}, line 1: a BVH file begins with HIERARCHY, this one does not. Choose a BVH file."
+            )
+        raise StudioError(f"{name}, line {len(content.splitlines())}: the file ends before MOTION. It is cut off.")
+    head = content[: found.start(1)]
+    if len(head) > _LONGEST_HIERARCHY:
+        raise StudioError(f"{name}: its hierarchy is {len(head) >> 20} MB long. That is not a body; check the file.")
+    try:
+        text = head.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = head.decode("latin-1")
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    return lines, len(lines), lines_of(content, found.end())
+
+
+@dataclass
+class _Header:
+    line: int
+    """Of MOTION."""
+    frames: str | None = None
+    frames_line: int = 0
+    frame_time: str | None = None
+    frame_time_line: int = 0
+
+
+def _motion_header(name: str, body: list[bytes], motion_line: int) -> tuple[_Header, int]:
+    """``Frames:`` and ``Frame Time:`` in any order, either may be missing; and where the rows begin."""
+    header = _Header(line=motion_line)
+    for at, line in enumerate(body):
+        words = _WITHOUT_COLON.sub(rb"\1:", line).decode("utf-8", "replace").replace(":", " : ").split()
+        key = " ".join(words[: words.index(":")]).lower() if ":" in words else ""
+        if not words:
+            continue
+        if key == "frames":
+            header.frames = " ".join(words[words.index(":") + 1 :])
+            header.frames_line = motion_line + at
+        elif key in ("frame time", "frametime"):
+            header.frame_time = " ".join(words[words.index(":") + 1 :])
+            header.frame_time_line = motion_line + at
+        elif ":" in words:
+            raise StudioError(f"{name}, line {motion_line + at}: '{key[:40]}' is not part of a BVH motion. Remove it.")
+        else:
+            return header, at
+    return header, len(body)
+
+
+def _frame_time(name: str, header: _Header, repairs: list[str]) -> tuple[float | None, float]:
+    """Seconds a frame, and the worth of their last digit: none of a fraction (``1/60``)."""
+    text = header.frame_time
+    if not text:
+        repairs.append(f"{name}, line {header.frame_time_line or header.line}: the file has no Frame Time.")
+        return None, 0.0
+    where = f"{name}, line {header.frame_time_line}"
+    plain = _FRAME_TIME.match(text.replace(",", "."))
+    seconds = float(plain["over"]) / float(plain["under"] or 1.0) if plain and float(plain["under"] or 1.0) else 0.0
+    if not plain or not 1e-4 <= seconds <= 1.0:
+        repairs.append(f"{where}: Frame Time {text[:20]} cannot be true and was not used.")
+        return None, 0.0
+    if plain[0] != text or plain["under"]:
+        repairs.append(f"{where}: Frame Time {text[:20]} was read as {seconds:.6g} s.")
+    if plain["under"]:
+        return seconds, 1e-9
+    mantissa, _, exponent = plain["over"].lower().partition("e")
+    return seconds, float(10.0 ** (float(exponent or 0) - len(mantissa.partition(".")[2])))
+
+
+def _frames(
+    name: str,
+    lines: list[bytes],
+    first_line: int,
+    hierarchy: Hierarchy,
+    header: _Header,
+    repairs: list[str],
+    progress: Progress,
+) -> FloatArray:
+    """(F, C) numbers; a last row that is cut off is dropped and listed."""
+    width = sum(map(len, hierarchy.channels))
+    if width == 0:
+        raise StudioError(f"{name}: no joint declares channels, so there is no motion to read. Export it with motion.")
+    counts = count_per_line(lines)
+    _part_glued(name, lines, counts, width, first_line, repairs)
+    total = int(counts.sum())
+    if total > _MOST_NUMBERS:
+        raise StudioError(f"{name} holds {total} numbers; at most {_MOST_NUMBERS} are read. Cut the take into parts.")
+    if total == 0:
+        raise _no_frame(name, first_line, header)
+    last = int(np.flatnonzero(counts)[-1])
+    ends = np.cumsum(counts)
+    incomplete = total % width
+    if incomplete or _is_cut(lines, last, header, total // width):
+        dropped = incomplete or width
+        row_start = total - dropped
+        if row_start and row_start not in ends[:last]:
+            raise _wrong_row(name, counts, width, first_line)
+        if row_start == 0:
+            raise _no_frame(name, first_line, header)
+        last = int(np.searchsorted(ends, row_start, side="left"))
+        repairs.append(f"{name}, line {first_line + last + 1}: the last row is cut off and was dropped.")
+        total = row_start
+    rows = np.arange(width, total + 1, width)
+    if (ends[np.searchsorted(ends, rows)] != rows).any():
+        raise _wrong_row(name, counts, width, first_line)
+    lines, counts = lines[: last + 1], counts[: last + 1]
+    told = lambda share: progress(0.3 + 0.7 * share, f"Reading the motion of {name}")  # noqa: E731
+    values = table(lines, counts, name, first_line, told).reshape(-1, width)
+    row_lines = first_line + np.searchsorted(np.cumsum(counts), rows[: len(values)])
+    _fill(name, values, row_lines, hierarchy, repairs)
+    _compare_count(name, header, len(values), first_line + last, repairs)
+    return values
+
+
+def _part_glued(
+    name: str, lines: list[bytes], counts: NDArray[np.int64], width: int, first_line: int, repairs: list[str]
+) -> None:
+    """Part the numbers of rows that have too few words and would be whole; list each such row."""
+    for row in np.flatnonzero((counts > 0) & (counts < width)).tolist():
+        line = parted(lines[row].decode("utf-8", "replace")).encode()
+        if len(line.split()) == width:
+            lines[row], counts[row] = line, width
+            repairs.append(glued_words(name, first_line + row))
+
+
+def _fill(name: str, values: FloatArray, lines: NDArray[np.int64], hierarchy: Hierarchy, repairs: list[str]) -> None:
+    """Interpolate in time what no row says, angles the shorter way round; list how many rows and the first line.
+
+    ``values`` (F, C) with NaN for a missing value, ``lines`` (F,) of the file. Raises StudioError where a channel has
+    no number at all.
+    """
+    missing = ~np.isfinite(values)
+    rows = np.flatnonzero(missing.any(axis=1))
+    if not len(rows):
+        return
+    channels = [(joint, each) for joint, all_ in enumerate(hierarchy.channels) for each in all_]
+    frames = np.arange(len(values))
+    for column in np.flatnonzero(missing.any(axis=0)).tolist():
+        joint, channel = channels[column]
+        known = ~missing[:, column]
+        if not known.any():
+            raise StudioError(
+                f"{name}: {channel} of '{hierarchy.names[joint]}' has no number in any row. Export the file again."
+            )
+        course = values[known, column]
+        course = np.unwrap(course, period=360.0) if channel.endswith("rotation") else course
+        values[:, column] = np.where(known, values[:, column], np.interp(frames, frames[known], course))
+    count = "1 row lacks" if len(rows) == 1 else f"{len(rows)} rows lack"
+    repairs.append(
+        f"{name}, line {lines[rows[0]]}: {count} numbers; what is missing was filled from the rows before and after."
+    )
+
+
+def _is_cut(lines: list[bytes], last: int, header: _Header, rows: int) -> bool:
+    """A file that ends within a line, short of the frames it promises, has lost digits of its last number."""
+    return last == len(lines) - 1 and rows < _promised(header)
+
+
+def _no_frame(name: str, line: int, header: _Header) -> StudioError:
+    promised = f", though it says Frames: {header.frames[:20]}" if header.frames else ""
+    return StudioError(f"{name}, line {line}: there is no complete frame in this file{promised}. Export it again.")
+
+
+def _wrong_row(name: str, counts: NDArray[np.int64], width: int, first_line: int) -> StudioError:
+    row = int(np.flatnonzero((counts != width) & (counts > 0))[0])
+    return StudioError(
+        f"{name}, line {first_line + row}: {counts[row]} numbers stand here where {width} should stand. "
+        "Correct that line or export the file again."
+    )
+
+
+def _compare_count(name: str, header: _Header, rows: int, last_line: int, repairs: list[str]) -> None:
+    where = f"{name}, line {header.frames_line or header.line}"
+    if not header.frames:
+        repairs.append(f"{where}: the file does not say how many frames it has; found and read: {rows}.")
+    elif header.frames != str(rows):
+        cut = f" The last is on line {last_line}: the file may be cut off." if rows < _promised(header) else ""
+        repairs.append(f"{where}: the file says Frames: {header.frames[:20]}; found and read: {rows}.{cut}")
+
+
+def _promised(header: _Header) -> int:
+    return int(header.frames[:12]) if header.frames and header.frames.isdecimal() else 0

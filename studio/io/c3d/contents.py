@@ -1,0 +1,190 @@
+"""What the parameters of a C3D file say about its numbers: labels, kinds, units, signals, plates, events, measures."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.errors import StudioError
+from studio.core.markers.trial import MARKER, NO_SIGNALS, VIRTUAL, AnalogSignals, ForcePlate, TrialEvent, bare_label
+from studio.io.c3d.parameters import BLOCK, Parameters
+
+FloatArray = NDArray[np.float64]
+
+_UNITS = {"m": "m", "me": "m", "met": "m", "mete": "m", "meter": "m", "metre": "m", "meters": "m", "metres": "m"}
+_UNITS |= {"mm": "mm", "mill": "mm", "millimeter": "mm", "millimetre": "mm", "millimeters": "mm", "millimetres": "mm"}
+_UNITS |= {"cm": "cm", "cent": "cm", "centimeter": "cm", "centimetre": "cm", "centimeters": "cm", "centimetres": "cm"}
+_UNITS |= {"in": "inch", "inch": "inch", "inches": "inch"}
+_MODEL_OUTPUTS = {
+    "ANGLES": "angle", "FORCES": "force", "MOMENTS": "moment", "POWERS": "power", "SCALARS": "scalar",
+    "MODELED_MARKERS": VIRTUAL, "REACTIONS": "reaction",
+}  # fmt: skip
+_ENDINGS = ("angles", "angle", "force", "moment", "power", "grf", "forces", "moments", "powers")
+_EVENT_KEY = 12345
+_MEASURE_GROUPS = ("PROCESSING", "SUBJECTS", "SUBJECT", "SEG")
+
+
+def labels_and_kinds(
+    name: str, parameters: Parameters, count: int, repairs: list[str]
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """A label of its own for each of ``count`` points, and what kind of thing each is."""
+    written = parameters.words_on("POINT", "LABELS")[:count]
+    labels: dict[str, None] = {}
+    twice: list[str] = []
+    for place in range(count):
+        label = written[place] if place < len(written) else ""
+        label = label or f"Point {place + 1}"
+        if label in labels:
+            twice.append(label)
+            number = 2
+            while f"{label}_{number}" in labels:
+                number += 1
+            label = f"{label}_{number}"
+        labels[label] = None
+    if twice:
+        shown = ", ".join(dict.fromkeys(twice[:4]))
+        repairs.append(f"{name}: {len(twice)} labels stand there more than once ({shown}); they were numbered.")
+    if len(written) < count:
+        repairs.append(f"{name}: {count} points have {len(written)} labels; the others were numbered.")
+    outputs = {
+        label: kind for group, kind in _MODEL_OUTPUTS.items() for label in parameters.words_on("POINT", group) if label
+    }
+    outputs |= dict.fromkeys(_segment_axes(tuple(labels)), VIRTUAL)
+    return tuple(labels), tuple(outputs.get(label, _kind_by_name(label)) for label in labels)
+
+
+def _segment_axes(labels: tuple[str, ...]) -> set[str]:
+    """``LFEO, LFEA, LFEL, LFEP`` and their like: origin and axes of a segment, as Plug-in-Gait leaves them."""
+    there = set(labels)
+    stems = {label[:-1] for label in labels if len(bare_label(label)) == 4 and label.endswith("O")}
+    quads = ([stem + end for end in "OALP"] for stem in stems)
+    return {label for quad in quads if there.issuperset(quad) for label in quad}
+
+
+def _kind_by_name(label: str) -> str:
+    """Models call their outputs ``LKneeAngles``, ``RHipMoment``: no marker is called so."""
+    if label.lower().startswith("centreofmass"):
+        return VIRTUAL
+    ending = next((ending for ending in _ENDINGS if label.lower().endswith(ending)), "")
+    return {"grf": "force"}.get(ending, ending.removesuffix("s")) if len(label) > len(ending) and ending else MARKER
+
+
+def unit_of(name: str, parameters: Parameters, repairs: list[str]) -> str:
+    """The unit of length; millimetres where the file says none that is known."""
+    said = (*parameters.words("POINT", "UNITS"), "")[0]
+    unit = _UNITS.get(said.lower().rstrip("."))
+    if unit is None:
+        repairs.append(f"{name}: POINT:UNITS is '{said[:20]}', which is not a known unit; taken as mm.")
+    elif unit != said.lower():
+        repairs.append(f"{name}: POINT:UNITS is '{said[:20]}', taken as {unit}.")
+    return unit or "mm"
+
+
+def analog_signals(
+    name: str, parameters: Parameters, raw: NDArray[np.generic], rate: float, repairs: list[str]
+) -> AnalogSignals:
+    """The signals (N, C) in their units: (raw - offset) x scale x general scale, as C3D has it."""
+    count = raw.shape[1]
+    if count == 0:
+        return NO_SIGNALS
+    general = parameters.number("ANALOG", "GEN_SCALE")
+    scales, offsets = (
+        _filled(parameters.array_on("ANALOG", which), count, usual)
+        for which, usual in (("SCALE", 1.0), ("OFFSET", 0.0))
+    )
+    if "UNSIGNED" in (word.upper() for word in parameters.words("ANALOG", "FORMAT")):
+        raw = raw.view(raw.dtype.str.replace("i", "u"))
+        offsets = offsets % 65536  # stored in 16 bits, too
+    with np.errstate(all="ignore"):
+        samples = (raw.astype(np.float64) - offsets) * scales * (1.0 if general is None else general)
+    wild = ~(np.abs(samples) < 1e30)
+    if wild.any():
+        samples[wild] = 0.0
+        repairs.append(f"{name}: {int(wild.sum())} analog numbers are not finite; they were made 0.")
+    labels, units = parameters.words_on("ANALOG", "LABELS"), parameters.words_on("ANALOG", "UNITS")
+    return AnalogSignals(
+        tuple(_at(labels, place) or f"Channel {place + 1}" for place in range(count)),
+        tuple(_at(units, place) for place in range(count)),
+        rate,
+        samples,
+    )
+
+
+def force_plates(name: str, parameters: Parameters, channels: int, repairs: list[str]) -> tuple[ForcePlate, ...]:
+    """The plates whose corners and channels the file gives; others are listed."""
+    count = int(np.clip(parameters.number("FORCE_PLATFORM", "USED") or 0, 0, 32))
+    kinds, corners, origins, feeds, matrices = (
+        parameters.array("FORCE_PLATFORM", which) for which in ("TYPE", "CORNERS", "ORIGIN", "CHANNEL", "CAL_MATRIX")
+    )
+    plates: list[ForcePlate] = []
+    for place in range(count):
+        try:
+            own = np.atleast_2d(feeds.T)[place] if feeds.size else np.zeros(0)
+            columns = tuple(int(channel) - 1 for channel in own if 0 < channel <= channels)
+            kind = int(kinds.flat[place])
+            size = {1: 6, 2: 6, 3: 8, 4: 6}.get(kind, 0)
+            calibration = matrices[:, :, place] if kind == 4 and matrices.ndim == 3 else None
+            origin = origins[:, place] if origins.ndim == 2 else origins
+            shape = corners if corners.ndim == 2 else corners[:, :, place]
+            numbers = (shape, origin, *(() if calibration is None else (calibration,)))
+            if len(columns) < size or not size or not all(np.isfinite(array).all() for array in numbers):
+                raise ValueError
+            plates.append(ForcePlate(kind, shape.T, origin, columns[:size], calibration))
+        except (IndexError, ValueError, StudioError):
+            repairs.append(
+                f"{name}: force plate {place + 1} is not described completely; its signals are kept as such."
+            )
+    return tuple(plates)
+
+
+def marked_events(name: str, content: bytes, parameters: Parameters, repairs: list[str]) -> tuple[TrialEvent, ...]:
+    """The events of the parameters, else those of the header, in time."""
+    labels = parameters.words_on("EVENT", "LABELS")
+    contexts = parameters.words_on("EVENT", "CONTEXTS")
+    times = parameters.array("EVENT", "TIMES")
+    count = int(np.clip(parameters.number("EVENT", "USED") or 0, 0, 65535))
+    if not count:
+        return _header_events(content, parameters)
+    if times.ndim == 1 and times.size % 2 == 0:
+        times = times.reshape(2, -1, order="F")
+    usable = min(count, len(labels), times.shape[1] if times.ndim == 2 and len(times) == 2 else 0)
+    if usable < count:
+        repairs.append(f"{name}: EVENT:USED is {count}, but only {usable} events have a label and a time.")
+    events = [
+        TrialEvent(labels[place], _at(contexts, place), float(60.0 * times[0, place] + times[1, place]))
+        for place in range(usable)
+        if np.isfinite(times[:, place]).all()
+    ]
+    return tuple(sorted(events, key=lambda event: event.time))
+
+
+def _header_events(content: bytes, parameters: Parameters) -> tuple[TrialEvent, ...]:
+    """Up to 18 events with labels of four letters, in the second half of the header."""
+    words = parameters.numbers.integers(content[:BLOCK])
+    count = int(words[150])
+    if int(words[149]) != _EVENT_KEY or not 0 < count <= 18:
+        return ()
+    times = parameters.numbers.floats(content[304 : 304 + 72]).astype(np.float64)
+    labels = [content[396 + 4 * place : 400 + 4 * place].decode("latin-1").strip() for place in range(count)]
+    pairs = zip(labels, times, strict=False)
+    found = [TrialEvent(label, "", float(time)) for label, time in pairs if label.isprintable() and np.isfinite(time)]
+    return tuple(sorted(found, key=lambda event: event.time))
+
+
+def measures(parameters: Parameters) -> dict[str, float]:
+    """Single numbers measured on the subject: bone widths, leg lengths, the size of the markers."""
+    found: dict[str, float] = {}
+    for group in _MEASURE_GROUPS:
+        for key, value in parameters.groups.get(group, {}).items():
+            if not isinstance(value, tuple) and value.size == 1 and np.isfinite(value.flat[0]):
+                found.setdefault(key, float(value.flat[0]))
+    return found
+
+
+def _filled(values: FloatArray, count: int, usual: float) -> FloatArray:
+    full = np.full(count, usual)
+    known = values[:count]
+    full[: len(known)] = np.where(np.isfinite(known), known, usual)
+    return full
+
+
+def _at(words: tuple[str, ...], place: int) -> str:
+    return words[place] if place < len(words) else ""

@@ -1,0 +1,37 @@
+"""C3D as a format of the registry: what such a file begins with, and how a take is written."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from studio.io.export import Take
+from studio.io.guessing import AXES
+from studio.io.registry import Progress
+
+_WORN = 0.6
+"""The share of the work after which all markers have their places."""
+
+
+def is_c3d(head: bytes) -> bool:
+    """Whether a file that begins so may be C3D: the block of its parameters, the mark 80, and in that block the kind
+    of processor, as far as ``head`` reaches."""
+    if len(head) < 2 or head[0] < 2 or head[1] != 0x50:
+        return False
+    processor = (head[0] - 1) * 512 + 3
+    return head[processor] in (84, 85, 86) if processor < len(head) else len(head) >= 512
+
+
+def write_take(path: Path, take: Take, progress: Progress) -> None:
+    """Write the joints of ``take`` and the markers its body would wear; read back, every one is within 0.001 mm.
+
+    Z is up and -Y the front, as the reader has it: a body that is read back faces where it did.
+    """
+    from studio.core.markers.virtual import virtual_trial
+    from studio.io.c3d.writer import write_c3d
+
+    trial = virtual_trial(
+        take.capture,
+        take.annotations.contacts or (),
+        lambda share: progress(_WORN * share, f"Placing the markers of {path.name}"),
+    )
+    trial = replace(trial, points=trial.points @ AXES["Z"])
+    write_c3d(path, trial, lambda share, text: progress(_WORN + (1.0 - _WORN) * share, text))

@@ -1,0 +1,279 @@
+"""C3D files: points, analog signals, plates and events as they were recorded, by a reader that trusts no header.
+
+Intel, DEC and MIPS, integers and floats. Every size is checked against the bytes that are there before anything is
+made of it: a file takes memory in proportion to its own size, whatever it says.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.errors import StudioError
+from studio.core.markers.trial import Trial
+from studio.io.beside import read_bytes
+from studio.io.c3d.contents import analog_signals, force_plates, labels_and_kinds, marked_events, measures, unit_of
+from studio.io.c3d.parameters import BLOCK, Numbers, Parameters, read_parameters
+
+FloatArray = NDArray[np.float64]
+Progress = Callable[[float, str], None]
+
+_LARGEST_FILE = 1 << 30
+_ABSURD = 1e7
+"""Beyond so many units nothing was recorded by a camera."""
+
+
+@dataclass(frozen=True)
+class C3dFile:
+    """A trial, the parameters as the file has them, and what had to be repaired to read it."""
+
+    trial: Trial
+    order: str
+    """``Intel``, ``DEC`` or ``MIPS``."""
+    integers: bool
+    parameters: Parameters
+    repairs: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class _Header:
+    """The first block, and what the parameters make of it."""
+
+    points: int
+    channels: int
+    samples: int
+    """Analog samples a frame."""
+    first_frame: int
+    frames: int
+    scale: float
+    """Units a step of an integer; the coordinates are floats where it was written with a minus."""
+    integers: bool
+    data_start: int
+    frame_rate: float
+
+    @property
+    def words_a_frame(self) -> int:
+        """Numbers a frame."""
+        return 4 * self.points + self.channels * self.samples
+
+    @property
+    def bytes_a_frame(self) -> int:
+        """Bytes a frame."""
+        return self.words_a_frame * (2 if self.integers else 4)
+
+
+def read_c3d(path: Path | str, progress: Progress | None = None) -> C3dFile:
+    """The file at ``path``; raises StudioError with file, byte and what to do when it cannot be trusted."""
+    path = Path(path)
+    report = progress or (lambda share, text: None)
+    report(0.0, f"Reading {path.name}")
+    content = _content(path)
+    parameters = read_parameters(path.name, content)
+    repairs = parameters.repairs
+    header = _header(path.name, content, parameters, repairs)
+    report(0.3, f"Reading the points of {path.name}")
+    words = _words(content, header, parameters.numbers)
+    points, residuals = _points(path.name, words[:, : 4 * header.points], header, repairs)
+    report(0.7, f"Reading the signals of {path.name}")
+    raw = words[:, 4 * header.points :].reshape(header.frames * header.samples, header.channels)
+    labels, kinds = labels_and_kinds(path.name, parameters, header.points, repairs)
+    trial = Trial(
+        name=path.stem,
+        source=path.name,
+        labels=labels,
+        kinds=kinds,
+        points=points,
+        residuals=residuals,
+        frame_rate=header.frame_rate,
+        first_frame=header.first_frame,
+        unit=unit_of(path.name, parameters, repairs),
+        analog=analog_signals(path.name, parameters, raw, header.frame_rate * max(header.samples, 1), repairs),
+        plates=force_plates(path.name, parameters, header.channels, repairs),
+        events=marked_events(path.name, content, parameters, repairs),
+        measures=measures(parameters),
+    )
+    report(1.0, f"Read {path.name}")
+    return C3dFile(trial, parameters.numbers.order, header.integers, parameters, tuple(repairs))
+
+
+def _content(path: Path) -> bytes:
+    content = read_bytes(path, _LARGEST_FILE)
+    if not content:
+        raise StudioError(f"{path.name} is empty. Export it again.")
+    if len(content) < BLOCK:
+        raise StudioError(
+            f"{path.name}, byte {len(content)}: the file ends within its header. It is cut off; export it again."
+        )
+    if content[1] != 0x50:
+        raise StudioError(f"{path.name}, byte 1: a C3D file has 80 here, this one has {content[1]}. Choose a C3D file.")
+    return content
+
+
+def _header(name: str, content: bytes, parameters: Parameters, repairs: list[str]) -> _Header:
+    words = parameters.numbers.integers(content[:BLOCK]).view()
+    unsigned = [int(word) & 0xFFFF for word in words[:10]]
+    rate = float(parameters.numbers.floats(content[20:24])[0])
+    scale = float(parameters.numbers.floats(content[12:16])[0])
+    points = _counted(name, "points", unsigned[1], parameters.number("POINT", "USED"), repairs)
+    samples = unsigned[9]
+    if unsigned[2] and not samples:
+        samples = 1
+        repairs.append(f"{name}, byte 18: the file says 0 analog samples a frame though it has some; taken as 1.")
+    channels = unsigned[2] // samples if samples else 0
+    if channels * samples != unsigned[2]:
+        raise StudioError(
+            f"{name}, byte 4: {unsigned[2]} analog numbers a frame are not a whole multiple of {samples} samples. "
+            "Its header is damaged; export it again."
+        )
+    told = parameters.number("ANALOG", "USED")
+    if told is not None and told != channels:
+        repairs.append(f"{name}, byte 4: the header says {channels} analog channels, ANALOG:USED {told:g}; read so.")
+    if points == 0:
+        raise StudioError(f"{name}, byte 2: {_without_points(unsigned, channels, parameters)}")
+    scale, integers = _scale(name, scale, parameters, repairs)
+    header = _Header(
+        points=points,
+        channels=channels,
+        samples=samples,
+        first_frame=_first_frame(unsigned[3], parameters),
+        frames=0,
+        scale=scale,
+        integers=integers,
+        data_start=_data_start(name, content, unsigned[8], parameters, repairs),
+        frame_rate=_frame_rate(name, rate, parameters, repairs),
+    )
+    frames = _frames(name, content, unsigned, header, parameters, repairs)
+    return _Header(**{**vars(header), "frames": frames})
+
+
+def _without_points(unsigned: list[int], channels: int, parameters: Parameters) -> str:
+    """What a file says that it holds in the place of points, and what to do."""
+    samples = max(unsigned[4] - unsigned[3] + 1, 0) * unsigned[9]
+    rotations = int(parameters.number("ROTATION", "USED") or 0)
+    held = [f"{channels} signals of {samples} samples"] if channels else []
+    held += [f"the rotations of {rotations} segments"] if rotations > 0 else []
+    only = f"only {' and '.join(held)}" if held else "nor any signals"
+    return f"the file holds no points, {only}. Export it with its markers."
+
+
+def _counted(name: str, what: str, header: int, parameter: float | None, repairs: list[str]) -> int:
+    if parameter is None or int(parameter) & 0xFFFF == header:
+        return header
+    repairs.append(
+        f"{name}, byte 2: the header says {header} {what}, POINT:USED {parameter:g}; read as the header says."
+    )
+    return header
+
+
+def _first_frame(header: int, parameters: Parameters) -> int:
+    field = parameters.array("TRIAL", "ACTUAL_START_FIELD")
+    return _long(field) if field.size == 2 else header
+
+
+def _long(field: NDArray[np.float64]) -> int:
+    """A number of 32 bits that stands as two of 16, the lower first."""
+    return (int(field[0]) & 0xFFFF) + ((int(field[1]) & 0xFFFF) << 16)
+
+
+def _scale(name: str, header: float, parameters: Parameters, repairs: list[str]) -> tuple[float, bool]:
+    """Units a step, and whether the coordinates are integers."""
+    told = parameters.number("POINT", "SCALE")
+    if np.isfinite(header) and 0.0 < abs(header) < _ABSURD:
+        if told is not None and header > 0.0 and _differ(header, told):
+            what = f"the header says a scale of {header:g}, POINT:SCALE {told:g}"
+            repairs.append(f"{name}, byte 12: {what}; read as the header says.")
+        return abs(header), header > 0.0
+    if told is not None and 0.0 < abs(told) < _ABSURD:
+        repairs.append(f"{name}, byte 12: the scale {header:g} cannot be true; POINT:SCALE {told:g} was taken.")
+        return abs(told), told > 0.0
+    raise StudioError(f"{name}, byte 12: the scale of its points, {header:g}, cannot be true. Export it again.")
+
+
+def _differ(header: float, parameter: float) -> bool:
+    """Whether they are not one number written in two ways, as 60 Hz and 59.94."""
+    return not math.isclose(header, parameter, rel_tol=2e-3)
+
+
+def _data_start(name: str, content: bytes, header: int, parameters: Parameters, repairs: list[str]) -> int:
+    """The byte where the frames begin."""
+    for block in (header, int(parameters.number("POINT", "DATA_START") or 0) & 0xFFFF):
+        if block > 1 and (block - 1) * BLOCK < len(content):
+            if block != header:
+                repairs.append(f"{name}, byte 16: block {header} cannot hold the frames; POINT:DATA_START was taken.")
+            return (block - 1) * BLOCK
+    raise StudioError(
+        f"{name}, byte 16: its frames should begin in block {header}, which is not in the file of {len(content)} "
+        "bytes. It is cut off; export it again."
+    )
+
+
+def _frame_rate(name: str, header: float, parameters: Parameters, repairs: list[str]) -> float:
+    told = parameters.number("POINT", "RATE")
+    true = [rate for rate in (header, told) if rate is not None and np.isfinite(rate) and 0.01 <= rate <= 100000.0]
+    if len(true) == 2 and _differ(*true):
+        repairs.append(f"{name}, byte 20: the header says {header:g} Hz, POINT:RATE {told:g}; read as the header says.")
+    elif header not in true:
+        instead = "POINT:RATE" if true else "100 Hz"
+        repairs.append(f"{name}, byte 20: the frame rate {header:g} cannot be true; {instead} was taken.")
+    return true[0] if true else 100.0
+
+
+def _frames(
+    name: str, content: bytes, unsigned: list[int], header: _Header, parameters: Parameters, repairs: list[str]
+) -> int:
+    """How many frames there are: as said where 16 bits suffice to say it, else by the longest that is there."""
+    there = (len(content) - header.data_start) // header.bytes_a_frame
+    start, end = (parameters.array("TRIAL", f"ACTUAL_{which}_FIELD") for which in ("START", "END"))
+    told = unsigned[4] - unsigned[3] + 1 if unsigned[4] >= unsigned[3] else 0
+    claims = [told, int(parameters.number("POINT", "FRAMES") or 0) & 0xFFFF]
+    if start.size == 2 and end.size == 2:
+        claims.insert(0, _long(end) - _long(start) + 1)
+    longest = int(np.clip(parameters.number("POINT", "LONG_FRAMES") or 0.0, 0.0, 2.0**31))
+    if unsigned[4] == 0xFFFF or claims[-1] == 0xFFFF:
+        claims.insert(0, longest or (there if max(claims) == 0xFFFF else max(claims)))
+    claimed = next((claim for claim in claims if claim > 0), 0)
+    if there == 0 or claimed == 0:
+        raise StudioError(
+            f"{name}, byte {header.data_start}: there is no complete frame in this file, though it says {claimed}. "
+            "Export it again."
+        )
+    if claimed > there:
+        repairs.append(f"{name}: the file says {claimed} frames, but holds {there}; it is cut off. Those were read.")
+        return there
+    others = sorted({claim for claim in claims if claim > 0} - {claimed})
+    if others:
+        repairs.append(f"{name}: the file says {claimed} frames and in another place {others[0]}; read: {claimed}.")
+    return claimed
+
+
+def _words(content: bytes, header: _Header, numbers: Numbers) -> NDArray[np.generic]:
+    """(frames, numbers a frame) as they stand in the file."""
+    data = memoryview(content)[header.data_start : header.data_start + header.frames * header.bytes_a_frame]
+    flat: NDArray[np.generic] = numbers.integers(data) if header.integers else numbers.floats(data)
+    return flat.reshape(header.frames, header.words_a_frame)
+
+
+def _points(
+    name: str, words: NDArray[np.generic], header: _Header, repairs: list[str]
+) -> tuple[FloatArray, FloatArray]:
+    """Points (F, P, 3) and residuals (F, P) in units; NaN and -1 for what was not seen."""
+    quads = words.reshape(header.frames, header.points, 4)
+    with np.errstate(invalid="ignore", over="ignore"):
+        points = quads[..., :3].astype(np.float64) * (header.scale if header.integers else 1.0)
+        wild = ~(np.abs(points) < _ABSURD).all(axis=-1)
+        last = np.nan_to_num(quads[..., 3].astype(np.float64), nan=-1.0, posinf=-1.0, neginf=-1.0)
+    cameras = np.clip(np.trunc(last), -32768, 32767).astype(np.int16)
+    unseen = (cameras < 0) | ~points.any(axis=-1)
+    if (wild & ~unseen).any():
+        frame, point = np.argwhere(wild & ~unseen)[0]
+        count = int((wild & ~unseen).sum())
+        repairs.append(
+            f"{name}: point {point + 1} in frame {frame} and {count - 1} more are not believable places; made gaps."
+        )
+    unseen |= wild
+    points[unseen] = np.nan
+    residuals = np.where(unseen, -1.0, np.bitwise_and(cameras, 0xFF) * header.scale)
+    return points, residuals

@@ -1,0 +1,1 @@
+"""FBX, read by ufbx in a child process: motions and characters."""

@@ -1,0 +1,126 @@
+"""FBX files as captures: read by ufbx in a child process, made upright and rigid here."""
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
+from studio.core.captures.capture import Capture
+from studio.core.errors import StudioError
+from studio.core.rotations import from_matrix, normalized, to_matrix
+from studio.io.bvh.capture import capture_of
+from studio.io.fbx.reading import INSTEAD, read_arrays
+from studio.io.guessing import UNITS
+from studio.io.importing import ImportOptions
+from studio.io.registry import Progress
+
+FloatArray = NDArray[np.float64]
+
+_DIGIT = 1e-6
+"""Seconds to which programs round the time of a frame."""
+_SMALLEST_SCALE = 1e-9
+_SAME_UNIT = 1e-4
+
+
+@dataclass(frozen=True)
+class FbxFile:
+    """The joints of a file by their rest pose: with all rotations zero the body stands as it was bound."""
+
+    skeleton: Skeleton
+    local_rotations: FloatArray
+    local_translations: FloatArray
+    frame_time: float | None
+    metres: float
+    up_axis: str
+    repairs: tuple[str, ...]
+    frame_time_digit: float = _DIGIT
+
+    @property
+    def frame_count(self) -> int:
+        """Frames F."""
+        return len(self.local_rotations)
+
+    def transforms(self, frames: NDArray[np.int64] | slice) -> tuple[FloatArray, FloatArray]:
+        """Local rotations (N, J, 4) and translations (N, J, 3) of these frames."""
+        return self.local_rotations[frames], self.local_translations[frames]
+
+
+def load_fbx(path: Path, options: ImportOptions, progress: Progress) -> Capture:
+    """The capture in the FBX file at ``path``: its longest animation. Raises StudioError with what to do."""
+    file = read_fbx(path, progress)
+    named = (unit for unit, metres in UNITS.items() if abs(metres - file.metres) < _SAME_UNIT * metres)
+    unit = next(named, f"{file.metres:.9g}")
+    said = replace(options, unit=options.unit or unit, up_axis=options.up_axis or file.up_axis)
+    return capture_of(file, path, said, progress)
+
+
+def read_fbx(path: Path, progress: Progress) -> FbxFile:
+    """Names, joints and frames of the file, in its own units and axes. Raises StudioError."""
+    read = read_arrays(path, "motion", progress)
+    try:
+        frames, rest, about = read["frames"], read["rest"], json.loads(read["about"].tobytes())
+    except (ValueError, KeyError) as error:
+        raise StudioError(f"{path.name} could not be read as FBX: {error}. {INSTEAD}") from error
+    progress(0.4, f"Reading {path.name}")
+    if not (np.isfinite(frames).all() and np.isfinite(rest).all()):
+        raise StudioError(f"{path.name}: its joints lie at places that are not numbers. {INSTEAD}")
+    return _rigid(about, frames, rest)
+
+
+def _rigid(about: dict[str, object], frames: FloatArray, rest: FloatArray) -> FbxFile:
+    """Scales worked into the places, and turns counted from the rest pose."""
+    names, parents = _one_root(list(about["names"]), list(about["parents"]))  # type: ignore[call-overload]
+    added = len(names) - frames.shape[1]
+    still = np.array([0.0] * 6 + [1.0] * 4)
+    frames = np.concatenate([np.broadcast_to(still, (len(frames), added, 10)), frames], axis=1)
+    rest = np.concatenate([np.broadcast_to(still, (added, 10)), rest])
+    rest_places, rest_turns = _world(parents, rest[None])
+    places, turns = _world(parents, frames)
+    turns = turns @ np.swapaxes(rest_turns, -1, -2)
+    above = np.maximum(parents, 0)
+    carrier = np.where((parents < 0)[:, None, None], np.eye(3), turns[:, above])
+    offsets = rest_places[0] - np.where((parents < 0)[:, None], 0.0, rest_places[0, above])
+    moved = places - np.where((parents < 0)[:, None], 0.0, places[:, above])
+    local = from_matrix(np.swapaxes(carrier, -1, -2) @ turns)
+    translations = np.einsum("fjba,fjb->fja", carrier, moved)
+    skeleton = Skeleton(tuple(names), parents, offsets, np.zeros(len(names), dtype=bool))
+    poses = PoseSequence(local, translations)
+    rate, metres = float(about["frame_rate"]), float(about["unit_metres"])  # type: ignore[arg-type]
+    return FbxFile(
+        skeleton, poses.local_rotations, poses.local_translations, 1.0 / rate, metres, str(about["up_axis"]), ()
+    )
+
+
+def _one_root(names: list[str], parents: list[int]) -> tuple[list[str], NDArray[np.int64]]:
+    """Names made unique, and a joint above where several have none."""
+    taken: set[str] = set()
+    for place, name in enumerate(names):
+        unique, number = name or f"joint{place}", 2
+        while unique in taken:
+            unique, number = f"{name}_{number}", number + 1
+        taken.add(unique)
+        names[place] = unique
+    if parents.count(-1) == 1:
+        return names, np.array(parents)
+    world = "World"
+    while world in taken:
+        world += "_"
+    return [world, *names], np.array([-1, *(parent + 1 for parent in parents)])
+
+
+def _world(parents: NDArray[np.int64], local: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Places (F, J, 3) and turns (F, J, 3, 3) of joints with local place, turn and scale (F, J, 10)."""
+    places = np.empty((*local.shape[:2], 3))
+    spaces = to_matrix(normalized(local[..., 3:7])) * local[..., None, 7:]
+    for joint, parent in enumerate(parents.tolist()):
+        if parent < 0:
+            places[:, joint] = local[:, joint, :3]
+        else:
+            places[:, joint] = places[:, parent] + np.einsum("fij,fj->fi", spaces[:, parent], local[:, joint, :3])
+            spaces[:, joint] = spaces[:, parent] @ spaces[:, joint]
+    lengths = np.linalg.norm(spaces, axis=-2, keepdims=True)
+    return places, spaces / np.maximum(lengths, _SMALLEST_SCALE)

@@ -1,0 +1,165 @@
+"""The character in an FBX file: its joints and its skin as they were bound."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path, PureWindowsPath
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from studio.core.errors import StudioError
+from studio.core.mesh.appearance import Material
+from studio.io.beside import content_of
+from studio.io.fbx.reading import read_arrays
+from studio.io.figure.body import character_of
+from studio.io.figure.figure import MOST_VERTICES, Figure, FloatArray, IntArray, Piece
+from studio.io.figure.textures import checked_picture
+from studio.io.gltf.materials import hex_colour
+from studio.io.importing import ImportOptions
+from studio.io.meshes.shapes import smooth_normals, unit
+from studio.io.registry import Progress, ReadCharacter
+
+Arrays = Mapping[str, NDArray[Any]]
+
+MOST_SHARES = 8
+"""Joints that a vertex hangs from."""
+INSTEAD = "Export the character as GLB from the program that made it."
+
+
+def load_character(path: Path, options: ImportOptions, progress: Progress) -> ReadCharacter:
+    """Read joints, meshes and materials, and find the body. Raises StudioError."""
+    progress(0.0, f"Reading {path.name}")
+    arrays = read_arrays(path, "figure", progress)
+    progress(0.5, f"Finding the body in {path.name}")
+    try:
+        about = json.loads(arrays["about"].tobytes())
+        if not all(np.isfinite(array).all() for name, array in arrays.items() if name != "bind"):
+            raise ValueError("some lie at places that are not numbers")
+        figure = _figure(path, about, arrays)
+    except (KeyError, IndexError, ValueError) as error:
+        raise StudioError(f"{path.name}: its joints or its skin make no sense: {error}. {INSTEAD}") from error
+    said = options.unit or f"{about['unit_metres']:.9g}"
+    return character_of([figure], replace(options, unit=said))
+
+
+def _figure(path: Path, about: dict[str, Any], arrays: Arrays) -> Figure:
+    parents, shown = tuple(about["parents"]), _square(arrays["world"])
+    world = _bound(parents, shown, arrays["bind"])
+    repairs: list[str] = []
+    pieces: list[Piece] = []
+    for number, mesh in enumerate(about["meshes"]):
+        part = {name.partition(" ")[2]: array for name, array in arrays.items() if name.startswith(f"{number} ")}
+        if mesh["carrier"] >= 0:
+            carrier = mesh["carrier"]
+            part["to_world"] = (world[carrier] @ np.linalg.inv(shown[carrier]) @ _square(part["to_world"]))[:3]
+        elif not len(part["weights"]):
+            repairs.append(f"{path.name}: {mesh['name']} hangs from no joint; it was left out.")
+            continue
+        pieces += _pieces(mesh, part, [_material(path, *told, part, repairs) for told in enumerate(mesh["materials"])])
+    if sum(len(piece.vertices) for piece in pieces) > MOST_VERTICES:
+        raise StudioError(
+            f"{path.name} has more than {MOST_VERTICES:,} vertices. Export the figure alone, and coarser."
+        )
+    names = [name or f"joint{place}" for place, name in enumerate(about["names"])]
+    unique = [name if name not in names[:place] else f"{name}_{place}" for place, name in enumerate(names)]
+    return Figure(
+        name=path.stem,
+        source=path.name,
+        joint_names=tuple(unique),
+        parents=parents,
+        positions=world[:, :3, 3],
+        pieces=tuple(pieces),
+        up=about["up_axis"],
+        moves=about["moves"],
+        repairs=tuple(repairs),
+    )
+
+
+def _square(matrices: FloatArray) -> FloatArray:
+    """(..., 4, 4) of (..., 3, 4)."""
+    last = np.broadcast_to([0.0, 0.0, 0.0, 1.0], (*matrices.shape[:-2], 1, 4))
+    return np.concatenate([matrices, last], axis=-2)
+
+
+def _bound(parents: tuple[int, ...], shown: FloatArray, bind: FloatArray) -> FloatArray:
+    """(J, 4, 4) joints as they were bound; one that nothing hangs from keeps its place relative to its parent."""
+    world = shown.copy()
+    for joint, parent in enumerate(parents):
+        if np.isfinite(bind[joint]).all():
+            world[joint, :3] = bind[joint]
+        elif parent >= 0:
+            world[joint] = world[parent] @ np.linalg.inv(shown[parent]) @ shown[joint]
+    return world
+
+
+def _pieces(mesh: dict[str, Any], part: Arrays, materials: list[Material]) -> list[Piece]:
+    """A piece of each material, with a vertex for each normal and place in the texture that a point of it has."""
+    to_world, joints, weights = part["to_world"], *_shares(mesh["carrier"], part)
+    corners, triangles = part["corners"].astype(np.int64), _triangles(part["faces"].astype(np.int64))
+    found = []
+    for kind in np.unique(triangles[:, 3]).tolist():
+        chosen = corners[triangles[triangles[:, 3] == kind, :3]].reshape(-1, 3)
+        rows, index = np.unique(chosen, axis=0, return_inverse=True)
+        points, turned, places = (
+            values[rows[:, column]] if len(values) else np.zeros((len(rows), values.shape[1]))
+            for column, values in enumerate((part["vertices"], part["normals"], part["coordinates"]))
+        )
+        stood = points @ to_world[:, :3].T + to_world[:, 3]
+        shown = index.reshape(-1, 3)[:, :: -1 if np.linalg.det(to_world[:, :3]) < 0.0 else 1]
+        normals = unit(turned @ np.linalg.inv(to_world[:, :3])) if turned.any() else smooth_normals(stood, shown)
+        found.append(
+            Piece(
+                stood,
+                normals,
+                places,
+                shown,
+                joints[rows[:, 0]],
+                weights[rows[:, 0]],
+                materials[kind] if kind < len(materials) else None,
+                rigid=mesh["carrier"] >= 0,
+                name=mesh["name"],
+            )
+        )
+    return found
+
+
+def _triangles(faces: IntArray) -> IntArray:
+    """(T, 4) corners and material of triangles that fan out from the first corner of each face (F, 3)."""
+    fans = [np.empty((0, 4), np.int64)]
+    for step in range(1, int(faces[:, 1].max(initial=0)) - 1):
+        first, _, kind = faces[faces[:, 1] > step + 1].T
+        fans.append(np.column_stack([first, first + step, first + step + 1, kind]))
+    return np.concatenate(fans)
+
+
+def _shares(carrier: int, part: Arrays) -> tuple[IntArray, FloatArray]:
+    """Joints and weights (V, n) of the vertices; one without any goes with the nearest that has some."""
+    count = len(part["vertices"])
+    if carrier >= 0:
+        return np.full((count, 1), carrier), np.ones((count, 1))
+    vertex, joint, weight = part["weights"][part["weights"][:, 2] > 0.0].T
+    order = np.lexsort((-weight, vertex))
+    vertex, joint, weight = vertex[order].astype(np.int64), joint[order].astype(np.int64), weight[order]
+    place = np.arange(len(vertex)) - np.searchsorted(vertex, vertex)
+    joints, weights = np.zeros((count, MOST_SHARES), np.int64), np.zeros((count, MOST_SHARES))
+    kept = place < MOST_SHARES
+    joints[vertex[kept], place[kept]], weights[vertex[kept], place[kept]] = joint[kept], weight[kept]
+    bare = weights[:, 0] == 0.0
+    if bare.any() and not bare.all():
+        _, near = cKDTree(part["vertices"][~bare]).query(part["vertices"][bare])
+        joints[bare], weights[bare] = joints[~bare][near], weights[~bare][near]
+    return joints, weights / np.maximum(weights.sum(axis=1, keepdims=True), 1e-9)
+
+
+def _material(path: Path, place: int, told: dict[str, Any], part: Arrays, repairs: list[str]) -> Material:
+    picture, name = part.get(f"{place} picture"), PureWindowsPath(told["picture"]).name
+    texture = None
+    if picture is not None or name:
+        try:
+            texture = checked_picture(content_of(name, path, path.name) if picture is None else picture.tobytes())
+        except (StudioError, ValueError) as error:
+            repairs.append(f"{path.name}: the picture '{name}' was left out; the plain colour is shown. {error}")
+    return Material(told["name"], hex_colour(np.ones(3) if texture is not None else np.array(told["colour"])), texture)

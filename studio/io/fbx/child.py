@@ -1,0 +1,148 @@
+"""The child process that reads an FBX file: ``python -m studio.io.fbx.child IN.fbx OUT.npz [figure]``.
+
+ufbx is written in C and the file may be anybody's, so it runs where a crash or an endless loop costs nothing. It
+imports but its own parts, and hands back plain arrays; what goes wrong is one line on standard error. What ufbx made is
+kept (``objects``), nothing is collected, and the process ends without taking leave of it.
+"""
+
+import gc
+import json
+import os
+import sys
+import traceback
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from studio.io.fbx.child_meshes import clustered, meshes_of
+from studio.io.fbx.objects import all_of, keep, matrix_of
+
+MOST_VALUES = 1 << 27
+MOST_JOINTS = 4096
+MEMORY = 3 << 30
+"""Bytes of addresses beside twenty times the file: what Python and NumPy reserve, and half a gigabyte."""
+
+
+def main(source: str, target: str, what: str = "motion") -> None:
+    """Read the longest animation of ``source``, or its ``figure``, and write it to ``target``."""
+    import ufbx
+
+    _limit_memory(Path(source).stat().st_size)
+    gc.disable()
+    drawn = what == "figure"
+    scene = keep(
+        ufbx.load_file(
+            source,
+            ignore_geometry=not drawn,
+            ignore_embedded=not drawn,
+            load_external_files=False,
+            inherit_mode_handling=ufbx.InheritModeHandling.COMPENSATE,
+        )
+    )
+    everything = _nodes(scene)
+    nodes, parents = _skeleton(everything, clustered([node for node, _ in everything]) if drawn else set())
+    if not nodes:
+        sys.exit("it has no skeleton (bones). Rig its mesh first")
+    if len(nodes) > MOST_JOINTS:
+        sys.exit(f"it holds {len(nodes)} joints, more than a body has")
+    if drawn:
+        _write_figure(target, scene, everything, nodes, parents)
+        return
+    stack = max(all_of(scene.anim_stacks), key=lambda each: each.time_end - each.time_begin, default=None)
+    animation = keep(stack.anim) if stack else None
+    settings = keep(scene.settings)
+    rate = settings.frames_per_second or 30.0
+    count = round((stack.time_end - stack.time_begin) * rate) + 1 if stack else 1
+    if not 0 < count * len(nodes) * 10 < MOST_VALUES:
+        sys.exit(f"it says that it has {count} frames")
+    frames = np.empty((count, len(nodes), 10))
+    for frame in range(count):
+        for joint, node in enumerate(nodes):
+            moment = stack.time_begin + frame / rate if stack else 0.0
+            # The function, for the method of the same name crashes in ufbx 0.0.5, as does ``Node.parent``.
+            local = ufbx.evaluate_transform(animation, node, moment) if stack else node.local_transform
+            frames[frame, joint] = _values(local)
+    about = {
+        "names": [node.name for node in nodes],
+        "parents": parents,
+        "frame_rate": rate,
+        "unit_metres": settings.unit_meters,
+        "up_axis": keep(settings.axes).up.name[-1],
+        "animation": stack.name if stack else "",
+    }
+    rest = np.array([_values(node.local_transform) for node in nodes])
+    np.savez(target, frames=frames, rest=rest, about=np.frombuffer(json.dumps(about).encode(), dtype=np.uint8))
+
+
+def _write_figure(target: str, scene: Any, everything: list[Any], nodes: list[Any], parents: list[int]) -> None:
+    meshes, arrays = meshes_of(everything, {node.typed_id: place for place, node in enumerate(nodes)})
+    settings = keep(scene.settings)
+    about = {
+        "names": [node.name for node in nodes],
+        "parents": parents,
+        "unit_metres": settings.unit_meters,
+        "up_axis": keep(settings.axes).up.name[-1],
+        "moves": bool(len(keep(scene.anim_curves))),
+        "meshes": meshes,
+    }
+    arrays["world"] = np.array([matrix_of(node.node_to_world) for node in nodes])
+    np.savez(target, about=np.frombuffer(json.dumps(about).encode(), dtype=np.uint8), **arrays)  # type: ignore[arg-type]
+
+
+def _limit_memory(size: int) -> None:
+    """So that a file that lies about its sizes takes only this process."""
+    try:
+        import resource
+    except ImportError:  # Windows has no such limit; time is limited there as here
+        return
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY + 20 * size,) * 2)
+
+
+def _nodes(scene: Any) -> list[tuple[Any, int]]:
+    """All but the root, parents first, each with the id of the one above it, -1 where that is the root."""
+    found: list[tuple[Any, int]] = []
+    waiting = [(node, -1) for node in all_of(keep(scene.root_node).children)]
+    while waiting:
+        node, above = waiting.pop()
+        waiting += [(child, node.typed_id) for child in all_of(node.children)]
+        found.append((node, above))
+    return found
+
+
+def _skeleton(everything: list[tuple[Any, int]], also: set[int]) -> tuple[list[Any], list[int]]:
+    """Bones, those ``also`` wanted, and all that they hang from, with the place of each one's parent."""
+    above = {node.typed_id: parent for node, parent in everything}
+    wanted: set[int] = set()
+    for node, _ in everything:
+        place = node.typed_id if keep(node.bone) is not None or node.typed_id in also else -1
+        while place >= 0 and place not in wanted:
+            wanted.add(place)
+            place = above[place]
+    nodes = [node for node, _ in everything if node.typed_id in wanted]
+    places = {node.typed_id: place for place, node in enumerate(nodes)}
+    return nodes, [places.get(above[node.typed_id], -1) for node in nodes]
+
+
+def _values(transform: Any) -> tuple[float, ...]:
+    """Place, turn (x, y, z, w) and scale, as ten numbers."""
+    place, turn, scale = transform.translation, transform.rotation, transform.scale
+    return (place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w, scale.x, scale.y, scale.z)
+
+
+def _run() -> int:
+    try:
+        main(*sys.argv[1:])
+    except SystemExit as refusal:
+        print(refusal, file=sys.stderr)
+        return 1
+    except Exception:  # noqa: BLE001 - whatever it is, its last line is told
+        traceback.print_exc()
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    code = _run()
+    sys.stderr.flush()
+    os._exit(code)

@@ -1,0 +1,316 @@
+"""From a figure to a character: which joint is what, which way is up and forward, how long a unit is."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.body_shape import body_by_shape
+from studio.core.body.canonical import BodyPart
+from studio.core.body.character import Character
+from studio.core.body.embodiment import (
+    bound_mesh,
+    measured,
+    measured_by_mesh,
+    rolling_on_balls,
+    segment_weights,
+    segments_of_joints,
+)
+from studio.core.body.humanoid import LIMBS, BodyMap
+from studio.core.body.reference_pose import faults
+from studio.core.body.skeleton import Skeleton
+from studio.core.body.standing import standing_points
+from studio.core.captures.capture import Guess
+from studio.core.errors import StudioError
+from studio.core.mesh.appearance import Appearance, Material
+from studio.io.figure.body_maps import find_body, similar_joints
+from studio.io.figure.figure import NO_SKELETON, Figure, Piece
+from studio.io.guessing import AXES, guess_unit, unit_called
+from studio.io.importing import ImportOptions
+from studio.io.meshes.shapes import unit
+from studio.io.registry import ReadCharacter
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+PLAIN = "#B4BEC8"
+_LIMB_DEPTH = 3
+"""Joints above an ankle at least: a root, a hip and a knee."""
+_LEGS_IN_METRES = (0.15, 3.0)
+_HANDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)
+
+
+@dataclass(frozen=True, eq=False)
+class _Body:
+    """A figure whose joints are known: ``points`` (J, 3) in the world, ``to_world`` (3, 3) scaled."""
+
+    figure: Figure
+    skeleton: Skeleton
+    body_map: BodyMap
+    points: FloatArray
+    to_world: FloatArray
+    guesses: tuple[Guess, ...]
+
+    @property
+    def fault(self) -> float:
+        """How unlike a human at ease it stands."""
+        return float(faults(self.points[None], self.body_map).max())
+
+
+def character_of(figures: Sequence[Figure], options: ImportOptions) -> ReadCharacter:
+    """The character of a file whose bind pose is one of ``figures``: the one that stands most like a human at ease.
+
+    Of ``options`` body map, unit and up axis are heard. Raises StudioError when there is no human body in it.
+    """
+    bodies = [_body(figure, options) for figure in figures]
+    body = min(bodies, key=lambda body: body.fault)
+    guesses = list(body.guesses)
+    if len(bodies) > 1 and body is not bodies[0]:
+        guesses.append(Guess("reference pose", "as shown", "The pose in which the skin was bound is not human."))
+    try:
+        return _embodied(body, guesses)
+    except ValueError as error:
+        raise StudioError(f"{body.figure.source}: invalid body or skin. {error}") from error
+
+
+def _body(figure: Figure, options: ImportOptions) -> _Body:
+    figure = _rooted(figure)
+    parents = np.array(figure.parents)
+    if not np.isfinite(figure.positions).all() or np.abs(figure.positions).max() > 1e9:
+        raise StudioError(f"{figure.source}: its joints are too far apart to be true. Export the file again.")
+    offsets = figure.positions - figure.positions[np.maximum(parents, 0)]
+    offsets[0] = figure.positions[0]
+    skeleton = Skeleton(figure.joint_names, parents, offsets, np.zeros(len(parents), dtype=bool))
+    body_map, guess = _find(figure, skeleton, options)
+    _check_limbs(figure, body_map)
+    to_world = _upright(figure, body_map, options.up_axis)
+    leg = _leg(figure.positions, body_map)
+    scale, unit_guess = _scale(figure, leg, options.unit)
+    guesses = [each for each in (guess, unit_guess) if each is not None]
+    return _Body(figure, skeleton, body_map, scale * figure.positions @ to_world.T, scale * to_world, tuple(guesses))
+
+
+def _check_limbs(figure: Figure, body_map: BodyMap) -> None:
+    """Every bone of the limbs has a length that is seen beside the others."""
+    for limb, parts in LIMBS.items():
+        joints = [body_map[part] for part in parts]
+        bones = np.linalg.norm(np.diff(figure.positions[joints], axis=0), axis=1)
+        if bones.min() <= 1e-3 * bones.max():
+            names = ", ".join(figure.joint_names[joint] for joint in joints)
+            raise StudioError(
+                f"{figure.source}: a bone of the {limb} ({names}) has no length. Choose other joints for it."
+            )
+
+
+def _rooted(figure: Figure) -> Figure:
+    """The same with one root above all."""
+    if not figure.joint_names:
+        raise StudioError(f"{figure.source} {NO_SKELETON}")
+    if figure.parents.count(-1) == 1 and figure.parents[0] == -1:
+        return figure
+    name = "scene" + "_" * sum(each.startswith("scene") for each in figure.joint_names)
+    pieces = tuple(replace(piece, joints=piece.joints + 1) for piece in figure.pieces)
+    return replace(
+        figure,
+        joint_names=(name, *figure.joint_names),
+        parents=(-1, *(parent + 1 for parent in figure.parents)),
+        positions=np.vstack([np.zeros(3), figure.positions]),
+        pieces=pieces,
+    )
+
+
+def _find(figure: Figure, skeleton: Skeleton, options: ImportOptions) -> tuple[BodyMap, Guess | None]:
+    if figure.parts and not options.body_map:
+        return BodyMap.from_json(skeleton, figure.parts), None
+    found = find_body(skeleton, figure.positions[None], options.body_map)
+    if found.body_map is not None:
+        parts = len(found.body_map.parts)
+        reason = f"Names as in {found.family}; topology and symmetry agree."
+        return found.body_map, Guess("body map", f"{parts} parts, {len(found.body_map.spine)} spine joints", reason)
+    by_shape = body_by_shape(skeleton, figure.positions @ AXES[figure.up].T)
+    if by_shape is not None:
+        reason = "The names of its joints say nothing; legs reach lowest, arms widest, the head highest."
+        return by_shape, Guess("body map", f"{len(by_shape.parts)} parts by shape", reason)
+    if _deepest(skeleton) < _LIMB_DEPTH:
+        raise StudioError(f"{figure.source} {NO_SKELETON}")
+    offers = {limb: similar_joints(skeleton, limb) for limb in found.missing}
+    words = "; ".join(f"no {limb} (candidates: {', '.join(names) or 'none'})" for limb, names in offers.items())
+    raise StudioError(
+        f"{figure.source} shows no complete human body: {words}. Name its joints as H-Anim, Mixamo or VRM do, and"
+        " export it again."
+    )
+
+
+def _deepest(skeleton: Skeleton) -> int:
+    """Joints above the deepest one."""
+    depths: list[int] = []
+    for parent in skeleton.parents.tolist():
+        depths.append(depths[parent] + 1 if parent >= 0 else 0)
+    return max(depths)
+
+
+def _upright(figure: Figure, body_map: BodyMap, up_axis: str | None) -> FloatArray:
+    """(3, 3) turn from the file's axes so that trunk and left side lie along +Z and +Y; tilts below 30 degrees stay."""
+    points = figure.positions
+
+    def pair(part: str) -> tuple[FloatArray, FloatArray]:
+        return points[body_map[BodyPart[f"LEFT_{part}"]]], points[body_map[BodyPart[f"RIGHT_{part}"]]]
+
+    hips, shoulders = pair("THIGH"), pair("UPPER_ARM")
+    trunk = shoulders[0] + shoulders[1] - hips[0] - hips[1]
+    up = _snapped(trunk, 30.0)
+    if up_axis is not None:
+        axis = AXES.get(up_axis.upper())
+        if axis is None:
+            raise StudioError(f"'{up_axis}' is not an up axis. Choose {', '.join(AXES)}.")
+        up = axis[2]
+    left = hips[0] - hips[1]
+    left = _snapped(left - left @ up * up, 8.0)
+    left = left - left @ up * up
+    if np.linalg.norm(up) < 0.5 or np.linalg.norm(left) < 1e-6:
+        raise StudioError(
+            f"{figure.source}: its body has no width or no height, because hips or shoulders are at one place."
+            " Export it with its skeleton standing."
+        )
+    left = left / np.linalg.norm(left)
+    return np.stack([np.cross(left, up), left, up])
+
+
+def _snapped(vector: FloatArray, degrees: float) -> FloatArray:
+    """The direction, or the axis of the file that is nearer to it than ``degrees``."""
+    length = np.linalg.norm(vector)
+    if length < 1e-9:
+        return np.zeros(3)
+    direction: FloatArray = vector / length
+    largest = int(np.argmax(np.abs(direction)))
+    if np.abs(direction[largest]) < np.cos(np.radians(degrees)):
+        return direction
+    axis = np.zeros(3)
+    axis[largest] = np.sign(direction[largest])
+    return axis
+
+
+def _leg(points: FloatArray, body_map: BodyMap) -> float:
+    total = 0.0
+    for side in ("LEFT", "RIGHT"):
+        hip, knee, ankle = (points[body_map[BodyPart[f"{side}_{part}"]]] for part in ("THIGH", "SHANK", "FOOT"))
+        total += float(np.linalg.norm(knee - hip) + np.linalg.norm(ankle - knee))
+    return total / 2
+
+
+def _scale(figure: Figure, leg: float, unit_name: str | None) -> tuple[float, Guess | None]:
+    if not np.isfinite(leg) or leg < 1e-9:
+        raise StudioError(f"{figure.source}: its legs have no length. Export it with its skeleton standing.")
+    if unit_name is not None:
+        return unit_called(unit_name, leg).metres, None
+    if _LEGS_IN_METRES[0] <= leg <= _LEGS_IN_METRES[1]:
+        return 1.0, None
+    scale, guess = guess_unit(leg)
+    return scale.metres, guess
+
+
+def _embodied(body: _Body, guesses: list[Guess]) -> ReadCharacter:
+    figure, repairs = body.figure, list(body.figure.repairs)
+    segments = segments_of_joints(body.skeleton, body.body_map)
+    pieces = _worn(figure, segments, len(body.body_map.spine), repairs)
+    if not pieces:
+        if figure.moves:
+            raise StudioError(f"{figure.source} has a skeleton but no mesh: it is a motion, not a character.")
+        raise StudioError(f"{figure.source} has a skeleton but no mesh. Export it with its mesh.")
+    vertices = np.concatenate([piece.vertices for piece in pieces]) @ body.to_world.T
+    width = max(piece.joints.shape[1] for piece in pieces)
+    joints, weights = (np.concatenate([_padded(piece, width)[which] for piece in pieces]) for which in (0, 1))
+    count = len(body.body_map.spine) + 18
+    shares = segment_weights(joints, weights, segments, count)
+    skeleton, points = _grounded(body, vertices, shares)
+    vertices = vertices + (points[0] - body.points[0])
+    measures, stance = measured(skeleton, body.body_map)
+    root = points[body.body_map.spine[0]]
+    marks = standing_points(measures, stance)
+    marks = marks + (root - marks[0])
+    measures = measured_by_mesh(measures, stance, marks, vertices, shares)
+    measures, shares = rolling_on_balls(measures, stance, marks, vertices, shares)
+    turn = body.to_world / np.cbrt(np.linalg.det(body.to_world))
+    normals = unit(np.concatenate([piece.normals for piece in pieces]) @ turn.T)
+    first = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])
+    triangles = np.concatenate([piece.triangles + start for piece, start in zip(pieces, first, strict=False)])
+    appearance = _appearance(pieces)
+    skin = bound_mesh(measures, stance, root, vertices, normals, triangles, shares, appearance)
+    character = Character(figure.name.replace("_", " "), _colour(appearance), measures, skin)
+    names = body.body_map.to_json(body.skeleton)
+    return ReadCharacter(character, tuple(guesses), tuple(repairs), names, figure.moves)
+
+
+def _worn(figure: Figure, segments: IntArray, spine_count: int, repairs: list[str]) -> list[Piece]:
+    """What belongs to the body: not what only lies in hands that are drawn already."""
+    hands = {spine_count + 5, spine_count + 9}
+    drawn = {
+        int(segment)
+        for piece in figure.pieces
+        if not piece.rigid
+        for segment in np.unique(segments[piece.joints[piece.weights > 0.5]])
+    }
+    held = [p for p in figure.pieces if p.rigid and int(segments[p.joints[0, 0]]) in hands & drawn]
+    if held:
+        names = ", ".join(dict.fromkeys(piece.name for piece in held))
+        repairs.append(f"What it holds in its hands was left out: {names}.")
+    left_out = {id(piece) for piece in held}
+    return [piece for piece in figure.pieces if id(piece) not in left_out]
+
+
+def _padded(piece: Piece, width: int) -> tuple[IntArray, FloatArray]:
+    gap = ((0, 0), (0, width - piece.joints.shape[1]))
+    return np.pad(piece.joints, gap), np.pad(piece.weights, gap)
+
+
+def _grounded(body: _Body, vertices: FloatArray, shares: FloatArray) -> tuple[Skeleton, FloatArray]:
+    """The skeleton in the world with its soles on z = 0, end sites put where hands and feet have no children."""
+    spine_count = len(body.body_map.spine)
+    feet = [spine_count + place for place in (12, 13, 16, 17)]
+    soles = vertices[shares[:, feet].sum(axis=1) > 0.5]
+    ankles = [body.points[body.body_map[BodyPart[f"{side}_FOOT"]]] for side in ("LEFT", "RIGHT")]
+    leg = _leg(body.points, body.body_map)
+    floor = float(soles[:, 2].min()) if len(soles) else min(ankle[2] for ankle in ankles) - 0.09 * leg
+    points = body.points - [0.0, 0.0, floor]
+    children = body.skeleton.children
+    names, parents, places = list(body.skeleton.names), body.skeleton.parents.tolist(), list(points)
+    for side in ("LEFT", "RIGHT"):
+        foot = body.body_map[BodyPart[f"{side}_FOOT"]]
+        toe = body.body_map.get(BodyPart[f"{side}_TOE"])
+        below = np.array([np.linalg.norm(body.points[child] - body.points[foot]) for child in children[foot]])
+        if toe is None and not (below > 0.05 * leg).any():
+            own = soles[np.linalg.norm(soles - body.points[foot], axis=1) < leg] if len(soles) else soles
+            reach = float(own[:, 0].max() - body.points[foot][0]) if len(own) else 0.25 * leg
+            names.append(f"{side.lower()} toe base ({len(names)})")
+            parents.append(foot)
+            places.append(np.array([points[foot][0] + 0.7 * max(reach, 0.02), points[foot][1], 0.2 * points[foot][2]]))
+    offsets = np.array(places) - np.array(places)[np.maximum(parents, 0)]
+    offsets[0] = places[0]
+    ends = np.arange(len(names)) >= len(points)
+    return Skeleton(tuple(names), np.array(parents), offsets, ends), points
+
+
+def _appearance(pieces: Sequence[Piece]) -> Appearance | None:
+    materials: list[Material] = []
+    place: dict[int, int] = {}
+    indices = []
+    if all(piece.material is None for piece in pieces):
+        return None
+    for piece in pieces:
+        material = piece.material or Material("", PLAIN)
+        if id(piece.material) not in place:
+            place[id(piece.material)] = len(materials)
+            materials.append(material)
+        indices.append(np.full(len(piece.triangles), place[id(piece.material)]))
+    coordinates = np.concatenate([piece.coordinates for piece in pieces])
+    return Appearance(tuple(materials), np.concatenate(indices), np.clip(coordinates, -1e6, 1e6))
+
+
+def _colour(appearance: Appearance | None) -> str:
+    """The colour of most triangles, by which the character is known on timeline and stage."""
+    if appearance is None:
+        return PLAIN
+    most = int(np.bincount(appearance.triangle_materials).argmax())
+    material = appearance.materials[most]
+    return PLAIN if material.texture is not None or material.colour in ("#FFFFFF", "#000000") else material.colour

@@ -1,0 +1,57 @@
+"""Figure: a character as its file has it, before anybody knows which joint plays which part."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.mesh.appearance import Material
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+MOST_VERTICES = 500_000
+MOST_JOINTS = 5_000
+NO_SKELETON = "has no skeleton (bones), so its mesh cannot move. Rig it first, and export it with its skeleton."
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """A mesh of one material in the file's world, standing as it was bound, carried by joints of the figure.
+
+    ``vertices`` and ``normals`` (V, 3), ``coordinates`` (V, 2) in its texture from the lower left, ``triangles``
+    (T, 3), ``joints`` (V, n) with their ``weights`` (V, n) in any order and of any sum.
+    """
+
+    vertices: FloatArray
+    normals: FloatArray
+    coordinates: FloatArray
+    triangles: IntArray
+    joints: IntArray
+    weights: FloatArray
+    material: Material | None = None
+    rigid: bool = False
+    """Whether it hangs from one joint as a whole."""
+    name: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Figure:
+    """Joints in their bind pose, in the file's own axes and unit, and what is drawn around them."""
+
+    name: str
+    source: str
+    joint_names: tuple[str, ...]
+    parents: tuple[int, ...]
+    """Each stands before its children; -1 for roots, of which there may be several."""
+    positions: FloatArray
+    """(J, 3)"""
+    pieces: tuple[Piece, ...] = ()
+    parts: Mapping[str, str] = field(default_factory=dict)
+    """Joints by part, where the file says it."""
+    up: str = "Y"
+    """The axis that is up by the format's own rule."""
+    moves: bool = False
+    """Whether the file holds a motion of it too."""
+    repairs: tuple[str, ...] = ()

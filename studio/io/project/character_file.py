@@ -1,0 +1,218 @@
+"""Characters on disk: a JSON file with name, colour and build, beside it the mesh as .npz."""
+
+import hashlib
+import json
+import zipfile
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from functools import lru_cache
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.character import Character
+from studio.core.body.growth import KeyedProportions
+from studio.core.body.morphology import Morphology, Proportions
+from studio.core.errors import StudioError
+from studio.core.mannequin.tailoring import tailored
+from studio.core.mesh.appearance import Appearance, Material
+from studio.core.mesh.hand_shapes import HandShapes
+from studio.core.mesh.skin import Blending, SkinnedMesh
+from studio.io.beside import path_beside, read_bytes
+from studio.io.figure.textures import checked_picture
+from studio.io.importing import ImportOptions
+from studio.io.json_text import json_of
+from studio.io.npy import arrays_of
+from studio.io.registry import Progress, ReadCharacter
+from studio.io.replacing import replacing_all
+from studio.resources_folder import resources_folder
+
+FORMAT = "morpho-studio character"
+VERSION = 1
+_LIMIT = 200_000_000
+_DAMAGE = (KeyError, ValueError, TypeError, ArithmeticError)
+"""What comes of arrays that are no mesh."""
+_MEMBERS = ("vertices", "normals", "centres", "triangles", "segments", "weights")
+_LOOK = ("triangle_materials", "coordinates")
+
+
+def is_character(head: bytes) -> bool:
+    """Whether a file that begins with ``head`` is a character of ours."""
+    return FORMAT.encode() in head
+
+
+def load_character(path: Path, _options: ImportOptions, progress: Progress) -> ReadCharacter:
+    """``read_character`` for the registry: nothing in our own file has to be guessed."""
+    progress(0.0, f"Reading {path.name}")
+    return ReadCharacter(read_character(path))
+
+
+def save_character(path: Path, character: Character, progress: Progress) -> None:
+    """``write_character`` for the registry."""
+    progress(0.0, f"Writing {path.name}")
+    write_character(character, path)
+
+
+def write_character(character: Character, path: Path) -> None:
+    """Write ``path`` (.json) and the mesh beside it under the same name (.npz); both or none. Raises StudioError."""
+    mesh = mesh_bytes(character.skin)
+    mesh_path = path.with_suffix(".npz")
+    record = {
+        "format": FORMAT,
+        "version": VERSION,
+        "name": character.name,
+        "colour": character.colour,
+        "mesh": mesh_path.name,
+        "sha256": hashlib.sha256(mesh).hexdigest(),
+        "proportions": _proportions_record(character.proportions),
+        "blending": character.blending.value,
+        "grip": character.grip,
+        "materials": _material_records(character.skin.appearance),
+        "build": character.build.to_json(),
+    }
+    with replacing_all(mesh_path, path) as (mesh_part, part):
+        mesh_part.write_bytes(mesh)
+        part.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8", newline="\n")
+
+
+def read_character(path: Path) -> Character:
+    """The character of a .json file. Raises StudioError naming the file and the member that is wrong."""
+    record = _read_record(path)
+    mesh_path = path_beside(_member(record, "mesh", str, path), path, f"{path}, mesh")
+    content = read_bytes(mesh_path, _LIMIT)
+    if hashlib.sha256(content).hexdigest() != record.get("sha256"):
+        raise StudioError(f"{mesh_path}: this is not the mesh that {path.name} was written with. Copy both again.")
+    try:
+        build = Morphology.from_json(_member(record, "build", dict, path))
+        proportions = _proportions_of(record.get("proportions", {}))
+        blending, grip = Blending(record.get("blending", Blending.LINEAR)), float(record.get("grip", 0.0))
+    except (ValueError, TypeError, ArithmeticError, LookupError) as error:
+        raise StudioError(f"{path}: the measures are damaged. {error}") from error
+    skin = read_mesh(content, str(mesh_path), record.get("materials", []))
+    if not skin.fits(build.layout.segment_count):
+        raise StudioError(f"{mesh_path}: 'segments' names a segment that this body does not have.")
+    name, colour = (_member(record, member, str, path) for member in ("name", "colour"))
+    try:
+        return Character(name, colour, build, skin, proportions, blending, grip)
+    except ValueError as error:
+        raise StudioError(f"{path}: {error}") from error
+
+
+def _proportions_record(proportions: Proportions | KeyedProportions) -> dict[str, Any]:
+    if isinstance(proportions, KeyedProportions):
+        return {"times": list(proportions.times), "values": [asdict(each) for each in proportions.values]}
+    return asdict(proportions)
+
+
+def _proportions_of(record: dict[str, Any]) -> Proportions | KeyedProportions:
+    """Factors, or ``times`` in seconds and as many ``values``, each of them factors. Raises ValueError or TypeError."""
+    if "times" in record:
+        return KeyedProportions(tuple(record["times"]), tuple(Proportions(**each) for each in record["values"]))
+    return Proportions(**record)
+
+
+@lru_cache(maxsize=1)
+def bundled_characters() -> Mapping[str, Character]:
+    """The characters that come with the studio, by file name without suffix, in the order of their index."""
+    folder = resources_folder() / "characters"
+    order = json.loads((folder / "index.json").read_text(encoding="utf-8"))
+    return {name: read_character(folder / f"{name}.json") for name in order}
+
+
+def actor_character(name: str, body: Morphology, colour: str = "#7FB4E6") -> Character:
+    """A measured actor as a character of the same measures, in the skin of a bundled body of no marked build."""
+    return tailored(name, colour, body, [bundled_characters()[pattern] for pattern in ("tall_man", "child")])
+
+
+def mesh_bytes(mesh: SkinnedMesh) -> bytes:
+    """A skinned mesh as the bytes of an .npz file; the same mesh always gives the same bytes."""
+    arrays = {name: getattr(mesh, name) for name in _MEMBERS}
+    if mesh.stance is not None:
+        arrays["stance"] = mesh.stance
+    if mesh.hands is not None:
+        arrays |= {"hand_vertices": mesh.hands.vertices, "hand_normals": mesh.hands.normals}
+    if mesh.appearance is not None:
+        arrays |= {name: getattr(mesh.appearance, name) for name in _LOOK}
+        arrays |= {f"texture_{place}": picture for place, picture in enumerate(_pictures(mesh.appearance))}
+    for name in ("triangles", "segments"):
+        arrays[name] = arrays[name].astype(np.min_scalar_type(int(arrays[name].max())))
+    buffer = BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, array in arrays.items():
+            entry = BytesIO()
+            np.lib.format.write_array(entry, np.ascontiguousarray(array), allow_pickle=False)
+            archive.writestr(zipfile.ZipInfo(f"{name}.npy"), entry.getvalue(), zipfile.ZIP_DEFLATED)
+    return buffer.getvalue()
+
+
+def read_mesh(content: bytes, source: str, materials: Sequence[Any] = ()) -> SkinnedMesh:
+    """Inverse of ``mesh_bytes``; ``materials`` are the records that the JSON file has of them.
+
+    Raises StudioError that names ``source`` and the damaged member.
+    """
+    try:
+        file = arrays_of(content, _LIMIT)
+        look = _appearance(file, materials) if len(materials) else None
+        hands = HandShapes(file["hand_vertices"], file["hand_normals"]) if "hand_vertices" in file else None
+        members = {name: file[name] for name in _MEMBERS}
+        return SkinnedMesh(**members, stance=file.get("stance"), appearance=look, hands=hands)
+    except _DAMAGE as error:
+        raise StudioError(f"{source}: the mesh is damaged. {error}") from error
+
+
+def _pictures(look: Appearance) -> list[NDArray[np.uint8]]:
+    """The textures of a look, each once."""
+    return list({id(each.texture): each.texture for each in look.materials if each.texture is not None}.values())
+
+
+def _material_records(look: Appearance | None) -> list[dict[str, Any]]:
+    if look is None:
+        return []
+    places = {id(picture): place for place, picture in enumerate(_pictures(look))}
+    return [
+        {
+            "name": each.name,
+            "colour": each.colour,
+            "texture": None if each.texture is None else places[id(each.texture)],
+            "two_sided": each.two_sided,
+            "cut_out": each.cut_out,
+        }
+        for each in look.materials
+    ]
+
+
+def _appearance(file: Mapping[str, Any], records: Sequence[Any]) -> Appearance:
+    pictures: dict[int, NDArray[np.uint8]] = {}
+    materials = []
+    for record in records:
+        place = record["texture"]
+        if place is not None and place not in pictures:
+            pictures[place] = checked_picture(file[f"texture_{int(place)}"].astype(np.uint8).tobytes())
+        texture = None if place is None else pictures[place]
+        holes = bool(record.get("cut_out", False))
+        materials.append(
+            Material(str(record["name"]), str(record["colour"]), texture, bool(record["two_sided"]), holes)
+        )
+    return Appearance(tuple(materials), *(file[name] for name in _LOOK))
+
+
+def _read_record(path: Path) -> dict[str, Any]:
+    try:
+        record = json_of(read_bytes(path))
+    except ValueError as error:
+        raise StudioError(f"{path}: not a character file. {error}") from error
+    if not isinstance(record, dict) or record.get("format") != FORMAT:
+        raise StudioError(f"{path}: not a character file: its 'format' is not '{FORMAT}'.")
+    if record.get("version") != VERSION:
+        raise StudioError(f"{path}: version {record.get('version')} is not known here. Install a newer Morpho Studio.")
+    return record
+
+
+def _member(record: dict[str, Any], name: str, kind: type, path: Path) -> Any:
+    value = record.get(name)
+    if not isinstance(value, kind):
+        raise StudioError(f"{path}: '{name}' is missing or of the wrong kind.")
+    return value

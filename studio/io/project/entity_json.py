@@ -1,0 +1,276 @@
+"""Entities and whole projects as canonical JSON: sorted keys, one entity a line, arrays by their hash."""
+
+import hashlib
+import io
+import json
+import math
+import re
+import weakref
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from studio.core.body.character import Character
+from studio.core.body.morphology import Proportions
+from studio.core.captures.contacts import ContactInterval, ContactPoint
+from studio.core.constraints.kinds import KINDS
+from studio.core.errors import StudioError
+from studio.core.grounds import GROUND_KINDS
+from studio.core.grounds.ground import Ground
+from studio.core.project import CLASSES, COLLECTIONS, Entity, Project
+from studio.core.stage.prop import Prop
+from studio.io.json_text import json_of
+from studio.io.project.value_json import Array, Json, MemberCodec, UnknownKind, from_json, to_json, unknown_fields
+
+PROJECT_SCHEMA = 2
+ENTITY_SCHEMAS = {
+    **dict.fromkeys(COLLECTIONS, 1), "characters": 2, "performers": 2, "constraints": 3, "contacts": 3, "props": 3,
+}  # fmt: skip
+"""A higher number tells an older version that it would misread what it knows by that name."""
+MEMBER_NAME = re.compile(r"(captures|characters)/[0-9a-f]{64}\.npy")
+_HEADER = ("id", "kind", "schema")
+
+Members = dict[str, Array]
+
+_names: dict[int, tuple[weakref.ref[Array], str]] = {}
+
+
+def npy_bytes(array: Array) -> bytes:
+    """The array as an ``.npy`` file; the same numbers always give the same bytes."""
+    return b"".join(npy_parts(array))  # lets go of Python's lock
+
+
+def npy_parts(array: Array) -> tuple[bytes, memoryview]:
+    """Head and content of an ``.npy`` file."""
+    little = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<")).reshape(array.shape)
+    stream = io.BytesIO()
+    np.lib.format.write_array_header_1_0(stream, np.lib.format.header_data_from_array_1_0(little))
+    return stream.getvalue(), little.reshape(-1).view(np.uint8).data
+
+
+def member_name(array: Array, folder: str) -> str:
+    """``folder/<sha256>.npy``; remembered for arrays that cannot change."""
+    known = _names.get(id(array))
+    if known is None or known[0]() is not array:
+        digest = sha256_of(*npy_parts(array))
+        if not array.flags.writeable:
+            key = id(array)
+            _names[key] = (weakref.ref(array, lambda _gone: _names.pop(key, None)), digest)
+    else:
+        digest = known[1]
+    return f"{folder}/{digest}.npy"
+
+
+def sha256_of(*parts: bytes | memoryview) -> str:
+    """The digest of these bytes, one behind the other."""
+    total = hashlib.sha256()
+    for part in parts:
+        total.update(part)
+    return total.hexdigest()
+
+
+def entity_record(collection: str, entity_id: str, entity: Entity, members: Members) -> dict[str, Json]:
+    """An entity as JSON; the arrays that it needs are added to ``members`` under their names."""
+    folder = "captures" if collection == "captures" else "characters"
+
+    def store(array: Array) -> str:
+        name = member_name(array, folder)
+        members[name] = array
+        return name
+
+    record = to_json(entity, MemberCodec(store, _no_member))
+    return {**record, "id": entity_id, "schema": _schema_of(collection, entity)}
+
+
+def _schema_of(collection: str, entity: Entity) -> int:
+    """A contact with the ground, a body that does not grow, a prop that is not handed on: as they have always been."""
+    if isinstance(entity, ContactInterval) and isinstance(entity.point, ContactPoint):
+        return 2
+    if isinstance(entity, Character) and isinstance(entity.proportions, Proportions):
+        return 1
+    if isinstance(entity, Prop) and not entity.later:
+        return 2
+    return ENTITY_SCHEMAS[collection]
+
+
+def entity_of(collection: str, record: Json, load: Callable[[str], Array]) -> Entity:
+    """The entity that a record describes. Raises ValueError saying which field is wrong."""
+    try:
+        entity: Entity = from_json(record, _class_of(collection, record), MemberCodec(_no_member, load))
+    except (TypeError, ArithmeticError, LookupError) as error:
+        raise ValueError(f"invalid value ({error}).") from error
+    return entity
+
+
+def is_known(collection: str, record: Json) -> bool:
+    """Whether this version understands the record; what it does not is carried through as it is."""
+    schema = record.get("schema", 1)
+    return schema <= ENTITY_SCHEMAS[collection] and _class_of(collection, record) is not None
+
+
+def line(record: Json) -> str:
+    """One record on one line: sorted keys, no space, no number that is not finite."""
+    return json.dumps(record, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+
+
+def parsed(content: bytes, name: str) -> Json:
+    """JSON of a member. Raises StudioError naming the member."""
+    try:
+        return json_of(content, parse_constant=_refuse_constant, parse_float=_finite)
+    except ValueError as error:
+        raise StudioError(f"'{name}' in the project file is not readable as JSON: {error}.") from error
+
+
+def project_json(project: Project, members: Members) -> bytes:
+    """The whole project, canonical: equal projects give equal bytes."""
+    carried = project.carried
+    lists = {}
+    for collection in COLLECTIONS:
+        records = [
+            _with_unknown(
+                entity_record(collection, key, entity, members),
+                carried.get("fields", {}).get(f"{collection}/{key}", {}),
+            )
+            for key, entity in getattr(project, collection).items()
+        ]
+        lists[collection] = [*records, *carried.get("entities", {}).get(collection, ())]
+    root: dict[str, Any] = {**carried.get("root", {}), "schema": PROJECT_SCHEMA}
+    blocks = {name: "[\n" + ",\n".join(map(line, items)) + "\n]" if items else "[]" for name, items in lists.items()}
+    blocks |= {name: line(item) for name, item in root.items()}
+    return ("{\n" + ",\n".join(f"{line(name)}:{blocks[name]}" for name in sorted(blocks)) + "\n}\n").encode()
+
+
+@dataclass
+class ReadProject:
+    """A project out of JSON, and sentences about what could not be read, and what is kept without being understood."""
+
+    project: Project
+    losses: list[str] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
+
+
+def project_of(record: Json, load: Callable[[str], Array]) -> ReadProject:
+    """The project that a record describes; entities that cannot be read are left out and listed.
+
+    ``load`` gives the array of a member and raises ValueError when it is missing or damaged.
+    """
+    if not isinstance(record, dict):
+        raise StudioError("'project.json' in the project file is not a record.")
+    entities: dict[str, dict[str, Entity]] = {name: {} for name in COLLECTIONS}
+    foreign: dict[str, list[Json]] = {}
+    unknown: dict[str, Json] = {}
+    losses: list[str] = []
+    for collection in COLLECTIONS:
+        for item in _records(record, collection, losses):
+            if not is_known(collection, item):
+                foreign.setdefault(collection, []).append(item)
+                continue
+            try:
+                entities[collection][item["id"]] = entity_of(collection, item, load)
+            except UnknownKind:
+                foreign.setdefault(collection, []).append(item)
+                continue
+            except (ValueError, StudioError) as error:
+                losses.append(f"{collection}, {_title(item)}: {error}")
+                continue
+            extra = {k: v for k, v in unknown_fields(item, _class_of(collection, item)).items() if k not in _HEADER}
+            if extra:
+                unknown[f"{collection}/{item['id']}"] = extra
+    _part_with_dangling(entities, foreign, record, losses)
+    root = {key: item for key, item in record.items() if key not in (*COLLECTIONS, "schema")}
+    carried = {"root": root, "entities": foreign, "fields": unknown}
+    carried = {key: item for key, item in carried.items() if item}
+    if not entities["grounds"]:
+        del entities["grounds"]
+    remarks = [
+        f"{name}, {_title(item)}: this version does not know it. It is not shown, and is kept as it is."
+        for name, items in foreign.items()
+        for item in items
+    ]
+    return ReadProject(Project(**entities, carried=carried), losses, remarks)  # type: ignore[arg-type]
+
+
+def named_members(record: Json) -> set[str]:
+    """Every member name that stands anywhere in a piece of JSON."""
+    return {match.group() for match in MEMBER_NAME.finditer(json.dumps(record))}
+
+
+def _records(record: dict[str, Json], collection: str, losses: list[str]) -> list[dict[str, Json]]:
+    """The usable records of a collection: each a record with an id of its own and a whole-numbered schema."""
+    items = record.get(collection, [])
+    usable: dict[str, dict[str, Json]] = {}
+    for item in items if isinstance(items, list) else [items]:
+        key = item.get("id") if isinstance(item, dict) else None
+        if not isinstance(key, str) or key in usable or type(item.get("schema", 1)) is not int:
+            losses.append(f"{collection}: a record without a proper id or schema was left out.")
+        else:
+            usable[key] = item
+    return list(usable.values())
+
+
+def _part_with_dangling(
+    entities: dict[str, dict[str, Entity]], foreign: dict[str, list[Json]], record: Json, losses: list[str]
+) -> None:
+    """Entities that refer to unknown ones are carried with them; those that refer to lost ones are lost."""
+    carried = {(name, item["id"]) for name, items in foreign.items() for item in items}
+    while True:
+        project = Project(**entities)  # type: ignore[arg-type]
+        dangling = [
+            (name, key, missing)
+            for name in COLLECTIONS
+            for key, entity in entities[name].items()
+            if (missing := project.missing_references(entity))
+        ]
+        if not dangling:
+            return
+        for name, key, missing in dangling:
+            del entities[name][key]
+            item = next(item for item in record[name] if isinstance(item, dict) and item.get("id") == key)
+            if set(missing) <= carried:
+                foreign.setdefault(name, []).append(item)
+                carried.add((name, key))
+            else:
+                losses.append(f"{name}, {_title(item)}: it needs {missing[0][0]} that could not be read.")
+
+
+def _class_of(collection: str, record: Json) -> Any:
+    if collection == "constraints":
+        return KINDS.get(str(record.get("kind")))
+    if collection == "grounds":
+        return GROUND_KINDS.get(str(record.get("kind", Ground.kind)))
+    return CLASSES[collection]
+
+
+def _with_unknown(record: dict[str, Json], unknown: dict[str, Json]) -> dict[str, Json]:
+    """The record with what an older reader did not know put back in; in lists by place, while they are as long."""
+    merged = dict(record)
+    for key, item in unknown.items():
+        inner = merged.get(key)
+        if isinstance(inner, dict) and isinstance(item, dict):
+            merged[key] = _with_unknown(inner, item)
+        elif isinstance(inner, list) and isinstance(item, list) and len(inner) == len(item):
+            merged[key] = [_with_unknown(*pair) for pair in zip(inner, item, strict=True)]
+        else:
+            merged.setdefault(key, item)
+    return merged
+
+
+def _title(record: dict[str, Json]) -> str:
+    return f"'{record.get('name') or record.get('id')}'"
+
+
+def _refuse_constant(name: str) -> None:
+    raise ValueError(f"{name} is not a number")
+
+
+def _finite(text: str) -> float:
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(f"{text} is too large to be true")
+    return number
+
+
+def _no_member(_argument: Any) -> Any:
+    raise ValueError("an array is not expected here.")

@@ -1,0 +1,254 @@
+"""The ``.studio`` file: a project with its captures, characters and last ten versions, always whole.
+
+Members: ``manifest.json`` (document id, SHA-256 and size of each member), ``project.json`` (``entity_json``),
+``captures/<sha256>.npy``, ``characters/<sha256>.npy``, ``history/NNN.json``, ``thumbnail.png``.
+"""
+
+import hashlib
+import re
+import uuid
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from studio.core.constraints.objections import objections
+from studio.core.errors import StudioError
+from studio.core.project import Project
+from studio.io.npy import array_of
+from studio.io.project.archive import Archive, Stamp, read_archive, stamp, write_archive
+from studio.io.project.entity_json import (
+    MEMBER_NAME,
+    PROJECT_SCHEMA,
+    Members,
+    line,
+    named_members,
+    npy_bytes,
+    parsed,
+    project_json,
+    project_of,
+)
+from studio.io.project.upgrades import schema_of, upgraded
+from studio.io.project.value_json import Array, Json
+from studio.io.replacing import FolderNotWritable
+
+__all__ = [
+    "ChangedOnDisk",
+    "FolderNotWritable",
+    "OpenedProject",
+    "document_id_of",
+    "new_document_id",
+    "read_project",
+    "write_project",
+]
+
+MANIFEST, PROJECT, THUMBNAIL = "manifest.json", "project.json", "thumbnail.png"
+HISTORY = re.compile(r"history/(\d{3,9})\.json")
+KEPT_VERSIONS = 10
+_PLAIN_ID = re.compile("[0-9A-Za-z]{1,64}")
+
+
+class ChangedOnDisk(StudioError):  # noqa: N818 - it names what is the matter
+    """Somebody else wrote the file since it was opened here."""
+
+
+@dataclass(frozen=True)
+class OpenedProject:
+    """A project as it was found; with ``problems`` it is not all that was saved: do not replace the file."""
+
+    project: Project
+    path: Path
+    document_id: str
+    stamp: Stamp | None
+    read_only: bool = False
+    problems: tuple[str, ...] = ()
+    versions: tuple[str, ...] = ()
+    """Earlier versions in the file, newest first: member names for ``read_project(path, version)``."""
+    remarks: tuple[str, ...] = ()
+    """Sentences about what is whole and as it was saved, but does not go together."""
+
+
+def new_document_id() -> str:
+    """An id for a document, kept by its file under any name."""
+    return uuid.uuid4().hex
+
+
+def document_id_of(path: Path) -> str | None:
+    """The id of the document in a project's file; None where there is no such file, or it has none."""
+    if not path.is_file():
+        return None
+    try:
+        manifest, _ = _checked(read_archive(path), path, [])
+    except StudioError:  # it is no project
+        return None
+    return _document_id(manifest)
+
+
+def write_project(
+    path: Path,
+    project: Project,
+    document_id: str,
+    *,
+    thumbnail: bytes | None = None,
+    expected: Stamp | None = None,
+    report: Callable[[float, str], None] = lambda _share, _text: None,
+) -> Stamp:
+    """Save ``project``; either the whole new file is there afterwards or the old one, untouched.
+
+    ``expected`` is the stamp of the file as it was opened; ChangedOnDisk is raised when it has another now.
+    Raises FolderNotWritable where another folder is needed, StudioError for anything else in the way.
+    """
+    if expected is not None and stamp(path) not in (expected, None):
+        raise ChangedOnDisk(
+            f"'{path.name}' was changed on the disk since it was opened here. Save under another name, or"
+            " save again to replace it."
+        )
+    report(0.0, "Collecting")
+    arrays: Members = {}
+    members = {PROJECT: project_json(project, arrays)}
+    members |= _earlier(path, document_id, members[PROJECT])
+    members |= project.carried.get("members", {})
+    members |= {name: npy_bytes(array) for name, array in sorted(arrays.items())}
+    if thumbnail is not None:
+        members[THUMBNAIL] = thumbnail
+    return write_archive(path, {MANIFEST: _manifest(document_id, members), **members}, report)
+
+
+def read_project(path: Path, version: str = PROJECT) -> OpenedProject:
+    """The project of a file, or an earlier ``version`` of it, as far as its hashes are right.
+
+    What is damaged is left out and listed. Raises StudioError when nothing can be opened.
+    """
+    archive = read_archive(path)
+    problems = [f"'{name}' in '{path.name}' is damaged." for name in dict.fromkeys(archive.damaged)]
+    manifest, intact = _checked(archive, path, problems)
+    versions = tuple(sorted((name for name in intact if HISTORY.fullmatch(name)), reverse=True))
+    chosen = _newest_readable(path, (version, *versions) if version == PROJECT else (version,), intact, problems)
+    record = parsed(intact[chosen], chosen)
+    schema = schema_of(record, chosen)
+    read = project_of(upgraded(record, chosen), lambda name: _array(intact, name))
+    problems += read.losses
+    read_only = schema > PROJECT_SCHEMA
+    if read_only:
+        problems.append(
+            f"'{path.name}' was saved by a newer version of Morpho Studio (schema {schema}, this one knows"
+            f" {PROJECT_SCHEMA}). It is open for reading; to keep changes, save under another name."
+        )
+    if not archive.sealed and not problems:
+        problems.append(f"'{path.name}' was changed by another program or damaged; all its members are right.")
+    return OpenedProject(
+        _with_foreign_members(read.project, intact, manifest),
+        path,
+        _document_id(manifest) or new_document_id(),
+        stamp(path),
+        read_only,
+        tuple(problems),
+        versions,
+        (*read.remarks, *objections(tuple(read.project.constraints.values()))),
+    )
+
+
+def _document_id(manifest: Mapping[str, Json]) -> str | None:
+    """Files are named by it, so it is believed only where it is plain letters and digits."""
+    found = manifest.get("document")
+    return found if isinstance(found, str) and _PLAIN_ID.fullmatch(found) else None
+
+
+def _manifest(document_id: str, members: Mapping[str, bytes]) -> bytes:
+    sums = {name: {"sha256": _sha(content), "size": len(content)} for name, content in members.items()}
+    lines = ",\n".join(f"{line(name)}:{line(item)}" for name, item in sorted(sums.items()))
+    return f'{{"document":{line(document_id)},"schema":{PROJECT_SCHEMA},"members":{{\n{lines}\n}}}}\n'.encode()
+
+
+def _earlier(path: Path, document_id: str, current: bytes) -> dict[str, bytes]:
+    """The versions to keep from the file that is about to be replaced, with the members that they name."""
+    if not path.exists():
+        return {}
+    try:
+        archive = read_archive(path)
+    except StudioError:  # it is no project, so it holds no version of this one
+        return {}
+    manifest, intact = _checked(archive, path, [])
+    if manifest.get("document") != document_id:
+        return {}
+    numbers = {int(found[1]): name for name in intact if (found := HISTORY.fullmatch(name))}
+    kept = {number: intact[name] for number, name in numbers.items()}
+    if PROJECT in intact and intact[PROJECT] != current:
+        kept[max(kept, default=0) + 1] = intact[PROJECT]
+    versions = {f"history/{number:03}.json": kept[number] for number in sorted(kept)[-KEPT_VERSIONS:]}
+    named = {name for content in versions.values() for name in _named_in(content)}
+    return versions | {name: intact[name] for name in sorted(named & intact.keys())}
+
+
+def _named_in(content: bytes) -> set[str]:
+    return {match.group() for match in MEMBER_NAME.finditer(content.decode("utf-8", "replace"))}
+
+
+def _checked(archive: Archive, path: Path, problems: list[str]) -> tuple[dict[str, Json], dict[str, bytes]]:
+    """The manifest ({} when lost) and the members whose hash is right; ``problems`` tells of the others."""
+    manifest: dict[str, Json] = {}
+    try:
+        found = parsed(archive.members.get(MANIFEST, b""), MANIFEST)
+        manifest = found if isinstance(found, dict) and isinstance(found.get("members"), dict) else {}
+    except StudioError:
+        problems.append(f"'{MANIFEST}' in '{path.name}' is missing or damaged.")
+    sums = manifest.get("members", {})
+    intact = {}
+    for name, content in archive.members.items():
+        listed = sums.get(name, {})
+        digest = _sha(content)
+        addressed = not MEMBER_NAME.fullmatch(name) or name.split("/")[1].startswith(digest)
+        if addressed and isinstance(listed, dict) and listed.get("sha256", digest) == digest:
+            intact[name] = content
+        else:
+            problems.append(f"'{name}' in '{path.name}' is not what was saved: its hash is wrong.")
+    problems += [
+        f"'{name}' is missing from '{path.name}'."
+        for name in sums
+        if name not in archive.members and name not in archive.damaged
+    ]
+    return manifest, intact
+
+
+def _newest_readable(path: Path, names: tuple[str, ...], intact: dict[str, bytes], problems: list[str]) -> str:
+    for name in names:
+        try:
+            schema_of(parsed(intact[name], name), name)
+        except (KeyError, StudioError) as error:
+            problems.append(f"'{name}' cannot be used." if isinstance(error, KeyError) else str(error))
+        else:
+            if name != names[0]:
+                problems.append(f"An earlier version is opened in its place: {name}.")
+            return name
+    raise StudioError(
+        f"'{names[0]}' in '{path.name}' is missing or damaged, and no earlier version is in the file. "
+        + " ".join(problems)
+        + " Open a copy of the file, if there is one."
+    )
+
+
+def _array(intact: dict[str, bytes], name: str) -> Array:
+    if not MEMBER_NAME.fullmatch(name):
+        raise ValueError(f"'{name}' is not the name of a member.")
+    if name not in intact:
+        raise ValueError(f"'{name}' is missing or damaged.")
+    try:
+        return array_of(intact[name])
+    except (ValueError, TypeError, SyntaxError, OverflowError) as error:
+        raise ValueError(f"'{name}' is not an array: {error}.") from error
+
+
+def _with_foreign_members(project: Project, intact: dict[str, bytes], manifest: dict[str, Json]) -> Project:
+    """The project with the bytes that its unknown parts name, and members that are not known here."""
+    named = named_members(dict(project.carried))
+    own = (MANIFEST, PROJECT, THUMBNAIL)
+    listed = {name for name in manifest.get("members", {}) if not MEMBER_NAME.fullmatch(name)}
+    foreign = {
+        name: content
+        for name, content in intact.items()
+        if name in named or (name in listed and not (name in own or HISTORY.fullmatch(name)))
+    }
+    return replace(project, carried={**project.carried, "members": foreign}) if foreign else project
+
+
+def _sha(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()

@@ -1,0 +1,45 @@
+"""Project files of earlier schemas: one function a step, each with a frozen sample in the tests."""
+
+from collections.abc import Callable, Mapping
+
+from studio.core.errors import StudioError
+from studio.io.project.entity_json import PROJECT_SCHEMA
+from studio.io.project.value_json import Json
+
+
+def _with_clips_that_have_ids(record: Json) -> Json:
+    """Schema 2: clips have ids, and may be retimed, mirrored and placed; constraints and contacts have scopes.
+
+    What was asked was asked of all who play the motion, which is what is meant where no scope stands.
+    """
+    performers = record.get("performers", [])
+    for performer in performers if isinstance(performers, list) else []:
+        clips = performer.get("clips") if isinstance(performer, dict) else None
+        for place, clip in enumerate(clips if isinstance(clips, list) else []):
+            if isinstance(clip, dict):
+                clip.setdefault("id", f"{performer.get('id')} {place}")
+    return record
+
+
+UPGRADES: Mapping[int, Callable[[Json], Json]] = {1: _with_clips_that_have_ids}
+"""By the schema a step starts from: a function from ``project.json`` of that schema to that of the next."""
+
+
+def schema_of(record: Json, name: str) -> int:
+    """The schema of a ``project.json``. Raises StudioError naming the member when it states none."""
+    schema = record.get("schema") if isinstance(record, dict) else None
+    if type(schema) is not int or schema < 1:
+        raise StudioError(f"'{name}' in the project file does not say which version it has.")
+    return schema
+
+
+def upgraded(
+    record: Json,
+    name: str,
+    steps: Mapping[int, Callable[[Json], Json]] = UPGRADES,
+    newest: int = PROJECT_SCHEMA,
+) -> Json:
+    """``project.json`` of any schema up to the newest, brought to the newest; later ones stay as they are."""
+    for schema in range(schema_of(record, name), newest):
+        record = {**steps[schema](record), "schema": schema + 1}
+    return record

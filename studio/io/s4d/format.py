@@ -1,0 +1,66 @@
+"""S4D as a format of the registry: what such a file begins with, and what goes in and out of it."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from studio.core.captures.annotations import Annotations
+from studio.core.captures.capture import Capture
+from studio.core.errors import StudioError
+from studio.core.normalized.normalize import detected_contacts, normalize
+from studio.io.export import Take
+from studio.io.importing import ImportOptions
+from studio.io.registry import Progress
+
+_FIRST_MEMBER = b"s4d.json"
+_NORMALISED = 0.3
+"""The share of writing one after which the motion is normalised."""
+
+
+def is_s4d(head: bytes) -> bool:
+    """Whether a file that begins with ``head`` is an S4D file: a ZIP whose first member is the record."""
+    return head.startswith(b"PK\x03\x04") and head[30 : 30 + len(_FIRST_MEMBER)] == _FIRST_MEMBER
+
+
+def load_s4d(path: Path, options: ImportOptions, progress: Progress) -> Capture:
+    """The capture that the file was made from, within 0.1 mm and 0.01 degrees."""
+    from studio.io.s4d.reader import read_s4d
+
+    progress(0.0, f"Reading {path.name}")
+    capture = read_s4d(path).capture
+    for name in ("unit", "up_axis", "reference"):
+        if getattr(options, name) not in (None, getattr(capture, name, None)):
+            raise StudioError(
+                f"{path.name} is in metres with Z up and has its reference pose: {name.replace('_', ' ')} cannot be"
+                f" chosen. Read {capture.source or 'the file it was made from'} again for that."
+            )
+    if options.frame_rate is not None:
+        capture = capture.with_frame_rate(options.frame_rate)
+    if options.floor is not None:
+        capture = capture.with_floor(options.floor)
+    if options.body_map is not None:
+        capture = capture.with_body_map(options.body_map)
+    progress(1.0, f"Loaded {path.name}")
+    return capture
+
+
+def load_annotations(path: Path, motion_id: str) -> Annotations:
+    """The contacts, constraints and labels that are stored with the motion."""
+    from studio.io.s4d.reader import read_annotations
+
+    return read_annotations(path, motion_id)
+
+
+def write_take(path: Path, take: Take, progress: Progress) -> None:
+    """Write the morphology-independent motion of ``take`` with its actor; raises StudioError for what is no human."""
+    from studio.io.s4d.writer import S4d, write_s4d
+
+    def normalising(share: float) -> None:
+        progress(_NORMALISED * share, f"Normalising {take.name}")
+
+    normalising(0.0)
+    annotations = take.annotations
+    if annotations.contacts is None:
+        annotations = replace(annotations, contacts=detected_contacts(take.capture, ""))
+    motion, actor = normalize(take.capture, normalising)
+    s4d = S4d(take.capture, motion, actor, annotations)
+    write_s4d(path, s4d, lambda share, text: progress(_NORMALISED + (1.0 - _NORMALISED) * share, text))

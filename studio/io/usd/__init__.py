@@ -1,0 +1,1 @@
+"""USD, written with its materials."""

@@ -1,0 +1,166 @@
+"""A take as USD: a UsdSkel skeleton with its animation and skin, Z up and in metres as the studio has them.
+
+The package usd-core is an extra of the studio (``pip install morpho-studio[usd]``), imported only here.
+"""
+
+import shutil
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from studio.core.body.skeleton import Skeleton
+from studio.core.errors import StudioError
+from studio.core.mesh.appearance import Material
+from studio.core.mesh.joint_skin import JointSkin, bone_skin, character_skin
+from studio.io.export import Take
+from studio.io.registry import Progress
+from studio.io.replacing import replacing_all
+from studio.io.usd.materials import bind_materials, identifiers
+from studio.io.zipped import write_zip
+
+PACKED = ".usdz"
+_TOLD, _SAVED = 64, 8192
+"""Frames between two reports of progress, and those that go to the disk at once: USD holds Python's lock for them."""
+_BONES = "#C8CDD2"
+
+
+def write_take(path: Path, take: Take, progress: Progress) -> None:
+    """Write skeleton, animation and the character's skin, or a figure of bones where there is none.
+
+    One time sample a frame. Textures become pictures beside the file, named after it, or go into it where it is a
+    ``.usdz``. Raises StudioError when the package is missing or something cannot be written.
+    """
+    try:
+        from pxr import Tf, Usd
+    except ImportError as error:
+        raise StudioError("USD needs the package usd-core. Install it with: pip install usd-core") from error
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            layer = Path(folder) / "take.usdc"
+            stage = Usd.Stage.CreateNew(str(layer))
+            pictures = _fill(stage, take, path.stem, lambda share: progress(0.9 * share, f"Writing {path.name}"))
+            stage.Save()
+            for name, content in pictures.items():
+                (Path(folder) / name).write_bytes(content)
+            progress(0.9, f"Writing {path.name}")
+            written = _written(layer, stage, path.suffix.lower(), pictures, progress)
+            beside = () if written.suffix == PACKED else tuple(pictures)
+            with replacing_all(path, *(path.with_name(name) for name in beside)) as parts:
+                for part, name in zip(parts, (written.name, *beside), strict=True):
+                    shutil.copyfile(Path(folder) / name, part)
+    except Tf.ErrorException as error:
+        raise StudioError(f"{path.name} could not be written as USD: {error}") from error
+    progress(1.0, f"Wrote {path.name}")
+
+
+def _written(layer: Path, stage: Any, suffix: str, pictures: Iterable[str], progress: Progress) -> Path:
+    """The file of the layer, or one beside it: as text, or with its pictures in a package."""
+    if suffix == PACKED:
+        package = layer.with_suffix(PACKED)
+        files = {name: layer.with_name(name).read_bytes() for name in (layer.name, *pictures)}
+        write_zip(package, files, None, lambda share, text: progress(0.9 + 0.1 * share, text))
+        return package
+    if suffix == ".usda":
+        text = layer.with_suffix(".usda")
+        stage.GetRootLayer().Export(str(text))
+        return text
+    return layer
+
+
+def _fill(stage: Any, take: Take, stem: str, progress: Any) -> dict[str, bytes]:
+    """Put the take on the stage; returns the pictures of its textures by the names they have there."""
+    from pxr import Sdf, UsdGeom, UsdSkel, Vt
+
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    stage.SetTimeCodesPerSecond(take.frame_rate)
+    stage.SetFramesPerSecond(take.frame_rate)
+    stage.SetStartTimeCode(0)
+    stage.SetEndTimeCode(take.poses.frame_count - 1)
+    skin = character_skin(take.character, take.skeleton) if take.character else bone_skin(take.skeleton)
+    root = UsdSkel.Root.Define(stage, f"/{identifiers([take.name])[0]}")
+    stage.SetDefaultPrim(root.GetPrim())
+    joints = _joint_paths(take.skeleton)
+    skeleton = _skeleton(stage, root, take.skeleton, skin, joints)
+    _animation(stage, skeleton, take, joints, progress)
+    if not len(skin.triangles):
+        return {}
+    mesh = _mesh(stage, root, skeleton, skin)
+    if not skin.appearance:
+        colour = take.character.colour if take.character else _BONES
+        plain = (Material(take.name, colour),)
+        return bind_materials(stage, mesh, plain, np.zeros(len(skin.triangles), dtype=np.int32), stem)
+    look = skin.appearance
+    coordinates = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
+        "st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.vertex
+    )
+    coordinates.Set(Vt.Vec2fArray.FromNumpy(look.coordinates))
+    mesh.CreateDoubleSidedAttr(any(material.two_sided for material in look.materials))
+    return bind_materials(stage, mesh, look.materials, look.triangle_materials, stem)
+
+
+def _joint_paths(skeleton: Skeleton) -> list[str]:
+    """``Hips``, ``Hips/Spine`` ...: parents stand in the names of their children."""
+    paths: list[str] = []
+    for name, parent in zip(identifiers(list(skeleton.names)), skeleton.parents.tolist(), strict=True):
+        paths.append(f"{paths[parent]}/{name}" if parent >= 0 else name)
+    return paths
+
+
+def _skeleton(stage: Any, root: Any, skeleton: Skeleton, skin: JointSkin, joints: list[str]) -> Any:
+    """Rest: the zero pose, in the parents' axes. Bind: where the skin's joints stood, in the world."""
+    from pxr import UsdSkel, Vt
+
+    made = UsdSkel.Skeleton.Define(stage, root.GetPath().AppendChild("Skeleton"))
+    rest = np.tile(np.eye(4), (skeleton.joint_count, 1, 1))
+    rest[:, 3, :3] = skeleton.offsets  # USD's matrices act on rows
+    bind = np.tile(np.eye(4), (skeleton.joint_count, 1, 1))
+    bind[:, :3, :3] = np.swapaxes(skin.bind_rotations, 1, 2)
+    bind[:, 3, :3] = skin.bind_positions
+    made.CreateJointsAttr(Vt.TokenArray(joints))
+    made.CreateJointNamesAttr(Vt.TokenArray(list(skeleton.names)))
+    made.CreateRestTransformsAttr(Vt.Matrix4dArray.FromNumpy(rest))
+    made.CreateBindTransformsAttr(Vt.Matrix4dArray.FromNumpy(bind))
+    return made
+
+
+def _animation(stage: Any, skeleton: Any, take: Take, joints: list[str], progress: Any) -> None:
+    from pxr import UsdSkel, Vt
+
+    made = UsdSkel.Animation.Define(stage, skeleton.GetPath().AppendChild("Animation"))
+    made.CreateJointsAttr(Vt.TokenArray(joints))
+    made.CreateScalesAttr(Vt.Vec3hArray(len(joints), (1, 1, 1)))
+    translations, rotations = made.CreateTranslationsAttr(), made.CreateRotationsAttr()
+    places = take.poses.local_translations.astype(np.float32)
+    turns = take.poses.local_rotations.astype(np.float32)
+    for frame in range(take.poses.frame_count):
+        if frame % _TOLD == 0:
+            progress(frame / take.poses.frame_count)
+        if frame % _SAVED == 0:
+            stage.Save()
+        translations.Set(Vt.Vec3fArray.FromNumpy(places[frame]), frame)
+        rotations.Set(Vt.QuatfArray.FromNumpy(turns[frame]), frame)
+    UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets([made.GetPath()])
+
+
+def _mesh(stage: Any, root: Any, skeleton: Any, skin: JointSkin) -> Any:
+    from pxr import UsdGeom, UsdSkel, Vt
+
+    mesh = UsdGeom.Mesh.Define(stage, root.GetPath().AppendChild("Skin"))
+    points = skin.vertices.astype(np.float32)
+    mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(points))
+    mesh.CreateFaceVertexCountsAttr(Vt.IntArray(len(skin.triangles), 3))
+    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(skin.triangles.ravel()))
+    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(skin.normals.astype(np.float32)))
+    mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
+    mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
+    mesh.CreateExtentAttr(Vt.Vec3fArray.FromNumpy(np.stack([points.min(0), points.max(0)])))
+    binding = UsdSkel.BindingAPI.Apply(mesh.GetPrim())
+    binding.CreateSkeletonRel().SetTargets([skeleton.GetPath()])
+    count = skin.joints.shape[1]
+    binding.CreateJointIndicesPrimvar(False, count).Set(Vt.IntArray.FromNumpy(skin.joints.ravel()))
+    binding.CreateJointWeightsPrimvar(False, count).Set(Vt.FloatArray.FromNumpy(skin.weights.astype("f4").ravel()))
+    return mesh

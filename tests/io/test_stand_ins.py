@@ -1,0 +1,39 @@
+"""What stands in the place of a file is named as what it is, whatever the format."""
+
+from pathlib import Path
+
+import pytest
+
+from studio.core.errors import StudioError
+from studio.io.importing import load_capture, load_character
+from studio.io.project.project_file import read_project
+from studio.io.registry import known_formats
+
+POINTER = b"version https://git-lfs.github.com/spec/v1\noid sha256:0f\nsize 12345\n"
+STAND_INS = {
+    "a Git LFS pointer": (POINTER, "is a Git LFS pointer, not the file itself. Fetch it with 'git lfs pull'."),
+    "a page": (b"\n<!DOCTYPE html>\n<html><body>Not found</body></html>", "is a web page, not the file itself."),
+    "a page as XML": (b'<?xml version="1.0"?>\n<!-- x -->\n<html xmlns="x">', "is a web page, not the file itself."),
+    "a server's refusal": (b"404: Not Found", "is a web page, not the file itself."),
+    "nothing": (b"", "is empty. Copy or export it again."),
+}
+
+
+@pytest.mark.parametrize("case", STAND_INS)
+@pytest.mark.parametrize("suffix", known_formats().suffixes("capture_reader", "character_reader"))
+def test_what_stands_for_a_file_is_named_whatever_its_suffix(tmp_path: Path, case: str, suffix: str) -> None:
+    content, sentence = STAND_INS[case]
+    path = tmp_path / f"take{suffix}"
+    path.write_bytes(content)
+    for job in ("capture_reader", "character_reader"):
+        if suffix in known_formats().suffixes(job):
+            with pytest.raises(StudioError) as refusal:
+                (load_capture if job == "capture_reader" else load_character)(path)
+            assert str(refusal.value).startswith(f"take{suffix} {sentence}")
+
+
+def test_a_project_that_is_only_a_pointer_is_named_so(tmp_path: Path) -> None:
+    path = tmp_path / "scene.studio"
+    path.write_bytes(POINTER)
+    with pytest.raises(StudioError, match="is a Git LFS pointer"):
+        read_project(path)
