@@ -8,7 +8,7 @@ from PySide6.QtCore import QPoint, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QMouseEvent, QResizeEvent
 from PySide6.QtWidgets import QDockWidget, QGridLayout, QMainWindow, QTabWidget, QVBoxLayout, QWidget
 
-from studio.app import casting, importing, marker_solving
+from studio.app import casting, importing
 from studio.app.action_set import ActionSet
 from studio.app.live_control import LiveControl
 from studio.app.marker_dialog import open_markers
@@ -286,7 +286,7 @@ class MainWindow(QMainWindow):
 
     def _reimport(self, capture_id: str, option: dict[str, Any]) -> None:
         try:
-            marker_solving.read_again(self.bench, capture_id, option)
+            importing.reimport(self.bench, capture_id, option)
         except StudioError as error:
             self.strip.say(str(error))
 

@@ -16,9 +16,12 @@ from studio.panels.body_map_section import BodyMapSection
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section, labelled, press_button
 
-UNITS = (("m", "metres"), ("cm", "centimetres"), ("mm", "millimetres"), ("inch", "inches"), ("cmu", "5.64 cm units"))
+UNITS = (
+    *(("m", "metres"), ("dm", "decimetres"), ("cm", "centimetres"), ("mm", "millimetres")),
+    *(("inch", "inches"), ("foot", "feet"), ("cmu", "5.64 cm units")),
+)
 REFERENCES = (("zero", "Zero pose"), ("here", "Frame at the playhead"))
-AXES = tuple((axis, f"{axis} up") for axis in "XYZ")
+AXES = tuple((axis, f"{axis} up") for axis in ("X", "Y", "Z", "-X", "-Y", "-Z"))
 
 
 class CaptureEditor(Editor):

@@ -10,7 +10,8 @@ from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import FOOT_POINTS, ContactPoint, contact_mask
 from studio.core.markers.force_plates import plate_reactions, sample_times
 from studio.core.normalized.normalize import capture_contacts
-from studio.io.importing import load_annotations, load_capture
+from studio.io.importing import load_capture, read_capture
+from studio.io.registry import ReadCapture
 from tests.real.taken import named, taken
 
 MARKED = ("btk_PiG_FullBody_walk", "btk_PiG_LowerBody_walk", "sample09_PlugInC3D")
@@ -33,8 +34,12 @@ def _standing(capture: Capture) -> np.ndarray:
 
 
 @cache
+def _read(path: Path) -> ReadCapture:
+    return read_capture(path)
+
+
 def _trial(path: Path) -> Capture:
-    return load_capture(path)
+    return _read(path).capture
 
 
 def _marked_misses(path: Path) -> list[float]:
@@ -42,7 +47,7 @@ def _marked_misses(path: Path) -> list[float]:
     capture = _trial(path)
     stances = np.pad(_standing(capture), ((0, 0), (1, 1)))
     misses = []
-    for label in load_annotations(path, capture, "trial").labels:
+    for label in _read(path).annotations.labels:
         side, _, what = label.name.split()
         turns = np.flatnonzero(
             np.diff(stances[("Left", "Right").index(side)].astype(int)) == (1 if what == "Strike" else -1)
