@@ -124,6 +124,8 @@ def put_motion(document: Document, read: ReadMotion, text: str) -> str:
             document.add("performers", replace(performer, character_id=character_id), text)
         capture_id = add_motion(document, read, text)
         _perform(document, read.motion_id, text)
+    if document.selection.of("captures"):
+        document.selection.set(("captures", capture_id))
     show_motion(document)
     if read.capture.markers is not None and read.capture.body_map is None:
         _show_markers(document, capture_id)

@@ -89,8 +89,8 @@ class Shown:
 
     @property
     def project(self) -> Project:
-        """The project as it is now."""
-        return self.document.project
+        """The project as the active clip shows it."""
+        return self.document.shown_project
 
     @property
     def subject_name(self) -> str:
