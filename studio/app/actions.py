@@ -150,6 +150,8 @@ CHARACTER = (
            _with_bodies),
     Action("make_character", "Character", "Create character from actor", casting.make_active_actor_character,
            tooltip="The actor of the motion that plays, as a character of the same measures", enabled=_performing),
+    Action("line_up", "Character", "Line up", editing.line_up, (), "Side by side across the direction of travel",
+           _with_bodies),
     Action("show_all", "Character", "Show all", editing.show_all, ("Shift+H",), "Show every body", _with_bodies),
 )  # fmt: skip
 

@@ -16,7 +16,7 @@ from studio.core.markers.take import MarkerTake
 from studio.core.project import Motion, Project, new_id
 from studio.core.solver.performers.rows import stage_span
 from studio.core.stage.clip import Clip
-from studio.core.stage.staging import side_by_side
+from studio.core.stage.staging import is_unarranged, lined_up, side_by_side, travel_heading
 from studio.document.document import Document
 from studio.io.importing import GUESS_ALL, ImportOptions, known_of_motion, read_capture, read_file
 from studio.io.registry import Progress, ReadCapture, ReadCharacter
@@ -300,8 +300,12 @@ def _perform(document: Document, motion_id: str, text: str) -> None:
     clip = Clip(motion_id, capture.first_frame, capture.frame_count - 1, id=new_id())
     performers = project.performers
     shown = {key for key, each in performers.items() if each.visible} or set(performers)
-    for key in (key for key in performers if key in shown):
-        document.replace("performers", key, replace(performers[key], clips=(clip,)), text)
+    playing = {key: replace(each, clips=(clip,)) for key, each in performers.items() if key in shown}
+    travel = travel_heading(capture, clip.first, clip.last)
+    if travel is not None and is_unarranged(playing):
+        playing = lined_up(playing, travel)
+    for key, performer in playing.items():
+        document.replace("performers", key, performer, text)
 
 
 def _bundled_bodies() -> list[Any]:

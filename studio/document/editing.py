@@ -19,7 +19,7 @@ from studio.core.stage.clip import Clip
 from studio.document.commands.removal import removal
 from studio.document.commands.replace import Edit, ReplaceValue, applied, merged, reverted, same_value
 from studio.document.mirrored import mirrored_change, mirrored_entity, mirrored_project
-from studio.document.playhead import Playhead
+from studio.document.playhead import NEW, Playhead
 from studio.document.selection import Item, Selection
 
 MANY = 100
@@ -45,6 +45,7 @@ class EditedProject(QObject):
         self.undo_stack = QUndoStack(self)
         self.selection = Selection(self)
         self._active_before: str | None = None
+        self._clip_before: str | None = None
         self.selection.changed.connect(self._keep_active)
         self.playhead = Playhead(self)
         self.undo_stack.cleanChanged.connect(self._tell_saved_state)
@@ -197,13 +198,18 @@ class EditedProject(QObject):
 
     def _keep_active(self) -> None:
         self._active_before = self.active_performer_id
+        clip = self.active_clip
+        self._clip_before = clip.id if clip else None
 
     @property
     def active_clip(self) -> Clip | None:
-        """The active performer's clip that is selected, or of which something selected is asked; else its first."""
+        """The active performer's clip that is selected, or to which something selected applies.
+
+        Of several, and where nothing is selected, the one that was active before; else the first.
+        """
         performer_id = self.active_performer_id or ""
         performer = self._project.performers.get(performer_id)
-        clips = performer.clips if performer else ()
+        clips = sorted(performer.clips if performer else (), key=lambda clip: clip.id != self._clip_before)
         selected = {*self.selection.of("clips")}
         asked = [self._project.get(*item) for item in self.selection.items if item[0] in ("constraints", "contacts")]
         for clip in clips:
@@ -224,11 +230,11 @@ class EditedProject(QObject):
         self.playhead.pause()
         self._project = project
         self._revision += 1
-        self._active_before = None
+        self._active_before = self._clip_before = None
         self.selection.clear()  # first: who hears of the others asks what is selected
         self.undo_stack.clear()
         self.undo_stack.setClean()
-        self.playhead.set_time(0.0)
+        self.playhead.restore(NEW)
         self._fit_playhead()
         self.project_opened.emit()
 

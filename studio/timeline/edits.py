@@ -11,7 +11,6 @@ from studio.core.stage.clip import Clip
 from studio.document.clips import name_of as clip_name
 from studio.document.clips import remove_clips
 from studio.timeline.clip_edits import nudged
-from studio.timeline.figures import moment
 from studio.timeline.gestures.activation import time_of, with_time
 from studio.timeline.gestures.begin import name_of
 from studio.timeline.gestures.contact import free_stretch, new_contact
@@ -150,9 +149,9 @@ def handle_words(shown: Shown) -> str:
         return f"Clip {clip_name(shown.project, entity)}, {shown.handle} {frame}"
     if isinstance(entity, ContactInterval):
         frame = entity.first if shown.handle == Part.FIRST else entity.last
-        return f"{name_of(entity)}, {shown.handle}, {moment(frame, frame / rate)}"
+        return f"{name_of(entity)}, {shown.handle}, {shown.moment(frame)}"
     time = time_of(entity.activation, shown.handle)
-    return f"{entity.name}, {shown.handle}, {moment(time * rate, time)}"
+    return f"{entity.name}, {shown.handle}, {shown.moment(time * rate)}"
 
 
 def _trimmed(shown: Shown, entity_id: str, contact: ContactInterval, edge: Part, frames: int) -> ContactInterval:

@@ -6,7 +6,6 @@ from PySide6.QtCore import QPointF
 
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import Constraint
-from studio.timeline.figures import moment
 from studio.timeline.gestures.gesture import EditGesture, Mark
 from studio.timeline.shown import HANDLES, Part, Shown
 from studio.timeline.snapping import Snapped
@@ -51,7 +50,7 @@ class DragHandle(EditGesture):
 
         self.put_all(lambda _, each: replace(each, activation=moved(each)))
         time = time_of(moved(self.original), self.part)
-        text = f"{self.part}  {moment(time * subject.frame_rate, time)}"
+        text = f"{self.part}  {self.shown.moment(time * subject.frame_rate)}"
         self.mark = Mark(subject.to_stage(time), text, caught.caught)
 
 
@@ -76,7 +75,7 @@ class MoveActivation(EditGesture):
         seconds = min(max(seconds, *(-each.end for each in curves)), *(last - each.start for each in curves))
         self.put_all(lambda _, each: replace(each, activation=each.activation.moved(seconds)))
         start = curve.start + seconds
-        text = f"{seconds:+.3f} s  starts {moment(start * subject.frame_rate, start)}"
+        text = f"{seconds:+.3f} s  starts {self.shown.moment(start * subject.frame_rate)}"
         self.mark = Mark(subject.to_stage(start), text, caught.caught)
 
     def _catch(self, begin: float, free: bool) -> Snapped:

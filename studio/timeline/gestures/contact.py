@@ -7,7 +7,6 @@ from PySide6.QtCore import QPointF
 
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
 from studio.core.stage.scope import EVERYONE
-from studio.timeline.figures import moment
 from studio.timeline.gestures.gesture import EditGesture, Mark
 from studio.timeline.shown import Part, Shown
 from studio.timeline.snapping import Snapped
@@ -83,7 +82,7 @@ class DragContact(EditGesture):
         self.put_all(lambda key, each: self._dragged(key, each, frames))
         contact = self._dragged(self.entity_id, old, frames)
         shown_frame = contact.last if self.part == Part.LAST else contact.first
-        text = moment(shown_frame, shown_frame / subject.frame_rate)
+        text = self.shown.moment(shown_frame)
         self.mark = Mark(subject.stage_time(shown_frame), text, caught.caught)
 
     def _catch(self, grabbed: int, position: QPointF, free: bool) -> Snapped:
