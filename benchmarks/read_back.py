@@ -13,7 +13,7 @@ from studio.core.body.skeleton import Skeleton
 from studio.io.c3d.reader import read_c3d
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.container import read_gltf
-from studio.io.guessing import AXES
+from studio.io.up_axis import AXES
 from studio.io.importing import ImportOptions, load_capture
 
 FloatArray = NDArray[np.float64]
