@@ -15,7 +15,7 @@ from studio.app.marker_dialog import has_markers, open_markers
 from studio.app.pose_mapping import show_map
 from studio.app.striking import label_strike, show_strikes, strike_chosen
 from studio.app.verbs import behaviours, clips, editing, files, playback, props, view
-from studio.app.verbs.constraining import adder, load_area_mesh, selected_area
+from studio.app.verbs.constraining import adder, choose_joint, load_area_mesh, selected_area
 from studio.app.workbench import Workbench
 from studio.core.constraints.base import Shown
 from studio.core.constraints.kinds import KINDS
@@ -178,6 +178,8 @@ def _adding(kind: str, shown: Shown) -> Action:
 
 
 CONSTRAINT = (
+    Action("choose_joint", "Constraint", "Pick joint…", choose_joint, ("Shift+J",),
+           "A joint of the active body, from a list that can be searched", _ready, ends_group=True),
     *(_adding(kind, each.shown) for kind, each in KINDS.items()),
     Action("area_mesh", "Constraint", "Load mesh for area…", load_area_mesh,
            tooltip="The surface of an OBJ, STL or PLY file becomes the shape of the selected area",

@@ -157,12 +157,12 @@ class Library(QWidget):
     def refresh(self) -> None:
         """Fetch all rows."""
         with QSignalBlocker(self.view.selectionModel()):
-            self.model.show(rows_of(self.document.project, self.document.active_motion_id))
+            self.model.show(rows_of(self.document.shown_project, self.document.active_motion_id))
         self._show_selection()
 
     def _show_change(self) -> None:
         """Fetch them where they have changed: most of what is dragged, no row tells."""
-        if rows_of(self.document.project, self.document.active_motion_id) != self.model.rows:
+        if rows_of(self.document.shown_project, self.document.active_motion_id) != self.model.rows:
             self.refresh()
 
     def row_rect(self, item: tuple[str, str]) -> QRect:

@@ -86,8 +86,9 @@ class StatusLine(QStatusBar):
         self._time, self._rate, self._told, self._journal = (QLabel() for _ in range(4))
         self._guesses = press_button("", self.report_wanted.emit, "link")
         self.progress = ProgressLine()
+        for label in (self._time, self._rate, self._told):
+            label.setContentsMargins(8, 0, 8, 0)
         for widget in (self._time, self._rate, self._guesses, self._told):
-            widget.setContentsMargins(8, 0, 8, 0)
             self.addWidget(widget)
         self._journal.setContentsMargins(8, 0, 12, 0)
         self.addPermanentWidget(self.progress)

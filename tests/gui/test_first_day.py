@@ -83,6 +83,23 @@ def test_the_hint_to_click_a_joint_goes_when_one_is_constrained(window, qtbot):
     assert window.strip.text == ""
 
 
+def test_a_joint_is_picked_and_constrained_by_keys_alone(window, qtbot):
+    import_views()
+    show_views(window)
+    assert window.bench.live.wait(300.0)
+    viewport, document = window.bench.viewport, window.bench.document
+    qtbot.waitUntil(lambda: len(viewport.posed) == 2, timeout=20000)
+    document.selection.set(("performers", "performer 1"))
+    window.activateWindow()
+    QTest.keyClick(window, Qt.Key.Key_J, Qt.KeyboardModifier.ShiftModifier)
+    QTest.keyClicks(window.choice_panel.field, "left kn")
+    press(Qt.Key.Key_Return)
+    assert (viewport.joint_picked.performer_id, viewport.joint_picked.joint.name) == ("performer 1", "left knee")
+    QTest.keyClick(viewport, Qt.Key.Key_C)
+    [constraint_id] = document.selection.of("constraints")
+    assert document.project.constraints[constraint_id].name == "Left knee"
+
+
 def test_line_up_puts_bodies_across_their_way_as_one_step(window, qtbot, walk):
     document = window.bench.document
     drop(window, walk)

@@ -127,6 +127,7 @@ def test_contacts_handles_names_and_forms_of_a_mirrored_clip_are_of_the_side_tha
     assert_all_is_of_the_left(window, constraint_id)
     names = [each.text() for each in window.inspector.findChildren(QLineEdit) if each.isVisible()]
     assert "Left ball of foot" in names
+    assert "1 · Left ball of foot" in [row.text for row in window.library.model.rows]
     row = timeline.row_rect("constraints", constraint_id)
     text = hover_text(timeline.tracks.sheet, timeline.tracks.picture.plot, QPointF(60, row.center().y()))
     assert text.startswith("Left ball of foot")
