@@ -20,6 +20,10 @@ from studio.io.importing import ImportOptions
 
 FloatArray = NDArray[np.float64]
 
+LOOSE_FEET = (
+    "In the file they do not hang from the legs, as rigs for inverse kinematics have it; they follow the shanks."
+)
+
 
 def body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) -> list[Guess]:
     """How the body was found, or which limbs are missing and what looks like them; nothing where the user said."""

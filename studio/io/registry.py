@@ -160,6 +160,7 @@ OWN_FORMATS = (
         sniff="studio.io.gltf.container:is_gltf",
         capture_reader="studio.io.gltf.capture:load_gltf",
         character_reader="studio.io.gltf.character:load_character",
+        character_test="studio.io.gltf.container:has_body",
         motion_writer="studio.io.gltf.take_writer:write_take",
     ),
     Format(
@@ -167,6 +168,12 @@ OWN_FORMATS = (
         suffixes=(".vrm",),
         sniff="studio.io.gltf.container:is_gltf",
         character_reader="studio.io.gltf.character:load_character",
+    ),
+    Format(
+        name="VRM animation",
+        suffixes=(".vrma",),
+        sniff="studio.io.gltf.container:is_gltf",
+        capture_reader="studio.io.gltf.capture:load_gltf",
     ),
     Format(
         name="USD",

@@ -7,10 +7,11 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.body_shape import body_by_shape
+from studio.core.body.body_shape import body_by_shape, knees_bend_backwards
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_positions
 from studio.core.body.pose import PoseSequence
+from studio.core.body.rehanging import rehang, rehung
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
 from studio.core.errors import StudioError
@@ -18,8 +19,8 @@ from studio.core.kernels.body.channels import turn_axes
 from studio.core.pieces import over_frames
 from studio.core.rotations import IDENTITY
 from studio.io.bvh.reader import read_bvh
-from studio.io.capture_guesses import ReadJoints, body_guesses, stood_capture
-from studio.io.figure.body_maps import FoundBody, find_body
+from studio.io.capture_guesses import LOOSE_FEET, ReadJoints, body_guesses, stood_capture
+from studio.io.figure.body_maps import FoundBody, find_body, loose_feet, named_sides
 from studio.io.guessing import (
     AXES,
     Scale,
@@ -69,14 +70,22 @@ def capture_of(file: Recording, path: Path, options: ImportOptions, progress: Pr
     progress(0.6, f"Finding the body in {path.name}")
     looked_at = np.unique(np.linspace(0, file.frame_count - 1, _LOOKED_AT).astype(int))
     sample = PoseSequence(*file.transforms(looked_at))
-    points = joint_positions(file.skeleton, sample)
-    found = find_body(file.skeleton, points, options.body_map)
+    skeleton, points = file.skeleton, joint_positions(file.skeleton, sample)
+    loose = loose_feet(skeleton, points)
+    if loose:
+        hanging = rehang(skeleton.parents, loose)
+        skeleton, sample = rehung(skeleton, sample, hanging)
+        points = points[:, hanging.order]
+    found = find_body(skeleton, points, options.body_map)
     if found.body_map is None:
-        found = _found_by_shape(file.skeleton, options) or found
-    guesses: list[Guess] = body_guesses(file.skeleton, found, options)
+        found = _found_by_shape(skeleton, points, options) or found
+    guesses: list[Guess] = body_guesses(skeleton, found, options)
     scale = _unit(points, found.body_map, options, guesses)
-    up_axis = _up_axis(file.skeleton, points, found.body_map, options, guesses)
+    up_axis = _up_axis(skeleton, points, found.body_map, options, guesses)
     skeleton, poses = to_world(file, AXES[up_axis], scale.metres, lambda share: progress(0.6 + 0.2 * share, _TURNING))
+    if loose:
+        skeleton, poses = rehung(skeleton, poses, hanging)
+        guesses.append(Guess("feet", "hung from the shanks", LOOSE_FEET))
     frame_rate = _frame_rate(file.frame_time, file.frame_time_digit, options, guesses)
     progress(0.8, f"Finding floor and reference pose of {path.name}")
     positions = joint_positions(skeleton, poses)
@@ -86,13 +95,18 @@ def capture_of(file: Recording, path: Path, options: ImportOptions, progress: Pr
     return capture
 
 
-def _found_by_shape(skeleton: Skeleton, options: ImportOptions) -> FoundBody | None:
-    """The body that stands like one with all rotations zero, whatever its joints are called; None where none does."""
+def _found_by_shape(skeleton: Skeleton, points: FloatArray, options: ImportOptions) -> FoundBody | None:
+    """The body that stands like one with all rotations zero, whatever its joints are called; None where none does.
+
+    ``points`` (F, J, 3) in the file's axes tell which knees are the left ones.
+    """
     still = PoseSequence(np.tile(IDENTITY, (1, skeleton.joint_count, 1)), skeleton.offsets[None])
-    points = joint_positions(skeleton, still)[0]
+    rest, sides = joint_positions(skeleton, still)[0], named_sides(skeleton)
     for axis in (options.up_axis.upper(),) if options.up_axis else AXES:
-        by_shape = body_by_shape(skeleton, points @ AXES[axis].T) if axis in AXES else None
+        by_shape = body_by_shape(skeleton, rest @ AXES[axis].T, sides) if axis in AXES else None
         if by_shape is not None:
+            if not sides.any() and knees_bend_backwards(by_shape, points):
+                by_shape = by_shape.with_sides_exchanged()
             parts = {part: joint for part, joint in by_shape.parts.items() if not skeleton.end_sites[joint]}
             return FoundBody(BodyMap(parts, by_shape.spine), "", ())
     return None
