@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from studio.core.body.body_shape import body_by_shape, knees_bend_backwards
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_positions
+from studio.core.body.moving_offsets import with_seen_offsets
 from studio.core.body.pose import PoseSequence
 from studio.core.body.rehanging import rehang, rehung
 from studio.core.body.skeleton import Skeleton
@@ -70,7 +71,7 @@ def capture_of(file: Recording, path: Path, options: ImportOptions, progress: Pr
     progress(0.6, f"Finding the body in {path.name}")
     looked_at = np.unique(np.linspace(0, file.frame_count - 1, _LOOKED_AT).astype(int))
     sample = PoseSequence(*file.transforms(looked_at))
-    skeleton, points = file.skeleton, joint_positions(file.skeleton, sample)
+    skeleton, points = with_seen_offsets(file.skeleton, sample), joint_positions(file.skeleton, sample)
     loose = loose_feet(skeleton, points)
     if loose:
         hanging = rehang(skeleton.parents, loose)
@@ -83,6 +84,7 @@ def capture_of(file: Recording, path: Path, options: ImportOptions, progress: Pr
     scale = _unit(points, found.body_map, options, guesses)
     up_axis = _up_axis(skeleton, points, found.body_map, options, guesses)
     skeleton, poses = to_world(file, AXES[up_axis], scale.metres, lambda share: progress(0.6 + 0.2 * share, _TURNING))
+    skeleton = with_seen_offsets(skeleton, poses)
     if loose:
         skeleton, poses = rehung(skeleton, poses, hanging)
         guesses.append(Guess("feet", "hung from the shanks", LOOSE_FEET))
