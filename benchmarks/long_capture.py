@@ -47,7 +47,7 @@ from studio.engine.live_adaptation import normalised  # noqa: E402
 from studio.engine.saving import save_in_background  # noqa: E402
 from studio.engine.standing_solver import StandingSolver  # noqa: E402
 from studio.io.bvh.reader import read_bvh  # noqa: E402
-from studio.io.importing import load_annotations, load_capture  # noqa: E402
+from studio.io.importing import known_of_motion, load_capture  # noqa: E402
 from studio.io.project.character_file import bundled_characters  # noqa: E402
 from studio.timeline.curves import Quantity  # noqa: E402
 
@@ -82,7 +82,7 @@ def stages(path: Path) -> str:
 
     timed("the file's numbers", lambda: read_bvh(path))
     capture: Capture = timed("the capture, numbers included", lambda: load_capture(path))
-    found: Annotations = timed("its contacts", lambda: load_annotations(path, capture, ""))
+    found: Annotations = timed("its contacts", lambda: known_of_motion(capture, Annotations(), ""))
     motion, actor = timed("normalised", lambda: normalised(capture))
     solver, held = StandingSolver(), []
     tracemalloc.start()

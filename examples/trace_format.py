@@ -17,7 +17,7 @@ from studio.core.errors import StudioError
 from studio.core.rotations import IDENTITY
 from studio.io.export import Take
 from studio.io.importing import ImportOptions
-from studio.io.registry import Format, Progress
+from studio.io.registry import Format, Progress, ReadCapture
 from studio.io.replacing import write_whole
 
 HEAD = "trace 1\n"
@@ -31,7 +31,7 @@ def sniff(head: bytes) -> bool:
     return head.startswith(HEAD.encode())
 
 
-def read(path: Path, options: ImportOptions, progress: Progress) -> Capture:
+def read(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
     """A skeleton of one joint that goes where the trace says, in metres."""
     progress(0.0, f"Reading {path.name}")
     try:
@@ -44,7 +44,8 @@ def read(path: Path, options: ImportOptions, progress: Progress) -> Capture:
     poses = PoseSequence(np.tile(IDENTITY, (len(rows), 1, 1)), places)
     guess = Guess("unit", "m", "A trace does not say its unit.")
     still = np.tile(IDENTITY, (1, 1))
-    return Capture(path.stem, path.name, skeleton, poses, rate, None, still, 0.0, "m", "Z", 0, (guess,), ())
+    capture = Capture(path.stem, path.name, skeleton, poses, rate, None, still, 0.0, "m", "Z", 0, (guess,), ())
+    return ReadCapture(capture)
 
 
 def write(path: Path, take: Take, progress: Progress) -> None:

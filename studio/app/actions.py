@@ -133,7 +133,7 @@ EDIT = (
         lambda bench: bench.document.undo_stack.canRedo(), repeats=True, ends_group=True,
     ),
     Action("delete", "Edit", "Delete", editing.delete, ("Del", "Backspace"), "Remove what is selected", _any_selected),
-    Action("escape", "Edit", "Select nothing", editing.escape, ("Esc",), "Cancel the current action"),
+    Action("escape", "Edit", "Deselect", editing.escape, ("Esc",), "Cancel the current action"),
     Action(
         "report", "Edit", "Show import report", editing.select_capture,
         tooltip="What was read and what was guessed from the file of this motion", enabled=_performing,
@@ -148,8 +148,10 @@ EDIT = (
 CHARACTER = (
     Action("hide", "Character", "Hide or show", editing.hide, ("H",), "Hide the selected bodies, or show them",
            _with_bodies),
-    Action("make_character", "Character", "Make the actor a character", casting.make_active_actor_character,
+    Action("make_character", "Character", "Create character from actor", casting.make_active_actor_character,
            tooltip="The actor of the motion that plays, as a character of the same measures", enabled=_performing),
+    Action("line_up", "Character", "Line up", editing.line_up, (), "Side by side across the direction of travel",
+           _with_bodies),
     Action("show_all", "Character", "Show all", editing.show_all, ("Shift+H",), "Show every body", _with_bodies),
 )  # fmt: skip
 
@@ -161,7 +163,7 @@ CLIP = (
            tooltip="A motion over the upper body, or another part, of the selected bodies", enabled=_performing),
     Action("split_clip", "Clip", "Split clip at playhead", clips.split, ("Ctrl+B",),
            "Cut the clip in two; it plays as before", _clip_chosen),
-    Action("mirror_clip", "Clip", "Mirror clip", clips.mirror, ("Ctrl+M",), "Left is right", _clip_chosen),
+    Action("mirror_clip", "Clip", "Mirror clip", clips.mirror, ("Ctrl+M",), "Swap left and right", _clip_chosen),
     Action("duplicate_clip", "Clip", "Duplicate clip", clips.duplicate, tooltip="A copy that plays after it",
            enabled=_clip_chosen),
     Action("own_clip", "Clip", "Make clip the body's own", clips.make_own,
@@ -232,9 +234,9 @@ PLAY = (
     Action("range_to_here", "Play", "End range here", playback.range_to_here, ("O",)),
     Action("whole_range", "Play", "Whole range", playback.whole_range, ("Shift+O",), enabled=_performing,
            ends_group=True),
-    Action("shuttle_back", "Play", "Play backwards", playback.shuttle_back, ("J",), "Again: twice the speed"),
+    Action("shuttle_back", "Play", "Play backwards", playback.shuttle_back, ("J",), "Press again to double the speed"),
     Action("stop", "Play", "Stop", playback.stop, ("K",)),
-    Action("shuttle_on", "Play", "Play forwards", playback.shuttle_on, ("L",), "Again: twice the speed"),
+    Action("shuttle_on", "Play", "Play forwards", playback.shuttle_on, ("L",), "Press again to double the speed"),
     Action("loop", "Play", "Loop", playback.toggle_loop, ("Ctrl+L",), "Start over at the end of the range",
            checked=lambda bench: bench.document.playhead.loop),
 )  # fmt: skip

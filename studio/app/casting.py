@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from studio.app.importing import UNCHANGED, import_motion
+from studio.app.importing import changing_nothing, import_motion
 from studio.app.workbench import Workbench
 from studio.core.body.canonical import BodyPart
 from studio.core.body.character import Character
@@ -19,7 +19,7 @@ from studio.document import colours
 from studio.document.document import Document
 from studio.io.importing import GUESS_ALL, load_character
 from studio.io.project.character_file import actor_character
-from studio.io.registry import ReadCharacter, known_formats
+from studio.io.registry import Progress, ReadCharacter, known_formats
 
 APART, ROOM = 1.2, 0.6
 """Metres from the outermost performer to a new one, and for the arms between their trunks and heads, at least."""
@@ -28,20 +28,23 @@ APART, ROOM = 1.2, 0.6
 def import_character(bench: Workbench, path: Path) -> int:
     """Read a character file, then put the character on the stage; returns the task."""
 
-    def done(read: ReadCharacter) -> None:
-        put_character(bench.document, marked(read.character, bench.document), f"Import {path.name}")
-        _tell(bench, path, read)
+    def work(progress: Progress) -> ReadCharacter:
+        with changing_nothing():
+            try:
+                return load_character(path, GUESS_ALL, progress)
+            except StudioError as error:
+                moves = path.suffix.lower() in known_formats().suffixes("capture_reader")
+                alone = " To read a motion, use Import motion." if moves else ""
+                raise StudioError(f"{error}{alone}") from error
 
-    def work(progress: Callable[[float, str], None]) -> ReadCharacter:
-        try:
-            return load_character(path, GUESS_ALL, progress)
-        except StudioError as error:
-            moves = path.suffix.lower() in known_formats().suffixes("capture_reader")
-            alone = " To read a motion, use Import motion." if moves else ""
-            raise StudioError(f"{error}{alone} {UNCHANGED}") from error
-
-    task: int = bench.runner.run(f"Opening {path.name}", work, done)
+    task: int = bench.runner.run(f"Opening {path.name}", work, lambda read: show_import(bench, path, read))
     return task
+
+
+def show_import(bench: Workbench, path: Path, read: ReadCharacter) -> None:
+    """Put a character that was read from ``path`` on the stage, and tell what was repaired or guessed."""
+    put_character(bench.document, marked(read.character, bench.document), f"Import {path.name}")
+    _tell(bench, path, read)
 
 
 def marked(character: Character, document: Document) -> Character:
@@ -63,7 +66,7 @@ def make_actor_character(bench: Workbench, capture_id: str) -> None:
     document = bench.document
     capture = document.project.captures[capture_id]
     colour = colours.character_colour(len(document.project.characters))
-    text = f"Make the actor of {capture.name} a character"
+    text = f"Create character from the actor of {capture.name}"
 
     def work(progress: Callable[[float, str], None]) -> Character:
         progress(0.1, f"Measuring the actor of {capture.name}")
@@ -116,7 +119,7 @@ def _tell(bench: Workbench, path: Path, read: ReadCharacter) -> None:
     elif daring:
         sentences.append(f"{path.name} was read; guessed {' '.join(daring)}")
     actions: list[tuple[str, Callable[[], object]]] = [("Close", bench.window.strip.clear)]
-    sentences += [f"Odd: {remark.sentence}" for remark in remarks_on_body(read.character.build)]
+    sentences += [f"Warning: {remark.sentence}" for remark in remarks_on_body(read.character.build)]
     if read.moves:
         sentences.append("The file holds a motion too." if sentences else f"{path.name} holds a motion too.")
         actions.insert(0, ("Import its motion", lambda: import_motion(bench, path)))

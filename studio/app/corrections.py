@@ -10,8 +10,8 @@ from typing import Any
 from studio.core.body.canonical import BodyPart
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
-from studio.io.importing import ImportOptions, load_capture
-from studio.io.registry import Progress
+from studio.io.importing import ImportOptions
+from studio.io.registry import Progress, ReadCapture
 
 Options = dict[str, Any]
 """Fields of ImportOptions with their values, as JSON has them."""
@@ -62,23 +62,23 @@ def values_of(capture: Capture) -> Options:
     }
 
 
-def read_as_corrected(
-    path: Path, options: ImportOptions, known: Mapping[str, Options], progress: Progress
+def as_corrected(
+    read: ReadCapture, options: ImportOptions, known: Mapping[str, Options], progress: Progress
 ) -> tuple[Capture, ReadAs]:
-    """Read a file; where files of its kind were corrected (``known``, by kind), read it once more as they were.
+    """The capture of a file that was read with ``options``, interpreted as files of its kind were corrected before.
 
-    Raises StudioError when it cannot be read; corrections that do not fit it are told among its repairs.
+    ``known`` are the corrections by kind; those that do not fit are told among the capture's repairs.
     """
-    capture = load_capture(path, options, progress)
+    capture = read.capture
     read_as = ReadAs(kind_of(capture), values_of(capture), options)
     wanted = known.get(read_as.kind)
-    if not wanted or options != ImportOptions():
+    if not wanted or options != ImportOptions() or read.interpret is None:
         return capture, read_as
     try:
         corrected = ImportOptions(**wanted)
-        return load_capture(path, corrected, progress), replace(read_as, options=corrected)
+        return read.interpret(corrected, progress), replace(read_as, options=corrected)
     except (StudioError, TypeError) as error:
-        sentence = f"{path.name}: the corrections of an earlier file of its kind do not fit it. {error}"
+        sentence = f"{capture.source}: the corrections of an earlier file of its kind do not fit it. {error}"
         return replace(capture, repairs=(*capture.repairs, sentence)), read_as
 
 

@@ -82,14 +82,14 @@ class ExportDialog(QDialog):
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.what = Choice("What", [(what, self._said(what)) for what in self._offered()])
         self.kind = Choice("As", ())
-        self.names = Choice("Names of joints", [(key, each.name) for key, each in joint_namings().items()])
+        self.names = Choice("Joint naming", [(key, each.name) for key, each in joint_namings().items()])
         self.rest = Choice("Rest pose", list(REST_POSES.items()))
         self._carried = self._carriable()
         first, more = self._carried[:1], len(self._carried) - 1
         words = f"Carry along: {', '.join(first)}{f' and {more} more' if more > 0 else ''}"
         self.others = Choice("Other joints", [("carry", words), ("leave", "Leave out")])
         self.picture_size = Choice("Size", [(size, f"{size[0]} × {size[1]}") for size in SIZES])
-        self.rate = Choice("Frames a second", [(rate, f"{rate:g} Hz") for rate in RATES])
+        self.rate = Choice("Frame rate", [(rate, f"{rate:g} Hz") for rate in RATES])
         self.hint = QLabel()
         self.hint.setProperty("role", "hint")
         self.hint.setWordWrap(True)

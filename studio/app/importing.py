@@ -1,22 +1,25 @@
 """Captures in: read in the background, contacts detected, shown on the visible bodies as one undo step."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from studio.app.corrections import ReadAs, read_as_corrected, values_of, words
+from studio.app.corrections import ReadAs, as_corrected, values_of, words
 from studio.app.workbench import Workbench
 from studio.core.captures.annotations import Annotations
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
+from studio.core.markers.take import MarkerTake
 from studio.core.project import Motion, Project, new_id
 from studio.core.solver.performers.rows import stage_span
 from studio.core.stage.clip import Clip
-from studio.core.stage.staging import side_by_side
+from studio.core.stage.staging import is_unarranged, lined_up, side_by_side, travel_heading
 from studio.document.document import Document
-from studio.io.importing import ImportOptions, load_annotations
+from studio.io.importing import GUESS_ALL, ImportOptions, known_of_motion, read_capture, read_file
+from studio.io.registry import Progress, ReadCapture, ReadCharacter
 
 UNCHANGED = "Your project was not changed."
 READ_SHARE = 0.7
@@ -35,7 +38,7 @@ class ReadMotion:
 def read_motion(
     path: Path,
     options: ImportOptions,
-    progress: Callable[[float, str], None],
+    progress: Progress,
     known: Mapping[str, dict[str, Any]] = MappingProxyType({}),
     expect: Callable[[Capture], object] = lambda _capture: None,
 ) -> ReadMotion:
@@ -43,39 +46,73 @@ def read_motion(
 
     ``known`` are the corrections of earlier files, by kind; ``expect`` hears of the capture as soon as it is read.
     """
+    with changing_nothing():
+        read = read_capture(path, options, _reading(progress))
+        return ready_motion(read, options, progress, known, expect)
+
+
+def read_either(
+    path: Path,
+    progress: Progress,
+    known: Mapping[str, dict[str, Any]],
+    expect: Callable[[Capture], object],
+) -> ReadMotion | ReadCharacter:
+    """``read_motion`` of a file that may also hold a character."""
+    with changing_nothing():
+        read = read_file(path, GUESS_ALL, _reading(progress))
+        return read if isinstance(read, ReadCharacter) else ready_motion(read, GUESS_ALL, progress, known, expect)
+
+
+def ready_motion(
+    read: ReadCapture,
+    options: ImportOptions,
+    progress: Progress,
+    known: Mapping[str, dict[str, Any]] = MappingProxyType({}),
+    expect: Callable[[Capture], object] = lambda _capture: None,
+) -> ReadMotion:
+    """What was read as it is put into a project, with its contacts; the arguments are those of ``read_motion``."""
     from studio.core.normalized.drift import with_drift_told  # what computes is loaded after the window
 
+    capture, read_as = as_corrected(read, options, known, _reading(progress))
+    capture = with_drift_told(capture)
+    expect(capture)
+    progress(READ_SHARE, "looking for contacts")
+    motion_id = new_id()
+    return ReadMotion(capture, known_of_motion(capture, read.annotations, motion_id), read_as, motion_id)
+
+
+@contextmanager
+def changing_nothing() -> Iterator[None]:
+    """Add to every StudioError that the project is as it was."""
     try:
-        capture, read_as = read_as_corrected(
-            path, options, known, lambda share, text: progress(READ_SHARE * share, text)
-        )
-        capture = with_drift_told(capture)
-        expect(capture)
-        progress(READ_SHARE, "looking for contacts")
-        motion_id = new_id()
-        return ReadMotion(capture, load_annotations(path, capture, motion_id), read_as, motion_id)
+        yield
     except StudioError as error:
         raise StudioError(f"{error} {UNCHANGED}") from error
 
 
-def import_motion(bench: Workbench, path: Path, options: ImportOptions | None = None) -> int:
+def _reading(progress: Progress) -> Progress:
+    return lambda share, text: progress(READ_SHARE * share, text)
+
+
+def import_motion(bench: Workbench, path: Path, options: ImportOptions = GUESS_ALL) -> int:
     """Read a file, then show it on the bodies that are shown; returns the task."""
-
-    def done(motion: ReadMotion) -> None:
-        put_motion(bench.document, motion, f"Import {path.name}")
-        capture_id = list(bench.document.project.captures)[-1]
-        bench.sources[capture_id] = path
-        bench.read_as[capture_id] = motion.read_as
-        tell_repairs(bench, capture_id)
-        tell_corrections(bench, capture_id)
-
     known = bench.settings.corrections
 
-    def read(progress: Callable[[float, str], None]) -> ReadMotion:
-        return read_motion(path, options or ImportOptions(), progress, known, bench.live.expect)
+    def read(progress: Progress) -> ReadMotion:
+        return read_motion(path, options, progress, known, bench.live.expect)
 
-    task: int = bench.runner.run(f"Opening {path.name}", read, done)
+    task: int = bench.runner.run(f"Opening {path.name}", read, lambda motion: show_import(bench, path, motion))
     return task
+
+
+def show_import(bench: Workbench, path: Path, motion: ReadMotion) -> None:
+    """Put a motion that was read from ``path`` into the project and on the stage, and tell what was repaired."""
+    put_motion(bench.document, motion, f"Import {path.name}")
+    capture_id = list(bench.document.project.captures)[-1]
+    bench.sources[capture_id] = path
+    bench.read_as[capture_id] = motion.read_as
+    tell_repairs(bench, capture_id)
+    tell_corrections(bench, capture_id)
 
 
 def put_motion(document: Document, read: ReadMotion, text: str) -> str:
@@ -87,6 +124,8 @@ def put_motion(document: Document, read: ReadMotion, text: str) -> str:
             document.add("performers", replace(performer, character_id=character_id), text)
         capture_id = add_motion(document, read, text)
         _perform(document, read.motion_id, text)
+    if document.selection.of("captures"):
+        document.selection.set(("captures", capture_id))
     show_motion(document)
     if read.capture.markers is not None and read.capture.body_map is None:
         _show_markers(document, capture_id)
@@ -115,27 +154,49 @@ def perform_capture(bench: Workbench, capture_id: str) -> None:
 
 
 def reimport(bench: Workbench, capture_id: str, option: dict[str, Any]) -> None:
-    """Read the file again as the user says; the answer takes the capture's place as one undo step."""
+    """Read the capture again as the user says; the answer takes its place as one undo step."""
     what, value = next(iter(option.items()))
     capture = bench.document.project.captures[capture_id]
     text = f"Read {capture.name} with {what.replace('_', ' ')} {value}"
-    _read_again(bench, capture_id, ImportOptions(**overruled(bench, capture_id) | option), text)
+    read_again(bench, capture_id, ImportOptions(**overruled(bench, capture_id) | option), text)
 
 
-def _read_again(bench: Workbench, capture_id: str, options: ImportOptions, text: str) -> None:
-    path = bench.sources.get(capture_id)
-    if path is None:
-        source = bench.document.project.captures[capture_id].source
-        raise StudioError(f"Where '{source}' lies is not known any more. Import it again to read it otherwise.")
+def solve_again(bench: Workbench, capture_id: str, take: MarkerTake) -> int:
+    """Find the body again in the markers ``take`` of a capture, as it was read; returns the task."""
+    text = f"Solve {bench.document.project.captures[capture_id].name} anew"
+    return read_again(bench, capture_id, ImportOptions(**overruled(bench, capture_id)), text, take)
 
-    def done(read: ReadMotion) -> None:
+
+def read_again(
+    bench: Workbench, capture_id: str, options: ImportOptions, text: str, take: MarkerTake | None = None
+) -> int:
+    """Interpret a capture with other options: its markers, by default those that it has, else its file; the task."""
+    capture = bench.document.project.captures[capture_id]
+    markers = take or capture.markers
+    path = None if markers else bench.sources.get(capture_id)
+    if path is None and markers is None:
+        raise StudioError(f"Where '{capture.source}' lies is not known any more. Import it again to read it otherwise.")
+
+    def read(progress: Progress) -> ReadMotion:
+        if path is not None:
+            return read_motion(path, options, progress)
+        from studio.io.markers.capture import capture_of_take  # late: it loads kernels
+
+        assert markers is not None
+        chosen = replace(options, body_map=None, marker_map=None)
+        with changing_nothing():
+            solved = capture_of_take(markers, chosen, capture.repairs, _reading(progress))
+            return ready_motion(ReadCapture(solved), chosen, progress)
+
+    def done(motion: ReadMotion) -> None:
         if capture_id in bench.document.project.captures:
             if capture_id in bench.read_as:
                 bench.read_as[capture_id] = replace(bench.read_as[capture_id], options=options)
-            replace_motion(bench.document, capture_id, read.capture, read.annotations, text)
+            replace_motion(bench.document, capture_id, motion.capture, motion.annotations, text)
             tell_repairs(bench, capture_id)
 
-    bench.runner.run(text, lambda progress: read_motion(path, options, progress), done)
+    task: int = bench.runner.run(text, read, done)
+    return task
 
 
 def tell_repairs(bench: Workbench, capture_id: str) -> None:
@@ -144,7 +205,7 @@ def tell_repairs(bench: Workbench, capture_id: str) -> None:
     if capture.markers is not None and capture.body_map is None:
         ask = ("Markers…", lambda: bench.window.inspector.markers_wanted.emit(capture_id))
         held = next(guess.reason for guess in capture.guesses if guess.subject == "marker map").partition(".")[0]
-        bench.window.strip.say(f"{capture.source} shows no body yet. {held}: say which marker is what.", ask)
+        bench.window.strip.say(f"No body was found in {capture.source}. {held}: label its markers.", ask)
         return
     if not capture.repairs:
         bench.window.strip.clear()
@@ -186,7 +247,7 @@ def tell_corrections(bench: Workbench, capture_id: str) -> None:
     def guess() -> None:
         bench.settings.correct(read_as.kind, {})
         if capture_id in bench.document.project.captures:
-            _read_again(bench, capture_id, ImportOptions(), f"Read {capture.name} as guessed")
+            read_again(bench, capture_id, GUESS_ALL, f"Read {capture.name} as guessed")
 
     sentence = f"{capture.source} was read as you corrected its kind of file before: {words(corrections)}."
     bench.window.strip.say(sentence, ("Keep", bench.window.strip.clear), ("Guess again", guess))
@@ -214,7 +275,8 @@ def replace_motion(document: Document, capture_id: str, capture: Capture, known:
     """Another reading of a capture in its place, with its contacts; the bodies play it if it had no body before."""
     old = document.project.captures[capture_id]
     with document.group(text):
-        document.replace("captures", capture_id, replace(capture, name=old.name), text)
+        named = capture if capture.name == old.name else replace(capture, name=old.name)
+        document.replace("captures", capture_id, named, text)
         for motion_id, motion in document.project.motions.items():
             if motion.capture_id == capture_id:
                 for key in document.project.contacts_of(motion_id):
@@ -238,8 +300,12 @@ def _perform(document: Document, motion_id: str, text: str) -> None:
     clip = Clip(motion_id, capture.first_frame, capture.frame_count - 1, id=new_id())
     performers = project.performers
     shown = {key for key, each in performers.items() if each.visible} or set(performers)
-    for key in (key for key in performers if key in shown):
-        document.replace("performers", key, replace(performers[key], clips=(clip,)), text)
+    playing = {key: replace(each, clips=(clip,)) for key, each in performers.items() if key in shown}
+    travel = travel_heading(capture, clip.first, clip.last)
+    if travel is not None and is_unarranged(playing):
+        playing = lined_up(playing, travel)
+    for key, performer in playing.items():
+        document.replace("performers", key, performer, text)
 
 
 def _bundled_bodies() -> list[Any]:

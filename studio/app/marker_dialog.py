@@ -6,7 +6,7 @@ from dataclasses import replace
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QDialog, QHBoxLayout, QTabWidget, QVBoxLayout
 
-from studio.app.marker_solving import solve_again
+from studio.app.importing import solve_again
 from studio.app.workbench import Workbench
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError

@@ -19,9 +19,9 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import detected_contacts, normalize
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.source import source_motion
-from studio.io.importing import ImportOptions, load_annotations, load_capture, load_character
+from studio.io.importing import ImportOptions, known_of_motion, load_character, read_capture
 from studio.io.project.character_file import bundled_characters
-from studio.io.registry import known_formats
+from studio.io.registry import ReadCapture, known_formats
 
 MOTION_ID = "motion"
 
@@ -56,7 +56,12 @@ def make_folder(folder: Path) -> None:
 
 def ready_capture(path: Path, options: ImportOptions, *, all_frames: bool = False) -> ReadyCapture:
     """Read a humanoid capture and normalise it; ``all_frames`` counts a calibration pose at its start as motion."""
-    capture = load_capture(path, options)
+    return ready_read(read_capture(path, options), path, all_frames=all_frames)
+
+
+def ready_read(read: ReadCapture, path: Path, *, all_frames: bool = False) -> ReadyCapture:
+    """Normalise the humanoid capture that was read from ``path``."""
+    capture = read.capture
     if capture.body_map is None:
         reasons = {guess.subject: guess.reason for guess in capture.guesses}
         if capture.markers is not None:
@@ -67,7 +72,7 @@ def ready_capture(path: Path, options: ImportOptions, *, all_frames: bool = Fals
         reason = reasons.get("body map", "")
         raise StudioError(f"{path.name} cannot be adapted. {reason} Say which joints play them with --body-map.")
     capture = capture.with_first_frame(0) if all_frames else capture
-    return made_ready(capture, load_annotations(path, capture, MOTION_ID))
+    return made_ready(capture, known_of_motion(capture, read.annotations, MOTION_ID))
 
 
 def made_ready(capture: Capture, annotations: Annotations | None = None) -> ReadyCapture:

@@ -49,7 +49,9 @@ def add_convert_arguments(parser: ArgumentParser) -> None:
 def add_adapt_arguments(parser: ArgumentParser) -> None:
     """Capture, characters, constraints, where to write."""
     parser.add_argument("capture", type=Path, nargs="?", metavar="CAPTURE", help="a motion of a human body")
-    parser.add_argument("--stage", type=Path, metavar="PROJECT", help="all performers of a .studio project instead")
+    parser.add_argument(
+        "--stage", type=Path, metavar="PROJECT|SCENE", help="all performers of a project or scene instead"
+    )
     add_adaptation_options(parser)
 
 
@@ -113,7 +115,7 @@ def add_search_arguments(parser: ArgumentParser) -> None:
 
 def add_live_arguments(parser: ArgumentParser) -> None:
     """Who fights, against what, and where it is seen; or which stage plays, and the keys that are pressed meanwhile."""
-    parser.add_argument("--stage", type=Path, metavar="PROJECT", help="play a project's stage with its behaviours")
+    parser.add_argument("--stage", type=Path, metavar="PROJECT|SCENE", help="play a stage with its behaviours")
     parser.add_argument(
         "--press",
         nargs="+",
@@ -152,7 +154,7 @@ def add_formats_arguments(parser: ArgumentParser) -> None:
 
 def add_render_arguments(parser: ArgumentParser) -> None:
     """What to draw, as what, how large."""
-    parser.add_argument("source", type=Path, metavar="PROJECT|CAPTURE", help="a .studio project or a capture")
+    parser.add_argument("source", type=Path, metavar="PROJECT|SCENE|CAPTURE", help="a project, a scene or a capture")
     parser.add_argument(
         "--out",
         type=Path,
@@ -230,7 +232,7 @@ def add_adaptation_options(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--free-joints", action="store_true", help="let constraints bring limbs further than a person's joints go"
     )
-    parser.add_argument("--exact", action="store_true", help="let joints jolt rather than miss anything for a moment")
+    parser.add_argument("--exact", action="store_true", help="disable temporal smoothing")
     parser.add_argument(
         "--through-body", action="store_true", help="let arms pass through trunk, head and thighs of their own body"
     )
@@ -245,8 +247,10 @@ def add_adaptation_options(parser: ArgumentParser) -> None:
 def add_import_options(parser: ArgumentParser) -> None:
     """Unit, up axis, frame rate, floor, reference pose, body map."""
     group = parser.add_argument_group("reading", "What a file does not say is guessed; say it here to overrule.")
-    group.add_argument("--unit", help="m, cm, mm, inch, cmu, unknown, or metres a unit")
-    group.add_argument("--up-axis", choices=("X", "Y", "Z"), help="axis of the file that points up")
+    group.add_argument("--unit", help="m, dm, cm, mm, inch, foot, cmu, unknown, or metres a unit")
+    group.add_argument(
+        "--up-axis", metavar="AXIS", help="axis of the file that points up: X, Y, Z, --up-axis=-Y, or 'x y z'"
+    )
     group.add_argument("--frame-rate", type=frame_rate, metavar="HZ", help="frames a second")
     group.add_argument("--floor", type=metres, metavar="METRES", help="height of the ground")
     group.add_argument("--reference", metavar="POSE", help="'zero', or the frame that stands upright")

@@ -7,15 +7,15 @@ from pathlib import Path
 
 import numpy as np
 
-from studio.cli.adaptation import MOTION_ID, cleaning_records, ready_capture
+from studio.cli.adaptation import MOTION_ID, cleaning_records, ready_read
 from studio.cli.export_options import export_options
 from studio.cli.import_options import import_options
 from studio.cli.outputs import refuse_replacing
-from studio.cli.printing import print_json
+from studio.cli.printing import counted, print_json
 from studio.cli.warm_up import tell_what_reading_waits_for
 from studio.core.captures.capture import Guess
 from studio.io.export import Take, format_for, take_of_capture, take_of_standing, write_take
-from studio.io.importing import ImportOptions, load_annotations, load_capture, load_character
+from studio.io.importing import ImportOptions, known_of_motion, load_character, read_capture, read_file
 from studio.io.project.character_file import actor_character
 from studio.io.registry import ReadCharacter, format_of, known_formats
 
@@ -49,7 +49,10 @@ def run(arguments: Namespace) -> int:
             }
         )
         return 0
-    print(f"{arguments.target}: {written.name}, {capture.frame_count} frames of {joints} joints", end=" ")
+    print(
+        f"{arguments.target}: {written.name}, {counted(capture.frame_count, 'frame')} of {counted(joints, 'joint')}",
+        end=" ",
+    )
     print(f"at {capture.frame_rate:g} Hz.")
     _print_changes(guesses, capture.repairs)
     return 0
@@ -68,12 +71,12 @@ def _print_changes(guesses: Iterable[str], repairs: Iterable[str]) -> None:
 def _take_of(source: Path, options: ImportOptions) -> Take:
     """The motion in a file, or the character in one that can hold no motion: it stands for one frame."""
     if not format_of(source, "capture_reader", "character_reader").capture_reader:
-        read = load_character(source, options)
-        standing = take_of_standing(read.character)
-        return replace(standing, capture=replace(standing.capture, guesses=read.guesses, repairs=read.repairs))
+        still = load_character(source, options)
+        standing = take_of_standing(still.character)
+        return replace(standing, capture=replace(standing.capture, guesses=still.guesses, repairs=still.repairs))
     tell_what_reading_waits_for()
-    capture = load_capture(source, options)
-    return take_of_capture(capture, load_annotations(source, capture, MOTION_ID))
+    read = read_capture(source, options)
+    return take_of_capture(read.capture, known_of_motion(read.capture, read.annotations, MOTION_ID))
 
 
 def _writes_characters(target: Path) -> bool:
@@ -110,9 +113,10 @@ def _convert_character(arguments: Namespace) -> int:
 
 
 def _character_of(source: Path, options: ImportOptions) -> ReadCharacter:
-    if format_of(source, "capture_reader", "character_reader").holds_character(source):
-        return load_character(source, options)
     tell_what_reading_waits_for()
-    ready = ready_capture(source, options)
+    read = read_file(source, options)
+    if isinstance(read, ReadCharacter):
+        return read
+    ready = ready_read(read, source)
     capture = ready.capture
     return ReadCharacter(actor_character(capture.name, ready.actor.morphology), capture.guesses, capture.repairs)

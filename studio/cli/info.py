@@ -2,7 +2,7 @@
 
 import sys
 from argparse import Namespace
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from math import degrees
 from pathlib import Path
 from textwrap import wrap
@@ -23,9 +23,9 @@ from studio.core.normalized.drift import floor_drift
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.round_trip import round_trip
 from studio.core.project import COLLECTIONS
-from studio.io.importing import ImportOptions, load_annotations, load_capture, load_character
+from studio.io.importing import ImportOptions, known_of_motion, read_file
 from studio.io.project.project_file import read_project
-from studio.io.registry import format_of
+from studio.io.registry import ReadCapture, ReadCharacter
 
 Record = dict[str, Any]
 
@@ -65,22 +65,20 @@ def described(path: Path, options: ImportOptions) -> Record:
     """All that the issue's keys ask of one file; a file that fails says why under ``error``."""
     record = {"file": str(path), **_NOTHING}
     try:
-        return record | _describer(path)(path, options)
+        return record | (_project if path.suffix.lower() == ".studio" else _foreign)(path, options)
     except StudioError as error:
         return record | {"ok": False, "error": str(error)}
 
 
-def _describer(path: Path) -> Callable[[Path, ImportOptions], Record]:
-    if path.suffix.lower() == ".studio":
-        return _project
-    found = format_of(path, "capture_reader", "character_reader")
-    return _character if found.holds_character(path) else _capture
-
-
-def _capture(path: Path, options: ImportOptions) -> Record:
+def _foreign(path: Path, options: ImportOptions) -> Record:
     tell_what_reading_waits_for()
-    capture = load_capture(path, options)
-    annotations = load_annotations(path, capture, MOTION_ID)
+    read = read_file(path, options)
+    return _character(read) if isinstance(read, ReadCharacter) else _capture(read)
+
+
+def _capture(read: ReadCapture) -> Record:
+    capture, report = read.capture, read.report
+    annotations = known_of_motion(capture, read.annotations, MOTION_ID)
     return {
         "kind": "skeleton",
         "frames": capture.frame_count,
@@ -91,8 +89,8 @@ def _capture(path: Path, options: ImportOptions) -> Record:
         "body_map": capture.body_map.to_json(capture.skeleton) if capture.body_map else {},
         "contacts": spans_by_foot(annotations.contacts or ()) if capture.body_map else {},
         "round_trip": _round_trip(capture),
-        "assumptions": _sentences(capture.guesses),
-        "repairs": list(capture.repairs),
+        "assumptions": _sentences(report.guesses),
+        "repairs": list(report.repairs),
         "remarks": [remark.sentence for remark in remarks_on(capture)],
         "first_frame": capture.first_frame,
         "floor": capture.floor,
@@ -131,8 +129,7 @@ def _round_trip(capture: Capture) -> Record | None:
     return {"position_mm": 1000.0 * error.position, "rotation_deg": degrees(error.rotation)}
 
 
-def _character(path: Path, options: ImportOptions) -> Record:
-    read = load_character(path, options)
+def _character(read: ReadCharacter) -> Record:
     character = read.character
     look = character.skin.appearance
     skeleton = character_skeleton(character.morphology)
@@ -204,7 +201,7 @@ def _words(record: Record, key: str) -> str:
         case "contacts":
             return ", ".join(f"{len(spans)} {_label(foot)}" for foot, spans in value.items())
         case "contents":
-            return ", ".join(f"{count} {name}" for name, count in value.items() if count)
+            return ", ".join(counted(count, name.removesuffix("s")) for name, count in value.items() if count)
         case "markers":
             counts = [f"{counted(value['markers'], 'marker')} of {counted(value['points'], 'point')}"]
             counts += [counted(value["signals"], "signal"), counted(len(value["force_plates"]), "force plate")]

@@ -9,13 +9,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from studio.cli.adapt_report import REACHED_DEG, REACHED_MM, Record, residual_record
+from studio.cli.bundled_scenes import open_project
 from studio.cli.printing import STOPPED, print_json, print_table
 from studio.cli.render import prepared
 from studio.cli.warm_up import compile_first
 from studio.core.constraints.base import Constraint
 from studio.core.errors import StudioError
 from studio.core.project import Project
-from studio.io.project.project_file import read_project
 from studio.live.stage import LiveStage
 
 STEP = 1.0 / 60.0
@@ -71,7 +71,7 @@ class Part:
 
 def run_live_stage(arguments: Namespace) -> int:
     """Play and report; 1 where somebody failed, which keeps nobody else from playing on."""
-    project = read_project(arguments.stage).project
+    project = open_project(arguments.stage)
     presses = sorted(arguments.press)
     compile_first()
     report = played(project, arguments.seconds, presses)

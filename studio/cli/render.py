@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.cli.adaptation import MOTION_ID, chosen_characters, make_folder, ready_capture
+from studio.cli.bundled_scenes import is_project, open_project
 from studio.cli.import_options import import_options
 from studio.cli.outputs import refuse_replacing
 from studio.cli.printing import Progress, counted, print_json, progress_line
@@ -27,7 +28,6 @@ from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.staging import staged
 from studio.io.film import write_moving
 from studio.io.png import write_png
-from studio.io.project.project_file import read_project
 
 Pixels = NDArray[np.uint8]
 
@@ -72,10 +72,10 @@ def run(arguments: Namespace) -> int:
 
 def staged_project(arguments: Namespace) -> Project:
     """The project to be drawn: the one of the file, or a capture on the chosen characters side by side."""
-    if arguments.source.suffix.lower() == ".studio":
+    if is_project(arguments.source):
         if arguments.character:
             raise StudioError("A project has its own characters: --character goes with a capture.")
-        return read_project(arguments.source).project
+        return open_project(arguments.source)
     characters = chosen_characters(arguments.character)
     ready = ready_capture(arguments.source, import_options(arguments))
     return staged(ready.capture, ready.contacts, characters, MOTION_ID)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from studio.cli.adapt_report import Record, figures
 from studio.cli.adaptation import make_folder
+from studio.cli.bundled_scenes import open_project
 from studio.cli.export_options import export_options
 from studio.cli.outputs import refuse_replacing
 from studio.cli.printing import print_json, print_table
@@ -19,7 +20,6 @@ from studio.core.solver.source import played_on
 from studio.core.solver.standing.stand import standing_of
 from studio.io.export import write_take
 from studio.io.export_options import ExportOptions
-from studio.io.project.project_file import read_project
 from studio.io.registry import known_formats
 from studio.io.report_file import write_json
 from studio.io.staged_export import safe_name, take_of_performer
@@ -41,7 +41,7 @@ def run_stage(arguments: Namespace) -> int:
         raise StudioError(f"'{arguments.format}' is not a kind of file for motions: choose {', '.join(known)}.")
     options = replace(export_options(arguments), body_only=arguments.body_only)
     options.check(Path(f"motion{suffix}"))
-    project = told(read_project(arguments.stage).project, arguments)
+    project = told(open_project(arguments.stage), arguments)
     paths = {key: arguments.out / name for key, name in file_names(project, suffix).items()}
     if not paths:
         raise StudioError(f"Nobody who is shown in {arguments.stage.name} plays anything: there is nothing to adapt.")

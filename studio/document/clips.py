@@ -91,7 +91,9 @@ def _whole(project: Project, motion_id: str, start: float) -> Clip:
         raise StudioError("The motion has been removed from the project: choose another one.")
     capture = project.captures[project.motions[motion_id].capture_id]
     if capture.body_map is None:
-        raise StudioError(f"'{capture.name}' shows no body yet: nobody can play it. Its report says what is missing.")
+        raise StudioError(
+            f"No body was found in '{capture.name}', so no character can play it. Its report says what is missing."
+        )
     return Clip(motion_id, capture.first_frame, capture.frame_count - 1, start, new_id())
 
 

@@ -129,7 +129,7 @@ class Document(EditedProject):
         """Show what ``read_project`` found; its problems and remarks are told one by one."""
         reason = ""
         if opened.read_only or opened.problems:
-            reason = f"'{opened.path.name}' was not opened whole, so it is kept as it is. Use Save As."
+            reason = f"Parts of '{opened.path.name}' could not be read. It was opened read-only; use Save As."
         self._become(opened.project, opened.path, opened.document_id, opened.stamp, reason)
         self.opened = opened
         for problem in (*opened.problems, *opened.remarks):

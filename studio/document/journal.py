@@ -127,10 +127,10 @@ class Journal(QObject):
     def state(self) -> str:
         """One line for the status bar."""
         if self._stopped:
-            return "Journal stopped - save the project"
+            return "Backup stopped - save the project"
         if self.acknowledged == self.recorded:
-            return f"Journal safe - {self.recorded} edit{'' if self.recorded == 1 else 's'}"
-        return f"Journal writing - {self.acknowledged} of {self.recorded} edits"
+            return f"All changes backed up - {self.recorded} edit{'' if self.recorded == 1 else 's'}"
+        return f"Backing up - {self.acknowledged} of {self.recorded} edits"
 
     def record(self, step: Step) -> None:
         """Write a step as soon as may be; does not wait."""

@@ -2,8 +2,10 @@
 
 import time
 
-from PySide6.QtCore import QCoreApplication, QEvent, QObject, Qt
+from PySide6.QtCore import QCoreApplication, QEvent, QObject, Qt, QTimer, Signal
 
+BUSY = 0.1
+"""Seconds by which a timer is late when the window was busy."""
 LATE = 1.0
 """Seconds after which an event comes at most; one that seems later has no time, or that of another clock."""
 
@@ -34,6 +36,31 @@ class Hand(QObject):
         if event.type() == QEvent.Type.MouseMove and event.buttons() != Qt.MouseButton.NoButton:  # type: ignore[attr-defined]
             self._moved_at = when(event.timestamp())  # type: ignore[attr-defined]
         return False
+
+
+class Rest(QTimer):
+    """Tells when a hand has rested for some time.
+
+    Where the window was busy at that time, moves of the hand may still wait to be taken: then the time begins again.
+    """
+
+    rested = Signal()
+
+    def __init__(self, milliseconds: int, parent: QObject | None = None) -> None:
+        super().__init__(parent, singleShot=True, interval=milliseconds)
+        self._due = 0.0
+        self.timeout.connect(self._end)
+
+    def begin(self) -> None:
+        """The hand has moved."""
+        self._due = time.monotonic() + 0.001 * self.interval()
+        self.start()
+
+    def _end(self) -> None:
+        if time.monotonic() > self._due + BUSY:
+            self.begin()
+        else:
+            self.rested.emit()
 
 
 def when(milliseconds: int) -> float:

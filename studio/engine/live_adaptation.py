@@ -21,7 +21,7 @@ from studio.core.solver.request import AdaptedMotion
 from studio.document.document import Document
 from studio.engine.driven import Driven
 from studio.engine.frames import Circle, Frames, Outcome, Solve
-from studio.engine.hand import Hand
+from studio.engine.hand import Hand, Rest
 from studio.engine.live_play import LivePlay
 from studio.engine.scheduler import SolveScheduler
 from studio.engine.solve_cache import SolveCache
@@ -114,8 +114,8 @@ class LiveAdaptation(QObject):
         self._turn = QTimer(self, singleShot=True, interval=0)
         self._turn.timeout.connect(lambda: self._refresh(whole=not self._interactive))
         self._kernels.changed.connect(self._kernels_changed)
-        self._rest = QTimer(self, singleShot=True, interval=REST_MILLISECONDS)
-        self._rest.timeout.connect(lambda: self._refresh(whole=True))
+        self._rest = Rest(REST_MILLISECONDS, self)
+        self._rest.rested.connect(lambda: self._refresh(whole=True))
         self._telling = QTimer(self, singleShot=True, interval=TELL_MILLISECONDS)
         self._telling.timeout.connect(self._tell_results)
         document.entity_changed.connect(self._schedule)
@@ -309,7 +309,7 @@ class LiveAdaptation(QObject):
         if self.play.running:
             return
         if self._interactive:
-            self._rest.start()
+            self._rest.begin()
         if not self._turn.isActive():
             self._turn.start(WINDOW_MILLISECONDS if self._interactive else 0)
 

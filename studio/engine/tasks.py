@@ -146,6 +146,6 @@ class TaskRunner(QObject):
             task.on_error(sentence)
         except Exception as fault:  # noqa: BLE001 - told to the user and logged with its stack
             _log.exception("%s failed", task.title)
-            self.failed.emit(number, f"{task.title} failed by a fault of the program: {type(fault).__name__}: {fault}.")
+            self.failed.emit(number, f"{task.title} failed (internal error: {type(fault).__name__}: {fault}).")
         else:
             self.finished.emit(number, result)

@@ -70,7 +70,7 @@ def stood_capture(read: ReadJoints, found: FoundBody, options: ImportOptions, gu
             guesses.append(Guess("moving offsets", "followed", reason))
     first_frame, guess = guess_first_frame(read.positions, read.frame_rate)
     guesses += [guess] if guess else []
-    floor = floor_of(read.skeleton, read.positions[first_frame:], found.body_map, options, guesses)
+    floor = floor_of(read, first_frame, found.body_map, options, guesses)
     reference = reference_of(read.skeleton, poses, found.body_map, options, guesses)
     return Capture(
         name=read.path.stem,
@@ -90,19 +90,15 @@ def stood_capture(read: ReadJoints, found: FoundBody, options: ImportOptions, gu
 
 
 def floor_of(
-    skeleton: Skeleton,
-    positions: FloatArray,
-    body_map: BodyMap | None,
-    options: ImportOptions,
-    guesses: list[Guess],
+    read: ReadJoints, first_frame: int, body_map: BodyMap | None, options: ImportOptions, guesses: list[Guess]
 ) -> float:
-    """Height of the ground in metres, as the user says or as the feet of ``positions`` (F, J, 3) tell."""
+    """Height of the ground in metres, as the user says or as the feet tell from ``first_frame`` on."""
     if options.floor is not None:
         return options.floor
     if body_map is None:
         guesses.append(Guess("floor", "0 m", "Without feet nothing tells where the ground is."))
         return 0.0
-    guesses.append(guess_floor(skeleton, positions, body_map))
+    guesses.append(guess_floor(read.skeleton, read.positions[first_frame:], body_map, read.frame_rate))
     return float(guesses[-1].value.split()[0])
 
 

@@ -1,5 +1,6 @@
-"""What a file does not say: its unit, its up axis, its floor, its frame rate, where the motion begins."""
+"""What a file does not say: its unit, its floor, its frame rate, where the motion begins."""
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -9,23 +10,30 @@ from studio.core.body.humanoid import BodyMap, BodyPart
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Guess
 from studio.core.errors import StudioError
+from studio.core.runs import runs_of
 from studio.io.numbers import number
 
 FloatArray = NDArray[np.float64]
 
-UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254, "cmu": 0.0254 / 0.45}
+UNITS = {
+    "m": 1.0,
+    "dm": 0.1,
+    "cm": 0.01,
+    "mm": 0.001,
+    "inch": 0.0254,
+    "foot": 0.3048,
+    "cmu": 0.0254 / 0.45,
+}
 """Metres a unit; ``cmu`` is that of the raw CMU files, 1 / 0.45 inch."""
 _USUAL_LEG = 0.85
-_LEGS = {"m": (0.42, 1.2), "cm": (0.42, 1.2), "mm": (0.42, 1.2), "inch": (0.7, 1.05), "cmu": (0.7, 1.0)}
-"""Lengths of a leg in metres that make a unit plausible: rare units only for usual adults."""
+_ANY_LEG, _ADULT_LEG, _SAID_LEG = (0.25, 2.0), (0.7, 1.0), (0.12, 2.2)
+"""Metres of a leg from a small child to a giant of four metres, of a usual adult, and of a body, be it a toy's, whose
+file says its unit."""
+_RARE = ("inch", "foot", "cmu")
+"""Units that only a usual adult makes plausible."""
+_ALIASES = {"in": "inch", "inches": "inch", "ft": "foot", "feet": "foot"}
 
-AXES: dict[str, FloatArray] = {
-    "Y": np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]),
-    "Z": np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]),
-    "X": np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]),
-}
-"""File axes to world axes by the axis that is up; the file's usual front (+Z, -Y, +Y) becomes +X."""
-
+_SAME_UNIT = 1e-4
 _USUAL_RATE = 30.0
 _FOOT_HEIGHT = 0.08
 """Ankle above the ground where a skeleton has nothing below it."""
@@ -33,6 +41,10 @@ _SOLE = 0.02
 """Metres of foot usual below its lowest joint."""
 _CALIBRATED = 0.035
 """Up to this height the lowest joints of the feet speak for a floor at zero: they lie inside the foot."""
+_STEP = 0.12
+"""Metres by which one level that is stood on lies above another at least."""
+_RESTING, _REST, _SHOWN = 0.25, 0.08, 4
+"""Metres a second of a foot that stands, seconds for which it does, and levels that a sentence names."""
 _LONGEST_SNAP = 0.1
 """Seconds over which a filter may have smeared the snap out of a calibration pose."""
 
@@ -53,26 +65,54 @@ def leg_length(positions: FloatArray, body_map: BodyMap) -> float:
     return float(total / 2)
 
 
+def find_unit(leg: float | None, said: Scale | None = None, chosen: str | None = None) -> tuple[Scale, Guess | None]:
+    """The unit of a file: ``chosen`` by the user, else as it, or its format, has ``said`` where that fits its legs.
+
+    ``leg`` is their length in file units, None where no body is known. The guess is None where nothing was guessed.
+    """
+    if chosen is not None:
+        return unit_called(chosen, leg), None
+    if said is not None and (leg is None or _SAID_LEG[0] <= leg * said.metres <= _SAID_LEG[1]):
+        return said, None
+    if leg is None:
+        return Scale("cm", 0.01), Guess(
+            "unit", "cm", "Without a human body nothing tells the unit; most files are in cm."
+        )
+    scale, guess = guess_unit(leg)
+    if said is not None:
+        words = f"In {said.unit}, as the file says, the legs would be {leg * said.metres:.3g} m long. {guess.reason}"
+        guess = replace(guess, reason=words)
+    return scale, guess
+
+
+def said_unit(metres: float) -> Scale:
+    """The unit of so many metres, by name where it has one."""
+    named = (unit for unit, length in UNITS.items() if abs(length - metres) < _SAME_UNIT * metres)
+    return Scale(next(named, f"{metres:.9g}"), metres)
+
+
 def guess_unit(leg: float) -> tuple[Scale, Guess]:
     """The unit in which a leg of ``leg`` units is most like a human's."""
-    fits = {name: abs(np.log(leg * UNITS[name] / _USUAL_LEG)) for name in UNITS if _fits(name, leg)}
+    fits = [name for name in UNITS if _fits(name, leg)]
     if not fits:
         metres = _USUAL_LEG / leg
         reason = f"No unit makes its legs of {leg:.4g} units plausible; they were made {_USUAL_LEG} m long."
         return Scale("unknown", metres), Guess("unit", f"unknown, taken as {metres * 100:.4g} cm", reason)
-    name = min(fits, key=lambda unit: fits[unit])
-    reason = f"The legs are {leg:.4g} units long, in {name} {leg * UNITS[name]:.2f} m."
-    return Scale(name, UNITS[name]), Guess("unit", name, reason)
+    fits.sort(key=lambda unit: abs(float(np.log(leg * UNITS[unit] / _USUAL_LEG))))
+    reason = f"The legs are {leg:.4g} units long, in {fits[0]} {leg * UNITS[fits[0]]:.2f} m."
+    if len(fits) > 1:
+        reason += f" In {fits[1]} they would be {leg * UNITS[fits[1]]:.2f} m."
+    return Scale(fits[0], UNITS[fits[0]]), Guess("unit", fits[0], reason)
 
 
 def _fits(name: str, leg: float) -> bool:
-    shortest, longest = _LEGS[name]
+    shortest, longest = _ADULT_LEG if name in _RARE else _ANY_LEG
     return shortest <= leg * UNITS[name] <= longest
 
 
 def unit_called(text: str, leg: float | None) -> Scale:
     """The unit the user names: one of ``UNITS``, metres a unit as a number, or ``unknown``."""
-    name = {"in": "inch", "inches": "inch"}.get(text.lower(), text.lower())
+    name = _ALIASES.get(text.lower(), text.lower())
     if name in UNITS:
         return Scale(name, UNITS[name])
     if name == "unknown" and leg:
@@ -81,36 +121,6 @@ def unit_called(text: str, leg: float | None) -> Scale:
     if metres <= 0.0:
         raise StudioError(f"The unit must be longer than {text} m.")
     return Scale(text, metres)
-
-
-def guess_up_axis(rest: FloatArray, positions: FloatArray, body_map: BodyMap) -> Guess:
-    """Which file axis is up, by the rest pose (J, 3) and by how the body stands and moves (F, J, 3).
-
-    For each axis: how upright the body is on average, how still its lowest point, how near zero the ground,
-    and, less trusted, how upright the rest pose is.
-    """
-    leg = leg_length(positions, body_map)
-    upright = _upright(positions, body_map).mean(axis=0)
-    at_rest = _upright(rest[None], body_map)[0]
-    lowest = positions.min(axis=1)
-    ground = np.abs(np.percentile(lowest, 10, axis=0)) / leg
-    unsteady = lowest.std(axis=0) / (0.5 * leg)
-    scores = upright + 0.4 * at_rest - np.minimum(ground, 1.0) - np.minimum(unsteady, 1.0)
-    axis = 2 if scores[2] > scores[1] else 1
-    name = "XYZ"[axis]
-    reason = f"Through the motion the body stands along {name} and its feet stay at one level."
-    if int(np.argmax(np.abs(at_rest))) != axis:
-        reason += f" The rest pose would suggest {'XYZ'[int(np.argmax(np.abs(at_rest)))]}."
-    return Guess("up axis", name, reason)
-
-
-def _upright(positions: FloatArray, body_map: BodyMap) -> FloatArray:
-    """(F, 3) unit directions from the ankles to the shoulders."""
-    ankles = positions[:, [body_map[BodyPart.LEFT_FOOT], body_map[BodyPart.RIGHT_FOOT]]].mean(axis=1)
-    shoulders = positions[:, [body_map[BodyPart.LEFT_UPPER_ARM], body_map[BodyPart.RIGHT_UPPER_ARM]]].mean(axis=1)
-    direction = shoulders - ankles
-    length: FloatArray = np.linalg.norm(direction, axis=1, keepdims=True)
-    return np.asarray(direction / np.maximum(length, 1e-9))
 
 
 def guess_frame_rate(frame_time: float | None, digit: float) -> tuple[float, Guess | None]:
@@ -154,21 +164,50 @@ def _steps(positions: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.norm(np.diff(relative, axis=0), axis=2).max(axis=1))
 
 
-def guess_floor(skeleton: Skeleton, positions: FloatArray, body_map: BodyMap) -> Guess:
-    """Height of the ground by where the feet are lowest; ``positions`` (F, J, 3) metres, world axes."""
+def guess_floor(skeleton: Skeleton, positions: FloatArray, body_map: BodyMap, frame_rate: float) -> Guess:
+    """Height of the ground by where the feet are lowest; ``positions`` (F, J, 3) metres, world axes.
+
+    Of several heights on which a take stands, as on stairs or off a stage, the lowest is the floor.
+    """
     feet = {body_map[BodyPart.LEFT_FOOT], body_map[BodyPart.RIGHT_FOOT]}
     below = {joint for foot in feet for joint in skeleton.descendants(foot)}
     lowest = positions[:, sorted(feet | below), 2].min(axis=1)
-    height = float(np.percentile(lowest, 10))
+    usual = height = float(np.percentile(lowest, 10))
     ankle = float(np.percentile(positions[:, sorted(feet), 2].min(axis=1), 10))
+    levels = _levels([positions[:, [foot, *skeleton.descendants(foot)]] for foot in sorted(feet)], frame_rate)
     reason = "The feet are lowest there in a tenth of the frames."
-    if ankle - height < 0.01:
+    if levels and levels[0] < usual - _STEP:
+        height = levels[0]
+        reason = f"The feet stand at {height:.3f} m at the lowest."
+    toes = ankle - usual >= 0.01
+    if not toes:
         height -= _FOOT_HEIGHT
         reason = f"The ankles are lowest {_FOOT_HEIGHT} m above it; the skeleton has no toes."
     if 0.0 <= height <= _CALIBRATED:
         reason = f"The lowest joints of the feet come to {height:.3f} m, which fits a floor at zero."
         height = 0.0
-    elif height > 0.0:
+    elif toes and not -_CALIBRATED <= height < 0.0:
         reason = f"The lowest joints of the feet come to {height:.3f} m; the sole is usually {_SOLE} m below."
         height -= _SOLE
+    if len(levels) > 1:
+        over = ", ".join(f"{level - levels[0]:.2f}" for level in levels[1 : _SHOWN + 1])
+        reason += f" The take also stands {over} m above it, as on steps: give the stage a ground with them."
     return Guess("floor", f"{height:.4f} m", reason)
+
+
+def _levels(feet: list[FloatArray], frame_rate: float) -> list[float]:
+    """Heights from the lowest up, a step apart, on which one of ``feet`` (F, n, 3) rests alone or with the other."""
+    rests = []
+    lowest = np.min([joints[1:, :, 2].min(axis=1) for joints in feet], axis=0)
+    for joints in feet:
+        moved = np.linalg.norm(np.diff(joints, axis=0), axis=2).min(axis=1, initial=np.inf)
+        height = joints[1:, :, 2].min(axis=1)
+        for first, past in runs_of(moved * frame_rate < _RESTING):
+            level = float(np.median(height[first:past]))
+            if np.count_nonzero(lowest[first:past] > level - _STEP / 2.0) >= max(2.0, _REST * frame_rate):
+                rests.append(level)
+    levels: list[float] = []
+    for level in sorted(rests):
+        if not levels or level > levels[-1] + _STEP:
+            levels.append(level)
+    return levels

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from studio.core.captures.annotations import Annotations
 from studio.core.captures.capture import Capture
-from studio.io.registry import Progress, ReadCharacter, format_of
+from studio.io.registry import Progress, ReadCapture, ReadCharacter, format_of
 
 if TYPE_CHECKING:
     from studio.core.markers.cleaning import Step
@@ -19,9 +19,9 @@ class ImportOptions:
     """What the user knows better; None is guessed and listed."""
 
     unit: str | None = None
-    """``m``, ``cm``, ``mm``, ``inch``, ``cmu``, ``unknown``, or metres a unit as a number."""
+    """``m``, ``dm``, ``cm``, ``mm``, ``inch``, ``foot``, ``cmu``, ``unknown``, or metres a unit as a number."""
     up_axis: str | None = None
-    """``X``, ``Y`` or ``Z``."""
+    """``X``, ``-Y`` and so on, or a direction of the file: ``0.1 -0.98 0.2``."""
     frame_rate: float | None = None
     floor: float | None = None
     """Height of the ground in metres."""
@@ -38,8 +38,16 @@ class ImportOptions:
 GUESS_ALL = ImportOptions()
 
 
-def load_capture(path: Path | str, options: ImportOptions = GUESS_ALL, progress: Progress | None = None) -> Capture:
-    """The capture in the file at ``path``, in world axes and metres.
+def read_file(
+    path: Path | str, options: ImportOptions = GUESS_ALL, progress: Progress | None = None
+) -> ReadCapture | ReadCharacter:
+    """The capture or the character in the file at ``path``, whichever it holds; raises as ``read_capture`` does."""
+    path = Path(path)
+    return format_of(path, "capture_reader", "character_reader").read(path, options, progress or _unheard)
+
+
+def read_capture(path: Path | str, options: ImportOptions = GUESS_ALL, progress: Progress | None = None) -> ReadCapture:
+    """The capture in the file at ``path`` with what the file says of its motion, found in one pass.
 
     ``progress`` hears a share from 0 to 1 and what is being done. Raises StudioError with file, line and what
     to do when the file is damaged or the options do not fit it.
@@ -48,19 +56,23 @@ def load_capture(path: Path | str, options: ImportOptions = GUESS_ALL, progress:
     return format_of(path, "capture_reader").read_capture(path, options, progress or _unheard)
 
 
-def load_annotations(path: Path | str, capture: Capture, motion_id: str) -> Annotations:
-    """What the file at ``path`` says of the motion of its ``capture``; contacts it says nothing about are detected."""
+def load_capture(path: Path | str, options: ImportOptions = GUESS_ALL, progress: Progress | None = None) -> Capture:
+    """The capture in the file at ``path`` alone; raises as ``read_capture`` does."""
+    return read_capture(path, options, progress).capture
+
+
+def known_of_motion(capture: Capture, said: Annotations, motion_id: str) -> Annotations:
+    """What a file has ``said`` of the motion of its ``capture``; contacts that it says nothing about are detected."""
     from studio.core.normalized.normalize import detected_contacts  # late: it loads kernels
 
-    path = Path(path)
-    read = format_of(path, "capture_reader").read_annotations(path, motion_id) or Annotations()
-    return read if read.contacts is not None else replace(read, contacts=detected_contacts(capture, motion_id))
+    said = said.of_motion(motion_id)
+    return said if said.contacts is not None else replace(said, contacts=detected_contacts(capture, motion_id))
 
 
 def load_character(
     path: Path | str, options: ImportOptions = GUESS_ALL, progress: Progress | None = None
 ) -> ReadCharacter:
-    """The character in the file at ``path`` with what was guessed; raises as ``load_capture`` does."""
+    """The character in the file at ``path`` with what was guessed; raises as ``read_capture`` does."""
     path = Path(path)
     return format_of(path, "character_reader").read_character(path, options, progress or _unheard)
 

@@ -41,9 +41,12 @@ def parted(line: str) -> str:
     return _GLUED.sub(" ", line)
 
 
-def glued_words(name: str, line: int) -> str:
-    """The sentence of the repair that ``parted`` makes."""
-    return f"{name}, line {line}: numbers stand there without a blank between them; they were parted before the sign."
+def glued_words(name: str, lines: list[int]) -> list[str]:
+    """The sentence of the repair that ``parted`` makes, where it makes one."""
+    if not lines:
+        return []
+    more = f", as on {len(lines) - 1} more lines" if len(lines) > 1 else ""
+    return [f"{name}, line {lines[0]}: numbers stand there without a blank{more}; they were parted before the sign."]
 
 
 def not_a_number(text: str, where: str) -> StudioError:

@@ -5,20 +5,20 @@ or by an entry point of the group ``morpho_studio.formats`` for anybody else's (
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
 
+from studio.core.captures.annotations import Annotations
 from studio.core.errors import StudioError
 from studio.core.plausible import BONE, TRAVEL
 from studio.io.beside import SNIFFED, refuse_devices, refuse_stand_in
 
 if TYPE_CHECKING:
     from studio.core.body.character import Character
-    from studio.core.captures.annotations import Annotations
     from studio.core.captures.capture import Capture, Guess
     from studio.io.export import Take
     from studio.io.importing import ImportOptions
@@ -27,6 +27,32 @@ Progress = Callable[[float, str], None]
 """Hears a share from 0 to 1 and what is being done; it raises to cancel."""
 
 ENTRY_POINTS = "morpho_studio.formats"
+_EARLIER = "It was written for an earlier version of the studio: docs/formats.md tells what a format is now."
+
+
+@dataclass(frozen=True)
+class ImportReport:
+    """Assumptions and repairs that it took to read a file."""
+
+    guesses: tuple["Guess", ...] = ()
+    repairs: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class ReadCapture:
+    """A capture from a file with all that the file says of its motion, found in one pass."""
+
+    capture: "Capture"
+    """In world axes and metres."""
+    annotations: Annotations = Annotations()
+    """Contacts, constraints and labels that the file holds; they refer to no motion yet."""
+    interpret: "Callable[[ImportOptions, Progress], Capture] | None" = None
+    """Make the capture anew with other options, without reading the file again; None where that takes the file."""
+
+    @property
+    def report(self) -> ImportReport:
+        """Assumptions and repairs, which stay with the capture."""
+        return ImportReport(self.capture.guesses, self.capture.repairs)
 
 
 @dataclass(frozen=True)
@@ -56,13 +82,12 @@ class Format:
     sniff: str = ""
     """``(head: bytes) -> bool``: whether a file that begins with these bytes is one; for a module light to import."""
     capture_reader: str = ""
-    """``(path, options: ImportOptions, progress: Progress) -> Capture``."""
-    annotation_reader: str = ""
-    """``(path, motion_id: str) -> Annotations``: what a file that holds a capture says of its motion besides."""
+    """``(path, options: ImportOptions, progress: Progress) -> ReadCapture``."""
     character_reader: str = ""
     """``(path, options: ImportOptions, progress: Progress) -> ReadCharacter``."""
-    character_test: str = ""
-    """``(path) -> bool``: whether a file of a kind that may be either holds a character; all do where there is none."""
+    reader: str = ""
+    """``(path, options, progress) -> ReadCapture | ReadCharacter``, for a kind that has both of the above: what a file
+    holds decides. Without it every file of such a kind is a character."""
     motion_writer: str = ""
     """``(path, take: Take, progress: Progress) -> None``."""
     character_writer: str = ""
@@ -82,34 +107,37 @@ class Format:
         """Whether a file that begins with ``head`` is one of this kind."""
         return bool(self.sniff) and bool(self._function("sniff")(head))
 
-    def read_capture(self, path: Path, options: "ImportOptions", progress: Progress) -> "Capture":
-        """The capture in the file at ``path``, in world axes and metres; raises StudioError."""
-        capture: Capture = self._function("capture_reader")(path, options, progress)
-        try:
-            BONE.check(capture.skeleton.offsets[1:])
-            BONE.check(capture.poses.local_translations[:, 1:])
-            TRAVEL.check(capture.poses.local_translations[:, 0])
-        except ValueError as error:
-            raise StudioError(f"{path.name}: {error} Export it in its right unit, or say which that is.") from error
-        return capture
+    def read(self, path: Path, options: "ImportOptions", progress: Progress) -> ReadCapture | ReadCharacter:
+        """The capture or the character that the file at ``path`` holds; raises StudioError."""
+        if not self.reader:
+            return (self.read_character if self.character_reader else self.read_capture)(path, options, progress)
+        read: ReadCapture | ReadCharacter = self._function("reader")(path, options, progress)
+        return read if isinstance(read, ReadCharacter) else self._checked(read, path)
 
-    def read_annotations(self, path: Path, motion_id: str) -> "Annotations | None":
-        """Contacts, constraints and labels of the motion; None for a kind of file that holds none."""
-        if not self.annotation_reader:
-            return None
-        annotations: Annotations = self._function("annotation_reader")(path, motion_id)
-        return annotations
-
-    def holds_character(self, path: Path) -> bool:
-        """Whether the file at ``path`` is to be read as a character; raises StudioError."""
-        if self.character_reader and self.character_test:
-            return bool(self._function("character_test")(path))
-        return bool(self.character_reader)
+    def read_capture(self, path: Path, options: "ImportOptions", progress: Progress) -> ReadCapture:
+        """The capture in the file at ``path`` with what the file says of its motion; raises StudioError."""
+        return self._checked(self._function("capture_reader")(path, options, progress), path)
 
     def read_character(self, path: Path, options: "ImportOptions", progress: Progress) -> ReadCharacter:
         """The character in the file at ``path``; raises StudioError."""
         read: ReadCharacter = self._function("character_reader")(path, options, progress)
         return read
+
+    def _checked(self, read: ReadCapture, path: Path) -> ReadCapture:
+        """``read`` with a capture of believable size, however often it is interpreted; raises StudioError."""
+        if not isinstance(read, ReadCapture):
+            kind = type(read).__name__
+            raise StudioError(f"{path.name}: the reader of {self.name} returns a {kind}, not a ReadCapture. {_EARLIER}")
+        _check_size(read.capture, path)
+
+        def interpret(options: "ImportOptions", progress: Progress) -> "Capture":
+            if read.interpret is None:
+                return self.read_capture(path, options, progress).capture
+            capture = read.interpret(options, progress)
+            _check_size(capture, path)
+            return capture
+
+        return replace(read, interpret=interpret)
 
     def write_motion(self, path: Path, take: "Take", progress: Progress) -> None:
         """The whole file or none of it; raises StudioError."""
@@ -142,16 +170,15 @@ OWN_FORMATS = (
         name="FBX",
         suffixes=(".fbx",),
         sniff="studio.io.fbx.reading:is_fbx",
-        capture_reader="studio.io.fbx.capture:load_fbx",
-        character_reader="studio.io.fbx.character:load_character",
-        character_test="studio.io.fbx.reading:has_skin",
+        capture_reader="studio.io.fbx.format:load_capture",
+        character_reader="studio.io.fbx.format:load_character",
+        reader="studio.io.fbx.format:load_either",
     ),
     Format(
         name="S4D",
         suffixes=(".s4d",),
         sniff="studio.io.s4d.format:is_s4d",
         capture_reader="studio.io.s4d.format:load_s4d",
-        annotation_reader="studio.io.s4d.format:load_annotations",
         motion_writer="studio.io.s4d.format:write_take",
     ),
     Format(
@@ -160,7 +187,7 @@ OWN_FORMATS = (
         sniff="studio.io.gltf.container:is_gltf",
         capture_reader="studio.io.gltf.capture:load_gltf",
         character_reader="studio.io.gltf.character:load_character",
-        character_test="studio.io.gltf.container:has_body",
+        reader="studio.io.gltf.format:load_either",
         motion_writer="studio.io.gltf.take_writer:write_take",
     ),
     Format(
@@ -207,7 +234,6 @@ OWN_FORMATS = (
         suffixes=(".c3d",),
         sniff="studio.io.c3d.format:is_c3d",
         capture_reader="studio.io.c3d.capture:load_c3d",
-        annotation_reader="studio.io.c3d.capture:load_events",
         motion_writer="studio.io.c3d.format:write_take",
     ),
     Format(
@@ -218,6 +244,15 @@ OWN_FORMATS = (
         character_writer="studio.io.project.character_file:save_character",
     ),
 )
+
+
+def _check_size(capture: "Capture", path: Path) -> None:
+    try:
+        BONE.check(capture.skeleton.offsets[1:])
+        BONE.check(capture.poses.local_translations[:, 1:])
+        TRAVEL.check(capture.poses.local_translations[:, 0])
+    except ValueError as error:
+        raise StudioError(f"{path.name}: {error} Export it in its right unit, or say which that is.") from error
 
 
 @dataclass(frozen=True)
@@ -251,7 +286,10 @@ def known_formats() -> KnownFormats:
 
 
 def _added(entry: EntryPoint, formats: list[Format]) -> Format:
-    added = entry.load()
+    try:
+        added = entry.load()
+    except TypeError as error:
+        raise StudioError(f"{error}. {_EARLIER}" if "Format.__init__" in str(error) else str(error)) from error
     if not isinstance(added, Format):
         raise StudioError(f"{entry.value} is not a studio.io.registry.Format.")
     if any(added.name == known.name for known in formats):

@@ -17,7 +17,7 @@ from studio.core.errors import StudioError
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.realize import realize
-from studio.io.importing import load_annotations, load_capture
+from studio.io.importing import known_of_motion, read_capture
 from studio.io.registry import known_formats
 from studio.library.assistant import propose
 from studio.library.catalogue import Catalogue, FileState
@@ -93,11 +93,12 @@ def corrected(catalogue: Catalogue, clip_number: int, label: ClipLabel) -> None:
 
 def _read(catalogue: Catalogue, path: Path, state: FileState) -> FileState:
     try:
-        capture = load_capture(path)
+        file = read_capture(path)
+        capture = file.capture
         if capture.body_map is None:
             raise StudioError("No human body was found in it.")
         motion, performer = normalize(capture)
-        contacts = load_annotations(path, capture, "").contacts or ()
+        contacts = known_of_motion(capture, file.annotations, "").contacts or ()
     except StudioError as error:
         state = replace(state, problem=str(error))
         with catalogue.changing():

@@ -16,9 +16,12 @@ from studio.panels.body_map_section import BodyMapSection
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section, labelled, press_button
 
-UNITS = (("m", "metres"), ("cm", "centimetres"), ("mm", "millimetres"), ("inch", "inches"), ("cmu", "5.64 cm units"))
+UNITS = (
+    *(("m", "metres"), ("dm", "decimetres"), ("cm", "centimetres"), ("mm", "millimetres")),
+    *(("inch", "inches"), ("foot", "feet"), ("cmu", "5.64 cm units")),
+)
 REFERENCES = (("zero", "Zero pose"), ("here", "Frame at the playhead"))
-AXES = tuple((axis, f"{axis} up") for axis in "XYZ")
+AXES = tuple((axis, f"{axis} up") for axis in ("X", "Y", "Z", "-X", "-Y", "-Z"))
 
 
 class CaptureEditor(Editor):
@@ -56,7 +59,7 @@ class CaptureEditor(Editor):
         self.finish()
 
     def _add_options(self) -> None:
-        section = Section("Read as")
+        section = Section("Import settings")
         self._unit = Choice("Unit", UNITS)
         self._unit.chosen.connect(lambda unit: self._ask(unit=unit))
         self._axis = Choice("Up axis", AXES)
@@ -145,11 +148,11 @@ def _make_report(capture: Capture) -> QWidget:
     for guess in capture.guesses:
         section.add_wide(_guess_lines(guess))
     if not capture.guesses:
-        section.add_wide(labelled("Nothing: the file says everything.", "hint"))
+        section.add_wide(labelled("No assumptions were made.", "hint"))
     for repair in capture.repairs:
         section.add_wide(labelled(f"Repaired: {repair}", "hint"))
     for remark in remarks_on(capture):
-        section.add_wide(labelled(f"Odd: {remark.sentence}", "hint"))
+        section.add_wide(labelled(f"Warning: {remark.sentence}", "hint"))
     return section
 
 

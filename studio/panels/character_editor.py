@@ -103,7 +103,7 @@ class BodySection(Section):
         self._blending.show_value(character.blending)
         self._grip.setEnabled(character.skin.hands is not None)
         self._grip.show_value(character.grip, grip_words(character.grip))
-        self._odd.setText("\n".join(f"Odd: {remark.sentence}" for remark in remarks_on_body(character.build)))
+        self._odd.setText("\n".join(f"Warning: {remark.sentence}" for remark in remarks_on_body(character.build)))
         self._odd.setVisible(bool(self._odd.text()))
 
     def refresh_now(self) -> None:

@@ -74,8 +74,8 @@ class ClipEditor(Editor):
 
     def _placing(self) -> Section:
         section = Section("Where it plays")
-        self._joined = self._box("where the last one ends", lambda on: self._set("Join", joined=on))
-        section.add_row("Begins", self._joined)
+        self._joined = self._box("At end of previous clip", lambda on: self._set("Join", joined=on))
+        section.add_row("Placement", self._joined)
         turn = NumberField("Turn", "°", -360.0, 360.0, 1.0, 1)
         self._turn = self._number(turn, "Turn", "", turn=math.radians(1.0))
         section.add_row("Turn", self._turn)
@@ -86,9 +86,9 @@ class ClipEditor(Editor):
         for field in self._offset:
             field.setToolTip("In leg lengths, so that it is in proportion for every body. Drag sideways to change.")
         section.add_row("Offset  legs", *self._offset)
-        self._ease = self._number(NumberField("Takes over in", "s", 0.0, 60.0, 0.05), "Ease", "", ease=1.0)
+        self._ease = self._number(NumberField("Blend time", "s", 0.0, 60.0, 0.05), "Ease", "", ease=1.0)
         self._ease.setSpecialValueText("as needed")
-        section.add_row("Takes over", self._ease)
+        section.add_row("Blend", self._ease)
         section.add_wide(labelled("Over another clip, a line in its bar shows when it takes over.", "hint"))
         return section
 
@@ -143,19 +143,29 @@ class ClipEditor(Editor):
 
     def _edit(self, edit: Any, verb: str, rest: str = "") -> None:
         text = f"{verb} {clips.name_of(self.document.project, self.entity)} {rest}".strip()
-        self._say(lambda: clips.edit_clip(self.document, self.entity_id, edit, text, self._gesture))
+
+        def edit_all() -> None:
+            with self.document.group(text, self._gesture):
+                for key in self.together:
+                    clips.edit_clip(self.document, key, edit, text)
+
+        self._say(edit_all)
 
     def _set(self, verb: str, rest: str = "", **values: Any) -> None:
         self._edit(lambda clip: (replace(clip, **values),), verb, rest)
 
     def _set_first(self, frame: float) -> None:
-        rate = self.document.project.frame_rate_of(self.entity)
-        self._edit(lambda clip: (begun_at(clip, rate, round(frame)),), "Trim")
+        project = self.document.project
+        self._edit(lambda clip: (begun_at(clip, project.frame_rate_of(clip), round(frame)),), "Trim")
 
     def _set_last(self, frame: float) -> None:
         project = self.document.project
-        count = project.captures[project.motions[self.entity.motion_id].capture_id].frame_count
-        self._edit(lambda clip: (ended_at(clip, round(frame), count),), "Trim")
+
+        def ended(clip: Clip) -> tuple[Clip, ...]:
+            count = project.captures[project.motions[clip.motion_id].capture_id].frame_count
+            return (ended_at(clip, round(frame), count),)
+
+        self._edit(ended, "Trim")
 
     def _set_repeats(self, times: float) -> None:
         self._set("Loop", repeats=round(times))

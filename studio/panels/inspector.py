@@ -79,6 +79,7 @@ class Inspector(QScrollArea):
         editor = self.editor
         if editor is not None and (editor.collection, editor.entity_id) == (collection, entity_id) and item:
             editor.refresh()
+            editor.tell_together()
             return
         self.editor = self._make(collection, entity_id)
         if isinstance(self.editor, CaptureEditor):
@@ -112,12 +113,14 @@ class Inspector(QScrollArea):
         elif editor.concerns(collection, entity_id) or (collection == editor.collection and not entity_id):
             if not self.live.interactive:
                 editor.refresh()
+                editor.tell_together()
             elif not self._dragged.isActive():
                 self._dragged.start()
 
     def _refresh(self) -> None:
         if self.editor is not None and (not self.editor.collection or self.editor.entity is not None):
             self.editor.refresh()
+            self.editor.tell_together()
 
     def current_form(self) -> QWidget | None:
         """The form on show."""

@@ -38,16 +38,16 @@ class LayerSection(Section):
         for field in self._fades:
             field.setSpecialValueText("as needed")
         self.add_row("In · out", *self._fades)
-        self._additive = QCheckBox("to what plays below it")
+        self._additive = QCheckBox("Additive")
         self._additive.toggled.connect(lambda on: self._put("Add layer to what plays", additive=on))
-        self.add_row("Is added", self._additive)
+        self.add_row("Blend mode", self._additive)
         self._reference = editor.bind(
-            NumberField("Differs from frame", "", -1, 1e6, 1, 0),
+            NumberField("Reference frame", "", -1, 1e6, 1, 0),
             lambda frame: self._put("Reference of layer", reference=round(frame)),
         )
         self._reference.setSpecialValueText("its first")
         self._reference.setToolTip("What is added is how the clip differs from this frame of its motion.")
-        self._reference_row = self.add_row("From frame", self._reference)
+        self._reference_row = self.add_row("Reference frame", self._reference)
         self.add_wide(labelled("Contacts of feet are those of the clips that have the legs.", "hint"))
 
     def refresh(self) -> None:

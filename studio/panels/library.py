@@ -146,6 +146,7 @@ class Library(QWidget):
         column.setContentsMargins(0, 4, 0, 0)
         column.addWidget(self.view)
         self.view.selectionModel().selectionChanged.connect(self._select)
+        self.view.clicked.connect(self._select)  # a row that is lit already may stand beside what is current
         self.view.eye_clicked.connect(self._toggle)
         self.view.opened.connect(self._open)
         document.entity_changed.connect(self._entity_changed)

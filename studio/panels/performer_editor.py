@@ -38,22 +38,22 @@ class PerformerEditor(Editor):
         section.add_row("Place  m", self._x, self._y)
         self._heading = self.bind(NumberField("Heading", "°", -360.0, 360.0, 1.0, 1), self._turn)
         section.add_row("Heading", self._heading)
-        self._limited = QCheckBox("like a person's")
+        self._limited = QCheckBox("Limit to human range")
         self._limited.setToolTip(
             "Constraints bring shoulders, elbows, wrists, hips, knees and ankles no further than a person's joints go"
             " (or than the motion itself does)."
         )
         self._limited.toggled.connect(self._limit_or_free)
         section.add_row("Joints", self._limited)
-        self._eased = QCheckBox("eased in time")
+        self._eased = QCheckBox("Smooth pops")
         self._eased.setToolTip(
             "Where a joint would jump from one frame to the next, the frames around it are eased: constraints may be"
             " missed for a moment, those of lowest priority first. Otherwise every frame meets as much as it"
             " can, even if joints jolt."
         )
         self._eased.toggled.connect(self._ease_or_not)
-        section.add_row("Jolts", self._eased)
-        self._clears = QCheckBox("stay out of the body")
+        section.add_row("Smoothing", self._eased)
+        self._clears = QCheckBox("Avoid body")
         self._clears.setToolTip(
             "Hands, forearms and elbows stay out of trunk, head and thighs, as thick as they are, and touch them where"
             " the actor's do. A constraint on a hand comes first; its elbow gives way."

@@ -16,10 +16,10 @@ class ScopeRow:
 
     def __init__(self, editor: Editor, section: Section, put: Callable[[Scope], None]) -> None:
         self._editor = editor
-        self._choice = Choice("Asked of", ())
+        self._choice = Choice("Applies to", ())
         self._choice.setToolTip("All who play this motion, one of them wherever it plays it, or one clip alone.")
         self._choice.chosen.connect(put)
-        section.add_row("Asked of", self._choice)
+        section.add_row("Applies to", self._choice)
 
     def refresh(self) -> None:
         """Fetch who plays the motion, and whom it is asked of."""
@@ -33,7 +33,7 @@ class ScopeRow:
 
 def scopes_of(project: Project, motion_id: str) -> dict[Scope, str]:
     """All scopes that something asked of a motion may have now, in words."""
-    scopes = {EVERYONE: "All who play it"}
+    scopes = {EVERYONE: "All characters"}
     for key, performer in project.performers.items():
         if any(clip.motion_id == motion_id for clip in performer.clips):
             scopes[Scope(performer_id=key)] = f"{performer.name} alone"

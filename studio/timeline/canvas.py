@@ -110,10 +110,12 @@ class TrackCanvas(TrackView):
         """Finish the drag, once no button is down any more."""
         if event.buttons():
             return
-        self._pending = None
+        pending, self._pending = self._pending, None
         if self.gesture is not None:
             self.gesture.finish()
             self.end_gesture()
+        elif pending is not None and not event.modifiers() & Modifier.ControlModifier and items_of(pending[0]):
+            self.document.selection.set(*items_of(pending[0]))  # a click, not a drag
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Add a contact at an empty place of a line."""
@@ -195,9 +197,9 @@ class TrackCanvas(TrackView):
                 selection.clear()
         elif add and items[-1] in selection:
             selection.toggle(items[-1])
-        elif add:
+        elif add or (items[-1] in selection and len(selection.of(items[-1][0])) > 1):  # one of several drags all
             selection.set(*(item for item in selection.items if item not in items), *items)
-        elif items[-1][0] != "clips" or not {*items} <= {*selection.items}:  # one of them drags all selected clips
+        else:
             selection.set(*items)
 
     def _drag(self, event: QMouseEvent) -> None:

@@ -15,7 +15,8 @@ FOLDING = ("constraints", "lane")
 
 def rows_of(shown: Shown) -> tuple[Row, ...]:
     """Clips, layers, keys of growth, when props are held, what touches the ground, and constraints by priority."""
-    players = shown.project.performers if shown.apart else (shown.subject.performer_id,)
+    visible = [key for key, each in shown.project.performers.items() if each.visible]
+    players = visible if shown.apart else (shown.subject.performer_id,)
     constraints = shown.project.constraints_for(shown.subject.performer_id, shown.subject.clip)
     touching = {each.point for each in shown.project.contacts_of(shown.subject.motion_id).values()}
     lanes = contacts.rows_with(touching)

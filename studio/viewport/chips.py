@@ -119,7 +119,7 @@ class Chips:
         """Show how many bodies are seen and, while something moves, how fast, and whether they are ``eased``."""
         text = f"{bodies} {'body' if bodies == 1 else 'bodies'}"
         if pace:
-            text += f" · {pace}" + ("" if eased else " · eased at rest")
+            text += f" · {pace}" + ("" if eased else " · smoothing when idle")
         if text != self.work.text():
             self.work.setText(text)
         self.work.setVisible(bodies > 0 and self._wide)

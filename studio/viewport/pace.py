@@ -59,7 +59,7 @@ class Pace:
 
     @property
     def words(self) -> str:
-        """``12 pictures/s · 85 ms behind``, anew some times a second, to be read; nothing at rest."""
+        """``12 pictures/s · 85 ms latency``, anew some times a second, to be read; nothing at rest."""
         now = self._clock()
         if not self._words or now - self._said_at >= SAID_EVERY:
             self._words, self._said_at = self._now, now
@@ -70,5 +70,5 @@ class Pace:
         if len(self._pictures) < 2:
             return ""
         count = (len(self._pictures) - 1) / (self._pictures[-1] - self._pictures[0])
-        behind = "" if self._behind is None else f" · {1000 * self._behind:.0f} ms behind"
+        behind = "" if self._behind is None else f" · latency {1000 * self._behind:.0f} ms"
         return f"{count:.0f} pictures/s{behind}"

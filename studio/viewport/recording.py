@@ -14,7 +14,7 @@ from studio.core.stage.placement import Placement
 from studio.document import colours
 from studio.document.document import Document
 from studio.engine.performance import Posed
-from studio.io.guessing import AXES
+from studio.io.up_axis import turn_to_world
 from studio.viewport.paths import StagePath
 
 FloatArray = NDArray[np.float64]
@@ -43,7 +43,7 @@ class RecordedBy:
 
         assert capture.markers is not None
         self.capture, trial = capture, capture.markers.trial
-        self._turn = trial.metres * AXES[capture.up_axis].T
+        self._turn = trial.metres * turn_to_world(capture.up_axis).T
         body = capture.body_map is not None
         self._origin = motion_origin(capture) if body else np.array([0.0, 0.0, capture.floor])
         self.labels = seen_labels(trial, capture.markers.subject)

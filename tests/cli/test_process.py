@@ -1,3 +1,4 @@
+import io
 import os
 import platform
 import shutil
@@ -7,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from studio.cli import example, process, system_libraries
 from studio.cli import main as main_module
-from studio.cli import process, system_libraries
 from studio.cli.process import content_digest, has_display, kernel_cache_folder, writable_kernel_cache
 from studio.core.errors import StudioError
 
@@ -228,6 +229,15 @@ def test_without_a_display_the_example_is_adapted_and_what_is_missing_told(bare,
     assert main_module.main([]) == 0
     assert "libegl1" in capsys.readouterr().out
     assert list(tmp_path.rglob("*.bvh"))
+
+
+def test_that_there_is_no_display_is_said_before_anything_is_compiled(monkeypatch):
+    """In a pipe too, which is written to when a page is full."""
+    pipe, seen = io.BytesIO(), []
+    monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(pipe))
+    monkeypatch.setattr(example, "main", lambda _arguments: seen.append(pipe.getvalue()) or 0)
+    example.run_example()
+    assert seen[0].startswith(b"There is no display")
 
 
 def test_what_looks_for_libraries_needs_nothing_but_python():

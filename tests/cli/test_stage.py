@@ -76,3 +76,8 @@ def test_a_picture_of_a_stage_tells_who_is_not_on_it(play, capsys, tmp_path):
     said = capsys.readouterr().out
     assert "2 characters" in said
     assert "Not adapted: Lost" in said
+
+
+def test_a_name_that_is_neither_a_project_nor_a_scene_lists_the_scenes(tmp_path, capsys):
+    assert main(["adapt", "--stage", "dance", "--out", str(tmp_path / "out")]) == 1
+    assert "There is no project 'dance'. Name a file, or a scene: fight-training," in capsys.readouterr().err

@@ -239,3 +239,15 @@ def test_a_second_start_says_nothing_of_compiling(cold):
     second = warm_up.WarmUp(held=True)
     assert (second.cold, second.words) == (False, "")
     second.stop()
+
+
+def test_the_processes_are_as_urgent_as_the_one_that_waits_for_them(cold, monkeypatch, tmp_path):
+    """Of two processors that two others keep busy they get half, and so end in twice their time."""
+    script = "import os, sys; print(os.nice(0), file=open(sys.argv[-1].replace('.', '-'), 'w'))"
+    monkeypatch.setattr(warm_up, "CHILD", (sys.executable, "-c", script))
+    monkeypatch.setattr("studio.io.child_process.ROOT", tmp_path)
+    warm_up.WarmUp().join()
+    told = {
+        part[-1]: (tmp_path / part[-1].replace(".", "-")).read_text() for part in (warm_up.PICTURE, *warm_up.SOLVER)
+    }
+    assert told == dict.fromkeys(told, f"{os.nice(0)}\n")

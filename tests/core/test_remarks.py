@@ -12,6 +12,7 @@ from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture
 from studio.core.captures.remarks import Remark, remarks_on, remarks_on_body
 from studio.core.normalized.normalize import normalize
+from studio.core.rotations import normalized
 from studio.io.importing import load_capture
 from studio.io.project.character_file import bundled_characters
 from studio.resources_folder import example_captures_folder
@@ -70,6 +71,42 @@ def test_feet_that_point_backwards_are_told(walk: Capture) -> None:
     swapped = BodyMap({sides[part]: joint for part, joint in walk.body_map.parts.items()}, walk.body_map.spine)
     [remark] = remarks_on(replace(walk, body_map=swapped))
     assert remark.words == "The feet point backwards: left and right may be swapped."
+
+
+def test_feet_in_line_with_their_shanks_point_nowhere(walk: Capture) -> None:
+    body, offsets, translations = walk.body_map, walk.skeleton.offsets.copy(), walk.poses.local_translations.copy()
+    assert body is not None
+    for part in (BodyPart.LEFT_FOOT, BodyPart.RIGHT_FOOT):
+        for joint in walk.skeleton.descendants(body[part]):
+            translations[:, joint] = offsets[joint] = 0.05 * normalized(offsets[body[part]]) + [-1e-3, 0.0, 0.0]
+    straight = replace(walk.skeleton, offsets=offsets)
+    poses = PoseSequence(walk.poses.local_rotations, translations)
+    assert not any("backwards" in each.words for each in remarks_on(replace(walk, skeleton=straight, poses=poses)))
+
+
+def _run(speeds: np.ndarray, walk: Capture) -> Capture:
+    """The walk carried along so that its hips go at ``speeds`` (F,) metres a second."""
+    translations = walk.poses.local_translations[: len(speeds)].copy()
+    translations[:, 0, :2] = translations[0, 0, :2]
+    translations[:, 0, 0] += np.cumsum(speeds) / walk.frame_rate
+    return replace(walk, poses=PoseSequence(walk.poses.local_rotations[: len(speeds)], translations))
+
+
+def _jumps_in(capture: Capture) -> bool:
+    return any("hips jump" in each.words for each in remarks_on(capture))
+
+
+def test_a_sprint_from_rest_does_not_jump(walk: Capture) -> None:
+    frames = np.arange(int(3.0 * walk.frame_rate))
+    sprint = 11.0 * (1.0 - np.exp(-np.maximum(frames / walk.frame_rate - 1.5, 0.0) / 0.9))
+    assert not _jumps_in(_run(sprint, walk))
+    assert _jumps_in(_run(2.0 * sprint, walk))
+
+
+def test_a_jump_over_three_frames_is_told(walk: Capture) -> None:
+    speeds = np.full(90, 1.0)
+    speeds[40:43] = 0.3 * walk.frame_rate
+    assert _jumps_in(_run(speeds, walk))
 
 
 def test_a_hand_that_ends_far_from_its_wrist_is_told_and_is_of_usual_length_all_the_same(walk: Capture) -> None:

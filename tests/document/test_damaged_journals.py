@@ -135,8 +135,8 @@ def test_a_journal_that_was_taken_away_begins_anew_and_is_safe_only_then(
     with qtbot.waitSignal(document.problem) as told:
         pass
     assert "Save the project now" in told.args[0]
-    assert document.journal_state == "Journal stopped - save the project"
-    qtbot.waitUntil(lambda: document.journal_state.startswith("Journal safe"))
+    assert document.journal_state == "Backup stopped - save the project"
+    qtbot.waitUntil(lambda: document.journal_state.startswith("All changes backed up"))
     document.add("props", Prop("Late"), "Add")
     last = state(document.project)
     [session] = recoverable_sessions(killed(document, tmp_path))
@@ -158,7 +158,7 @@ def test_a_journal_stopped_by_a_full_disk_goes_on_when_there_is_room(
     with qtbot.waitSignal(document.problem):
         document.add("props", Prop("First"), "Add")
     monkeypatch.setattr(journals.Journal, "_insert", insert)
-    qtbot.waitUntil(lambda: document.journal_state.startswith("Journal safe"))
+    qtbot.waitUntil(lambda: document.journal_state.startswith("All changes backed up"))
     document.add("props", Prop("Second"), "Add")
     last = state(document.project)
     sessions = recoverable_sessions(killed(document, tmp_path))

@@ -259,7 +259,7 @@ def test_the_status_line_says_how_many_edits_are_safe(make_document: Any) -> Non
     document = make_document()
     document.add("props", Prop("Box"), "Add")
     assert document.journal.flush()
-    assert document.journal_state == "Journal safe - 1 edit"
+    assert document.journal_state == "All changes backed up - 1 edit"
 
 
 def test_a_second_window_has_the_project_for_reading(make_document: Any, tmp_path: Path) -> None:
@@ -281,7 +281,7 @@ def test_a_journal_that_cannot_be_written_is_told(make_document: Any, tmp_path: 
     with qtbot.waitSignal(document.problem) as told:
         document.add("props", Prop("Box"), "Add")
     assert "Save the project" in told.args[0]
-    assert document.journal_state == "Journal stopped - save the project"
+    assert document.journal_state == "Backup stopped - save the project"
 
 
 def test_saving_marks_clean_only_what_was_saved(make_document: Any, tmp_path: Path) -> None:

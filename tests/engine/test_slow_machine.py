@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QApplication
 
 from studio.document.document import Document
 from studio.engine.frames import BUDGET, LONG
+from studio.engine.hand import BUSY, Rest
 from studio.engine.live_adaptation import LiveAdaptation
 from studio.engine.standing_solver import StandingSolver
 from tests.builders import make_project
@@ -61,6 +62,19 @@ class Drag:
         """Whether what is shown of a body answers the move at ``moved_at``."""
         asked_at = self.live.asked_at(performer_id)
         return asked_at is not None and asked_at >= moved_at
+
+
+def test_a_hand_does_not_rest_while_the_window_is_too_busy_to_hear_of_it(qapp: Any) -> None:
+    """Whole clips are not solved in the middle of a drag because one picture took long."""
+    told: list[float] = []
+    rest = Rest(50)
+    rest.rested.connect(lambda: told.append(time.monotonic()))
+    rest.begin()
+    time.sleep(0.05 + 3.0 * BUSY)
+    busy_until = time.monotonic()
+    while not told and time.monotonic() < busy_until + 10.0:
+        QApplication.processEvents()
+    assert told[0] >= busy_until + 0.045
 
 
 @pytest.fixture
@@ -158,3 +172,16 @@ def test_a_change_that_asks_nothing_new_of_a_body_leaves_no_frame_of_it_behind(b
     drag.live.bring(drag.document.playhead.time)
     assert drag.live.shown(ACTIVE) is drag.live.result(ACTIVE)
     assert drag.live.is_eased(ACTIVE)
+
+
+def test_after_release_the_one_body_that_was_dragged_is_solved_once(begin: Any) -> None:
+    """So its strips wait for nothing but its own solve, however slow that is."""
+    drag = begin(lambda _: 0.5 * LONG)
+    for _ in range(PICTURES):
+        drag.move()
+    drag.let_worker_answer()
+    drag.count = 0
+    drag.live.interactive = False
+    assert drag.live.wait(100.0)
+    assert drag.count == 1
+    assert drag.live.told(ACTIVE) is drag.live.result(ACTIVE)

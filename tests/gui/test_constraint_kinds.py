@@ -342,7 +342,7 @@ def test_a_target_is_made_keyed_and_keys_are_typed_set_gone_to_and_deleted(studi
     assert document.playhead.time == pytest.approx(0.2)
     press(inspector, "Delete key")
     assert current(document).target.times == pytest.approx([0.3, 0.4])
-    choose(inspector, "Target is", "One place for all")
+    choose(inspector, "Target is", "Shared")
     assert isinstance(current(document).target, tuple)
 
 
@@ -361,7 +361,7 @@ def test_a_target_moves_by_a_rule_its_way_is_drawn_and_a_drag_moves_it(studio):
     enter(inspector, "Target Z", "1.5")
     assert field(inspector, "Target Z").value() == pytest.approx(1.5)
     assert current(document).target.at([0.2])[0, 2] == pytest.approx(1.5)
-    choose(inspector, "Target is", "One place for all")
+    choose(inspector, "Target is", "Shared")
     assert len(current(document).target) == len(place)
 
 
@@ -371,20 +371,20 @@ def test_a_target_is_made_to_follow_each_kind_of_thing_from_the_form(studio):
     document.problem.connect(told.append)
     target = add(studio, "position").target
     place = numbers_of(inspector, "Target")
-    choose(inspector, "Target is", "Follows a prop")
+    choose(inspector, "Target is", "Follow prop")
     assert "no prop" in told[-1]
     assert current(document).target == target
     prop_id = document.add("props", Prop("Box", position=(1.0, 0.0, 0.5)), "Add box")
-    choose(inspector, "Target is", "Follows a prop")
+    choose(inspector, "Target is", "Follow prop")
     assert current(document).target.prop_id == prop_id
     assert numbers_of(inspector, "Target") == pytest.approx(place, abs=1e-3)
-    choose(inspector, "Target is", "Follows a performer")
+    choose(inspector, "Target is", "Follow character")
     assert current(document).target.performer_id == "performer 1"
     choose(inspector, "Point followed", "Head")
     assert current(document).target.point.part is BodyPart.NECK
-    choose(inspector, "Target is", "Follows the own body")
+    choose(inspector, "Target is", "Follow own body")
     assert current(document).target.point == BodyPoint(BodyPart.LEFT_FOREARM, at_end=True)
-    choose(inspector, "Target is", "Follows the capture")
+    choose(inspector, "Target is", "Follow source")
     assert current(document).target.joint == "RightForeArm"
     choose(inspector, "Follows", "LeftHand")
     assert current(document).target.joint == "LeftHand"
@@ -398,7 +398,7 @@ def test_the_form_says_whether_each_body_has_its_own_place_and_who_has_an_offset
     _, document, inspector = studio
     add(studio, "position")
     place = numbers_of(inspector, "Target")
-    assert chosen(inspector, "Target is") == "Each at its own place"
+    assert chosen(inspector, "Target is") == "Per character"
     press(inspector, "Body 0 has an offset of its own")
     assert current(document).target.own == (("performer 0", (0.0, 0.0, 0.0)),)
     enter(inspector, "Target Z", f"{place[2] + 0.1:.2f}")
@@ -406,10 +406,10 @@ def test_the_form_says_whether_each_body_has_its_own_place_and_who_has_an_offset
     assert current(document).target.offset == pytest.approx((0.0, 0.0, 0.0), abs=1e-12)
     press(inspector, "Body 0 has an offset of its own")
     assert current(document).target.own == ()
-    choose(inspector, "Target is", "One place for all")
+    choose(inspector, "Target is", "Shared")
     assert current(document).target == pytest.approx(place, abs=0.006)
     document.playhead.set_time(0.45)  # beyond the time of the constraint: it is told by where the body is within
-    choose(inspector, "Target is", "Each at its own place")
+    choose(inspector, "Target is", "Per character")
     assert current(document).target.time == pytest.approx(current(document).activation.full_end)
     assert numbers_of(inspector, "Target") == pytest.approx(place, abs=0.006)
 
@@ -421,7 +421,7 @@ def test_turns_distances_headings_and_balance_are_keyed_or_follow_from_their_for
     document.playhead.set_time(0.4)
     enter(inspector, "Turn Z", "30")
     assert current(document).target.times == pytest.approx([0.2, 0.4])
-    choose(inspector, "Target is", "Follows the own body")
+    choose(inspector, "Target is", "Follow own body")
     enter(inspector, "Turn Z", "30")
     assert current(document).target.turn != (0.0, 0.0, 0.0, 1.0)
     document.playhead.set_time(0.2)

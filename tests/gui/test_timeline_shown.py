@@ -73,7 +73,7 @@ def test_a_body_that_is_not_solved_yet_is_hatched_and_nobody_says_held(timeline,
     live.unsolved.add("performer 0")
     assert constraint.verdict(shown, "kick")[0] == "not solved yet"
     live.unsolved.clear()
-    assert constraint.verdict(shown, "kick")[0] == "held by all"
+    assert constraint.verdict(shown, "kick")[0] == "held on all characters"
 
 
 def test_a_moved_playhead_draws_no_row_again(document, timeline, monkeypatch):

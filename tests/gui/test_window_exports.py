@@ -45,7 +45,7 @@ def test_every_kind_of_file_goes_out_by_the_one_dialog(qtbot, window, tmp_path, 
 
 def test_the_motion_itself_goes_out_with_its_contacts_and_constraints(qtbot, window, tmp_path, monkeypatch):
     from studio.app import export_dialog
-    from studio.io.importing import load_annotations
+    from studio.io.importing import read_capture
 
     path = tmp_path / "walk.s4d"
     monkeypatch.setattr(export_dialog, "ask_new_file", lambda bench, title, kind, name, then, suffix: then(path))
@@ -56,7 +56,7 @@ def test_the_motion_itself_goes_out_with_its_contacts_and_constraints(qtbot, win
     dialog.go.click()
     wait_until_idle(qtbot, window)
     project = window.bench.document.project
-    stored = load_annotations(path, load_capture(path), "motion")
+    stored = read_capture(path).annotations.of_motion("motion")
     assert stored.constraints == tuple(project.constraints_of("motion").values())
     assert set(stored.contacts) == set(project.contacts_of("motion").values())
 

@@ -162,3 +162,11 @@ def test_a_double_click_on_a_capture_plays_it_on_the_visible_characters(qtbot, w
     window.library.wanted.emit("capture")
     assert {p.clips[0].motion_id for p in document.project.performers.values()} == {"motion"}
     assert document.history[-1] == "Play Walk"
+
+
+def test_an_import_shows_its_own_report_in_place_of_that_of_another_capture(qtbot, window, walk):
+    document = window.bench.document
+    document.selection.set(("captures", "capture"))
+    drop(window, walk)
+    wait_until_idle(qtbot, window)
+    assert document.selection.items == (("captures", list(document.project.captures)[-1]),)

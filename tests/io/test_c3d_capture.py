@@ -12,6 +12,7 @@ from studio.core.errors import StudioError
 from studio.core.markers.cleaning import LowPass
 from studio.core.markers.marker_map import MarkerMap
 from studio.core.markers.take import centre_errors
+from studio.core.markers.trial import METRES
 from studio.core.markers.virtual import virtual_trial
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.round_trip import round_trip
@@ -19,10 +20,11 @@ from studio.core.project import Project
 from studio.io.c3d.reader import read_c3d
 from studio.io.c3d.writer import write_c3d
 from studio.io.export import take_of_capture, write_take
-from studio.io.guessing import AXES
-from studio.io.importing import GUESS_ALL, ImportOptions, load_annotations, load_capture
+from studio.io.importing import GUESS_ALL, ImportOptions, known_of_motion, load_capture, read_capture
 from studio.io.markers.capture import capture_of_take
+from studio.io.markers.unit import in_believable_unit
 from studio.io.project.project_file import read_project, write_project
+from studio.io.up_axis import AXES
 from tests.core.markers.made import made_trial
 from tests.io.test_c3d import FILES
 from tests.io.trials import same
@@ -125,15 +127,25 @@ def test_joints_of_the_other_leg_are_told_where_bones_cannot_follow(joint: str) 
 
 def test_a_unit_that_makes_a_giant_is_overruled_and_listed() -> None:
     trial, marker_map = made_trial()
-    capture = load_capture_of(replace(trial, unit="m"), ImportOptions(marker_map=marker_map))
-    assert capture.unit == "mm"
-    assert any(guess.subject == "unit" for guess in capture.guesses)
+    for said in METRES:
+        believed, _, guesses = in_believable_unit(replace(trial, unit=said), marker_map, "", None)
+        assert believed.unit == "mm"
+        assert [guess.subject for guess in guesses] == ([] if said == "mm" else ["unit"])
 
 
-@pytest.mark.parametrize("axis", ["X", "Y", "Z"])
+@pytest.mark.parametrize("unit", METRES)
+def test_a_trial_in_any_unit_that_says_another_is_the_same_body(unit: str) -> None:
+    trial, marker_map = made_trial()
+    wrong = replace(trial.with_points(trial.points * (0.001 / METRES[unit])), unit="mm", measures={})
+    believed, _, guesses = in_believable_unit(wrong, marker_map, "", None)
+    assert believed.unit == unit
+    assert len(guesses) == (unit != "mm")
+
+
+@pytest.mark.parametrize("axis", AXES)
 def test_the_axis_that_is_up_is_found(axis: str) -> None:
     trial, marker_map = made_trial()
-    turned = trial.with_points(np.roll(trial.points, "XYZ".index(axis) - 2, axis=2))
+    turned = trial.with_points(trial.points @ AXES[axis])
     capture = load_capture_of(turned, ImportOptions(marker_map=marker_map))
     assert capture.up_axis == axis
     upright = joint_world(capture.skeleton, capture.poses)[0]
@@ -231,8 +243,9 @@ def test_contacts_become_events(captures: Path) -> None:
 def test_feet_are_seen_to_strike_and_to_leave_when_the_file_says_so(captures: Path, name: str) -> None:
     """The operator marked these events by the force plates and by eye; contacts are found from the solved feet."""
     path = captures / "c3d" / f"{name}.c3d"
-    capture = load_capture(path)
-    known = load_annotations(path, capture, "m")
+    read = read_capture(path)
+    capture = read.capture
+    known = known_of_motion(capture, read.annotations, "m")
     near = 0.12 * capture.frame_rate
     for label in known.labels:
         side, what = label.name.split(" ", 1)

@@ -8,12 +8,10 @@ import pytest
 from studio.core.body.canonical import BodyPart
 from studio.core.body.embodiment import measured
 from studio.core.errors import StudioError
-from studio.io.importing import load_capture, load_character
-from studio.io.registry import format_of
+from studio.io.importing import load_capture, load_character, read_file
+from studio.io.registry import ReadCapture, ReadCharacter
 from tests.io.fbx_skin import skinned_fbx
 from tests.io.fbx_text import fbx_text
-
-JOBS = ("capture_reader", "character_reader")
 
 
 def written(folder: Path, text: str) -> Path:
@@ -52,8 +50,16 @@ def test_points_that_hang_from_nothing_go_with_the_nearest_that_do(tmp_path: Pat
 
 def test_a_file_with_a_skin_is_a_character_and_one_without_is_a_motion(tmp_path: Path) -> None:
     path = written(tmp_path, skinned_fbx())
-    assert format_of(path, *JOBS).holds_character(path)
+    assert isinstance(read_file(path), ReadCharacter)
     path = written(tmp_path, fbx_text())
-    assert not format_of(path, *JOBS).holds_character(path)
+    assert isinstance(read_file(path), ReadCapture)
     with pytest.raises(StudioError, match="a skeleton but no mesh: it is a motion"):
         load_character(path)
+
+
+def test_a_motion_whose_joint_is_called_as_a_skin_is_in_the_file_stays_a_motion(tmp_path: Path) -> None:
+    text = fbx_text().replace("Model::Chest", "Model::Cluster")
+    assert "Model::Cluster" in text
+    read = read_file(written(tmp_path, text))
+    assert isinstance(read, ReadCapture)
+    assert "Cluster" in read.capture.skeleton.names

@@ -15,7 +15,8 @@ from studio.core.normalized.normalize import normalize
 from studio.core.normalized.round_trip import round_trip
 from studio.io.export import take_of_capture, write_take
 from studio.io.gltf.animation import Track
-from studio.io.importing import ImportOptions, load_capture
+from studio.io.importing import ImportOptions, load_capture, read_file
+from studio.io.registry import ReadCapture, ReadCharacter
 from tests.builders import make_capture
 
 TENTH_OF_A_MILLIMETRE = 1e-4
@@ -155,6 +156,18 @@ def with_animation(tmp_path, change):
     change(root)
     path.write_text(json.dumps(root))
     return path
+
+
+def test_a_file_of_animations_without_a_mesh_is_a_motion_and_one_with_a_mesh_a_character(tmp_path):
+    def without_mesh(root):
+        del root["meshes"]
+        for node in root["nodes"]:
+            node.pop("mesh", None)
+
+    assert isinstance(read_file(with_animation(tmp_path, lambda root: None)), ReadCharacter)
+    read = read_file(with_animation(tmp_path, without_mesh))
+    assert isinstance(read, ReadCapture)
+    assert read.capture.frame_count == 4
 
 
 def beyond_time(root):

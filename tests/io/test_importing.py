@@ -14,7 +14,7 @@ from studio.core.errors import StudioError
 from studio.io.bvh.reader import read_bvh, write_bvh
 from studio.io.importing import ImportOptions, load_capture
 from tests.builders import BODY_MAP, make_poses, make_skeleton
-from tests.conftest import CAPTURES
+from tests.captures import CAPTURES
 
 FILES = sorted((CAPTURES / "bvh").rglob("*.bvh"))
 NO_HUMAN = "pybvh_rotation_first_root"

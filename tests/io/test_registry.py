@@ -35,7 +35,7 @@ def installed(monkeypatch):
 
 @pytest.mark.parametrize("known", OWN_FORMATS, ids=lambda known: known.name)
 def test_every_function_that_a_format_of_the_studio_names_is_there(known: Format):
-    jobs = ("sniff", "capture_reader", "character_reader", "motion_writer", "character_writer")
+    jobs = ("sniff", "capture_reader", "character_reader", "reader", "motion_writer", "character_writer")
     named = [known._function(job) for job in jobs if getattr(known, job)]
     assert named
     assert all(suffix.startswith(".") and suffix == suffix.lower() for suffix in known.suffixes)
@@ -87,6 +87,29 @@ def test_the_verb_lists_what_there_is_and_what_failed(installed, capsys):
     assert "No module named 'no_such_module'" in told
     assert main(["formats", "--json"]) == 1
     assert len(json.loads(capsys.readouterr().out)["failures"]) == 1
+
+
+def old_format():
+    return Format("Old", (".old",), capture_reader="studio.io.bvh.capture:load_bvh", annotation_reader="a:b")  # type: ignore[call-arg]
+
+
+def load_bare_capture(path, options, progress):
+    return make_capture()
+
+
+def test_a_format_of_an_earlier_protocol_is_refused_with_what_has_changed(installed, monkeypatch, tmp_path):
+    monkeypatch.setattr(EntryPoint, "load", lambda self: old_format())
+    installed(old="old:FORMAT")
+    [failure] = known_formats().failures
+    assert "'annotation_reader'" in failure
+    assert "written for an earlier version of the studio: docs/formats.md" in failure
+
+
+def test_a_reader_that_returns_a_bare_capture_is_named_with_what_it_should_return(monkeypatch, tmp_path):
+    old = Format("Old", (".old",), capture_reader=f"{__name__}:load_bare_capture")
+    monkeypatch.setattr(registry, "resolve_name", lambda name: load_bare_capture)
+    with pytest.raises(StudioError, match="reader of Old returns a Capture, not a ReadCapture"):
+        old.read_capture(tmp_path / "take.old", ImportOptions(), lambda share, text: None)
 
 
 def test_a_second_format_of_the_same_name_is_refused(installed, monkeypatch):

@@ -17,7 +17,7 @@ from studio.core.normalized.normalize import normalize
 from studio.core.normalized.realize import realize
 from studio.core.rotations import angle_between, from_matrix
 from studio.io.export import take_of_capture, write_take
-from studio.io.importing import ImportOptions, load_annotations, load_capture
+from studio.io.importing import ImportOptions, load_capture, read_capture
 from studio.io.s4d.reader import read_s4d
 from studio.io.s4d.writer import S4d, write_s4d
 from tests.builders import make_capture, make_constraint, make_contact, make_morphology
@@ -84,9 +84,9 @@ def test_contacts_constraints_and_labels_come_along(tmp_path):
     notes = Annotations((make_contact(),), (make_constraint(), make_constraint(name="Two")), (Label("step", 2, 9),))
     path = written(tmp_path, make_capture(), notes)
     assert read_s4d(path, "other").annotations == notes.of_motion("other")
-    assert load_annotations(path, load_capture(path), "motion") == notes
+    assert read_capture(path).annotations.of_motion("motion") == notes.of_motion("motion")
     write_take(take_of_capture(load_capture(path), notes), tmp_path / "again.s4d")
-    assert read_s4d(tmp_path / "again.s4d", "motion").annotations == notes
+    assert read_s4d(tmp_path / "again.s4d", "motion").annotations == notes.of_motion("motion")
 
 
 def test_where_a_motion_came_from_is_kept_through_every_saving(tmp_path):

@@ -352,7 +352,7 @@ def test_everything_that_takes_the_keyboard_has_a_name(inspector, document, item
 
 def test_jolts_of_a_character_are_eased_or_left_by_a_tick_that_can_be_undone(inspector, document):
     document.selection.set(("performers", "performer 0"))
-    tick = next(box for box in inspector.editor.findChildren(QCheckBox) if box.text() == "eased in time")
+    tick = next(box for box in inspector.editor.findChildren(QCheckBox) if box.text() == "Smooth pops")
     assert tick.isChecked()
     QTest.mouseClick(tick, LEFT, pos=QPoint(8, tick.height() // 2))
     assert [each.eased for each in document.project.performers.values()][:2] == [False, True]
@@ -363,7 +363,7 @@ def test_jolts_of_a_character_are_eased_or_left_by_a_tick_that_can_be_undone(ins
 
 def test_the_joints_of_a_character_are_freed_and_limited_by_a_tick_that_can_be_undone(inspector, document):
     document.selection.set(("performers", "performer 0"))
-    tick = next(box for box in inspector.editor.findChildren(QCheckBox) if box.text() == "like a person's")
+    tick = next(box for box in inspector.editor.findChildren(QCheckBox) if box.text() == "Limit to human range")
     assert tick.isChecked()
     QTest.mouseClick(tick, LEFT, pos=QPoint(8, tick.height() // 2))
     assert not document.project.performers["performer 0"].limited

@@ -36,7 +36,7 @@ def inspector(document, qtbot):
 
 def choose(inspector, text):
     form = inspector.current_form()
-    field = next(each for each in form.findChildren(QComboBox) if each.accessibleName() == "Asked of")
+    field = next(each for each in form.findChildren(QComboBox) if each.accessibleName() == "Applies to")
     field.setCurrentIndex(field.findText(text))
     field.activated.emit(field.currentIndex())
 
@@ -52,7 +52,7 @@ def test_a_constraint_is_asked_of_one_body_alone_and_again_of_all(document, insp
     choose(inspector, f"{name} alone")
     assert document.project.constraints["wrist"].scope == Scope(performer_id=SECOND)
     assert not document.project.constraints_for(FIRST, document.project.performers[FIRST].clips[0])
-    choose(inspector, "All who play it")
+    choose(inspector, "All characters")
     assert document.project.constraints["wrist"].scope == EVERYONE
     assert document.undo_stack.count() == 2
 
@@ -76,6 +76,6 @@ def test_a_body_gets_contacts_of_its_own_that_begin_as_those_of_all(document, in
     assert [(each.first, each.last) for each in own.values()] == [(2, 6), (12, 20)]
     document.replace("contacts", contact_id, replace(own[contact_id], last=25), "")
     assert contacts_of(document, FIRST) == before
-    choose(inspector, "All who play it")
+    choose(inspector, "All characters")
     assert contacts_of(document, SECOND) == before
     assert document.selection.current == ("contacts", "late")

@@ -15,10 +15,10 @@ def test_one_drag_is_one_edit(qapp, tmp_path):
         moved = replace(constraint, target=(0.1 * step, 0.0, 1.0))
         document.replace("constraints", "constraint 0", moved, "Move target", gesture)
     assert document.journal.flush()
-    assert journal_words(document) == "Journal safe · 1 edit"
+    assert journal_words(document) == "All changes backed up · 1 edit"
     document.undo_stack.undo()
     assert document.journal.flush()
-    assert journal_words(document) == "Journal safe · 0 edits"
+    assert journal_words(document) == "All changes backed up · 0 edits"
     document.close()
 
 

@@ -10,13 +10,17 @@ from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.errors import StudioError
 from studio.io.meshes.mesh_file import SUFFIXES, MeshFile, read_mesh
 
+NO_JOINT = "Click a joint in the 3D view first: the constraint will hold it."
+
 
 def adder(kind: str) -> Callable[[Workbench], None]:
     """A verb that adds a constraint of ``kind`` at the joint picked in the viewport, or to the active body."""
 
     def add(bench: Workbench) -> None:
         if bench.viewport.add_constraint_at_pick(kind) is None:
-            raise StudioError("Click a joint in the 3D view first: the constraint will hold it.")
+            raise StudioError(NO_JOINT)
+        if bench.window.strip.text == NO_JOINT:
+            bench.window.strip.clear()
 
     return add
 

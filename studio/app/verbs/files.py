@@ -10,7 +10,7 @@ from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.engine.saving import save_in_background
 from studio.io.project.project_file import ChangedOnDisk, OpenedProject, read_project
-from studio.io.registry import format_of
+from studio.io.registry import Progress, ReadCharacter
 from studio.library.scenes import Scene
 
 NUMBERED = re.compile(r"^(.*?)[_ .-]?(\d+)$")
@@ -40,17 +40,24 @@ def open_path(bench: Workbench, path: Path) -> None:
     """A project takes the place of this one; a capture or a character comes into this one."""
     if path.suffix.lower() == ".studio":
         bench.window.when_saved(lambda: _open(bench, path))
-    elif _is_character(path):
-        casting.import_character(bench, path)
     else:
-        importing.import_motion(bench, path)
+        _import(bench, path)
 
 
-def _is_character(path: Path) -> bool:
-    try:
-        return format_of(path, "capture_reader", "character_reader").holds_character(path)
-    except StudioError as error:
-        raise StudioError(f"{error} {importing.UNCHANGED}") from error
+def _import(bench: Workbench, path: Path) -> None:
+    """Read a file once, beside the window, and show the capture or the character that it holds."""
+    known = bench.settings.corrections
+
+    def read(progress: Progress) -> importing.ReadMotion | ReadCharacter:
+        return importing.read_either(path, progress, known, bench.live.expect)
+
+    def show(held: importing.ReadMotion | ReadCharacter) -> None:
+        if isinstance(held, ReadCharacter):
+            casting.show_import(bench, path, held)
+        else:
+            importing.show_import(bench, path, held)
+
+    bench.runner.run(f"Opening {path.name}", read, show)
 
 
 def save(bench: Workbench) -> None:

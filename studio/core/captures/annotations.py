@@ -14,6 +14,7 @@ class Label:
     name: str
     first: int
     last: int
+    motion_id: str = ""
 
     def __post_init__(self) -> None:
         if not 0 <= self.first <= self.last:
@@ -32,4 +33,5 @@ class Annotations:
         """The same, referring to the motion of that id."""
         contacts = self.contacts and tuple(replace(each, motion_id=motion_id) for each in self.contacts)
         constraints = tuple(replace(each, motion_id=motion_id) for each in self.constraints)
-        return replace(self, contacts=contacts, constraints=constraints)
+        labels = tuple(replace(each, motion_id=motion_id) for each in self.labels)
+        return replace(self, contacts=contacts, constraints=constraints, labels=labels)

@@ -98,6 +98,10 @@ class Capture:
         """The same capture whose motion proper begins at ``first_frame``."""
         return self._overruled("first frame", first_frame=first_frame)
 
+    def with_guess(self, guess: Guess) -> "Capture":
+        """The same capture with one more guess listed, before the others."""
+        return replace(self, guesses=(guess, *self.guesses))
+
     def _overruled(self, subject: str, **values: object) -> "Capture":
         guesses = tuple(guess for guess in self.guesses if guess.subject != subject)
         return replace(self, guesses=guesses, **values)  # type: ignore[arg-type]

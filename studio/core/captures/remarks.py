@@ -15,6 +15,7 @@ from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import spans_of
 from studio.core.markers.jumps import jumps
 from studio.core.markers.trial import bare_label
+from studio.core.rotations import normalized
 
 FloatArray = NDArray[np.float64]
 
@@ -22,6 +23,8 @@ FASTEST = 25.0
 """Metres a second beyond the hips' own that no hand and no foot reaches: the fastest kicks have some 20."""
 LONGEST_JUMP, FASTEST_ROOT = 0.08, 6.0
 """Metres in a frame, and metres a second more than thrice as fast as they usually are, beyond which hips jump."""
+FASTEST_RUN = 12.5
+"""Metres a second that no hips reach, run as they may."""
 SHORTEST_JUMP, STRONGEST = 0.06, 60.0
 """Metres, and metres a second squared, by which one step of the hips is unlike the steps before and after it: a jump
 however slow the body is. Runs, kicks and back flips at 30 to 120 Hz come to 4 cm and 400 m/s2, none to both."""
@@ -34,6 +37,8 @@ ODD_PAIR = 0.2
 TALLEST, LEGS_OF_STATURE = 2.3, 0.491
 MOST_THIGH, FARTHEST_HIP = 2.0, 0.75
 """A thigh in parts of its shank, or the reverse; and how far from the pelvis a hip lies, in parts of the leg."""
+BACKWARDS = -0.3
+"""Part of a foot's length, square to its shank, that lies behind its ankle where the foot points backwards."""
 _SHOWN, _NAMED = 4, 3
 
 
@@ -143,26 +148,40 @@ def _far_hand(capture: Capture, body: BodyMap, side: str, positions: FloatArray)
 
 
 def _feet_point_back(capture: Capture, body: BodyMap, positions: FloatArray) -> bool:
-    """Whether what lies beyond both ankles is most of the time behind them, as hips and trunk face."""
+    """Whether both feet are most of the time well behind their ankles, as hips and trunk face.
+
+    A foot in line with its shank has no direction of its own.
+    """
     across = positions[:, body[BodyPart.LEFT_THIGH]] - positions[:, body[BodyPart.RIGHT_THIGH]]
-    forward = np.cross(across, positions[:, body.spine[-1]] - positions[:, body.spine[0]])
-    feet = [body[part] for part in (BodyPart.LEFT_FOOT, BodyPart.RIGHT_FOOT)]
-    beyond = [capture.skeleton.descendants(foot) for foot in feet]
-    if not all(beyond):
-        return False
-    ways = [positions[:, joints].mean(axis=1) - positions[:, foot] for foot, joints in zip(feet, beyond, strict=True)]
-    return all(float(np.median(np.einsum("fi,fi->f", way, forward))) < 0.0 for way in ways)
+    forward = normalized(np.cross(across, positions[:, body.spine[-1]] - positions[:, body.spine[0]]))
+    for side in ("left", "right"):
+        knee, foot = body[BodyPart(f"{side}_shank")], body[BodyPart(f"{side}_foot")]
+        beyond = capture.skeleton.descendants(foot)
+        if not beyond:
+            return False
+        way = normalized(positions[:, beyond].mean(axis=1) - positions[:, foot])
+        shank = normalized(positions[:, foot] - positions[:, knee])
+        bent = way - np.einsum("fi,fi->f", way, shank)[:, None] * shank
+        if float(np.median(np.einsum("fi,fi->f", bent, forward))) > BACKWARDS:
+            return False
+    return True
 
 
 def _jumps(capture: Capture, root: FloatArray) -> list[Remark]:
-    steps = np.linalg.norm(np.diff(root, axis=0), axis=1)
-    speeds = steps * capture.frame_rate
-    far = (steps > LONGEST_JUMP) & (speeds > FASTEST_ROOT + 3.0 * (np.median(speeds) if len(speeds) else 0.0))
-    far |= _sudden(np.diff(root, axis=0), capture.frame_rate)
+    """Frames into which the hips jump: fast ones that begin or end at once, as no run does, and sudden ones."""
+    steps = np.diff(root, axis=0)
+    lengths = np.linalg.norm(steps, axis=1)
+    speeds = lengths * capture.frame_rate
+    fast = (lengths > LONGEST_JUMP) & (speeds > FASTEST_ROOT + 3.0 * (np.median(speeds) if len(speeds) else 0.0))
+    far = _sudden(steps, capture.frame_rate)
+    unlike = np.linalg.norm(np.diff(steps, axis=0), axis=1) > max(SHORTEST_JUMP, STRONGEST / capture.frame_rate**2)
+    for first, last in spans_of(fast):
+        far[first : last + 1] |= speeds[first : last + 1] > FASTEST_RUN
+        far[first : last + 1] |= unlike[max(first - 1, 0) : first].any() or unlike[last : last + 1].any()
     far[: capture.first_frame] = False
     if not far.any():
         return []
-    worst = 100.0 * float(steps[far].max())
+    worst = 100.0 * float(lengths[far].max())
     return [Remark(f"The hips jump by up to {worst:.0f} cm in a frame.", _frames(far, 1))]
 
 

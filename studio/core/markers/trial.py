@@ -14,7 +14,7 @@ from studio.core.plausible import FRAME_RATE
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
+METRES = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "inch": 0.0254, "foot": 0.3048}
 """Metres a unit."""
 MARKER, VIRTUAL = "marker", "virtual"
 """Kinds of points that are places: seen by cameras, or computed from such."""

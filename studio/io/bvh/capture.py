@@ -15,24 +15,16 @@ from studio.core.body.pose import PoseSequence
 from studio.core.body.rehanging import rehang, rehung
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
-from studio.core.errors import StudioError
 from studio.core.kernels.body.channels import turn_axes
 from studio.core.pieces import over_frames
-from studio.core.rotations import IDENTITY
+from studio.core.rotations import IDENTITY, normalized
 from studio.io.bvh.reader import read_bvh
 from studio.io.capture_guesses import LOOSE_FEET, ReadJoints, body_guesses, stood_capture
 from studio.io.figure.body_maps import FoundBody, find_body, loose_feet, named_sides
-from studio.io.guessing import (
-    AXES,
-    Scale,
-    guess_frame_rate,
-    guess_unit,
-    guess_up_axis,
-    leg_length,
-    unit_called,
-)
+from studio.io.guessing import Scale, find_unit, guess_frame_rate, leg_length
 from studio.io.importing import ImportOptions
-from studio.io.registry import Progress
+from studio.io.registry import Progress, ReadCapture
+from studio.io.up_axis import AXES, BVH_USE, BodyPoints, axis_called, guess_up_axis, said_axis, turn_to_world
 
 FloatArray = NDArray[np.float64]
 
@@ -54,13 +46,30 @@ class Recording(Protocol):
     def frame_time_digit(self) -> float: ...
     @property
     def repairs(self) -> tuple[str, ...]: ...
+    @property
+    def said_unit(self) -> Scale | None:
+        """The unit that the file says."""
+
+    @property
+    def said_axis(self) -> str | None:
+        """The axis that is up as the file says."""
+
     def transforms(self, frames: NDArray[np.int64] | slice) -> tuple[FloatArray, FloatArray]:
         """Local rotations (N, J, 4) and translations (N, J, 3) of these frames."""
 
 
-def load_bvh(path: Path, options: ImportOptions, progress: Progress) -> Capture:
+def load_bvh(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
     """The capture in the BVH file at ``path``."""
-    return capture_of(read_bvh(path, lambda share, text: progress(0.6 * share, text)), path, options, progress)
+    return read_of(read_bvh(path, lambda share, text: progress(0.6 * share, text)), path, options, progress)
+
+
+def read_of(file: Recording, path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
+    """``capture_of`` a recording, to be made again of the same recording with other options."""
+
+    def interpret(options: ImportOptions, progress: Progress) -> Capture:
+        return capture_of(file, path, options, progress)
+
+    return ReadCapture(interpret(options, progress), interpret=interpret)
 
 
 def capture_of(file: Recording, path: Path, options: ImportOptions, progress: Progress) -> Capture:
@@ -71,19 +80,25 @@ def capture_of(file: Recording, path: Path, options: ImportOptions, progress: Pr
     progress(0.6, f"Finding the body in {path.name}")
     looked_at = np.unique(np.linspace(0, file.frame_count - 1, _LOOKED_AT).astype(int))
     sample = PoseSequence(*file.transforms(looked_at))
-    skeleton, points = with_seen_offsets(file.skeleton, sample), joint_positions(file.skeleton, sample)
-    loose = loose_feet(skeleton, points)
+    after = PoseSequence(*file.transforms(np.minimum(looked_at + 1, file.frame_count - 1)))
+    skeleton = with_seen_offsets(file.skeleton, sample)
+    both = np.stack([joint_positions(skeleton, poses) for poses in (sample, after)])
+    loose = loose_feet(skeleton, both[0])
     if loose:
         hanging = rehang(skeleton.parents, loose)
-        skeleton, sample = rehung(skeleton, sample, hanging)
-        points = points[:, hanging.order]
-    found = find_body(skeleton, points, options.body_map)
+        skeleton, _ = rehung(skeleton, sample, hanging)
+        both = both[:, :, hanging.order]
+    found = find_body(skeleton, both[0], options.body_map)
     if found.body_map is None:
-        found = _found_by_shape(skeleton, points, options) or found
+        found = _found_by_shape(skeleton, both[0], options) or found
     guesses: list[Guess] = body_guesses(skeleton, found, options)
-    scale = _unit(points, found.body_map, options, guesses)
-    up_axis = _up_axis(skeleton, points, found.body_map, options, guesses)
-    skeleton, poses = to_world(file, AXES[up_axis], scale.metres, lambda share: progress(0.6 + 0.2 * share, _TURNING))
+    leg = leg_length(both[0], found.body_map) if found.body_map else None
+    scale, unit_guess = find_unit(leg, file.said_unit, options.unit)
+    guesses += [unit_guess] if unit_guess else []
+    up_axis = _up_axis(file.said_axis, skeleton, both, found.body_map, options, guesses)
+    skeleton, poses = to_world(
+        file, turn_to_world(up_axis), scale.metres, lambda share: progress(0.6 + 0.2 * share, _TURNING)
+    )
     skeleton = with_seen_offsets(skeleton, poses)
     if loose:
         skeleton, poses = rehung(skeleton, poses, hanging)
@@ -104,8 +119,8 @@ def _found_by_shape(skeleton: Skeleton, points: FloatArray, options: ImportOptio
     """
     still = PoseSequence(np.tile(IDENTITY, (1, skeleton.joint_count, 1)), skeleton.offsets[None])
     rest, sides = joint_positions(skeleton, still)[0], named_sides(skeleton)
-    for axis in (options.up_axis.upper(),) if options.up_axis else AXES:
-        by_shape = body_by_shape(skeleton, rest @ AXES[axis].T, sides) if axis in AXES else None
+    for axis in (axis_called(options.up_axis),) if options.up_axis else AXES:
+        by_shape = body_by_shape(skeleton, rest @ turn_to_world(axis).T, sides)
         if by_shape is not None:
             if not sides.any() and knees_bend_backwards(by_shape, points):
                 by_shape = by_shape.with_sides_exchanged()
@@ -136,36 +151,29 @@ def to_world(
     return turned, PoseSequence(rotations, translations)
 
 
-def _unit(points: FloatArray, body_map: BodyMap | None, options: ImportOptions, guesses: list[Guess]) -> Scale:
-    leg = leg_length(points, body_map) if body_map else None
-    if options.unit is not None:
-        return unit_called(options.unit, leg)
-    if leg is None:
-        guesses.append(Guess("unit", "cm", "Without a human body nothing tells the unit; most files are in cm."))
-        return Scale("cm", 0.01)
-    scale, guess = guess_unit(leg)
-    guesses.append(guess)
-    return scale
-
-
 def _up_axis(
+    said: str | None,
     skeleton: Skeleton,
     points: FloatArray,
     body_map: BodyMap | None,
     options: ImportOptions,
     guesses: list[Guess],
 ) -> str:
+    """As the user or the file (``said``) says, unless the body stands along another by ``points`` (2, F, J, 3)."""
     if options.up_axis is not None:
-        axis = options.up_axis.upper()
-        if axis not in AXES:
-            raise StudioError(f"'{options.up_axis}' is not an up axis. Choose {', '.join(AXES)}.")
-        return axis
+        return axis_called(options.up_axis)
     if body_map is None:
-        guesses.append(Guess("up axis", "Y", "Without a human body nothing tells what is up; most files have Y up."))
-        return "Y"
+        if said is None:
+            words = "Without a human body nothing tells what is up; most files have Y up."
+            guesses.append(Guess("up axis", "Y", words))
+        return said or "Y"
     still = PoseSequence(np.tile(IDENTITY, (1, skeleton.joint_count, 1)), skeleton.offsets[None])
-    guesses.append(guess_up_axis(joint_positions(skeleton, still)[0], points, body_map))
-    return guesses[-1].value
+    standing = BodyPoints.of_joints(joint_positions(skeleton, still)[None], body_map)
+    rest = normalized(standing.shoulders.mean(axis=2) - standing.ankles.mean(axis=2))[0, 0]
+    body = BodyPoints.of_joints(points, body_map)
+    guess = guess_up_axis(body, BVH_USE, rest) if said is None else guess_up_axis(body, said_axis(said))
+    guesses += [guess] if guess.value != said else []
+    return guess.value
 
 
 def _frame_rate(frame_time: float | None, digit: float, options: ImportOptions, guesses: list[Guess]) -> float:

@@ -76,7 +76,7 @@ class _Words:
 def read_hierarchy(name: str, lines: list[str]) -> Hierarchy:
     """The joints declared by ``lines`` (from the first line of file ``name`` up to MOTION)."""
     words = _Words(name, lines)
-    hierarchy = Hierarchy(repairs=[glued_words(name, line) for line in words.glued])
+    hierarchy = Hierarchy(repairs=glued_words(name, words.glued))
     if words.take("HIERARCHY").lstrip("\ufeff").upper() != "HIERARCHY":
         raise StudioError(f"{name}, line 1: a BVH file begins with HIERARCHY, this one does not. Choose a BVH file.")
     open_joints: list[int] = []

@@ -56,6 +56,14 @@ class BvhFile:
     repairs: tuple[str, ...]
 
     @property
+    def said_unit(self) -> None:
+        """None: BVH has no word for it."""
+
+    @property
+    def said_axis(self) -> None:
+        """None: BVH has no word for it."""
+
+    @property
     def frame_count(self) -> int:
         """Frames F."""
         return len(self.frames)
@@ -277,12 +285,14 @@ def _frames(
 def _part_glued(
     name: str, lines: list[bytes], counts: NDArray[np.int64], width: int, first_line: int, repairs: list[str]
 ) -> None:
-    """Part the numbers of rows that have too few words and would be whole; list each such row."""
+    """Part the numbers of rows that have too few words and would be whole; list the first of them."""
+    glued = []
     for row in np.flatnonzero((counts > 0) & (counts < width)).tolist():
         line = parted(lines[row].decode("utf-8", "replace")).encode()
         if len(line.split()) == width:
             lines[row], counts[row] = line, width
-            repairs.append(glued_words(name, first_line + row))
+            glued.append(first_line + row)
+    repairs += glued_words(name, glued)
 
 
 def _fill(name: str, values: FloatArray, lines: NDArray[np.int64], hierarchy: Hierarchy, repairs: list[str]) -> None:

@@ -4,8 +4,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from studio.io.export import Take
-from studio.io.guessing import AXES
 from studio.io.registry import Progress
+from studio.io.up_axis import AXES
 
 _WORN = 0.6
 """The share of the work after which all markers have their places."""

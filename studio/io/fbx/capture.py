@@ -1,7 +1,7 @@
 """FBX files as captures: read by ufbx in a child process, made upright and rigid here."""
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -13,17 +13,16 @@ from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.rotations import from_matrix, normalized, to_matrix
 from studio.io.bvh.capture import capture_of
-from studio.io.fbx.reading import INSTEAD, read_arrays
-from studio.io.guessing import UNITS
+from studio.io.fbx.reading import INSTEAD, Arrays
+from studio.io.guessing import Scale, said_unit
 from studio.io.importing import ImportOptions
-from studio.io.registry import Progress
+from studio.io.registry import Progress, ReadCapture
 
 FloatArray = NDArray[np.float64]
 
 _DIGIT = 1e-6
 """Seconds to which programs round the time of a frame."""
 _SMALLEST_SCALE = 1e-9
-_SAME_UNIT = 1e-4
 
 
 @dataclass(frozen=True)
@@ -34,8 +33,8 @@ class FbxFile:
     local_rotations: FloatArray
     local_translations: FloatArray
     frame_time: float | None
-    metres: float
-    up_axis: str
+    said_unit: Scale
+    said_axis: str
     repairs: tuple[str, ...]
     frame_time_digit: float = _DIGIT
 
@@ -49,23 +48,23 @@ class FbxFile:
         return self.local_rotations[frames], self.local_translations[frames]
 
 
-def load_fbx(path: Path, options: ImportOptions, progress: Progress) -> Capture:
-    """The capture in the FBX file at ``path``: its longest animation. Raises StudioError with what to do."""
-    file = read_fbx(path, progress)
-    named = (unit for unit, metres in UNITS.items() if abs(metres - file.metres) < _SAME_UNIT * metres)
-    unit = next(named, f"{file.metres:.9g}")
-    said = replace(options, unit=options.unit or unit, up_axis=options.up_axis or file.up_axis)
-    return capture_of(file, path, said, progress)
+def capture_in(arrays: Arrays, path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
+    """The capture in what the child process has read of ``path``: its longest animation. Raises StudioError."""
+    file = fbx_file(arrays, path)
+    progress(0.4, f"Reading {path.name}")
+
+    def interpret(options: ImportOptions, progress: Progress) -> Capture:
+        return capture_of(file, path, options, progress)
+
+    return ReadCapture(interpret(options, progress), interpret=interpret)
 
 
-def read_fbx(path: Path, progress: Progress) -> FbxFile:
+def fbx_file(arrays: Arrays, path: Path) -> FbxFile:
     """Names, joints and frames of the file, in its own units and axes. Raises StudioError."""
-    read = read_arrays(path, "motion", progress)
     try:
-        frames, rest, about = read["frames"], read["rest"], json.loads(read["about"].tobytes())
+        frames, rest, about = arrays["frames"], arrays["rest"], json.loads(arrays["about"].tobytes())
     except (ValueError, KeyError) as error:
         raise StudioError(f"{path.name} could not be read as FBX: {error}. {INSTEAD}") from error
-    progress(0.4, f"Reading {path.name}")
     if not (np.isfinite(frames).all() and np.isfinite(rest).all()):
         raise StudioError(f"{path.name}: its joints lie at places that are not numbers. {INSTEAD}")
     return _rigid(about, frames, rest)
@@ -91,7 +90,13 @@ def _rigid(about: dict[str, object], frames: FloatArray, rest: FloatArray) -> Fb
     poses = PoseSequence(local, translations)
     rate, metres = float(about["frame_rate"]), float(about["unit_metres"])  # type: ignore[arg-type]
     return FbxFile(
-        skeleton, poses.local_rotations, poses.local_translations, 1.0 / rate, metres, str(about["up_axis"]), ()
+        skeleton,
+        poses.local_rotations,
+        poses.local_translations,
+        1.0 / rate,
+        said_unit(metres),
+        str(about["up_axis"]),
+        (),
     )
 
 

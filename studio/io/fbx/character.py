@@ -1,19 +1,16 @@
 """The character in an FBX file: its joints and its skin as they were bound."""
 
 import json
-from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path, PureWindowsPath
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Material
 from studio.io.beside import content_of
-from studio.io.fbx.reading import read_arrays
+from studio.io.fbx.reading import Arrays
 from studio.io.figure.body import character_of
 from studio.io.figure.figure import MOST_VERTICES, Figure, FloatArray, IntArray, Piece
 from studio.io.figure.textures import checked_picture
@@ -22,17 +19,13 @@ from studio.io.importing import ImportOptions
 from studio.io.meshes.shapes import smooth_normals, unit
 from studio.io.registry import Progress, ReadCharacter
 
-Arrays = Mapping[str, NDArray[Any]]
-
 MOST_SHARES = 8
 """Joints that a vertex hangs from."""
 INSTEAD = "Export the character as GLB from the program that made it."
 
 
-def load_character(path: Path, options: ImportOptions, progress: Progress) -> ReadCharacter:
-    """Read joints, meshes and materials, and find the body. Raises StudioError."""
-    progress(0.0, f"Reading {path.name}")
-    arrays = read_arrays(path, "figure", progress)
+def character_in(arrays: Arrays, path: Path, options: ImportOptions, progress: Progress) -> ReadCharacter:
+    """The character in what the child process has read of ``path``. Raises StudioError."""
     progress(0.5, f"Finding the body in {path.name}")
     try:
         about = json.loads(arrays["about"].tobytes())
@@ -41,8 +34,7 @@ def load_character(path: Path, options: ImportOptions, progress: Progress) -> Re
         figure = _figure(path, about, arrays)
     except (KeyError, IndexError, ValueError) as error:
         raise StudioError(f"{path.name}: its joints or its skin make no sense: {error}. {INSTEAD}") from error
-    said = options.unit or f"{about['unit_metres']:.9g}"
-    return character_of([figure], replace(options, unit=said))
+    return character_of([figure], options)
 
 
 def _figure(path: Path, about: dict[str, Any], arrays: Arrays) -> Figure:
@@ -73,6 +65,7 @@ def _figure(path: Path, about: dict[str, Any], arrays: Arrays) -> Figure:
         positions=world[:, :3, 3],
         pieces=tuple(pieces),
         up=about["up_axis"],
+        metres=about["unit_metres"],
         moves=about["moves"],
         repairs=tuple(repairs),
     )

@@ -1,4 +1,4 @@
-"""The child process that reads an FBX file: ``python -m studio.io.fbx.child IN.fbx OUT.npz [figure]``.
+"""The child process that reads an FBX file: ``python -m studio.io.fbx.child IN.fbx OUT.npz motion|figure|either``.
 
 ufbx is written in C and the file may be anybody's, so it runs where a crash or an endless loop costs nothing. It
 imports but its own parts, and hands back plain arrays; what goes wrong is one line on standard error. What ufbx made is
@@ -24,13 +24,16 @@ MEMORY = 3 << 30
 """Bytes of addresses beside twenty times the file: what Python and NumPy reserve, and half a gigabyte."""
 
 
-def main(source: str, target: str, what: str = "motion") -> None:
-    """Read the longest animation of ``source``, or its ``figure``, and write it to ``target``."""
+def main(source: str, target: str, what: str) -> None:
+    """Read the longest animation of ``source``, or its figure, and write it to ``target``.
+
+    ``what`` is ``motion``, ``figure``, or ``either``: the figure of a file in which a skin hangs from joints.
+    """
     import ufbx
 
     _limit_memory(Path(source).stat().st_size)
     gc.disable()
-    drawn = what == "figure"
+    drawn = what != "motion"
     scene = keep(
         ufbx.load_file(
             source,
@@ -41,12 +44,13 @@ def main(source: str, target: str, what: str = "motion") -> None:
         )
     )
     everything = _nodes(scene)
-    nodes, parents = _skeleton(everything, clustered([node for node, _ in everything]) if drawn else set())
+    bound = clustered([node for node, _ in everything]) if drawn else set()
+    nodes, parents = _skeleton(everything, bound)
     if not nodes:
         sys.exit("it has no skeleton (bones). Rig its mesh first")
     if len(nodes) > MOST_JOINTS:
         sys.exit(f"it holds {len(nodes)} joints, more than a body has")
-    if drawn:
+    if what == "figure" or bound:
         _write_figure(target, scene, everything, nodes, parents)
         return
     stack = max(all_of(scene.anim_stacks), key=lambda each: each.time_end - each.time_begin, default=None)
@@ -68,11 +72,17 @@ def main(source: str, target: str, what: str = "motion") -> None:
         "parents": parents,
         "frame_rate": rate,
         "unit_metres": settings.unit_meters,
-        "up_axis": keep(settings.axes).up.name[-1],
+        "up_axis": _axis(keep(settings.axes).up.name),
         "animation": stack.name if stack else "",
     }
     rest = np.array([_values(node.local_transform) for node in nodes])
     np.savez(target, frames=frames, rest=rest, about=np.frombuffer(json.dumps(about).encode(), dtype=np.uint8))
+
+
+def _axis(name: str) -> str:
+    """``POSITIVE_Y`` as ``Y``, ``NEGATIVE_Z`` as ``-Z``; Y where the file does not say it."""
+    sign, _, axis = name.partition("_")
+    return ("-" if sign == "NEGATIVE" else "") + (axis or "Y")
 
 
 def _write_figure(target: str, scene: Any, everything: list[Any], nodes: list[Any], parents: list[int]) -> None:
@@ -82,7 +92,7 @@ def _write_figure(target: str, scene: Any, everything: list[Any], nodes: list[An
         "names": [node.name for node in nodes],
         "parents": parents,
         "unit_metres": settings.unit_meters,
-        "up_axis": keep(settings.axes).up.name[-1],
+        "up_axis": _axis(keep(settings.axes).up.name),
         "moves": bool(len(keep(scene.anim_curves))),
         "meshes": meshes,
     }

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.io.beside import read_bytes
 from studio.io.child_process import child_process
 from studio.io.registry import Progress
 
@@ -21,8 +20,8 @@ INSTEAD = "Export the animation as BVH or GLB from the program that made it."
 _PATIENCE, _BYTES_A_SECOND = 30.0, 1 << 20
 """Seconds for any file, and bytes for which there is one more."""
 _POLL = 0.1
-_SKIN = b"Cluster"
-"""What a file of text, or of bytes, calls the vertices that hang from a joint."""
+
+Arrays = Mapping[str, NDArray[Any]]
 
 
 def is_fbx(head: bytes) -> bool:
@@ -30,13 +29,8 @@ def is_fbx(head: bytes) -> bool:
     return head.startswith((b"Kaydara FBX Binary", b"; FBX"))
 
 
-def has_skin(path: Path) -> bool:
-    """Whether a file holds a character, and not but the motion of one. Raises StudioError."""
-    return _SKIN in read_bytes(path)
-
-
-def read_arrays(path: Path, what: str, progress: Progress) -> Mapping[str, NDArray[Any]]:
-    """What ``child`` has read: ``motion`` or ``figure``. Raises StudioError with what to do."""
+def read_arrays(path: Path, what: str, progress: Progress) -> Arrays:
+    """What ``child`` has read: ``motion``, ``figure`` or ``either``. Raises StudioError with what to do."""
     if find_spec("ufbx") is None:
         raise StudioError(
             f"{path.name}: FBX is read with the package 'ufbx' (`pip install morpho-studio[fbx]`). Or: {INSTEAD}"

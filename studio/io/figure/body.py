@@ -27,10 +27,11 @@ from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Appearance, Material
 from studio.io.figure.body_maps import find_body, loose_feet, named_sides, similar_joints
 from studio.io.figure.figure import NO_SKELETON, Figure, Piece
-from studio.io.guessing import AXES, guess_unit, unit_called
+from studio.io.guessing import find_unit, said_unit
 from studio.io.importing import ImportOptions
 from studio.io.meshes.shapes import unit
 from studio.io.registry import ReadCharacter
+from studio.io.up_axis import turn_to_world
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -38,7 +39,6 @@ IntArray = NDArray[np.int64]
 PLAIN = "#B4BEC8"
 _LIMB_DEPTH = 3
 """Joints above an ankle at least: a root, a hip and a knee."""
-_LEGS_IN_METRES = (0.15, 3.0)
 _HANDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)
 
 
@@ -72,7 +72,7 @@ def character_of(figures: Sequence[Figure], options: ImportOptions) -> ReadChara
     try:
         return _embodied(body, guesses)
     except ValueError as error:
-        raise StudioError(f"{body.figure.source}: its body or its skin makes no sense. {error}") from error
+        raise StudioError(f"{body.figure.source}: invalid body or skin. {error}") from error
 
 
 def _body(figure: Figure, options: ImportOptions) -> _Body:
@@ -145,7 +145,7 @@ def _find(figure: Figure, skeleton: Skeleton, options: ImportOptions) -> tuple[B
         parts = len(found.body_map.parts)
         reason = f"Names as in {found.family}; topology and symmetry agree."
         return found.body_map, Guess("body map", f"{parts} parts, {len(found.body_map.spine)} spine joints", reason)
-    by_shape = body_by_shape(skeleton, figure.positions @ AXES[figure.up].T, named_sides(skeleton))
+    by_shape = body_by_shape(skeleton, figure.positions @ turn_to_world(figure.up).T, named_sides(skeleton))
     if by_shape is not None:
         reason = "The names of its joints say nothing; legs reach lowest, arms widest, the head highest."
         return by_shape, Guess("body map", f"{len(by_shape.parts)} parts by shape", reason)
@@ -178,10 +178,7 @@ def _upright(figure: Figure, body_map: BodyMap, up_axis: str | None) -> FloatArr
     trunk = shoulders[0] + shoulders[1] - hips[0] - hips[1]
     up = _snapped(trunk, 30.0)
     if up_axis is not None:
-        axis = AXES.get(up_axis.upper())
-        if axis is None:
-            raise StudioError(f"'{up_axis}' is not an up axis. Choose {', '.join(AXES)}.")
-        up = axis[2]
+        up = turn_to_world(up_axis)[2]
     left = hips[0] - hips[1]
     left = _snapped(left - left @ up * up, 8.0)
     left = left - left @ up * up
@@ -219,11 +216,7 @@ def _leg(points: FloatArray, body_map: BodyMap) -> float:
 def _scale(figure: Figure, leg: float, unit_name: str | None) -> tuple[float, Guess | None]:
     if not np.isfinite(leg) or leg < 1e-9:
         raise StudioError(f"{figure.source}: its legs have no length. Export it with its skeleton standing.")
-    if unit_name is not None:
-        return unit_called(unit_name, leg).metres, None
-    if _LEGS_IN_METRES[0] <= leg <= _LEGS_IN_METRES[1]:
-        return 1.0, None
-    scale, guess = guess_unit(leg)
+    scale, guess = find_unit(leg, said_unit(figure.metres), unit_name)
     return scale.metres, guess
 
 

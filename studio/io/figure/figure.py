@@ -52,6 +52,8 @@ class Figure:
     """Joints by part, where the file says it."""
     up: str = "Y"
     """The axis that is up by the format's own rule."""
+    metres: float = 1.0
+    """Metres a unit as the file, or the format's own rule, says."""
     moves: bool = False
     """Whether the file holds a motion of it too."""
     repairs: tuple[str, ...] = ()

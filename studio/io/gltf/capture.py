@@ -20,12 +20,15 @@ from studio.io.gltf.animation import Track, read_tracks
 from studio.io.gltf.container import GltfFile, read_gltf
 from studio.io.gltf.nodes import Nodes, read_nodes
 from studio.io.gltf.vrm import vrm_bones
-from studio.io.guessing import AXES, guess_frame_rate, leg_length, unit_called
+from studio.io.guessing import Scale, find_unit, guess_frame_rate, leg_length
 from studio.io.importing import ImportOptions
-from studio.io.registry import Progress
+from studio.io.registry import Progress, ReadCapture
+from studio.io.up_axis import BodyPoints, axis_called, guess_up_axis, said_axis, turn_to_world
 
 FloatArray = NDArray[np.float64]
 
+_METRES = Scale("m", 1.0)
+"""The unit of every glTF file by its rule."""
 _SPARSE = 1.0 / 15.0
 """Seconds between keys from which they are an animator's and not a recording's."""
 _USUAL_RATE = 30.0
@@ -50,24 +53,36 @@ class _Figure:
     names: tuple[str, ...]
 
 
-def load_gltf(path: Path, options: ImportOptions, progress: Progress) -> Capture:
+def load_gltf(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
     """The first animation in the file, on the joints of its skins; all angles are zero as the file's nodes rest.
 
     Raises StudioError where the file is damaged or holds no animation.
     """
     progress(0.0, f"Reading {path.name}")
-    file = read_gltf(path)
+    return capture_in(read_gltf(path), options, progress)
+
+
+def capture_in(file: GltfFile, options: ImportOptions, progress: Progress) -> ReadCapture:
+    """The capture of ``file``, to be made again of it with other options."""
+
+    def interpret(options: ImportOptions, progress: Progress) -> Capture:
+        return _capture(file, options, progress)
+
+    return ReadCapture(interpret(options, progress), interpret=interpret)
+
+
+def _capture(file: GltfFile, options: ImportOptions, progress: Progress) -> Capture:
+    path = file.path
     nodes, accessors = read_nodes(file.root), Accessors(file)
     bones = vrm_bones(file.root, len(nodes.parents))
     tracks, guesses = _first_animation(file, accessors, len(nodes.parents))
     figure = _figure(file, nodes, tracks, bones)
     rate = _frame_rate(tracks, options, guesses)
     times = _times(tracks, rate, len(nodes.parents), file)
-    axis = (options.up_axis or "Y").upper()
-    if axis not in AXES:
-        raise StudioError(f"'{options.up_axis}' is not an up axis. Choose {', '.join(AXES)}.")
-    places, turns = _world(nodes, figure, tracks, times, AXES[axis], progress)
-    rest_places, rest_turns = _world(nodes, figure, [], times[:1], AXES[axis], lambda share, text: None)
+    axis = axis_called(options.up_axis or "Y")
+    to_world = turn_to_world(axis)
+    places, turns = _world(nodes, figure, tracks, times, to_world, progress)
+    rest_places, rest_turns = _world(nodes, figure, [], times[:1], to_world, lambda share, text: None)
     progress(0.7, f"Finding the body in {path.name}")
     looked_at = np.unique(np.linspace(0, len(times) - 1, _LOOKED_AT).astype(int))
     skeleton, poses = _joint_motion(figure, rest_places[0], rest_turns[0], places, turns)
@@ -86,12 +101,18 @@ def load_gltf(path: Path, options: ImportOptions, progress: Progress) -> Capture
         turned = not sides.any() and knees_bend_backwards(by_shape, sample)
         found = FoundBody(by_shape.with_sides_exchanged() if turned else by_shape, "", ())
     guesses += body_guesses(skeleton, found, options)
-    metres = 1.0
-    if options.unit is not None:
-        metres = unit_called(options.unit, leg_length(sample, found.body_map) if found.body_map else None).metres
+    if found.body_map is not None and options.up_axis is None:
+        after = places[np.minimum(looked_at + 1, len(times) - 1)]
+        body = BodyPoints.of_joints(np.stack([sample, after]) @ to_world, found.body_map)
+        guess = guess_up_axis(body, said_axis(axis))
+        if guess.value != axis:
+            return _capture(file, replace(options, up_axis=guess.value), progress).with_guess(guess)
+    leg = leg_length(sample, found.body_map) if found.body_map else None
+    (unit, metres), unit_guess = find_unit(leg, _METRES, options.unit)
+    guesses += [unit_guess] if unit_guess else []
     skeleton = replace(skeleton, offsets=metres * skeleton.offsets)
     poses = replace(poses, local_translations=metres * poses.local_translations)
-    read = ReadJoints(path, skeleton, poses, metres * places, rate, options.unit or "m", axis)
+    read = ReadJoints(path, skeleton, poses, metres * places, rate, unit, axis)
     capture = stood_capture(read, found, options, guesses)
     progress(1.0, f"Loaded {path.name}")
     return capture

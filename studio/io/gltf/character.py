@@ -3,7 +3,8 @@
 from pathlib import Path
 
 from studio.io.figure.body import character_of
-from studio.io.gltf.figure import read_figure
+from studio.io.gltf.container import GltfFile, read_gltf
+from studio.io.gltf.figure import figures_in
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress, ReadCharacter
 
@@ -11,6 +12,11 @@ from studio.io.registry import Progress, ReadCharacter
 def load_character(path: Path, options: ImportOptions, progress: Progress) -> ReadCharacter:
     """Read joints, meshes and materials, and find the body. Raises StudioError."""
     progress(0.0, f"Reading {path.name}")
-    figures = read_figure(path)
-    progress(0.5, f"Finding the body in {path.name}")
+    return character_in(read_gltf(path), options, progress)
+
+
+def character_in(file: GltfFile, options: ImportOptions, progress: Progress) -> ReadCharacter:
+    """Joints, meshes and materials of ``file``, with the body found. Raises StudioError."""
+    figures = figures_in(file)
+    progress(0.5, f"Finding the body in {file.path.name}")
     return character_of(figures, options)

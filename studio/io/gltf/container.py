@@ -40,12 +40,6 @@ def is_gltf(head: bytes) -> bool:
     return head[:4] == MAGIC or (head.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] == b"{" and b'"asset"' in head)
 
 
-def has_body(path: Path) -> bool:
-    """True unless the file at ``path`` is a motion alone: an animation without any mesh. Raises StudioError."""
-    root = read_gltf(path).root
-    return bool(root.records("meshes")) or not root.records("animations")
-
-
 def read_gltf(path: Path) -> GltfFile:
     """Read a .gltf, .glb or .vrm file. Raises StudioError saying what is damaged."""
     content = read_bytes(path)

@@ -1,7 +1,6 @@
 """A glTF, GLB or VRM file as a figure: its joints as they were bound, its meshes round them."""
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +8,7 @@ from numpy.typing import NDArray
 from studio.core.errors import StudioError
 from studio.io.figure.figure import MOST_JOINTS, NO_SKELETON, Figure
 from studio.io.gltf.accessors import Accessors
-from studio.io.gltf.container import GltfFile, read_gltf
+from studio.io.gltf.container import GltfFile
 from studio.io.gltf.meshes import MeshReader
 from studio.io.gltf.nodes import Nodes, read_nodes
 from studio.io.gltf.vrm import vrm_bones
@@ -25,12 +24,12 @@ class _Skin:
     """(J, 4, 4) mesh to joint."""
 
 
-def read_figure(path: Path) -> list[Figure]:
+def figures_in(file: GltfFile) -> list[Figure]:
     """The character of a file, in each of the poses that may be its bind pose, the likeliest first.
 
     Raises StudioError when the file is damaged or holds no joints.
     """
-    file = read_gltf(path)
+    path = file.path
     accessors, nodes = Accessors(file), read_nodes(file.root)
     skins = [_skin(record, accessors, len(nodes.parents)) for record in file.root.records("skins")]
     bones = vrm_bones(file.root, len(nodes.parents))

@@ -19,18 +19,21 @@ from studio.core.markers.take import FollowedBody, MarkerTake, follow
 from studio.core.markers.trial import MARKER, METRES, VIRTUAL, Trial, bare_label, subject_of, whole
 from studio.core.rotations import IDENTITY
 from studio.io.capture_guesses import chosen_reference
-from studio.io.guessing import AXES, guess_floor
+from studio.io.guessing import guess_floor
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress
+from studio.io.up_axis import AXES, C3D_USE, BodyPoints, axis_called, guess_up_axis, turn_to_world
 
 FloatArray = NDArray[np.float64]
 
 _PLACES = {"arms": ("shoulder", "elbow", "wrist"), "legs": ("front_hip", "knee", "ankle")}
+_LOOKED_AT = 128
+"""Frames, spread over the trial, that decide about the up axis."""
 _SHOWN = 6
 """Markers that a sentence names."""
 _SKIN = 0.025
 """Metres by which a joint is off most of the time where it is no more the skin that moves (at most 0.017 in trials)."""
-_LEG = (0.3, 1.4)
+_LEG = (0.2, 2.1)
 """Metres of a leg, or twice an arm, from hip to ankle within which a unit is believed."""
 
 
@@ -47,7 +50,7 @@ def capture_of_take(
     followed = None
     lacking = f"{', '.join(there.lacking()[:6])} and others are missing"
     if there.has_legs() or there.has_arms():
-        take, followed, lacking = _believable(take, options, guesses)
+        followed, lacking = _believable(take, options)
     progress(0.5, f"Finding the body of {take.trial.name}")
     capture = _cloud(take, lacking, options, guesses) if followed is None else _body(take, followed, options, guesses)
     if options.body_map and capture.body_map:
@@ -71,13 +74,13 @@ def _in_unit(take: MarkerTake, options: ImportOptions) -> tuple[MarkerTake, list
 def _body(take: MarkerTake, followed: FollowedBody, options: ImportOptions, guesses: list[Guess]) -> Capture:
     trial = take.trial
     up_axis = _up_axis(followed, options, guesses)
-    turn = AXES[up_axis].T
+    turn = turn_to_world(up_axis).T
     joints = {joint: track @ turn for joint, track in followed.joints.items()}
     tracks = {role: track @ turn for role, track in followed.tracks.items()}
     solved = solve_body(tracks, joints, followed.measures.radius, _stature(take))
     positions = joint_positions(solved.skeleton, solved.poses)
     guesses += _body_guesses(take, followed, solved, joints, positions)
-    floor, floor_guess = _floor(solved, positions[followed.first_frame :], options)
+    floor, floor_guess = _floor(solved, positions[followed.first_frame :], options, trial.frame_rate)
     guesses += floor_guess
     rate = options.frame_rate or trial.frame_rate
     return Capture(
@@ -97,27 +100,15 @@ def _body(take: MarkerTake, followed: FollowedBody, options: ImportOptions, gues
     )
 
 
-def _believable(
-    take: MarkerTake, options: ImportOptions, guesses: list[Guess]
-) -> tuple[MarkerTake, FollowedBody | None, str]:
-    """The body that is followed, in another unit where the file's own makes it a giant or a dwarf.
-
-    None, and why, where no unit makes it human: the map cannot be right.
-    """
+def _believable(take: MarkerTake, options: ImportOptions) -> tuple[FollowedBody | None, str]:
+    """The body that is followed; None, and why, where it is not as large as a human: the map cannot be right."""
     followed = follow(take)
     if not followed.joints:
-        return take, None, f"the map '{take.marker_map.name}' leaves a joint of every limb open"
+        return None, f"the map '{take.marker_map.name}' leaves a joint of every limb open"
     length = _limb_length(followed.joints)
     if length > 0.0 and (options.unit is not None or _LEG[0] < length < _LEG[1]):
-        return take, followed, ""
-    raw = length / take.trial.metres
-    fits = [unit for unit, metres in METRES.items() if _LEG[0] < raw * metres < _LEG[1]]
-    tall = f"{length / 0.491:.3g} m tall"
-    if not fits:
-        return take, None, f"with the map '{take.marker_map.name}' the body would be {tall}"
-    guesses.append(Guess("unit", fits[0], f"In {take.trial.unit}, as the file says, the body would be {tall}."))
-    take = replace(take, trial=replace(take.trial, unit=fits[0]))
-    return take, follow(take), ""
+        return followed, ""
+    return None, f"with the map '{take.marker_map.name}' the body would be {length / 0.491:.3g} m tall"
 
 
 def _limb_length(joints: Mapping[str, FloatArray]) -> float:
@@ -131,21 +122,33 @@ def _limb_length(joints: Mapping[str, FloatArray]) -> float:
 
 def _up_axis(followed: FollowedBody, options: ImportOptions, guesses: list[Guess]) -> str:
     if options.up_axis is not None:
-        axis = options.up_axis.upper()
-        if axis not in AXES:
-            raise StudioError(f"'{options.up_axis}' is not an up axis. Choose {', '.join(AXES)}.")
-        return axis
-    joints = followed.joints
-    low, high = ("ankle", "hip") if "left_hip" in joints else ("wrist", "shoulder")
-    if low == "ankle" and "left_shoulder" in joints:
-        high = "shoulder"
-    way = sum(joints[f"{side}_{high}"] - joints[f"{side}_{low}"] for side in ("left", "right"))
-    mean = np.asarray(way)[followed.first_frame :].mean(axis=0)
-    axis = "XYZ"[int(np.argmax(np.where(mean > 0.8 * np.abs(mean).max(), mean, -np.inf)))]
-    if axis == "X" and mean[2] > 0.5 * mean[0]:
-        axis = "Z"
-    guesses.append(Guess("up axis", axis, f"Through the trial the body stands along {axis}."))
-    return axis
+        return axis_called(options.up_axis)
+    joints, first = followed.joints, followed.first_frame
+    if "left_hip" in joints and "left_shoulder" in joints:
+        guess = guess_up_axis(_points(joints, first), C3D_USE)
+    else:
+        low, high = ("ankle", "hip") if "left_hip" in joints else ("wrist", "shoulder")
+        way = np.mean([joints[f"{side}_{high}"] - joints[f"{side}_{low}"] for side in SIDES], axis=0)[first:].mean(
+            axis=0
+        )
+        heights = {axis: way @ turn[2] / np.linalg.norm(way) + C3D_USE.get(axis, 0.0) for axis, turn in AXES.items()}
+        best = max(heights, key=lambda axis: float(heights[axis]))
+        guess = Guess("up axis", best, f"Through the trial the {high}s are above the {low}s along {best}.")
+    guesses.append(guess)
+    return guess.value
+
+
+def _points(joints: Mapping[str, FloatArray], first: int) -> BodyPoints:
+    """Joint centres in frames spread over the trial and in the ones after them."""
+    frames = len(next(iter(joints.values())))
+    looked_at = np.unique(np.linspace(first, frames - 1, _LOOKED_AT).astype(int))
+    both = np.stack([looked_at, np.minimum(looked_at + 1, frames - 1)])
+
+    def pair(joint: str) -> FloatArray:
+        return np.stack([joints[f"{side}_{joint}"][both] for side in SIDES], axis=2)
+
+    everything = np.stack([track[both] for track in joints.values()], axis=2)
+    return BodyPoints(pair("shoulder"), pair("hip"), pair("knee"), pair("ankle"), None, everything)
 
 
 def _stature(take: MarkerTake) -> float | None:
@@ -155,15 +158,17 @@ def _stature(take: MarkerTake) -> float | None:
     return next((height for height in heights if 0.6 < height < 2.5), None)
 
 
-def _floor(solved: SolvedBody, positions: FloatArray, options: ImportOptions) -> tuple[float, list[Guess]]:
+def _floor(
+    solved: SolvedBody, positions: FloatArray, options: ImportOptions, frame_rate: float
+) -> tuple[float, list[Guess]]:
     if options.floor is not None:
         return options.floor, []
     if "legs" in solved.resting:
-        guess = guess_floor(solved.skeleton, positions, solved.body_map)
+        guess = guess_floor(solved.skeleton, positions, solved.body_map, frame_rate)
         return float(guess.value.split()[0]), [
             replace(guess, reason="Where the legs, which are not shown, would stand.")
         ]
-    guess = guess_floor(solved.skeleton, positions, solved.body_map)
+    guess = guess_floor(solved.skeleton, positions, solved.body_map, frame_rate)
     return float(guess.value.split()[0]), [guess]
 
 
@@ -267,10 +272,8 @@ def _cloud(take: MarkerTake, lacking: str, options: ImportOptions, guesses: list
     labels = tuple(seen_labels(trial, take.subject))
     if not labels:
         raise StudioError(f"{trial.source} shows no marker: {_shown(trial)}. Export it with its markers.")
-    up_axis = (options.up_axis or "Z").upper()
-    if up_axis not in AXES:
-        raise StudioError(f"'{options.up_axis}' is not an up axis. Choose {', '.join(AXES)}.")
-    points = trial.metres * trial.points[:, [trial.labels.index(label) for label in labels]] @ AXES[up_axis].T
+    up_axis = axis_called(options.up_axis or "Z")
+    points = trial.metres * trial.points[:, [trial.labels.index(label) for label in labels]] @ turn_to_world(up_axis).T
     frames = np.arange(trial.frame_count)
     for place in range(len(labels)):
         seen = np.flatnonzero(whole(points[:, place]))

@@ -100,7 +100,7 @@ def entity_of(collection: str, record: Json, load: Callable[[str], Array]) -> En
     try:
         entity: Entity = from_json(record, _class_of(collection, record), MemberCodec(_no_member, load))
     except (TypeError, ArithmeticError, LookupError) as error:
-        raise ValueError(f"it makes no sense ({error}).") from error
+        raise ValueError(f"invalid value ({error}).") from error
     return entity
 
 

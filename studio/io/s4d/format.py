@@ -3,13 +3,12 @@
 from dataclasses import replace
 from pathlib import Path
 
-from studio.core.captures.annotations import Annotations
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.normalized.normalize import detected_contacts, normalize
 from studio.io.export import Take
 from studio.io.importing import ImportOptions
-from studio.io.registry import Progress
+from studio.io.registry import Progress, ReadCapture
 
 _FIRST_MEMBER = b"s4d.json"
 _NORMALISED = 0.3
@@ -21,12 +20,22 @@ def is_s4d(head: bytes) -> bool:
     return head.startswith(b"PK\x03\x04") and head[30 : 30 + len(_FIRST_MEMBER)] == _FIRST_MEMBER
 
 
-def load_s4d(path: Path, options: ImportOptions, progress: Progress) -> Capture:
-    """The capture that the file was made from, within 0.1 mm and 0.01 degrees."""
+def load_s4d(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
+    """The capture that the file was made from, within 0.1 mm and 0.01 degrees, and all that is stored with it."""
     from studio.io.s4d.reader import read_s4d
 
     progress(0.0, f"Reading {path.name}")
-    capture = read_s4d(path).capture
+    stored = read_s4d(path)
+
+    def interpret(options: ImportOptions, _progress: Progress) -> Capture:
+        return _as_said(stored.capture, path, options)
+
+    read = ReadCapture(interpret(options, progress), stored.annotations, interpret)
+    progress(1.0, f"Loaded {path.name}")
+    return read
+
+
+def _as_said(capture: Capture, path: Path, options: ImportOptions) -> Capture:
     for name in ("unit", "up_axis", "reference"):
         if getattr(options, name) not in (None, getattr(capture, name, None)):
             raise StudioError(
@@ -37,17 +46,7 @@ def load_s4d(path: Path, options: ImportOptions, progress: Progress) -> Capture:
         capture = capture.with_frame_rate(options.frame_rate)
     if options.floor is not None:
         capture = capture.with_floor(options.floor)
-    if options.body_map is not None:
-        capture = capture.with_body_map(options.body_map)
-    progress(1.0, f"Loaded {path.name}")
-    return capture
-
-
-def load_annotations(path: Path, motion_id: str) -> Annotations:
-    """The contacts, constraints and labels that are stored with the motion."""
-    from studio.io.s4d.reader import read_annotations
-
-    return read_annotations(path, motion_id)
+    return capture if options.body_map is None else capture.with_body_map(options.body_map)
 
 
 def write_take(path: Path, take: Take, progress: Progress) -> None:

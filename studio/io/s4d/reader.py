@@ -98,13 +98,6 @@ def read_s4d(path: Path, motion_id: str = "") -> S4d:
     return S4d(capture, motion, actor, _annotations(record, motion_id, capture.frame_count, path))
 
 
-def read_annotations(path: Path, motion_id: str) -> Annotations:
-    """Contacts, constraints and labels alone, without the poses."""
-    _, members = _members(path)
-    frames = len(_array(members[CHANNELS], CHANNELS, path))
-    return _annotations(_record(members[RECORD], path), motion_id, frames, path)
-
-
 def _members(path: Path) -> tuple[int, dict[str, bytes]]:
     """Size of the file, and its four members unpacked, which together stay within what the size allows."""
     content = read_bytes(path)
@@ -233,7 +226,7 @@ def _annotations(record: _Record, motion_id: str, frames: int, path: Path) -> An
     last = max([each.last for each in contacts or ()] + [label.last for label in record.labels], default=0)
     if last >= frames:
         raise StudioError(f"{where}: a contact or label ends at frame {last}, after the last, {frames - 1}.")
-    return Annotations(contacts, constraints, record.labels)
+    return Annotations(contacts, constraints, record.labels).of_motion(motion_id)
 
 
 def _indices(name: str, indices: tuple[int, ...] | list[int], joints: int) -> None:

@@ -85,7 +85,7 @@ def _record(s4d: S4d, free: list[int], moving: list[int]) -> dict[str, Any]:
         "spine_places": _numbers(s4d.motion.spine_places),
         "contacts": None if notes.contacts is None else _by_foot(notes.contacts),
         "constraints": [constraint_record(each) for each in notes.constraints],
-        "labels": [asdict(label) for label in notes.labels],
+        "labels": [{"name": each.name, "first": each.first, "last": each.last} for each in notes.labels],
         "actor": {
             "joints": list(capture.skeleton.names),
             "parents": capture.skeleton.parents.tolist(),

@@ -42,7 +42,7 @@ class MannerSection(Section):
         match manner:
             case KeepDistance():
                 self._add_number("Distance", "distance")
-                self._add_number("Give or take", "room")
+                self._add_number("Tolerance", "room")
                 self._legs = Choice("Counted in", UNITS)
                 self._legs.chosen.connect(lambda legs: self._set(legs=legs))
                 self.add_row("Counted in", self._legs)
@@ -81,7 +81,7 @@ class MannerSection(Section):
         self._always.setAccessibleName("Meets as long as the clip plays")
         self._always.toggled.connect(lambda on: self._set(activation=WHOLE if on else FIRST))
         self.add_row("When", self._always)
-        for label, names in (("Comes in  s", TIMES[:2]), ("Goes in  s", TIMES[2:])):
+        for label, names in (("Fade in  s", TIMES[:2]), ("Fade out  s", TIMES[2:])):
             fields = [NumberField(f"{label} {name.replace('_', ' ')}", "", -FAR, FAR, 0.05) for name in names]
             for field, name in zip(fields, names, strict=True):
                 field.setToolTip("Seconds of the motion. Drag sideways to change.")

@@ -85,7 +85,7 @@ class BehaviourPanel(QWidget):
         self._name: QLabel = labelled("", "title")
         self._choice, self._partner = Choice("Behaviour", ()), Choice("Partner", ())
         self._choice.setToolTip("What it does while the stage plays live. Many bodies can share one behaviour.")
-        self._partner.setToolTip("Whom it keeps its distance from, wards off and strikes at.")
+        self._partner.setToolTip("Character it reacts to: it keeps its distance, wards off and strikes.")
         self._against = labelled("against", "second")
         for choice in (self._choice, self._partner):
             choice.setMinimumContentsLength(14)

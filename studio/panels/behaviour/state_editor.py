@@ -52,12 +52,12 @@ class StateEditor(PartEditor):
         section.add_row("Name", self._name)
         self._starts = QCheckBox("in this state")
         self._starts.toggled.connect(self._begin_here)
-        section.add_row("Begins", self._starts)
+        section.add_row("Start", self._starts)
         self._event = QLineEdit()
         self._event.setPlaceholderText("nothing")
         self._event.setToolTip("An event that the partner gets when this state begins; its transitions may wait for it")
         self._event.editingFinished.connect(self._set_event)
-        section.add_row("Tells partner", self._event)
+        section.add_row("Event to partner", self._event)
         return section
 
     def _playing(self) -> Section:

@@ -22,9 +22,9 @@ class ClearEditor(ConstraintEditor):
         self._margin = self.bind(NumberField("Margin", "cm", 0.0, 50.0, 0.5, 1), self._set_margin)
         self._margin.setToolTip("Room that is left even where the actor touches its body, as for thick clothes")
         section.add_row("Margin", self._margin)
-        self._gives = Segments("What gives way", [(True, "Wrist, elbow"), (False, "Elbow")])
+        self._gives = Segments("May move", [(True, "Wrist, elbow"), (False, "Elbow")])
         self._gives.chosen.connect(self._set_gives)
-        section.add_row("Gives way", self._gives)
+        section.add_row("May move", self._gives)
         section.add_wide(labelled("Where the actor touches its own body, this body touches itself too.", "hint"))
 
     def refresh(self) -> None:

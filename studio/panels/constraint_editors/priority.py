@@ -48,7 +48,7 @@ class PrioritySection(Section):
         self._list.setUniformItemSizes(True)
         self._list.model().rowsMoved.connect(lambda *_: self._put_order())
         self.add_wide(self._list)
-        self._tied = QCheckBox("Shares its place with the one above")
+        self._tied = QCheckBox("Same priority as above")
         self._tied.setObjectName("tie")
         self._tied.setToolTip("Neither goes before the other: where both cannot be had, they share by weight.")
         self._tied.toggled.connect(self._tie)
@@ -58,7 +58,7 @@ class PrioritySection(Section):
 
     def refresh(self) -> None:
         """Fetch the order."""
-        project = self._editor.document.project
+        project = self._editor.document.shown_project
         constraints = project.constraints_of(self._editor.entity.motion_id)
         places = project.places_of(self._editor.entity.motion_id)
         with QSignalBlocker(self._list), QSignalBlocker(self._list.model()):

@@ -53,7 +53,7 @@ class SegmentWeights(QWidget):
             for column, widget in enumerate(self._rows[part]):
                 grid.addWidget(widget, place, column)
         self._add = Choice("Segment to weigh", ())
-        self._add.setPlaceholderText("Weigh one segment …")
+        self._add.setPlaceholderText("Add segment weight…")
         self._add.setToolTip("Give one segment a weight of its own. The abdomen is all of the spine below the thorax.")
         self._add.chosen.connect(self._give)
         grid.addWidget(self._add, len(SINGLE), 0, 1, 3)

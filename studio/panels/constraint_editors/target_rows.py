@@ -23,14 +23,14 @@ from studio.panels.fields import Choice, Section, labelled, press_button, short
 FIXED, KEYED = "fixed", Keys.kind
 OWN = OwnPlace.kind
 KINDS = (
-    (OWN, "Each at its own place"),
-    (FIXED, "One place for all"),
+    (OWN, "Per character"),
+    (FIXED, "Shared"),
     (KEYED, "Keyed over time"),
     *RULES,
-    (FollowBody.kind, "Follows the own body"),
-    (FollowPerformer.kind, "Follows a performer"),
-    (FollowProp.kind, "Follows a prop"),
-    (FollowTracked.kind, "Follows the capture"),
+    (FollowBody.kind, "Follow own body"),
+    (FollowPerformer.kind, "Follow character"),
+    (FollowProp.kind, "Follow prop"),
+    (FollowTracked.kind, "Follow source"),
 )
 SPOTS = (
     ((0.0, 0.0, 0.0), "Centre"),
@@ -66,12 +66,12 @@ class TargetRows:
         self._spot.setToolTip("Where on the prop, whatever its size; the offset counts from there.")
         self._spot.chosen.connect(self._choose_spot)
         self._spot_caption = section.add_row("Its place", self._spot)
-        self._awaits = QCheckBox("goes to where it will be")
+        self._awaits = QCheckBox("Anticipate target")
         self._awaits.setToolTip(
             "As the constraint begins, the point goes to meet what it follows instead of chasing it."
         )
-        self._awaits.clicked.connect(lambda on: self._change(replace(self.target, awaits=on), "Meet what it follows"))
-        self._awaits_caption = section.add_row("Meets it", self._awaits)
+        self._awaits.clicked.connect(lambda on: self._change(replace(self.target, awaits=on), "Anticipate target"))
+        self._awaits_caption = section.add_row("Meeting", self._awaits)
         self._apart = QCheckBox()
         self._apart.setToolTip("Its handle then moves for this character alone.")
         self._apart.clicked.connect(self._set_apart)
@@ -158,7 +158,9 @@ class TargetRows:
         project = self._editor.document.project
         match kind:
             case FollowPerformer.kind:
-                return [(key, each.name) for key, each in project.performers.items()]
+                followed = getattr(self.target, "performer_id", None)
+                performers = project.performers.items()
+                return [(key, each.name) for key, each in performers if each.visible or key == followed]
             case FollowProp.kind:
                 return [(key, each.name) for key, each in project.props.items()]
             case FollowTracked.kind:

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from studio.core.markers.trial import Trial, bare_label, whole
 from studio.document import colours
-from studio.io.guessing import AXES
+from studio.io.up_axis import turn_to_world
 
 FloatArray = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ class MarkerCloud(QWidget):
         self.setAccessibleName("Markers as they were recorded, at the playhead")
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
         self.setMouseTracking(True)
-        self._trial, self._turn = trial, AXES[up_axis].T
+        self._trial, self._turn = trial, turn_to_world(up_axis).T
         self._places: tuple[int, ...] = ()
         self._labels: tuple[str, ...] = ()
         self._used: Collection[str] = ()

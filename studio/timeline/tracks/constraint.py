@@ -199,11 +199,11 @@ def verdict(shown: Shown, constraint_id: str) -> tuple[str, str]:
     missed = [(residual, name) for residual, name in found if residual is not None and not residual.held]
     if not missed:
         eases = any(strip.misses for strip in strips if strip)
-        held = f"held{' by all' if len(strips) > 1 else ''}{' while full' if eases else ''}"
+        held = f"held{' on all characters' if len(strips) > 1 else ''}{' at full activation' if eases else ''}"
         yields = any(strip.yields for strip in strips if strip)
         return "gives way to contacts" if yields else held, colours.TEXT_THIRD
     worst, name = max(missed, key=lambda each: each[0].weight)
-    text = f"{name} {worst.words} at frame {worst.frame}"
+    text = f"{name} {worst.words} at {shown.frame_words(worst.frame)}"
     colour = colours.PARTLY if worst.partly else colours.mixed(colours.NOT_REACHED, colours.TEXT, 0.25)
     return f"{text}, {worst.remark}" if worst.remark else text, colour
 

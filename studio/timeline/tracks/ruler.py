@@ -38,7 +38,7 @@ def paint_ruler(painter: QPainter, area: QRect, axis: TimeAxis, playhead: Playhe
         painter.setFont(font(11))
         painter.setPen(QColor(colours.LIVE))
         label = QRect(area.left(), area.top(), LABEL_WIDTH, area.height())
-        painter.drawText(label, Qt.AlignmentFlag.AlignCenter, "LIVE: the playhead waits")
+        painter.drawText(label, Qt.AlignmentFlag.AlignCenter, "LIVE (playhead paused)")
     painter.save()
     painter.setClipRect(area.adjusted(LABEL_WIDTH, 0, 0, 0), Qt.ClipOperation.IntersectClip)
     _paint_overview(painter, area, axis)

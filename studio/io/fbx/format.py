@@ -1,0 +1,25 @@
+"""FBX as a format of the registry: a file is read once, and what it holds tells whether it is a character."""
+
+from pathlib import Path
+
+from studio.io.fbx.capture import capture_in
+from studio.io.fbx.character import character_in
+from studio.io.fbx.reading import read_arrays
+from studio.io.importing import ImportOptions
+from studio.io.registry import Progress, ReadCapture, ReadCharacter
+
+
+def load_capture(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
+    """The capture in the FBX file at ``path``: its longest animation. Raises StudioError with what to do."""
+    return capture_in(read_arrays(path, "motion", progress), path, options, progress)
+
+
+def load_character(path: Path, options: ImportOptions, progress: Progress) -> ReadCharacter:
+    """Read joints, meshes and materials, and find the body. Raises StudioError with what to do."""
+    return character_in(read_arrays(path, "figure", progress), path, options, progress)
+
+
+def load_either(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture | ReadCharacter:
+    """The character of a file in which a skin hangs from joints, else the capture. Raises StudioError."""
+    arrays = read_arrays(path, "either", progress)
+    return (capture_in if "frames" in arrays else character_in)(arrays, path, options, progress)

@@ -1,0 +1,80 @@
+"""The unit of a marker trial: what it says where its markers make a person so, else what does."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.captures.capture import Guess
+from studio.core.markers.marker_map import MarkerMap, middles, role_markers, seen_labels
+from studio.core.markers.trial import METRES, Trial
+from studio.io.guessing import Scale, find_unit
+from studio.io.markers.maps import find_map
+
+_OVER_SKIN = 1.06
+"""The way over the markers of hip, knee and ankle, in lengths of the leg between the joints."""
+_LEG_OF_ARM = 1.5
+_SIZES = (0.5, 3.5)
+"""Metres between the two markers of a person that are farthest apart."""
+_LOOKED_AT = 32
+
+
+def in_believable_unit(
+    trial: Trial, marker_map: MarkerMap | None, subject: str, unit: str | None
+) -> tuple[Trial, MarkerMap, list[Guess]]:
+    """The trial in the unit ``unit`` of the user, or one that its legs believe; its map, proposed where there is none.
+
+    A map is proposed by measure, so where none has legs in the unit of the file, the others are tried.
+    """
+    if unit is not None and unit in METRES:
+        trial = replace(trial, unit=unit)
+    found = marker_map or find_map(trial, subject)
+    if unit is not None:
+        return trial, found, []
+    leg = _leg(trial, found, subject)
+    if leg is None and marker_map is None:
+        for other in _units_of_size(trial, subject):
+            found_there = find_map(replace(trial, unit=other), subject)
+            if (leg := _leg(trial, found_there, subject)) is not None:
+                found = found_there
+                break
+    scale, guess = find_unit(leg, Scale(trial.unit, trial.metres))
+    if guess is None or scale.unit not in METRES:
+        return trial, found, []
+    trial = replace(trial, unit=scale.unit)
+    return trial, marker_map or find_map(trial, subject), [guess]
+
+
+def _leg(trial: Trial, marker_map: MarkerMap, subject: str) -> float | None:
+    """Median length of a leg in units of the file, by markers near its joints, or by an arm's; None without either."""
+    places = middles(role_markers(trial, marker_map, subject))
+    lengths = []
+    for chain, factor in ((("front_hip", "knee", "ankle"), 1.0), (("shoulder", "elbow", "wrist"), _LEG_OF_ARM)):
+        for side in ("left", "right"):
+            joints = [places.get(f"{side}_{name}") for name in chain]
+            if any(joint is None or not np.isfinite(joint).any() for joint in joints):
+                continue
+            near, middle, far = joints
+            bones = np.linalg.norm(middle - near, axis=1) + np.linalg.norm(far - middle, axis=1)  # type: ignore[operator]
+            if np.isfinite(bones).any():
+                lengths.append(factor * float(np.nanmedian(bones)) / trial.metres / _OVER_SKIN)
+        if lengths:
+            return float(np.mean(lengths))
+    return None
+
+
+def _units_of_size(trial: Trial, subject: str) -> list[str]:
+    """Units other than the file's that make its cloud of markers as large as a person, where the file's does not."""
+    places = [trial.labels.index(label) for label in seen_labels(trial, subject)]
+    frames = np.unique(np.linspace(0, trial.frame_count - 1, _LOOKED_AT).astype(int))
+    points = trial.points[frames][:, places]
+    seen: NDArray[np.bool_] = np.isfinite(points).all(axis=2) & points.any(axis=2)
+    sizes = [
+        float(np.linalg.norm(np.ptp(own[there], axis=0)))
+        for own, there in zip(points, seen, strict=True)
+        if there.any()
+    ]
+    size = float(np.median(sizes)) if sizes else 0.0
+    if _SIZES[0] < size * trial.metres < _SIZES[1]:
+        return []
+    return [unit for unit, metres in METRES.items() if _SIZES[0] < size * metres < _SIZES[1]]

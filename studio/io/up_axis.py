@@ -1,0 +1,197 @@
+"""The direction of a file that is up: one of six axes, or a direction between them where a camera was tilted."""
+
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.humanoid import BodyMap, BodyPart
+from studio.core.captures.capture import Guess
+from studio.core.errors import StudioError
+from studio.core.rotations import normalized, shortest_arc
+
+FloatArray = NDArray[np.float64]
+
+_Y = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+_Z = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+_X = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
+_ABOUT_X, _ABOUT_Y = np.diag([1.0, -1.0, -1.0]), np.diag([-1.0, 1.0, -1.0])
+AXES = MappingProxyType({"Y": _Y, "Z": _Z, "X": _X, "-Y": _Y @ _ABOUT_X, "-Z": _Z @ _ABOUT_X, "-X": _X @ _ABOUT_Y})
+"""File axes to world axes by the axis that is up; the file's usual front (+Z, -Y, +Y) becomes +X, or lies half a turn
+about a level axis from there."""
+BVH_USE = MappingProxyType({"Y": 0.2, "Z": 0.15, "-Y": -0.1, "-Z": -0.05, "-X": -0.05})
+C3D_USE = MappingProxyType({"Z": 0.2, "Y": 0.15})
+"""How usual an axis is among files that do not say theirs, in units of the score."""
+_SAID = 0.6
+"""The same for the axis that the format, or the file, says."""
+_AT_REST, _SUPPORTED = 0.4, 2.0
+_STILL = 0.25
+"""A point that moves so much as the median of all, in a frame, counts half as much as one that rests."""
+_MOVING, _TRAVELS = 3e-3, 0.01
+"""Leg lengths in a frame, and in the take, from which points and the root move."""
+_STRAIGHT = 0.9
+"""Cosine of trunk and legs from which a body stands in one line."""
+_LEAST_TILT, _AGREED = np.radians(12.0), np.radians(10.0)
+"""Lean from every axis that nobody who stands in one line keeps up, so it is a camera's; and how far it may be from
+square to the floor."""
+_WALKS, _CARRIED = 0.3, 0.25
+"""Leg lengths of a path that tells the floor, and of the body over what carries it where it stands."""
+_FEWEST = 24
+"""Frames that tell a lean from a pose."""
+_FLOOR_NOISE = 0.03
+"""Leg lengths by which standing feet lie off one plane."""
+_DOUBTFUL = 0.3
+
+
+@dataclass(frozen=True, eq=False)
+class BodyPoints:
+    """Pairs of points (2, F, 2, 3) left and right, in a frame and the next one; ``everything`` (2, F, P, 3)."""
+
+    shoulders: FloatArray
+    hips: FloatArray
+    knees: FloatArray
+    ankles: FloatArray
+    toes: FloatArray | None
+    everything: FloatArray
+
+    @classmethod
+    def of_joints(cls, positions: FloatArray, body_map: BodyMap) -> Self:
+        """Those of a body map; ``positions`` (2, F, J, 3) of all joints in some frames and the ones after them."""
+
+        def pair(part: str) -> FloatArray:
+            return positions[:, :, [body_map[BodyPart[f"{side}_{part}"]] for side in ("LEFT", "RIGHT")]]
+
+        toes = all(BodyPart[f"{side}_TOE"] in body_map.parts for side in ("LEFT", "RIGHT"))
+        every = sorted({*body_map.parts.values(), *body_map.spine})
+        limbs = pair("UPPER_ARM"), pair("THIGH"), pair("SHANK"), pair("FOOT"), pair("TOE") if toes else None
+        return cls(*limbs, positions[:, :, every])
+
+    @property
+    def leg(self) -> float:
+        """Mean length of thigh and shank together."""
+        bones = np.linalg.norm(self.knees - self.hips, axis=-1) + np.linalg.norm(self.ankles - self.knees, axis=-1)
+        return max(float(np.nanmean(bones)), 1e-9)
+
+
+def axis_called(text: str) -> str:
+    """The name of ``AXES``, or the direction ``x y z`` of length 1, that a user means. Raises StudioError."""
+    name = text.strip().upper().removeprefix("+")
+    if name in AXES:
+        return name
+    try:
+        direction = np.array([float(word) for word in name.replace(",", " ").split()])
+    except ValueError:
+        direction = np.zeros(0)
+    if direction.shape != (3,) or not 1e-6 < np.linalg.norm(direction) < 1e6:
+        raise StudioError(
+            f"'{text}' is not an up axis. Choose {', '.join(AXES)}, or a direction as three numbers 'x y z'."
+        )
+    return _named(direction / np.linalg.norm(direction))
+
+
+def turn_to_world(up_axis: str) -> FloatArray:
+    """(3, 3) from file axes to world axes, by a name of ``AXES`` or a direction ``x y z``. Raises StudioError."""
+    name = axis_called(up_axis)
+    if name in AXES:
+        return AXES[name]
+    direction = normalized(np.array([float(word) for word in name.split()]))
+    nearest = max(AXES, key=lambda axis: float(AXES[axis][2] @ direction))
+    return AXES[nearest] @ shortest_arc(direction, AXES[nearest][2])
+
+
+def guess_up_axis(
+    body: BodyPoints, usual: dict[str, float] | MappingProxyType[str, float], rest: FloatArray | None = None
+) -> Guess:
+    """Which direction of the file is up, by where the body stands and moves, ``usual`` axes and the rest pose.
+
+    ``rest`` (3,) is the direction from ankles to shoulders at rest. The highest score of the six axes wins: the body
+    stands along it in one line, lies above what rests on the ground, whose level keeps its height, near zero.
+    """
+    names, axes = list(AXES), np.array([turn[2] for turn in AXES.values()])
+    along, straight = _standing(body)
+    support = _supported(body)
+    lowest = np.stack([(body.everything[0] @ axis).min(axis=1) for axis in axes])
+    unsteady = np.minimum(lowest.std(axis=1) / (0.5 * body.leg), 1.0)
+    away = np.minimum(np.abs(np.percentile(lowest, 10, axis=1)) / body.leg, 1.0) if support is not None else 0.0
+    above = axes @ support if support is not None else 0.0
+    upright = axes @ (along * straight[:, None]).mean(axis=0)
+    at_rest = axes @ (rest if rest is not None else np.zeros(3))
+    score = upright + _AT_REST * at_rest + _SUPPORTED * above - unsteady - away
+    score += np.array([usual.get(name, 0.0) for name in names])
+    best, second = np.argsort(score)[::-1][:2]
+    name = names[best]
+    tilted = _tilted(body, along, straight > _STRAIGHT)
+    if tilted is not None:
+        near = int(np.argmax(axes @ tilted))
+        if near == best or (support is not None and support @ tilted > _CARRIED):
+            degrees = np.degrees(np.arccos(np.clip(tilted @ axes[near], -1.0, 1.0)))
+            words = f"Standing, the body leans by {degrees:.0f} degrees from {names[near]} all the time, as a tilted "
+            return Guess("up axis", _named(tilted), words + "camera sees it.")
+    stands = upright[best] > 0.5
+    words = f"Through the take the body {'stands along' if stands else 'is above what it rests on, towards'} {name}."
+    if rest is not None and at_rest[best] < 0.7:
+        words += f" The rest pose would suggest {names[int(np.argmax(at_rest))]}."
+    if score[best] - score[second] < _DOUBTFUL or not stands:
+        words += f" That is not certain: it may be {names[second]}."
+    return Guess("up axis", name, words)
+
+
+def _standing(body: BodyPoints) -> tuple[FloatArray, FloatArray]:
+    """Directions (F, 3) from ankles to shoulders, and (F,) how much the body stands in one line on its soles, 0 to 1.
+
+    One that crawls is bent at its hips; one that lies stretches its feet.
+    """
+    shoulders, hips, ankles = (pair[0].mean(axis=1) for pair in (body.shoulders, body.hips, body.ankles))
+    straight = np.clip(np.einsum("fi,fi->f", normalized(shoulders - hips), normalized(hips - ankles)), 0.0, 1.0) ** 2
+    if body.toes is not None:
+        shank, foot = normalized(body.knees[0] - body.ankles[0]), normalized(body.toes[0] - body.ankles[0])
+        stretched = -np.einsum("fsi,fsi->fs", shank, foot)
+        straight = straight * np.clip(1.0 - 2.0 * (stretched - 0.35), 0.0, 1.0).max(axis=1)
+    return normalized(shoulders - ankles), straight
+
+
+def _supported(body: BodyPoints) -> FloatArray | None:
+    """(3,) mean way, in leg lengths, from what rests in a frame to the middle of the body; None for a root at rest."""
+    if np.ptp(body.hips[0].mean(axis=1), axis=0).max() < _TRAVELS * body.leg:
+        return None
+    moved = np.linalg.norm(body.everything[1] - body.everything[0], axis=-1)
+    usual = np.median(moved, axis=1, keepdims=True)
+    weight = 1.0 / (moved**2 + (_STILL * usual) ** 2 + (1e-4 * body.leg) ** 2)
+    middle = body.everything.mean(axis=0)
+    rests = np.einsum("fp,fpi->fi", weight, middle) / weight.sum(axis=1, keepdims=True)
+    moves = np.minimum(usual[:, 0] / (_MOVING * body.leg), 1.0)
+    way = (middle.mean(axis=1) - rests) * moves[:, None] / body.leg
+    return np.asarray(way.sum(axis=0) / max(0.3 * len(way), float(moves.sum())))
+
+
+def _tilted(body: BodyPoints, along: FloatArray, straight: NDArray[np.bool_]) -> FloatArray | None:
+    """(3,) direction that is up where no axis is: that in which the body stands, square to where it goes and rests."""
+    if straight.mean() < 0.5 or len(along) < _FEWEST:
+        return None
+    lean = normalized(np.median(along[straight], axis=0))
+    level = [body.hips[0].mean(axis=1)[straight]]
+    if np.linalg.norm(level[0].std(axis=0)) < _WALKS * body.leg:
+        level = []
+    moved = np.median(np.linalg.norm(body.everything[1] - body.everything[0], axis=-1), axis=1)
+    for pair in (body.ankles,) if body.toes is None else (body.ankles, body.toes):
+        still = np.linalg.norm(pair[1] - pair[0], axis=-1) < _STILL * np.maximum(moved, _MOVING * body.leg)[:, None]
+        level += [pair[0, straight & still[:, side], side] for side in (0, 1)]
+    path = np.concatenate([np.zeros((2, 3)), *(places - places.mean(axis=0) for places in level if len(places))])
+    _, spread, ways = np.linalg.svd(path, full_matrices=False)
+    spread = (spread[:2] / (np.sqrt(len(path)) * body.leg)) ** 2
+    up = normalized(lean - (spread / (spread + _FLOOR_NOISE**2) * (ways[:2] @ lean)) @ ways[:2])
+    nearest = np.abs(np.stack([lean, up])).max(axis=1)
+    leans = np.arccos(np.clip(nearest, -1.0, 1.0)).min()
+    agrees = np.arccos(np.clip(up @ lean, -1.0, 1.0))
+    return up if leans > _LEAST_TILT and agrees < _AGREED else None
+
+
+def said_axis(name: str) -> dict[str, float]:
+    """The ``usual`` of a file that says which axis is up."""
+    return {name: _SAID}
+
+
+def _named(direction: FloatArray) -> str:
+    return " ".join(f"{value:.4f}" for value in direction)

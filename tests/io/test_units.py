@@ -1,0 +1,46 @@
+"""The unit of any file is found from its legs, a child's or a giant's; what a file says is believed where it may be."""
+
+import pytest
+
+from studio.io.guessing import UNITS, Scale, find_unit, said_unit
+
+
+@pytest.mark.parametrize("leg", [0.72, 0.8, 0.9, 0.98])
+@pytest.mark.parametrize("unit", UNITS)
+def test_the_leg_of_an_adult_tells_every_unit_that_programs_use(unit: str, leg: float) -> None:
+    assert find_unit(leg / UNITS[unit])[0].unit == unit
+
+
+@pytest.mark.parametrize(
+    ("unit", "leg"), [("m", 0.3), ("cm", 0.45), ("mm", 0.3), ("dm", 0.5), ("m", 1.9), ("cm", 1.5), ("mm", 1.9)]
+)
+def test_children_and_giants_are_in_the_powers_of_ten(unit: str, leg: float) -> None:
+    assert find_unit(leg / UNITS[unit])[0].unit == unit
+
+
+@pytest.mark.parametrize("leg", [0.26, 0.5, 0.85, 1.4, 1.9])
+def test_what_a_file_says_is_believed_where_it_makes_a_body(leg: float) -> None:
+    assert find_unit(leg, Scale("m", 1.0)) == (Scale("m", 1.0), None)
+
+
+@pytest.mark.parametrize("unit", ["dm", "cm", "mm", "inch", "foot"])
+def test_what_a_file_says_is_overruled_and_told_where_it_makes_none(unit: str) -> None:
+    scale, guess = find_unit(0.85 / UNITS[unit], Scale("m", 1.0))
+    assert scale.unit == unit
+    assert guess is not None
+    assert guess.reason.startswith("In m, as the file says, the legs would be")
+
+
+def test_the_user_has_the_last_word() -> None:
+    assert find_unit(85.0, Scale("m", 1.0), "m") == (Scale("m", 1.0), None)
+    assert find_unit(2.8, None, "feet")[0].unit == "foot"
+
+
+def test_a_unit_that_would_fit_as_well_is_told() -> None:
+    _, guess = find_unit(32.0)
+    assert guess is not None
+    assert guess.reason == "The legs are 32 units long, in inch 0.81 m. In cm they would be 0.32 m."
+
+
+def test_metres_a_unit_have_the_name_of_their_unit() -> None:
+    assert [said_unit(metres).unit for metres in (1.0, 0.01, 0.0254, 0.3048, 0.5)] == ["m", "cm", "inch", "foot", "0.5"]
