@@ -197,6 +197,12 @@ OWN_FORMATS = (
         character_reader="studio.io.gltf.character:load_character",
     ),
     Format(
+        name="VRM animation",
+        suffixes=(".vrma",),
+        sniff="studio.io.gltf.container:is_gltf",
+        capture_reader="studio.io.gltf.capture:load_gltf",
+    ),
+    Format(
         name="USD",
         suffixes=(".usd", ".usda", ".usdc", ".usdz"),
         motion_writer="studio.io.usd.writer:write_take",

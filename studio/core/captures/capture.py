@@ -21,7 +21,8 @@ class Guess:
     """Something assumed that the user may overrule."""
 
     subject: str
-    """One of ``unit, up axis, frame rate, floor, floor drift, body map, reference pose, first frame``."""
+    """One of ``unit, up axis, frame rate, floor, floor drift, body map, feet, moving offsets,
+    reference pose, first frame``."""
     value: str
     reason: str
 
