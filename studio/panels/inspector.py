@@ -17,6 +17,7 @@ from studio.panels.constraint_editors import editor_of_kind
 from studio.panels.contact_editor import ContactEditor
 from studio.panels.editor import Editor, PlainEditor
 from studio.panels.ground_editor import GroundEditor
+from studio.panels.label_editor import LabelEditor
 from studio.panels.performer_editor import PerformerEditor
 from studio.panels.prop_editor import PropEditor
 from studio.panels.stage_editor import StageEditor
@@ -27,6 +28,7 @@ EDITORS: dict[str, Callable[[Document, Live, str, str], Editor]] = {
     "clips": ClipEditor,
     "performers": PerformerEditor,
     "contacts": ContactEditor,
+    "labels": LabelEditor,
     "grounds": GroundEditor,
     "props": PropEditor,
     "behaviours": BehaviourEditor,

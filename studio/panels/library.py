@@ -174,7 +174,7 @@ class Library(QWidget):
         return self.model.index(places[0]) if places else QModelIndex()
 
     def _entity_changed(self, collection: str, _: str) -> None:
-        if collection != "contacts":
+        if collection not in ("contacts", "labels"):
             self._show_change()
 
     def _selection_changed(self) -> None:

@@ -1,11 +1,13 @@
-"""Edits without the mouse: add a contact, delete what is selected, move a handle by whole frames."""
+"""Edits without the mouse: add a contact or label, delete what is selected, move a handle by whole frames."""
 
 from dataclasses import replace
 from typing import Any
 
+from studio.core.captures.annotations import Label
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.target import key_times
+from studio.core.names import free_name
 from studio.core.project import Project
 from studio.core.stage.clip import Clip
 from studio.document.clips import name_of as clip_name
@@ -17,7 +19,7 @@ from studio.timeline.gestures.contact import free_stretch, new_contact
 from studio.timeline.shown import EDGES, HANDLES, Part, Shown
 from studio.timeline.tracks.growth import keys_of, nearest_key
 
-DELETABLE = ("constraints", "contacts", "clips")
+DELETABLE = ("constraints", "contacts", "clips", "labels")
 
 
 def add_contact(shown: Shown, point: ContactPoint | Touch, frame: int) -> str | None:
@@ -30,8 +32,30 @@ def add_contact(shown: Shown, point: ContactPoint | Touch, frame: int) -> str | 
     return entity_id
 
 
+def add_label(shown: Shown, frame: int) -> str:
+    """Add and select a label at a frame of the motion, 0 to its last; its id."""
+    taken = {each.name for each in shown.project.labels_of(shown.subject.motion_id).values()}
+    frame = min(max(frame, 0), shown.subject.last_frame)
+    label = Label(free_name("Label", taken), frame, frame, shown.subject.motion_id)
+    label_id = shown.document.add("labels", label, "Add label")
+    shown.document.selection.set(("labels", label_id))
+    return label_id
+
+
+def go_to_label(shown: Shown, direction: int) -> None:
+    """Bring the playhead to the next (1) or previous (-1) label, and select it."""
+    playhead, subject = shown.document.playhead, shown.subject
+    times = {key: subject.stage_time(each.first) for key, each in shown.project.labels_of(subject.motion_id).items()}
+    ahead = {key: time for key, time in times.items() if (time - playhead.time) * direction > 1e-6}
+    if ahead:
+        nearest = min(ahead, key=lambda key: abs(ahead[key] - playhead.time))
+        playhead.pause()
+        playhead.set_time(ahead[nearest])
+        shown.document.selection.set(("labels", nearest))
+
+
 def delete_selected(shown: Shown) -> bool:
-    """Delete the selected constraints, contacts and clips as one step; whether there were any."""
+    """Delete the selected constraints, contacts, labels and clips as one step; whether there were any."""
     document = shown.document
     items = [item for item in document.selection.items if item[0] in DELETABLE]
     if not items:

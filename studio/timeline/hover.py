@@ -37,6 +37,8 @@ def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
             alone = f", of {sheet.shown.subject_name} alone" if contact.scope.is_narrow else ""
             ends = (sheet.shown.frame_words(frame) for frame in (contact.first, contact.last))
             return f"{name_of(contact)}: {' to '.join(ends)}, {seconds:.3f} s{alone}"
+        case "labels":
+            return _label_words(sheet, hit)
         case "clips":
             return _clip_text(sheet, hit)
         case "clip":
@@ -98,6 +100,16 @@ def _clip_text(sheet: Sheet, hit: Hit) -> str:
     text = f"{clip.clip_text(shown, entity)}: frames {entity.first} to {entity.last}, {length:.3f} s{shared}"
     comes = take_over(shown, hit.performer_id, entity)
     return f"{text}\n{comes.words(entity)}" if comes else text
+
+
+def _label_words(sheet: Sheet, hit: Hit) -> str:
+    label = sheet.shown.project.labels.get(hit.id)
+    if label is None:
+        return "Labels of the motion: double-click to add one"
+    rate = sheet.shown.subject.frame_rate
+    if label.last == label.first:
+        return f"{label.name}: {moment(label.first, label.first / rate)}"
+    return f"{label.name}: frames {label.first} to {label.last}, {(label.last - label.first) / rate:.3f} s"
 
 
 def _growth_text(sheet: Sheet, hit: Hit, position: QPointF) -> str:

@@ -48,7 +48,7 @@ EDGES = (Part.FIRST, Part.LAST)
 
 @dataclass(frozen=True)
 class Row:
-    """One row: its kind (constraints, clip, layer, growth, props, lane), id, and place from the top of all rows.
+    """One row: its kind (labels, constraints, clip, layer, growth, props, lane), id, and pixels below the first row.
 
     A row of clips or of growth has its performer's id, one of layers that and the region.
     """

@@ -15,7 +15,7 @@ from studio.document.behaviours import duplicate_states, remove_parts
 from studio.document.clips import name_of, remove_clips
 
 PARTS = ("clips", "states", "transitions")
-SMALL_THINGS = ("constraints", "contacts", "props", "behaviours", *PARTS)
+SMALL_THINGS = ("constraints", "contacts", "labels", "props", "behaviours", *PARTS)
 
 
 def undo(bench: Workbench) -> None:

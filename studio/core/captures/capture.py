@@ -51,6 +51,8 @@ class Capture:
     repairs: tuple[str, ...]
     markers: MarkerTake | None = None
     """What a body seen by optical markers was solved from; kept, so that it can be solved anew."""
+    digest: str = ""
+    """SHA-256 of the content of the source file in hexadecimal digits, by which it is found again; empty if unknown."""
 
     def __post_init__(self) -> None:
         reference = np.array(self.reference_rotations, dtype=np.float64)
