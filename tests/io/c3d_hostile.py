@@ -50,6 +50,22 @@ def parameter(group: str, name: str, data: bytes, skip: int = 2) -> Spoil:
     return spoil
 
 
+def deeper(group: str, name: str) -> Spoil:
+    """A parameter with a further dimension of 1, in the place of a byte that fills the section up."""
+
+    def spoil(content: bytearray) -> None:
+        at = value_of(content, group, name)
+        end, dimensions = data_start(content), content[at + 1]
+        assert content[end - 1] == 0
+        content[at + 1] += 1
+        step = struct.unpack_from("<H", content, at - 2)[0]
+        struct.pack_into("<H", content, at - 2, step + 1)
+        content.insert(at + 2 + dimensions, 1)
+        del content[end]
+
+    return spoil
+
+
 def renamed(group: str, name: str) -> Spoil:
     """A parameter that is not there."""
 

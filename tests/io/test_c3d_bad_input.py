@@ -27,6 +27,7 @@ from tests.io.c3d_hostile import (
     byte,
     cut,
     data_start,
+    deeper,
     header,
     parameter,
     point,
@@ -36,7 +37,7 @@ from tests.io.c3d_hostile import (
     step,
     value_of,
 )
-from tests.io.trials import make_trial
+from tests.io.trials import make_trial, same
 
 START = data_start(GOOD)
 A_FRAME = 4 * (4 * 4 + 24)
@@ -240,6 +241,20 @@ HARMLESS: dict[str, Spoil] = {
 @pytest.mark.parametrize("case", HARMLESS)
 def test_it_is_read_all_the_same(tmp_path: Path, case: str) -> None:
     assert _read(tmp_path, spoiled(HARMLESS[case])).trial.frame_count == 12
+
+
+@pytest.mark.parametrize(
+    ("group", "name"),
+    [
+        ("TRIAL", "ACTUAL_START_FIELD"), ("TRIAL", "ACTUAL_END_FIELD"), ("POINT", "LABELS"), ("POINT", "RATE"),
+        ("ANALOG", "SCALE"), ("EVENT", "TIMES"), ("EVENT", "LABELS"), ("FORCE_PLATFORM", "CORNERS"),
+        ("FORCE_PLATFORM", "ORIGIN"), ("FORCE_PLATFORM", "CHANNEL"), ("FORCE_PLATFORM", "TYPE"),
+    ],
+)  # fmt: skip
+def test_a_further_dimension_of_a_parameter_changes_nothing(tmp_path: Path, group: str, name: str) -> None:
+    plain, deep = _read(tmp_path, GOOD), _read(tmp_path, spoiled(deeper(group, name)))
+    assert same(deep.trial, plain.trial)
+    assert deep.repairs == plain.repairs
 
 
 def test_nothing_is_allocated_that_only_a_header_promises(tmp_path: Path) -> None:

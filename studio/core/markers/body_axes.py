@@ -135,8 +135,10 @@ def hand_axes(joints: Tracks, tracks: Tracks, side: str, forearm: FloatArray) ->
     return frame_of(out * (end - joints[f"{side}_wrist"]), forearm[..., 0])
 
 
-def foot_axes(joints: Tracks, tracks: Tracks, side: str, shank: FloatArray) -> FloatArray:
-    """The foot (F, 3, 3): x forward along it, level where it is lowest; square to the shank where it has no marker."""
+def foot_axes(joints: Tracks, tracks: Tracks, side: str, shank: FloatArray, shown: NDArray[np.bool_]) -> FloatArray:
+    """The foot (F, 3, 3): x forward along it, level where it is lowest of the frames ``shown`` (F,); square to the
+    shank where it has no marker.
+    """
     toe = tracks.get(f"{side}_toe")
     if toe is None:
         return shank
@@ -145,7 +147,7 @@ def foot_axes(joints: Tracks, tracks: Tracks, side: str, shank: FloatArray) -> F
     y = normalized(shank[..., 1] - np.sum(shank[..., 1] * x, axis=-1, keepdims=True) * x)
     axes = np.stack([x, y, np.cross(x, y)], axis=-1)
     heights = toe[:, 2] + heel[:, 2]
-    standing = heights <= np.percentile(heights, 20)
+    standing = shown & (heights <= np.percentile(heights[shown], 20))
     return axes @ _pitch(-np.median(np.arcsin(np.clip(x[standing, 2], -1.0, 1.0))))
 
 

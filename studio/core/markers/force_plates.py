@@ -8,6 +8,10 @@ from studio.core.rotations import normalized
 
 FloatArray = NDArray[np.float64]
 
+_SMALLEST, _LEVEL = 0.02, 0.02
+"""Square metres of a plate, and metres between the heights of its corners: others are not described, or no floor."""
+_FEET_ARE_OFF = 0.15
+"""Metres from where the feet seem to stand to where they do: markers lie beside a foot, and soles are thick."""
 _LEAST = 20.0
 """Newtons below which a plate counts as empty: its centre of pressure is noise."""
 
@@ -54,6 +58,22 @@ def plate_reactions(trial: Trial, plate: ForcePlate) -> tuple[FloatArray, FloatA
     pushed *= np.sign(np.sum(pushed @ up))
     seen = np.isfinite(across)
     return np.where(seen, places, np.nan), np.where(seen, pushed, np.nan)
+
+
+def plates_height(trial: Trial, turn: FloatArray, near: float) -> float | None:
+    """Height in metres of the level force plates, in world axes: ``turn`` (3, 3) brings points (N, 3) there.
+
+    Of plates at several heights the one nearest to ``near``; None without a level plate within reach of it.
+    """
+    heights = []
+    for plate in trial.plates:
+        corners = trial.metres * plate.corners @ turn
+        sides = corners[1] - corners[0], corners[3] - corners[0]
+        top = float(corners[:, 2].mean())
+        level = float(np.ptp(corners[:, 2])) < _LEVEL
+        if level and np.linalg.norm(np.cross(*sides)) > _SMALLEST and abs(top - near) < _FEET_ARE_OFF:
+            heights.append(top)
+    return min(heights, key=lambda height: abs(height - near), default=None)
 
 
 def sample_times(trial: Trial) -> FloatArray:

@@ -4,11 +4,12 @@ All lengths are metres, all places (F, 3) in axes that are fixed in space; NaN w
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.markers.functional import centre_of_rotation
+from studio.core.markers.functional import centre_of_rotation, shift_of_centres
 from studio.core.markers.marker_map import middles
 from studio.core.markers.measures import Measures, SideMeasures, has_pelvis, pelvis_frame
 from studio.core.markers.roles import SIDES
@@ -34,6 +35,23 @@ def joint_centres(markers: Mapping[str, FloatArray], measures: Measures) -> dict
         _leg(markers, tracks, measures.sides[place], side, 1 - 2 * place, joints)
         _arm(tracks, measures, place, joints)
     return joints
+
+
+def with_hips_of_thighs(markers: Mapping[str, FloatArray], measures: Measures) -> Measures:
+    """The measures with both hips moved forward or back in the pelvis as thighs of constant length show.
+
+    The depth of a hip is what its regression knows least, and what walking shows best; its height and its width are
+    left to the regression.
+    """
+    tracks, joints = middles(markers), joint_centres(markers, measures)
+    if not has_pelvis(tracks) or any(f"{side}_knee" not in joints for side in SIDES):
+        return measures
+    origin, pelvis = pelvis_frame(tracks)
+    forward = np.array([1.0, 0.0, 0.0])
+    knees = [np.einsum("fji,fj->fi", pelvis, joints[f"{side}_knee"] - origin) for side in SIDES]
+    shift = shift_of_centres(knees, [own.hip for own in measures.sides], forward)
+    left, right = (replace(own, hip=own.hip + shift * forward) for own in measures.sides)
+    return replace(measures, sides=(left, right))
 
 
 def chord(start: FloatArray, marker: FloatArray, wand: FloatArray, offset: float, turn: float = 0.0) -> FloatArray:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
+from studio.core.markers.feet import TOES, feet_axes
 from studio.core.markers.roles import JOINTS, ROLE, SIDES
 from studio.core.markers.trial import MARKER, VIRTUAL, Trial, bare_label
 
@@ -58,7 +59,8 @@ class MarkerMap:
         """Whether both legs can be followed: pelvis or hips, knees, ankles."""
         hips = self._has("front_hip") and ("left_back_hip" in self.markers or "right_back_hip" in self.markers)
         knees = self._has("knee") or (self._has_cluster("thigh") and self._has_cluster("shank"))
-        ankles = self._has("ankle") or (self._has("heel") and self._has("toe"))
+        toes = all(any(f"{side}_{toe}" in self.markers for toe in TOES) for side in SIDES)
+        ankles = self._has("ankle") or (self._has("heel") and toes)
         return ((hips or self._has("hip")) and knees and ankles) or self._has_centres("hip", *_LEG)
 
     def has_arms(self) -> bool:
@@ -102,8 +104,12 @@ def role_markers(trial: Trial, marker_map: MarkerMap, subject: str = "") -> dict
 
 
 def middles(markers: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-    """The middle (F, 3) of each role's markers; NaN where one of them is not seen."""
-    return {role: np.asarray(own.mean(axis=1)) for role, own in markers.items()}
+    """The middle (F, 3) of each role's markers, and the toes on the long axis of each foot.
+
+    NaN where one of them is not seen.
+    """
+    tracks = {role: np.asarray(own.mean(axis=1)) for role, own in markers.items()}
+    return tracks | feet_axes(tracks)
 
 
 def stored_centres(trial: Trial, marker_map: MarkerMap, subject: str = "") -> dict[str, FloatArray]:

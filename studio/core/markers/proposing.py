@@ -1,83 +1,68 @@
 """A marker map proposed for a set that nobody knows: by the words in its labels, then by where the markers are."""
 
-import re
-from collections import defaultdict
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.markers.label_words import part_of
 from studio.core.markers.marker_map import MarkerMap, seen_labels
 from studio.core.markers.roles import ROLE, SIDES
-from studio.core.markers.told_centres import told_centres
+from studio.core.markers.subjects import shared_beginning
+from studio.core.markers.told_centres import pelvis_width, told_centres, without_side
 from studio.core.markers.trial import Trial, whole
+from studio.core.rotations import normalized
 
 FloatArray = NDArray[np.float64]
 
-_WORDS: tuple[tuple[str, str], ...] = (
-    ("back_hip", r"psis?|bwt|ips|waist.?back|back.?waist|hip.?back"),
-    ("front_hip", r"asis?|fwt|ias|waist.?front|front.?waist|hip.?front"),
-    ("sacrum", r"v?\.?sacr?(um|al)?|s1"),
-    ("pelvis", r"pv\d*|pelv(is)?\d*|waist\d*"),
-    ("inner_knee", r"fme|mknee?|knee?.?(m|med|medial|in|inner|int)"),
-    ("knee", r"knee?|fle|lk|knee?.?(l|lat|lateral|out|outer|ext)"),
-    ("inner_ankle", r"tam|mank(le)?|mm|ank(le)?.?(m|med|medial|in|inner|int)"),
-    ("ankle", r"ank(le)?|fal|lm|mall?(eolus)?|ank(le)?.?(l|lat|lateral|out|outer|ext)"),
-    ("heel", r"hee?l?|heel.?back|calc(aneus)?|fcc|ca"),
-    ("toe", r"toe|toe.?tip|fm[125]|mt2|met|foo\d*|toe.?(in|out)?"),
-    ("foot", r"ft\d*|foot\d*"),
-    ("thigh", r"bar.?1|thi(gh)?\d*|th\d*|femur\d*|uleg\d*"),
-    ("shank", r"bar.?2|sha(nk)?\d*|shi?n\d*|tib(ia)?\d*|ttc|fax|sk\d*|lleg\d*"),
-    ("hip", r"hip|gt|ftc|troch(anter)?"),
-    ("shoulder", r"sho(ulder)?|should|saj|acr(omion)?|shoulder.?top|sho.?top"),
-    ("inner_elbow", r"elb(ow)?.?(m|med|medial|in|inner|int)|hme"),
-    ("elbow", r"elb(ow)?|hle|elb(ow)?.?(l|lat|lateral|out|outer|ext)"),
-    ("wrist", r"wra|wrist?.?(a|in|inner|thumb|rad(ius)?)|rsp|rhe"),
-    ("outer_wrist", r"wrb|wrist?.?(b|out|outer|uln(a)?)|usp|uhe"),
-    ("wrists", r"wri(st)?\d*"),
-    ("hand", r"fin(ger)?|hm[235]|hand\d*|knu(ckle)?|hand.?(in|out)"),
-    ("upper_arm", r"upa|uarm\d*|upper.?arm\d*|arm\d*"),
-    ("forearm", r"fra|frm|farm\d*|fore.?arm\d*"),
-    ("front_head", r"fhd|hdf|front.?head|head.?front"),
-    ("back_head", r"bhd|hdb|back.?head|head.?back"),
-)
-_MIDDLE_WORDS: tuple[tuple[str, str], ...] = (
-    ("neck_back", r"cv?7|spine.?top|neck"),
-    ("back", r"tv?(8|9|10|12)|spine.?(mid|thoracic\d*)"),
-    ("collar", r"clav(icle)?|ij|sjn|cl|notch|jug(ular)?|collar"),
-    ("breastbone", r"strn|stern(um)?|px|sxs|xip(h|hoid)?|chest"),
-    ("sacrum", r"v?\.?sacr?(um|al)?|s1"),
-)
 _ACROSS = 0.7
 """Cosine of the angle from straight across the body within which two markers are on either side of a joint."""
-_NUMBERED = re.compile(r"[_ ]\d+$")
+_ALONG = 0.5
+"""Cosine of the angle from straight along an arm beyond which they are not."""
+_WELL_SEEN = 0.8
+"""Of the markers that the best frame shows, the part that a frame must show."""
+_MOST_FRAMES = 600
+"""Frames that are enough to know where markers lie on a body."""
+_LOW = 0.1
+"""Parts of the pelvis' width over the lowest marker of a standing foot within which another lies beside the sole."""
+_ON_THE_FOOT = 1.0
+"""Parts of the pelvis' width from the ankle within which a heel is."""
+_HALF_FOOT = 0.27
+"""Parts of the pelvis' width from the fifth metatarsal to the middle of the foot, at most."""
 
 
 @dataclass(frozen=True)
 class _Marker:
     label: str
-    place: FloatArray
-    """(3,) metres, its median over frames in which most markers are seen."""
+    track: FloatArray
+    """(F, 3) metres, file axes; NaN where not seen."""
+
+
+_Found = dict[tuple[str, str], list[_Marker]]
+"""Markers by side and part."""
 
 
 def propose_map(trial: Trial, subject: str = "") -> MarkerMap:
     """What the labels say, sorted out by geometry: pairs on both sides of a joint, clusters on pelvis and feet."""
     found = _by_words(trial, subject)
-    centres = _take_centres(found, trial, subject)
-    markers: dict[str, tuple[str, ...]] = {}
-    outward = _leftward(found)
-    for side in SIDES:
-        sign = 1.0 if side == "left" else -1.0
-        for joint in ("knee", "ankle", "elbow"):
-            _sort_pair(found, side, joint, sign * outward)
-        pair = found.pop((side, "wrists"), [])
-        for role, marker in zip(("wrist", "outer_wrist"), pair, strict=False):
+    centres, found = _apart_from_centres(found)
+    _sort_pelvis(found)
+    leftward = _leftward(found)
+    forward = np.cross(leftward, _upward(found))
+    for side, outward in zip(SIDES, (leftward, -leftward), strict=True):
+        for joint in ("knee", "ankle"):
+            _sort_pair(found, side, joint, outward)
+        _sort_elbows(found, side, outward)
+        for role, marker in zip(
+            ("wrist", "outer_wrist"), _sorted(found.pop((side, "wrists"), []), forward), strict=False
+        ):
             found.setdefault((side, role), []).append(marker)
-    _sort_pelvis(found, outward)
-    _sort_feet(found)
+        _sort_foot(found, side, outward)
+    _sort_foot_clusters(found, forward)
+    markers: dict[str, tuple[str, ...]] = {}
     for (side, part), own in found.items():
         role = f"{side}_{part}" if side else part
-        limit = None if part in ("thigh", "shank") else 1
+        limit = None if part in ("thigh", "shank", "hand") else 1
         markers[role] = tuple(marker.label for marker in own[:limit])
     sacrum = markers.pop("sacrum", ())
     for side in SIDES:
@@ -86,127 +71,173 @@ def propose_map(trial: Trial, subject: str = "") -> MarkerMap:
     return MarkerMap("proposed by names and places", {r: m for r, m in markers.items() if r in ROLE}, centres)
 
 
-def _take_centres(found: dict[tuple[str, str], list[_Marker]], trial: Trial, subject: str) -> dict[str, str]:
-    """Joint centres by joint, taken out of what was ``found`` where markers of their joint remain."""
-    written = {bare: label for label, bare in seen_labels(trial, subject).items()}
-    labels = {place: [marker.label for marker in own] for place, own in found.items()}
-    tracks = {bare: trial.metres * trial.track(written[bare]) for own in labels.values() for bare in own}
-    told = told_centres(labels, tracks)
-    names = {joint.partition("_")[2] for joint in told}
-    left = {place: [each for each in own if each.label not in told.values()] for place, own in found.items()}
-    if not all(left.get((side, name)) or name == "hip" for side in SIDES for name in names):
-        return {}
-    found.clear()
-    found |= {place: own for place, own in left.items() if own}
-    return told
-
-
-def part_of(label: str) -> tuple[str, str] | None:
-    """(side, part) that a label says, side empty in the middle; None where it says nothing known."""
-    return _said(label.lower()) or _said(_NUMBERED.sub("", label.lower()))
-
-
-def _said(plain: str) -> tuple[str, str] | None:
-    for part, words in _MIDDLE_WORDS:
-        if re.fullmatch(words, plain):
-            return "", part
-    for first in (True, False):
-        for side, letter in (("left", "l"), ("right", "r")):
-            names = (side, letter)
-            for name in names:
-                rest = plain[len(name) :] if first else plain[: -len(name)]
-                fits = plain.startswith(name) if first else plain.endswith(name)
-                said = _part(rest.strip(" ._-")) if fits else None
-                if said is not None:
-                    return side, said
-    return ("", "pelvis") if _part(plain) == "pelvis" else None
-
-
-def _part(word: str) -> str | None:
-    return next((part for part, words in _WORDS if word and re.fullmatch(words, word)), None)
-
-
-def _by_words(trial: Trial, subject: str) -> dict[tuple[str, str], list[_Marker]]:
+def _by_words(trial: Trial, subject: str) -> _Found:
+    """Markers of which the labels say the place, in frames spread over the trial."""
     labels = seen_labels(trial, subject)
     if not labels:
         return {}
-    points = trial.metres * trial.points[:, [trial.labels.index(label) for label in labels]]
+    points = trial.points[:, [trial.labels.index(label) for label in labels]]
     seen = whole(points)
-    frame = int(np.argmax(seen.sum(axis=1)))
-    found: dict[tuple[str, str], list[_Marker]] = defaultdict(list)
+    well_seen = np.flatnonzero(seen.sum(axis=1) >= _WELL_SEEN * seen.sum(axis=1).max())
+    spread = well_seen[np.linspace(0, len(well_seen) - 1, _MOST_FRAMES).astype(int)]
+    frames = np.union1d(spread, seen.argmax(axis=0))
+    beginning = shared_beginning(list(labels.values()))
+    found: _Found = {}
     for place, bare in enumerate(labels.values()):
-        said = part_of(bare)
+        said = part_of(bare.removeprefix(beginning))
         if said is not None:
-            near = int(np.flatnonzero(seen[:, place])[np.argmin(np.abs(np.flatnonzero(seen[:, place]) - frame))])
-            found[said].append(_Marker(bare, points[near, place]))
-    return dict(found)
+            found.setdefault(said, []).append(_Marker(bare, trial.metres * points[frames, place]))
+    return found
 
 
-def _leftward(found: dict[tuple[str, str], list[_Marker]]) -> FloatArray:
-    """From the right markers' middle to the left ones', (3,) of length one; zero where one side has none."""
-    sides = [[marker.place for (own, _), many in found.items() if own == side for marker in many] for side in SIDES]
+def _apart_from_centres(found: _Found) -> tuple[dict[str, str], _Found]:
+    """Labels of joint centres by joint, and the markers without them.
+
+    A centre is what is called so, or what measures tell where markers of its joint remain or where a whole leg of
+    centres is there.
+    """
+    named = {(s, part.removesuffix(" centre")): own for (s, part), own in found.items() if part.endswith(" centre")}
+    told = told_centres(*_labelled(found))
+    names = {joint.partition("_")[2] for joint in told}
+    left = {place: [marker for marker in own if marker.label not in told.values()] for place, own in found.items()}
+    if not (names >= {"hip", "knee", "ankle"} or all(left.get((s, n)) or n == "hip" for s in SIDES for n in names)):
+        told, left = {}, found
+    centres = told | {f"{side}_{joint}": own[0].label for (side, joint), own in named.items()}
+    return centres, {place: own for place, own in left.items() if own}
+
+
+def _leftward(found: _Found) -> FloatArray:
+    """Directions (F, 3) from right to left: along the pelvis, the hips or the shoulders, else between all markers."""
+    for part in ("front_hip", "hip", "shoulder"):
+        pair = [found[side, part][0].track for side in SIDES if (side, part) in found]
+        if len(pair) == 2:
+            return normalized(pair[0] - pair[1])
+    sides = [[marker.track for (own, _), many in found.items() if own == side for marker in many] for side in SIDES]
     if not all(sides):
         return np.zeros(3)
-    across = np.mean(sides[0], axis=0) - np.mean(sides[1], axis=0)
-    return np.asarray(across / max(float(np.linalg.norm(across)), 1e-9))
+    return normalized(_mean(sides[0]) - _mean(sides[1]))
 
 
-def _sort_pair(found: dict[tuple[str, str], list[_Marker]], side: str, joint: str, outward: FloatArray) -> None:
-    """Of two markers at one joint the outer one and the inner one, where they are on either side of it."""
+def _mean(tracks: list[FloatArray]) -> FloatArray:
+    """The middle (F, 3) of those that are seen; NaN where none is."""
+    seen = np.array([whole(track) for track in tracks])[..., None]
+    count = seen.sum(axis=0)
+    return np.asarray(np.where(seen, tracks, 0.0).sum(axis=0) / np.where(count, count, np.nan))
+
+
+def _average(values: FloatArray) -> float:
+    """Over frames in which it is known; 0 where none is."""
+    known = values[np.isfinite(values)]
+    return float(known.mean()) if len(known) else 0.0
+
+
+def _along(vectors: FloatArray, directions: FloatArray) -> float:
+    """Mean component of vectors (F, 3) along directions (F, 3) of length one."""
+    return _average(np.sum(vectors * directions, axis=-1))
+
+
+def _sorted(markers: list[_Marker], directions: FloatArray) -> list[_Marker]:
+    """The markers from the farthest one along directions (F, 3) to the nearest."""
+    return sorted(markers, key=lambda marker: -_along(marker.track - markers[0].track, directions))
+
+
+def _sort_pair(found: _Found, side: str, joint: str, outward: FloatArray) -> None:
+    """Of several markers at one joint the outer one and the inner one, where two are on either side of it."""
     own = found.get((side, joint), [])
     if len(own) < 2 or (side, f"inner_{joint}") in found:
         return
-    outer, *_, inner = sorted(own, key=lambda marker: -float(marker.place @ outward))
-    way = outer.place - inner.place
-    if way @ outward > _ACROSS * np.linalg.norm(way):
+    outer, *_, inner = _sorted(own, outward)
+    if _along(normalized(outer.track - inner.track), outward) > _ACROSS:
         found[side, f"inner_{joint}"], found[side, joint] = [inner], [outer]
 
 
-def _sort_pelvis(found: dict[tuple[str, str], list[_Marker]], leftward: FloatArray) -> None:
+def _sort_elbows(found: _Found, side: str, outward: FloatArray) -> None:
+    """Of two markers at an elbow, square to the arm, the one that is farther from the body as the outer one."""
+    own, ends = found.get((side, "elbow"), []), found.get((side, "shoulder"), []) + found.get((side, "wrists"), [])
+    if len(own) < 2 or (side, "inner_elbow") in found or not ends:
+        return
+    one, other = own[:2]
+    between = normalized(one.track - other.track)
+    arms = [normalized(end.track - 0.5 * (one.track + other.track)) for end in ends]
+    if max(abs(_along(between, arm)) for arm in arms) < _ALONG:
+        out = _along(one.track - other.track, outward) >= 0.0
+        found[side, "elbow"], found[side, "inner_elbow"] = ([one], [other]) if out else ([other], [one])
+
+
+def _sort_pelvis(found: _Found) -> None:
     """Hips in front of a sacrum are the front of the pelvis; four unnamed markers are its corners."""
     hips = [found.get((side, "hip"), []) for side in SIDES]
     if all(hips) and ("", "sacrum") in found and ("left", "front_hip") not in found:
         for side in SIDES:
             found[side, "front_hip"] = found.pop((side, "hip"))
-    cluster = found.pop(("", "pelvis"), [])
+    cluster, leftward = found.pop(("", "pelvis"), []), _leftward(found)
     if len(cluster) != 4 or not leftward.any():
         return
-    up = _upward(found)
-    forward = np.cross(leftward, up)
-    middle = np.mean([marker.place for marker in cluster], axis=0)
+    forward = np.cross(leftward, _upward(found))
+    middle = _mean([marker.track for marker in cluster])
     for marker in cluster:
-        local = marker.place - middle
-        side = "left" if local @ leftward > 0.0 else "right"
-        end = "front_hip" if local @ forward > 0.0 else "back_hip"
+        side = "left" if _along(marker.track - middle, leftward) > 0.0 else "right"
+        end = "front_hip" if _along(marker.track - middle, forward) > 0.0 else "back_hip"
         found.setdefault((side, end), []).append(marker)
 
 
-def _sort_feet(found: dict[tuple[str, str], list[_Marker]]) -> None:
-    """Of unnamed clusters on the feet the two that lie farthest apart along the way the body looks: heel and toe.
-
-    The same ones on either side, where they are called alike.
-    """
-    forward = np.cross(_leftward(found), _upward(found))
-    feet = [found.pop((side, "foot"), []) for side in SIDES]
-    middles = [np.mean([marker.place for marker in foot], axis=0) for foot in feet if foot]
-    if not middles:
+def _sort_foot(found: _Found, side: str, outward: FloatArray) -> None:
+    """Tell heels from hands by the ankle beside them; of one metatarsal the fifth is marked, of two the outer one."""
+    width = pelvis_width(*_labelled(found))
+    ankles = found.get((side, "ankle"), [])
+    if ankles and width:
+        near = [m for m in found.get((side, "heel"), []) if _distance(m, ankles[0]) < _ON_THE_FOOT * width]
+        found[side, "heel"] = near
+    balls = _sorted(found.pop((side, "met"), []), outward)
+    if not balls:
         return
-    ahead: dict[str, list[float]] = defaultdict(list)
-    for foot, middle in zip([foot for foot in feet if foot], middles, strict=True):
-        for marker in foot:
-            ahead[marker.label[1:]].append(float((marker.place - middle) @ forward))
-    for side, foot in zip(SIDES, feet, strict=True):
-        if len(foot) > 1 and (side, "toe") not in found:
-            foot.sort(key=lambda marker: float(np.mean(ahead[marker.label[1:]])))
-            found[side, "heel"], found[side, "toe"] = [foot[0]], [foot[-1]]
+    found.setdefault((side, "outer_toe"), balls[:1])
+    if len(balls) > 1 and width:
+        middle = _distance(balls[0], balls[1]) < _HALF_FOOT * width
+        found.setdefault((side, "toe" if middle else "inner_toe"), balls[1:2])
 
 
-def _upward(found: dict[tuple[str, str], list[_Marker]]) -> FloatArray:
-    """From shanks to pelvis or thighs, (3,) of length one; the file's Z where they are not known."""
-    low = [m.place for (_, part), many in found.items() if part in ("shank", "ankle", "toe", "foot") for m in many]
-    high = [m.place for (_, part), many in found.items() if part in ("thigh", "front_hip", "shoulder") for m in many]
+def _sort_foot_clusters(found: _Found, forward: FloatArray) -> None:
+    """Of unnamed clusters on the feet the two beside the sole that lie farthest apart along the way the body looks:
+    heel and toe. The same ones on either side, where they are called alike.
+    """
+    feet = {side: found.pop((side, "foot"), []) for side in SIDES}
+    up, width = _upward(found), pelvis_width(*_labelled(found))
+    ahead: dict[str, list[float]] = {}
+    high: dict[str, list[float]] = {}
+    for side, foot in feet.items():
+        if not foot:
+            continue
+        heights = [float(np.nanpercentile(marker.track @ up, 10)) for marker in foot]
+        middle = _mean([marker.track for marker in foot])
+        for marker, height in zip(foot, heights, strict=True):
+            name = without_side(marker.label, side)
+            ahead.setdefault(name, []).append(_along(marker.track - middle, forward))
+            high.setdefault(name, []).append(height - min(heights))
+    for side, foot in feet.items():
+        names = {marker.label: without_side(marker.label, side) for marker in foot}
+        low = [marker for marker in foot if not width or np.mean(high[names[marker.label]]) < _LOW * width]
+        if len(low) > 1 and not {(side, part) for part in ("toe", "inner_toe", "outer_toe")} & found.keys():
+            low.sort(key=lambda marker: float(np.mean(ahead[names[marker.label]])))
+            found[side, "heel"], found[side, "toe"] = [low[0]], [low[-1]]
+
+
+def _labelled(found: _Found) -> tuple[dict[tuple[str, str], list[str]], dict[str, FloatArray]]:
+    """Labels by side and part, and tracks by label."""
+    labels = {place: [marker.label for marker in own] for place, own in found.items()}
+    return labels, {marker.label: marker.track for own in found.values() for marker in own}
+
+
+def _distance(one: _Marker, other: _Marker) -> float:
+    return _average(np.linalg.norm(one.track - other.track, axis=-1))
+
+
+def _upward(found: _Found) -> FloatArray:
+    """The file axis (3,) from shanks to pelvis or thighs; the file's Z where they are not known."""
+    low = [m.track for (_, part), many in found.items() if part in ("shank", "ankle", "toe", "foot") for m in many]
+    high = [m.track for (_, part), many in found.items() if part in ("thigh", "front_hip", "shoulder") for m in many]
     if not (low and high):
         return np.array([0.0, 0.0, 1.0])
-    way = np.mean(high, axis=0) - np.mean(low, axis=0)
+    way = np.nanmean(_mean(high) - _mean(low), axis=0)
     axis = int(np.argmax(np.abs(way)))
     return np.asarray(np.eye(3)[axis] * np.sign(way[axis]))

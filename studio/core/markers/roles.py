@@ -53,6 +53,8 @@ ROLES: tuple[Role, ...] = (
     *_pair("inner_ankle", "inner ankle", "leg", (0.06, 0.085), "The inner side of the ankle"),
     *_pair("heel", "heel", "leg", (0.09, 0.035), "Behind, on the heel"),
     *_pair("toe", "toes", "leg", (0.2, 0.02), "Over the ball of the foot, before the second toe"),
+    *_pair("inner_toe", "ball of the big toe", "leg", (0.13, 0.01), "The head of the first metatarsal"),
+    *_pair("outer_toe", "ball of the little toe", "leg", (0.27, 0.01), "The head of the fifth metatarsal"),
 )  # fmt: skip
 
 ROLE: dict[str, Role] = {role.id: role for role in ROLES}

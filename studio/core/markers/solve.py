@@ -30,6 +30,7 @@ from studio.core.markers.roles import SIDES
 from studio.core.rotations import from_matrix, normalized, shortest_arc
 
 FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 Tracks = Mapping[str, FloatArray]
 
 # Parts of stature, after Drillis and Contini (1966).
@@ -44,6 +45,8 @@ _SPINE_BASE, _CHEST = 0.2, 0.55
 """Where the two spine joints lie between hips and neck."""
 _BAND_TO_CROWN = 0.09
 """Metres from the middle of the head's markers up to the crown."""
+_ALONG_THE_FOOT = np.array([1.0, 0.0, 1.0])
+"""A toe joint lies before its ankle on the long axis of the foot, on whichever side of the axis its marker is."""
 _HANGING = normalized(np.array([0.08, 0.17, -1.0]))
 """Direction of a left arm that hangs at ease."""
 
@@ -74,14 +77,21 @@ class SolvedBody:
     """``arms``, ``legs``, ``head``: what the trial does not show."""
 
 
-def solve_body(tracks: Tracks, joints: Tracks, radius: float, stature: float | None = None) -> SolvedBody:
+def solve_body(
+    tracks: Tracks,
+    joints: Tracks,
+    radius: float,
+    stature: float | None = None,
+    seen: Mapping[str, BoolArray] | None = None,
+) -> SolvedBody:
     """The body that moves as ``joints`` (F, 3) and markers by role say; world axes, metres, no gaps.
 
-    ``stature`` helps to size what is not shown; without it legs or arms tell. Needs both legs or both arms.
+    ``stature`` helps to size what is not shown; without it legs or arms tell. Lengths are those of the frames (F,) in
+    which their places are ``seen``, where that is told. Needs both legs or both arms.
     """
     stature = stature or _stature(joints)
     trunk = find_trunk(tracks, joints, stature, radius)
-    body = _Body(trunk, tracks, joints, stature)
+    body = _Body(trunk, tracks, joints, stature, seen or {})
     resting = body.lay_out()
     offsets = np.array([body.offsets[name] for name in _NAMES])
     parents = np.array([_NAMES.index(parent) if parent else -1 for parent in _PARENTS.values()])
@@ -94,8 +104,10 @@ def solve_body(tracks: Tracks, joints: Tracks, radius: float, stature: float | N
 class _Body:
     """Axes by joint (F, 3, 3) and offsets in the zero pose, a T-pose facing x, filled part by part."""
 
-    def __init__(self, trunk: Trunk, tracks: Tracks, joints: Tracks, stature: float) -> None:
-        self.trunk, self.tracks, self.joints, self.stature = trunk, tracks, joints, stature
+    def __init__(
+        self, trunk: Trunk, tracks: Tracks, joints: Tracks, stature: float, seen: Mapping[str, BoolArray]
+    ) -> None:
+        self.trunk, self.tracks, self.joints, self.stature, self.seen = trunk, tracks, joints, stature, seen
         self.axes: dict[str, FloatArray] = {}
         self.offsets: dict[str, FloatArray] = {}
 
@@ -128,7 +140,8 @@ class _Body:
     def _lay_trunk(self) -> bool:
         """Spine, chest, neck and head; whether the head is shown."""
         trunk = self.trunk
-        length = float(np.median(np.linalg.norm(trunk.neck - trunk.hips, axis=-1)))
+        shown = self._shown(*(f"{side}_{joint}" for side in SIDES for joint in ("hip", "shoulder")))
+        length = float(np.median(np.linalg.norm(trunk.neck - trunk.hips, axis=-1)[shown]))
         length = max(length, _SHORTEST_TRUNK * self.stature)
         base = _up(_SPINE_BASE * length)
         below_neck = _up((1.0 - _CHEST) * length)
@@ -137,7 +150,7 @@ class _Body:
         self.axes |= {"Hips": trunk.pelvis, "Chest": trunk.thorax}
         self.axes["Spine"] = shortest_arc(middle[..., 2], bend) @ middle
         spine = np.linalg.norm(trunk.neck - trunk.thorax @ below_neck - trunk.hips - trunk.pelvis @ base, axis=-1)
-        self.offsets |= {"Spine": base, "Chest": _up(float(np.median(spine))), "Neck": below_neck}
+        self.offsets |= {"Spine": base, "Chest": _up(float(np.median(spine[shown]))), "Neck": below_neck}
         return self._lay_head()
 
     def _lay_head(self) -> bool:
@@ -146,22 +159,25 @@ class _Body:
             self.axes |= {"Neck": self.trunk.thorax, "Head": self.trunk.thorax}
             self.offsets |= {"Head": _up(0.05 * self.stature), "HeadEnd": _up(0.13 * self.stature)}
             return False
-        band = np.mean([self.tracks[name] for name in HEAD if name in self.tracks], axis=0)
-        joint = band - head @ _up(0.5 * float(np.median(np.linalg.norm(band - self.trunk.neck, axis=-1))))
-        self._aim("Neck", self.trunk.thorax, "Head", joint - self.trunk.neck, _up(1.0))
+        names = [name for name in HEAD if name in self.tracks]
+        shown = self._shown(*names)
+        band = np.mean([self.tracks[name] for name in names], axis=0)
+        joint = band - head @ _up(0.5 * float(np.median(np.linalg.norm(band - self.trunk.neck, axis=-1)[shown])))
+        self._aim("Neck", self.trunk.thorax, "Head", joint - self.trunk.neck, _up(1.0), shown)
         self.axes["Head"] = head
-        self.offsets["HeadEnd"] = _median_in(head, band - joint) + _up(_BAND_TO_CROWN)
+        self.offsets["HeadEnd"] = _median_in(head[shown], (band - joint)[shown]) + _up(_BAND_TO_CROWN)
         return True
 
     def _lay_arm(self, side: str) -> None:
         name, thorax = side.capitalize(), self.trunk.thorax
         out = 1.0 if side == "left" else -1.0
         chest = self._chest()
-        reach = _median_in(thorax, self.joints[f"{side}_shoulder"] - chest)
+        shown = self._shown(f"{side}_shoulder")
+        reach = _median_in(thorax[shown], (self.joints[f"{side}_shoulder"] - chest)[shown])
         base = self.offsets["Neck"] + 0.15 * (reach - self.offsets["Neck"])
         self.offsets[f"{name}Shoulder"] = base
         bone = self.joints[f"{side}_shoulder"] - chest - thorax @ base
-        self._aim(f"{name}Shoulder", thorax, f"{name}Arm", bone, np.array([0.0, out, 0.0]))
+        self._aim(f"{name}Shoulder", thorax, f"{name}Arm", bone, np.array([0.0, out, 0.0]), shown)
         for joint, near, far in ((f"{name}ForeArm", "shoulder", "elbow"), (f"{name}Hand", "elbow", "wrist")):
             self.offsets[joint] = np.array([0.0, out * self._length(f"{side}_{near}", f"{side}_{far}"), 0.0])
         shoulder = chest + thorax @ base + self.axes[f"{name}Shoulder"] @ self.offsets[f"{name}Arm"]
@@ -171,8 +187,8 @@ class _Body:
         end = self.tracks.get(f"{side}_hand")
         length = _HAND * self.stature
         if end is not None:
-            shown = float(np.median(np.linalg.norm(end - self.joints[f"{side}_wrist"], axis=-1)))
-            length = max(length, shown)
+            reach = np.linalg.norm(end - self.joints[f"{side}_wrist"], axis=-1)
+            length = max(length, float(np.median(reach[self._shown(f"{side}_hand", f"{side}_wrist")])))
         self.offsets[f"{name}HandEnd"] = np.array([0.0, out * length, 0.0])
 
     def _rest_arm(self, side: str) -> None:
@@ -193,10 +209,12 @@ class _Body:
         name, pelvis = side.capitalize(), self.trunk.pelvis
         length = self._length(f"{side}_hip", f"{side}_knee")
         thigh, shank = leg_axes(self.joints, self.tracks, side, pelvis, length)
-        foot = foot_axes(self.joints, self.tracks, side, shank)
+        standing = self._shown(*(f"{side}_{place}" for place in ("toe", "heel", "ankle")))
+        foot = foot_axes(self.joints, self.tracks, side, shank, standing)
         self.axes |= {f"{name}{bone}": axes for bone, axes in (("UpLeg", thigh), ("Leg", shank), ("Foot", foot))}
         self.axes[f"{name}Toe"] = foot
-        hip = _median_in(pelvis, self.joints[f"{side}_hip"] - self.trunk.hips)
+        shown = self._shown("left_hip", "right_hip")
+        hip = _median_in(pelvis[shown], (self.joints[f"{side}_hip"] - self.trunk.hips)[shown])
         if np.linalg.norm(hip) < _SHORTEST_BONE:
             hip = np.array([0.0, (_HIP if side == "left" else -_HIP) * self.stature, 0.0])
         self.offsets[f"{name}UpLeg"] = hip
@@ -206,7 +224,7 @@ class _Body:
         self.offsets[f"{name}Toe"] = (
             np.array([_FOOT * self.stature, 0.0, -0.6 * _ANKLE * self.stature])
             if toe is None
-            else _median_in(foot, toe - self.joints[f"{side}_ankle"])
+            else _median_in(foot[standing], (toe - self.joints[f"{side}_ankle"])[standing]) * _ALONG_THE_FOOT
         )
         self.offsets[f"{name}ToeEnd"] = np.array([0.035 * self.stature, 0.0, 0.0])
 
@@ -228,20 +246,29 @@ class _Body:
         spine = self.trunk.hips + self.trunk.pelvis @ self.offsets["Spine"]
         return np.asarray(spine + self.axes["Spine"] @ self.offsets["Chest"])
 
-    def _aim(self, joint: str, carrier: FloatArray, child: str, bone: FloatArray, usual: FloatArray) -> None:
+    def _aim(
+        self, joint: str, carrier: FloatArray, child: str, bone: FloatArray, usual: FloatArray, shown: BoolArray
+    ) -> None:
         """Turn ``joint`` from its carrier's axes so that its bone to ``child`` points along ``bone`` (F, 3).
 
-        ``usual`` (3,) is where it points in them when it has no length.
+        ``usual`` (3,) is where it points in them when it has no length, which is that of the frames ``shown`` (F,).
         """
         local = np.einsum("fji,fj->fi", carrier, bone)
-        middle = np.median(local, axis=0)
+        middle = np.median(local[shown], axis=0)
         rest = normalized(middle) if np.linalg.norm(middle) > _SHORTEST_BONE else usual
-        self.offsets[child] = max(float(np.median(np.linalg.norm(bone, axis=-1))), _SHORTEST_BONE) * rest
+        self.offsets[child] = max(float(np.median(np.linalg.norm(bone, axis=-1)[shown])), _SHORTEST_BONE) * rest
         self.axes[joint] = carrier @ shortest_arc(rest, normalized(local))
 
     def _length(self, near: str, far: str) -> float:
-        shown = float(np.median(np.linalg.norm(self.joints[far] - self.joints[near], axis=-1)))
-        return max(shown, _SHORTEST_BONE)
+        lengths = np.linalg.norm(self.joints[far] - self.joints[near], axis=-1)
+        return max(float(np.median(lengths[self._shown(near, far)])), _SHORTEST_BONE)
+
+    def _shown(self, *names: str) -> BoolArray:
+        """Frames (F,) in which all of the places are seen; all frames where that is never so, or not told."""
+        shown = np.ones(len(self.trunk.hips), dtype=bool)
+        for name in names:
+            shown &= self.seen.get(name, True)
+        return shown if shown.any() else ~shown
 
     def _bone(self, joint: str) -> float:
         return float(np.linalg.norm(self.offsets[joint]))

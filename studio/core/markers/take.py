@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.core.markers.cleaning import USUAL_STEPS, Step, StepReport, clean
-from studio.core.markers.joint_centres import joint_centres
+from studio.core.markers.joint_centres import joint_centres, with_hips_of_thighs
 from studio.core.markers.marker_map import MarkerMap, middles, role_markers, seen_labels, stored_centres
 from studio.core.markers.measures import Measures, find_measures, pelvis_frame
+from studio.core.markers.roles import SIDES
 from studio.core.markers.trial import MARKER, VIRTUAL, Trial, whole
 
 FloatArray = NDArray[np.float64]
@@ -57,6 +58,8 @@ class FollowedBody:
     """Frames from there on in which some place of the body was not seen and not filled by a step."""
     stored: Mapping[str, FloatArray]
     """Joint centres that a model left in the trial; with gaps."""
+    seen: Mapping[str, NDArray[np.bool_]]
+    """Frames (F,) in which each joint or place of a role is seen and not held."""
 
 
 def follow(take: MarkerTake) -> FollowedBody:
@@ -72,9 +75,20 @@ def follow(take: MarkerTake) -> FollowedBody:
     open_frames = ~np.all([whole(track) for track in tracks.values()], axis=0) if tracks else ~seen
     axes = _carrier_axes(tracks | stored, carrier)
     filled = {role: _closed_cluster(own[:end], axes[0][:end], axes[1][:end]) for role, own in markers.items()}
-    centres = {joint: _closed(own[:end], axes[0][:end], axes[1][:end]) for joint, own in stored.items()}
     measures = find_measures(trial.measures, trial.metres, tracks, stored)
-    joints = centres | joint_centres(filled, measures)
+    recorded = {role: own[:end] for role, own in markers.items()}
+    if not any(f"{side}_hip" in stored for side in SIDES):
+        measures = with_hips_of_thighs(recorded, measures)
+    given = {joint: own[:end] for joint, own in stored.items()}
+    shown = joint_centres(recorded, measures) | given
+    computed = joint_centres(filled, measures)
+    origin, turns = axes[0][:end], axes[1][:end]
+    joints = computed | {
+        joint: _closed(own, origin, turns)
+        if joint not in computed
+        else computed[joint] + _closed(own - computed[joint], np.zeros_like(origin), turns)
+        for joint, own in given.items()
+    }
     return FollowedBody(
         joints=_whole_pairs(joints),
         tracks=middles(filled),
@@ -82,7 +96,9 @@ def follow(take: MarkerTake) -> FollowedBody:
         first_frame=first,
         reports=reports,
         unseen=int(open_frames[first:end].sum()),
-        stored={joint: own[:end] for joint, own in stored.items()},
+        stored=given,
+        seen={role: whole(track[:end]) for role, track in tracks.items()}
+        | {joint: whole(track) for joint, track in shown.items()},
     )
 
 

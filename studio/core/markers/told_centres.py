@@ -25,7 +25,7 @@ DEEP = {"hip": 1.0, "knee": 0.4, "ankle": 0.27}
 
 def told_centres(labels: Labels, tracks: Mapping[str, FloatArray]) -> dict[str, str]:
     """By joint (``left_knee``) the label of its centre, as far as measures tell; ``tracks`` (F, 3) by label, metres."""
-    width = _width(labels, tracks)
+    width = pelvis_width(labels, tracks)
     centres: dict[str, str] = {}
     for joint in ("hip", "knee", "ankle"):
         pairs = _pairs(labels, joint)
@@ -40,23 +40,25 @@ def told_centres(labels: Labels, tracks: Mapping[str, FloatArray]) -> dict[str, 
     return centres
 
 
-def _width(labels: Labels, tracks: Mapping[str, FloatArray]) -> float:
-    """Of the pelvis, by its front markers or else its sides; 0, so that nothing is narrower, where it has none."""
+def pelvis_width(labels: Labels, tracks: Mapping[str, FloatArray]) -> float:
+    """Metres between the front markers of the pelvis or else its sides; 0, so that nothing is narrower, without any."""
     for part in ("front_hip", "hip"):
-        pair = [tracks[labels["left", part][0]], tracks[labels["right", part][0]]] if _pairs(labels, part) else []
-        if pair:
-            return _nearest(pair[0], pair[1])
+        sides = [labels.get((side, part), ()) for side in SIDES]
+        if all(sides):
+            left, right = (tracks[own[0]] for own in sides)
+            return _nearest(left, right)
     return 0.0
 
 
 def _pairs(labels: Labels, part: str) -> list[tuple[str, str]]:
     """Left and right labels that are the same but for their side."""
-    right = {_without_side(label, "right"): label for label in labels.get(("right", part), ())}
-    left = ((_without_side(label, "left"), label) for label in labels.get(("left", part), ()))
+    right = {without_side(label, "right"): label for label in labels.get(("right", part), ())}
+    left = ((without_side(label, "left"), label) for label in labels.get(("left", part), ()))
     return [(label, right[plain]) for plain, label in left if plain in right]
 
 
-def _without_side(label: str, side: str) -> str:
+def without_side(label: str, side: str) -> str:
+    """``knee`` of ``L.Knee``, whatever stands between."""
     return re.sub(rf"^({side}|{side[0]})|({side}|{side[0]})$", "", label.lower(), count=1).strip(" ._-")
 
 

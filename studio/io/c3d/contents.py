@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
+from studio.core.markers.subjects import with_subjects
 from studio.core.markers.trial import MARKER, NO_SIGNALS, VIRTUAL, AnalogSignals, ForcePlate, TrialEvent, bare_label
 from studio.io.c3d.parameters import BLOCK, Parameters
 
@@ -25,7 +26,7 @@ _MEASURE_GROUPS = ("PROCESSING", "SUBJECTS", "SUBJECT", "SEG")
 def labels_and_kinds(
     name: str, parameters: Parameters, count: int, repairs: list[str]
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """A label of its own for each of ``count`` points, and what kind of thing each is."""
+    """A label of its own for each of ``count`` points, subjects before a colon, and what kind of thing each is."""
     written = parameters.words_on("POINT", "LABELS")[:count]
     labels: dict[str, None] = {}
     twice: list[str] = []
@@ -47,8 +48,11 @@ def labels_and_kinds(
     outputs = {
         label: kind for group, kind in _MODEL_OUTPUTS.items() for label in parameters.words_on("POINT", group) if label
     }
-    outputs |= dict.fromkeys(_segment_axes(tuple(labels)), VIRTUAL)
-    return tuple(labels), tuple(outputs.get(label, _kind_by_name(label)) for label in labels)
+    told = with_subjects(tuple(labels))
+    outputs |= dict.fromkeys(_segment_axes(told), VIRTUAL)
+    return told, tuple(
+        outputs.get(label, outputs.get(own, _kind_by_name(own))) for label, own in zip(labels, told, strict=True)
+    )
 
 
 def _segment_axes(labels: tuple[str, ...]) -> set[str]:
@@ -111,19 +115,21 @@ def analog_signals(
 def force_plates(name: str, parameters: Parameters, channels: int, repairs: list[str]) -> tuple[ForcePlate, ...]:
     """The plates whose corners and channels the file gives; others are listed."""
     count = int(np.clip(parameters.number("FORCE_PLATFORM", "USED") or 0, 0, 32))
-    kinds, corners, origins, feeds, matrices = (
-        parameters.array("FORCE_PLATFORM", which) for which in ("TYPE", "CORNERS", "ORIGIN", "CHANNEL", "CAL_MATRIX")
+    kinds, feeds = (parameters.array("FORCE_PLATFORM", which).squeeze() for which in ("TYPE", "CHANNEL"))
+    each = feeds.shape[0] if feeds.ndim > 1 else feeds.size // max(count, 1)
+    feeds = parameters.columns("FORCE_PLATFORM", "CHANNEL", max(each, 1))
+    corners, origins, matrices = (
+        parameters.columns("FORCE_PLATFORM", which, *shape)
+        for which, shape in (("CORNERS", (3, 4)), ("ORIGIN", (3,)), ("CAL_MATRIX", (6, 6)))
     )
     plates: list[ForcePlate] = []
     for place in range(count):
         try:
-            own = np.atleast_2d(feeds.T)[place] if feeds.size else np.zeros(0)
-            columns = tuple(int(channel) - 1 for channel in own if 0 < channel <= channels)
+            columns = tuple(int(channel) - 1 for channel in feeds[:, place] if 0 < channel <= channels)
             kind = int(kinds.flat[place])
             size = {1: 6, 2: 6, 3: 8, 4: 6}.get(kind, 0)
-            calibration = matrices[:, :, place] if kind == 4 and matrices.ndim == 3 else None
-            origin = origins[:, place] if origins.ndim == 2 else origins
-            shape = corners if corners.ndim == 2 else corners[:, :, place]
+            calibration = matrices[:, :, place] if kind == 4 and matrices.size else None
+            origin, shape = origins[:, place], corners[:, :, place]
             numbers = (shape, origin, *(() if calibration is None else (calibration,)))
             if len(columns) < size or not size or not all(np.isfinite(array).all() for array in numbers):
                 raise ValueError
@@ -139,13 +145,11 @@ def marked_events(name: str, content: bytes, parameters: Parameters, repairs: li
     """The events of the parameters, else those of the header, in time."""
     labels = parameters.words_on("EVENT", "LABELS")
     contexts = parameters.words_on("EVENT", "CONTEXTS")
-    times = parameters.array("EVENT", "TIMES")
+    times = parameters.columns("EVENT", "TIMES", 2)
     count = int(np.clip(parameters.number("EVENT", "USED") or 0, 0, 65535))
     if not count:
         return _header_events(content, parameters)
-    if times.ndim == 1 and times.size % 2 == 0:
-        times = times.reshape(2, -1, order="F")
-    usable = min(count, len(labels), times.shape[1] if times.ndim == 2 and len(times) == 2 else 0)
+    usable = min(count, len(labels), times.shape[1])
     if usable < count:
         repairs.append(f"{name}: EVENT:USED is {count}, but only {usable} events have a label and a time.")
     events = [

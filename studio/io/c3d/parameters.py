@@ -61,6 +61,15 @@ class Parameters:
         value = self.groups.get(group, {}).get(name, ())
         return np.zeros(0) if isinstance(value, tuple) else value
 
+    def columns(self, group: str, name: str, *shape: int) -> NDArray[np.float64]:
+        """The numbers of a parameter as (*shape, N), whatever dimensions the file gives them; those left over are
+        dropped.
+        """
+        flat = self.array(group, name).ravel(order="F")
+        size = math.prod(shape)
+        count = len(flat) // size
+        return flat[: size * count].reshape((*shape, count), order="F")
+
     def number(self, group: str, name: str) -> float | None:
         """The first number of a parameter, where it is there and finite."""
         value = self.array(group, name)
@@ -75,9 +84,9 @@ class Parameters:
 
     def array_on(self, group: str, name: str) -> NDArray[np.float64]:
         """As ``words_on``, for numbers, flat."""
-        found, place = [self.array(group, name).ravel()], 2
+        found, place = [self.array(group, name).ravel(order="F")], 2
         while (more := self.array(group, f"{name}{place}")).size:
-            found.append(more.ravel())
+            found.append(more.ravel(order="F"))
             place += 1
         return np.concatenate(found)
 

@@ -169,13 +169,16 @@ def _counted(name: str, what: str, header: int, parameter: float | None, repairs
 
 
 def _first_frame(header: int, parameters: Parameters) -> int:
-    field = parameters.array("TRIAL", "ACTUAL_START_FIELD")
-    return _long(field) if field.size == 2 else header
+    field = _long(parameters, "ACTUAL_START_FIELD")
+    return header if field is None else field
 
 
-def _long(field: NDArray[np.float64]) -> int:
-    """A number of 32 bits that stands as two of 16, the lower first."""
-    return (int(field[0]) & 0xFFFF) + ((int(field[1]) & 0xFFFF) << 16)
+def _long(parameters: Parameters, name: str) -> int | None:
+    """A frame number of 32 bits that stands as two of 16, the lower first; None where it does not."""
+    field = parameters.columns("TRIAL", name, 2)
+    if not field.size or not np.isfinite(field).all():
+        return None
+    return (int(field[0, 0]) & 0xFFFF) + ((int(field[1, 0]) & 0xFFFF) << 16)
 
 
 def _scale(name: str, header: float, parameters: Parameters, repairs: list[str]) -> tuple[float, bool]:
@@ -226,11 +229,11 @@ def _frames(
 ) -> int:
     """How many frames there are: as said where 16 bits suffice to say it, else by the longest that is there."""
     there = (len(content) - header.data_start) // header.bytes_a_frame
-    start, end = (parameters.array("TRIAL", f"ACTUAL_{which}_FIELD") for which in ("START", "END"))
+    start, end = (_long(parameters, f"ACTUAL_{which}_FIELD") for which in ("START", "END"))
     told = unsigned[4] - unsigned[3] + 1 if unsigned[4] >= unsigned[3] else 0
     claims = [told, int(parameters.number("POINT", "FRAMES") or 0) & 0xFFFF]
-    if start.size == 2 and end.size == 2:
-        claims.insert(0, _long(end) - _long(start) + 1)
+    if start is not None and end is not None:
+        claims.insert(0, end - start + 1)
     longest = int(np.clip(parameters.number("POINT", "LONG_FRAMES") or 0.0, 0.0, 2.0**31))
     if unsigned[4] == 0xFFFF or claims[-1] == 0xFFFF:
         claims.insert(0, longest or (there if max(claims) == 0xFFFF else max(claims)))

@@ -6,14 +6,18 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body.canonical import BodyPart
 from studio.core.body.kinematics import joint_positions
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
 from studio.core.errors import StudioError
 from studio.core.markers.body_axes import HEAD
+from studio.core.markers.force_plates import plates_height
+from studio.core.markers.label_words import part_of
 from studio.core.markers.marker_map import MarkerMap, seen_labels
 from studio.core.markers.roles import ROLE, SIDES
+from studio.core.markers.sides import exchanged_places
 from studio.core.markers.solve import SolvedBody, solve_body
 from studio.core.markers.take import FollowedBody, MarkerTake, follow
 from studio.core.markers.trial import MARKER, METRES, VIRTUAL, Trial, bare_label, subject_of, whole
@@ -33,6 +37,8 @@ _SHOWN = 6
 """Markers that a sentence names."""
 _SKIN = 0.025
 """Metres by which a joint is off most of the time where it is no more the skin that moves (at most 0.017 in trials)."""
+_CALIBRATED = 0.035
+"""Metres of the floor from zero by feet that are told from markers on them within which it is at zero."""
 _LEG = (0.2, 2.1)
 """Metres of a leg, or twice an arm, from hip to ankle within which a unit is believed."""
 
@@ -72,31 +78,48 @@ def _in_unit(take: MarkerTake, options: ImportOptions) -> tuple[MarkerTake, list
 
 
 def _body(take: MarkerTake, followed: FollowedBody, options: ImportOptions, guesses: list[Guess]) -> Capture:
-    trial = take.trial
+    trial, first = take.trial, followed.first_frame
     up_axis = _up_axis(followed, options, guesses)
     turn = turn_to_world(up_axis).T
-    joints = {joint: track @ turn for joint, track in followed.joints.items()}
-    tracks = {role: track @ turn for role, track in followed.tracks.items()}
-    solved = solve_body(tracks, joints, followed.measures.radius, _stature(take))
+    joints = {joint: track[first:] @ turn for joint, track in followed.joints.items()}
+    tracks = {role: track[first:] @ turn for role, track in followed.tracks.items()}
+    seen = {name: own[first:] for name, own in followed.seen.items()}
+    solved = solve_body(tracks, joints, followed.measures.radius, _stature(take), seen)
     positions = joint_positions(solved.skeleton, solved.poses)
-    guesses += _body_guesses(take, followed, solved, joints, positions)
-    floor, floor_guess = _floor(solved, positions[followed.first_frame :], options, trial.frame_rate)
+    off = {
+        joint: np.linalg.norm(positions[:, solved.joints[joint]] - track, axis=1)[seen[joint]]
+        for joint, track in joints.items()
+    }
+    guesses += _body_guesses(take, followed, solved, off)
+    for toe in (solved.body_map[BodyPart.LEFT_TOE], solved.body_map[BodyPart.RIGHT_TOE]):
+        positions[:, solved.skeleton.descendants(toe)] = positions[:, [toe]]  # toes bend where nothing is measured
+    floor, floor_guess = _floor(solved, positions, options, trial.frame_rate)
+    if options.floor is None and (plate := plates_height(trial, turn, floor)) is not None:
+        floor, floor_guess = plate, [Guess("floor", f"{plate:.4f} m", "The top of the force plates, as the file says.")]
     guesses += floor_guess
     rate = options.frame_rate or trial.frame_rate
     return Capture(
         name=trial.name,
         source=trial.source,
         skeleton=solved.skeleton,
-        poses=solved.poses,
+        poses=_from_the_start(solved.poses, first),
         frame_rate=rate,
         body_map=solved.body_map,
         reference_rotations=_reference(solved, options),
         floor=floor,
         unit=trial.unit,
         up_axis=up_axis,
-        first_frame=followed.first_frame,
+        first_frame=first,
         guesses=tuple(guesses),
         repairs=(),
+    )
+
+
+def _from_the_start(poses: PoseSequence, first: int) -> PoseSequence:
+    """The poses with ``first`` frames before them, in which the body is not seen and stands still."""
+    before = ((first, 0), (0, 0), (0, 0))
+    return PoseSequence(
+        np.pad(poses.local_rotations, before, mode="edge"), np.pad(poses.local_translations, before, mode="edge")
     )
 
 
@@ -161,15 +184,17 @@ def _stature(take: MarkerTake) -> float | None:
 def _floor(
     solved: SolvedBody, positions: FloatArray, options: ImportOptions, frame_rate: float
 ) -> tuple[float, list[Guess]]:
+    """Height of the ground where the feet stand; the zero to which a laboratory is calibrated where that is near."""
     if options.floor is not None:
         return options.floor, []
-    if "legs" in solved.resting:
-        guess = guess_floor(solved.skeleton, positions, solved.body_map, frame_rate)
-        return float(guess.value.split()[0]), [
-            replace(guess, reason="Where the legs, which are not shown, would stand.")
-        ]
     guess = guess_floor(solved.skeleton, positions, solved.body_map, frame_rate)
-    return float(guess.value.split()[0]), [guess]
+    if "legs" in solved.resting:
+        guess = replace(guess, reason="Where the legs, which are not shown, would stand.")
+    height = float(guess.value.split()[0])
+    if 0.0 < abs(height) <= _CALIBRATED:
+        reason = f"{guess.reason} That fits a floor at zero: markers lie on feet, and laboratories are calibrated."
+        return 0.0, [Guess("floor", "0.0000 m", reason)]
+    return height, [guess]
 
 
 def _reference(solved: SolvedBody, options: ImportOptions) -> FloatArray:
@@ -181,16 +206,12 @@ def _body_guesses(
     take: MarkerTake,
     followed: FollowedBody,
     solved: SolvedBody,
-    joints: dict[str, FloatArray],
-    positions: FloatArray,
+    off: Mapping[str, FloatArray],
 ) -> list[Guess]:
+    """What was assumed of the body; ``off`` (N,) are metres from each joint to its centre, where that is seen."""
     used = _there(take)
     first = followed.first_frame
-    off = {
-        joint: np.linalg.norm(positions[first:, solved.joints[joint]] - track[first:], axis=1)
-        for joint, track in joints.items()
-    }
-    every = list(off.values())
+    every = np.concatenate(list(off.values()))
     guesses = [
         Guess("marker map", take.marker_map.name, f"{len(used.labels)} markers at {len(used.markers)} places."),
         Guess(
@@ -204,6 +225,7 @@ def _body_guesses(
             f"Its joints lie {1000 * float(np.median(every)):.0f} mm from the joint centres, "
             f"{1000 * float(np.max(every)):.0f} mm at worst: skin moves over bones.{_far_off(off)}",
         ),
+        *_side_guesses(take),
     ]
     if solved.resting:
         guesses.append(_not_shown(take, used, solved.resting))
@@ -219,7 +241,7 @@ def _body_guesses(
     if first or followed.unseen:
         words = f"In {followed.unseen} frames some place is not seen: it moves straight on as seen from the pelvis."
         guesses.append(Guess("first frame", str(first), words if followed.unseen else ""))
-    if left_out := take.trial.frame_count - len(next(iter(joints.values()))):
+    if left_out := take.trial.frame_count - len(next(iter(followed.joints.values()))):
         reason = f"Of the {take.trial.frame_count} recorded, {left_out} at the end show no body and were left out."
         guesses.append(Guess("frames", str(take.trial.frame_count - left_out), reason))
     return guesses
@@ -227,10 +249,28 @@ def _body_guesses(
 
 def _far_off(off: Mapping[str, FloatArray]) -> str:
     """The joints that are farther from their centres than skin moves, where there are any."""
-    far = [joint.replace("_", " ") for joint, own in off.items() if float(np.median(own)) > _SKIN]
-    if not far:
-        return ""
-    return f" {', '.join(far).capitalize()} lie farther off most of the time: labels of left and right may be swapped."
+    far = [joint.replace("_", " ") for joint, own in off.items() if len(own) and float(np.median(own)) > _SKIN]
+    return f" {', '.join(far).capitalize()} lie farther off most of the time." if far else ""
+
+
+def _side_guesses(take: MarkerTake) -> list[Guess]:
+    """Labels that name the other side than that with which their markers move: exchanged by the map, or not."""
+    labels = {
+        label
+        for role, own in take.marker_map.markers.items()
+        for label in own
+        if (said := part_of(label)) is not None and said[0] and not role.startswith(said[0])
+    }
+    if labels:
+        shown = ", ".join(sorted(labels)[:_SHOWN]) + (f" and {len(labels) - _SHOWN} more" * (len(labels) > _SHOWN))
+        reason = f"{shown} carry the name of one side and move with the other: taken as swapped, and put right."
+        return [Guess("sides", "left and right exchanged", reason)]
+    names = exchanged_places(take.trial, take.marker_map, take.subject)
+    if not names:
+        return []
+    shown = ", ".join(name.replace("_", " ") for name in names)
+    reason = f"The markers at {shown} move with the other side of the body: labels of left and right may be swapped."
+    return [Guess("sides", "as the map says", reason)]
 
 
 def _not_shown(take: MarkerTake, used: MarkerMap, resting: Sequence[str]) -> Guess:

@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ from platformdirs import user_data_path
 from studio.core.errors import StudioError
 from studio.core.markers.marker_map import MarkerMap, seen_labels
 from studio.core.markers.proposing import propose_map
+from studio.core.markers.sides import exchanged_places, with_exchanged
 from studio.core.markers.trial import MARKER, VIRTUAL, Trial, subject_of
 from studio.io.json_text import read_json
 from studio.io.replacing import write_whole
@@ -19,44 +20,90 @@ from studio.resources_folder import resources_folder
 
 _SIDES = ({"side": "left", "Side": "Left", "S": "L", "s": "l"}, {"side": "right", "Side": "Right", "S": "R", "s": "r"})
 _LARGEST = 1 << 20
+_ADRIFT = ("thigh", "shank", "upper_arm", "forearm", "hip")
+"""Places that are anywhere on a bone: a known map leaves them open on purpose."""
 
 
 def find_map(trial: Trial, subject: str = "") -> MarkerMap:
-    """The known map that explains most of the trial's markers, the user's before the studio's; else a proposal."""
-    labels = set(seen_labels(trial, subject, (MARKER, VIRTUAL)).values())
-    best: tuple[int, MarkerMap | None] = (0, None)
-    for known in known_maps():
-        fitting = fitted(known, labels)
-        if (fitting.has_legs() or fitting.has_arms()) and len(fitting.markers) + len(fitting.centres) > best[0]:
-            best = (len(fitting.markers) + len(fitting.centres), fitting)
-    return best[1] or propose_map(trial, subject)
+    """The map of a trial's markers; left and right put right where they are exchanged all through it.
+
+    One of the user's where it can follow a body, else the studio's that explains most, with what a proposal adds; else
+    a proposal.
+    """
+    labels = list(seen_labels(trial, subject, (MARKER, VIRTUAL)).values())
+    own = _best(_read_maps()[0], labels)
+    if own is not None:
+        return own
+    proposed, known = propose_map(trial, subject), _best(_shipped_maps(), labels)
+    found = proposed if known is None else _completed(known, proposed)
+    return with_exchanged(found, exchanged_places(trial, found, subject))
+
+
+def _best(maps: Iterable[MarkerMap], labels: Sequence[str]) -> MarkerMap | None:
+    """The map that finds most places among the labels, as it fits them; None where none can follow a limb."""
+    fitting = [fitted(each, labels) for each in maps]
+    able = [each for each in fitting if each.has_legs() or each.has_arms()]
+    return max(able, key=lambda each: len(each.markers) + len(each.centres), default=None)
+
+
+def _completed(known: MarkerMap, proposed: MarkerMap) -> MarkerMap:
+    """The known map, but for markers that measures tell to be joint centres, and with places that it leaves open."""
+    centres = {joint: label for joint, label in proposed.centres.items() if joint not in known.centres}
+    inside = set(centres.values())
+    markers = {role: own for role, own in known.markers.items() if not inside & set(own)}
+    used = inside | {label for own in markers.values() for label in own}
+    open_places = {
+        role: own
+        for role, own in proposed.markers.items()
+        if role not in markers and role.partition("_")[2] not in _ADRIFT and not used & set(own)
+    }
+    return MarkerMap(known.name, markers | open_places, {**known.centres, **centres})
 
 
 def find_subject(trial: Trial) -> str:
-    """The subject with the most markers where labels name several; empty where all are one's."""
+    """The first subject whose markers can follow a body where labels name several, else the one with most markers.
+
+    Empty where all are one's.
+    """
     subjects = [subject_of(label) for label in trial.markers]
     names = dict.fromkeys(subjects)
-    return max(names, key=subjects.count) if len(names) > 1 else ""
+    if len(names) < 2:
+        return ""
+    most = max(names, key=subjects.count)
+    return next((name for name in names if 2 * subjects.count(name) > subjects.count(most)), most)
 
 
 def fitted(known: MarkerMap, labels: Iterable[str]) -> MarkerMap:
     """What of a map is there, with the labels as the trial writes them: ``lasi`` or ``Skeleton_LASI`` for ``LASI``."""
-    written: dict[str, str] = {}
-    for label in labels:
-        written.setdefault(label.lower(), label)
-        written.setdefault(label.lower().rpartition("_")[2], label)
+    labels = list(labels)
+    named = {label.lower() for own in known.markers.values() for label in own} | {
+        label.lower() for label in known.centres.values()
+    }
+    beginnings = {"": None} | dict.fromkeys(
+        label[: -len(rest)] for label in labels for rest in named if len(label) > len(rest) and _ends_with(label, rest)
+    )
+    beginning = max(beginnings, key=lambda each: len(_written(labels, each).keys() & named))
+    written = _written(labels, beginning)
     markers = {
         role: tuple(written[label.lower()] for label in own if label.lower() in written)
         for role, own in known.markers.items()
-        if any(label.lower() in written for label in own)
     }
     centres = {j: written[label.lower()] for j, label in known.centres.items() if label.lower() in written}
     return MarkerMap(known.name, markers, centres)
 
 
+def _ends_with(label: str, rest: str) -> bool:
+    return label.lower().endswith(rest) and label[-len(rest) - 1] in "_.- "
+
+
+def _written(labels: Iterable[str], beginning: str) -> dict[str, str]:
+    """Labels by what follows ``beginning`` in them, in small letters."""
+    return {label[len(beginning) :].lower(): label for label in labels if label.startswith(beginning)}
+
+
 def known_maps() -> tuple[MarkerMap, ...]:
     """The user's maps, then the studio's; those that cannot be read are told by ``unreadable_maps``."""
-    return _read_maps()[0]
+    return (*_read_maps()[0], *_shipped_maps())
 
 
 def unreadable_maps() -> tuple[str, ...]:
@@ -65,6 +112,7 @@ def unreadable_maps() -> tuple[str, ...]:
 
 
 def _read_maps() -> tuple[tuple[MarkerMap, ...], tuple[str, ...]]:
+    """The user's maps, and a sentence for each that cannot be read."""
     own = sorted(maps_folder().glob("*.json")) if maps_folder().is_dir() else []
     found, failures = [], []
     for path in own:
@@ -72,7 +120,7 @@ def _read_maps() -> tuple[tuple[MarkerMap, ...], tuple[str, ...]]:
             found.append(read_map(path))
         except StudioError as error:
             failures.append(f"The marker map {path} was left out: {error}")
-    return (*found, *_shipped_maps()), tuple(failures)
+    return tuple(found), tuple(failures)
 
 
 @lru_cache(maxsize=1)

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from studio.core.markers.proposing import part_of, propose_map
+from studio.core.markers.label_words import part_of
+from studio.core.markers.proposing import propose_map
 from studio.core.markers.trial import Trial
 from studio.io.c3d.reader import read_c3d
 from tests.core.markers.made import made_trial

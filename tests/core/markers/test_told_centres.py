@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from studio.core.markers.proposing import part_of
+from studio.core.markers.label_words import part_of
 from studio.core.markers.told_centres import told_centres
 
 PELVIS = {"L asis": 0.125, "R asis": -0.125}
@@ -39,11 +39,22 @@ def test_hip_joints_lie_between_the_markers_of_the_pelvis() -> None:
     ("label", "place"),
     [
         ("r knee 1", ("right", "knee")), ("r bar 1", ("right", "thigh")), ("l bar 2", ("left", "shank")),
-        ("r mall", ("right", "ankle")), ("l met", ("left", "toe")), ("r should", ("right", "shoulder")),
-        ("L_HDF", ("left", "front_head")), ("L_SAJ", ("left", "shoulder")), ("R_FM1", ("right", "toe")),
-        ("R_FM5", ("right", "toe")), ("L_UHE", ("left", "outer_wrist")), ("LTHI_2", ("left", "thigh")),
+        ("r mall", ("right", "ankle")), ("l met", ("left", "met")), ("r should", ("right", "shoulder")),
+        ("L_HDF", ("left", "front_head")), ("L_SAJ", ("left", "shoulder")), ("R_FM1", ("right", "inner_toe")),
+        ("R_FM5", ("right", "outer_toe")), ("L_UHE", ("left", "outer_wrist")), ("LTHI_2", ("left", "thigh")),
         ("CV7", ("", "neck_back")), ("TV10", ("", "back")), ("SJN", ("", "collar")), ("SXS", ("", "breastbone")),
         ("L_HM2", ("left", "hand")), ("R_TTC", ("right", "shank")), ("L_FAX", ("left", "shank")),
+        ("REAS", ("right", "front_hip")), ("LEPS", ("left", "back_hip")), ("RCL", ("right", "knee")),
+        ("RCM", ("right", "inner_knee")), ("LML", ("left", "ankle")), ("LMM", ("left", "inner_ankle")),
+        ("RCAL", ("right", "heel")), ("LCOU_2", ("left", "elbow")), ("RMAI", ("right", "wrists")),
+        ("RKL", ("right", "knee")), ("LKM", ("left", "inner_knee")), ("RAL", ("right", "ankle")),
+        ("LAM", ("left", "inner_ankle")), ("RFM", ("right", "inner_toe")), ("RH", ("right", "heel")),
+        ("RAC", ("right", "shoulder")), ("LKNM", ("left", "inner_knee")), ("RMED", ("right", "inner_ankle")),
+        ("LVMH", ("left", "outer_toe")), ("RTHAP", ("right", "thigh")), ("LTIAD", ("left", "shank")),
+        ("WaistLFront", ("left", "front_hip")), ("RToeOut", ("right", "outer_toe")), ("LHeel", ("left", "heel")),
+        ("pRightASI", ("right", "front_hip")), ("pLeftKneeMedEpicondyle", ("left", "inner_knee")),
+        ("R.TO", ("right", "toe")), ("LBigToe", ("left", "toe")), ("RMT5", ("right", "outer_toe")),
+        ("LKJC", ("left", "knee centre")), ("r_shank_4X4", ("right", "knee centre")),
     ],
 )  # fmt: skip
 def test_labels_of_known_sets_say_where_their_marker_is(label: str, place: tuple[str, str]) -> None:

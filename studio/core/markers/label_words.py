@@ -1,0 +1,114 @@
+"""Words by which marker sets name places on a body: anatomical Latin, English, French, initials, joint centres."""
+
+import re
+
+from studio.core.markers.roles import SIDES
+
+_OUTER, _INNER = r"(l|la?t|lateral|out|outer|ext)", r"(m|me?d|medial|in|inner|int)"
+_CENTRE_WORD = r"(jc|(joint)?.?cent(er|re)|jnt|joint)"
+_SEGMENT_WORD = r".?4x4"
+"""Ends the pose of a segment, which begins at its upper joint."""
+
+PART_WORDS: tuple[tuple[str, str], ...] = (
+    ("back_hip", r"psis?|bwt|ips|eips|eps|waist.?back|back.?waist|hip.?back|post(erior)?.?(sup(erior)?.?)?iliac.*"),
+    ("front_hip", r"asis?|fwt|ias|eias|eas|waist.?front|front.?waist|hip.?front|ant(erior)?.?(sup(erior)?.?)?iliac.*"),
+    ("sacrum", r"v?\.?sacr?(um|al)?|s1"),
+    ("pelvis", r"pv\d*|pelv(is)?\d*|waist\d*"),
+    ("hip centre", rf"hjc|hip.?{_CENTRE_WORD}|thigh{_SEGMENT_WORD}"),
+    ("knee centre", rf"kjc|knee.?{_CENTRE_WORD}|shank{_SEGMENT_WORD}"),
+    ("ankle centre", rf"ajc|ankle.?{_CENTRE_WORD}|foot{_SEGMENT_WORD}"),
+    ("shoulder centre", rf"sjc|gh.?{_CENTRE_WORD}|shoulder.?{_CENTRE_WORD}|u(pper)?_?arm{_SEGMENT_WORD}"),
+    ("elbow centre", rf"ejc|elbow.?{_CENTRE_WORD}|l(ower)?_?arm{_SEGMENT_WORD}"),
+    ("wrist centre", rf"wjc|wrist.?{_CENTRE_WORD}|hand{_SEGMENT_WORD}"),
+    (
+        "inner_knee",
+        rf"fme|mfe|mek|cm|mfc|knm|kne.?m|mknee?|(knee?|k).?{_INNER}|(med|m)(ial)?.?(knee?|fem.*)|knee.?med.?epi.*",
+    ),
+    ("knee", rf"knee?|fle|lfe|lek|lke|cl|lfc|lk|(knee?|k).?{_OUTER}|(lat|l)(eral)?.?(knee?|fem.*)|knee.?lat.?epi.*"),
+    ("inner_ankle", rf"tam|mank(le)?|mm(al)?|med|(ankl?e?|an|a).?{_INNER}|(med|m)(ial)?.?(ankle?|mal(l(eolus)?)?)"),
+    (
+        "ankle",
+        rf"ankl?e?|fal|lm(al)?|ml|mall?(eolus)?|(ankl?e?|an|a).?{_OUTER}|(lat|l)(eral)?.?(ankle?|mal(l(eolus)?)?)",
+    ),
+    ("heel", r"hee?l?|heel.?(back|foot)|cal(c(aneus)?)?|fcc|ca|h"),
+    (
+        "inner_toe",
+        r"f?mth?1|fm1|mh1|mtp1|[1i](st)?.?(met|mt|mh|mtp)|fmh|d1m|fm|(toe|forefoot|foot|ft).?(in|m|med)|first.?met.*",
+    ),
+    (
+        "outer_toe",
+        r"f?mth?5|fm5|mh5|mtp5|5(th)?.?(met|mt|mh|mtp|meta)|vmh|d5m|fl|(toe|forefoot|foot|ft).?(out|l|lat)|fifth.?met.*",
+    ),
+    ("met", r"met\d*|mt"),
+    (
+        "toe",
+        r"toe|toe.?tip|to|toes|big.?toe|hal(lux)?|hlx|f?mth?[23]|fm[23]|mh[23]|[23](nd|rd)?.?(met|mt|mh|mtp)|smh|foo\d*|second.?met.*",
+    ),
+    ("foot", r"ft\d*|foot\d*"),
+    ("thigh", r"bar.?1|thi(gh)?\d*|th\d*|femur\d*|uleg\d*|tha[pd]|thia[pd]"),
+    ("shank", r"bar.?2|sha(nk)?\d*|shi?n\d*|tib(ia)?\d*|ttc|fax|sk\d*|lleg\d*|tia[pd]|tiba[pd]"),
+    ("hip", r"hip|gt(ro?)?|ftc|troch(anter)?|greater.?troch.*|gr.?troch.*|tro"),
+    ("shoulder", r"sho(ulder)?|should|saj|acr(omion)?|ac|acrom|shoulder.?top|sho.?top"),
+    ("inner_elbow", rf"elb(ow)?.?{_INNER}|hme|mhe|mee|elm|em|el.?m|melb(ow)?|(med|m)(ial)?.?(elb(ow)?|epi.*)"),
+    ("elbow", rf"elb(ow)?|hle|lhe|lee|ell|el|cou(de)?|elb(ow)?.?{_OUTER}|lelb(ow)?|(lat|l)(eral)?.?(elb(ow)?|epi.*)"),
+    ("wrist", rf"wra|wrist?.?(a|thumb|rad(ius)?|{_INNER})|rsp|rhe|rad(ial)?(.?sty(loid)?)?|lw|wr[ru]?|wm"),
+    ("outer_wrist", rf"wrb|wrist?.?(b|uln(a)?|{_OUTER})|usp|uhe|uln(ar?)?(.?sty(loid)?)?|mw|wl"),
+    ("wrists", r"wri(st)?\d*|mai"),
+    ("hand", r"fin(ger)?|hmc?[235]|mc[235]|hand\d*|knu(ckle)?|hand.?(in|out)"),
+    ("upper_arm", r"upa|uarm\d*|upper.?arm\d*|arm\d*|uarm.?high"),
+    ("forearm", r"fra|frm|farm\d*|fore.?arm\d*"),
+    ("front_head", r"fhd|hdf|front.?head|head.?front|tet|temp(le)?"),
+    ("back_head", r"bhd|hdb|back.?head|head.?back"),
+)
+"""Regular expressions by part of a side; the first that fits the rest of a label without its side is taken."""
+MIDDLE_WORDS: tuple[tuple[str, str], ...] = (
+    ("neck_back", r"cv?7|spine.?top|neck|back.?top"),
+    ("back", r"tv?h?(8|9|10|12)|spine.?(mid|thoracic\d*)"),
+    ("collar", r"clav(icle)?|ij|sjn|cl|notch|jug(ular)?|collar|ster|incis.*"),
+    ("breastbone", r"strn|stern(um)?|px|sxs|xip(h|hoid)?|chest|xpro|xyph"),
+    ("sacrum", r"v?\.?sacr?(um|al)?|s1"),
+)
+"""The same for labels of the body's middle, which name no side."""
+_NUMBERED = re.compile(r"[_ ]\d+$")
+_TOKENS = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+")
+
+
+def part_of(label: str) -> tuple[str, str] | None:
+    """(side, part) that a label says, side empty in the middle; None where it says nothing known."""
+    return _said(label) or _said(_NUMBERED.sub("", label))
+
+
+def _said(label: str) -> tuple[str, str] | None:
+    plain = label.lower()
+    for part, words in MIDDLE_WORDS:
+        if re.fullmatch(words, plain):
+            return "", part
+    for side, rest in (*_sides_at_the_ends(plain), *_side_within(label)):
+        said = _part(rest)
+        if said is not None:
+            return side, said
+    return ("", "pelvis") if _part(plain) == "pelvis" else None
+
+
+def _sides_at_the_ends(plain: str) -> list[tuple[str, str]]:
+    """Sides that a label may begin or end with, and the rest: ``lknee``, ``knee_l``, ``left.knee``."""
+    names = [(side, name) for side in SIDES for name in (side, side[0])]
+    names += [(side, f"{side[0]}t") for side in SIDES]
+    found = [(side, plain[len(name) :]) for side, name in names if plain.startswith(name)]
+    found += [(side, plain[: -len(name)]) for side, name in names if plain.endswith(name)]
+    return [(side, rest.strip(" ._-")) for side, rest in found]
+
+
+def _side_within(label: str) -> list[tuple[str, str]]:
+    """A side among words that are joined: ``WaistLFront``, ``pLeftToe``."""
+    tokens = [token.lower() for token in _TOKENS.findall(label)]
+    tokens = tokens[tokens[:1] == ["p"] :]  # Xsens writes p before a point
+    at = [place for place, token in enumerate(tokens) if token in ("l", "r", *SIDES)]
+    if len(at) != 1:
+        return []
+    side = next(side for side in SIDES if side.startswith(tokens[at[0]]))
+    return [(side, "".join(tokens[: at[0]] + tokens[at[0] + 1 :]))]
+
+
+def _part(word: str) -> str | None:
+    return next((part for part, words in PART_WORDS if word and re.fullmatch(words, word)), None)

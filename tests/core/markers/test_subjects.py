@@ -1,0 +1,33 @@
+"""Subjects are told from labels, whatever sign stands between them and their markers."""
+
+import pytest
+
+from studio.core.markers.subjects import shared_beginning, with_subjects
+
+MARKERS = ("LASI", "RASI", "L.Knee", "R.Knee", "L_Toe", "R_Toe", "HeadL", "HeadR", "C7")
+
+
+@pytest.mark.parametrize("sign", ["_", ".", "-", " ", "__"])
+@pytest.mark.parametrize("names", [("Ann", "Ben"), ("S_1", "S_2"), ("Ann", "Ann-Lee")])
+def test_each_subject_comes_before_a_colon_with_its_markers_and_no_others(sign: str, names: tuple[str, ...]) -> None:
+    labels = [f"{name}{sign}{marker}" for name in names for marker in MARKERS] + ["Box1"]
+    assert with_subjects(labels) == (*(f"{name}:{marker}" for name in names for marker in MARKERS), "Box1")
+
+
+@pytest.mark.parametrize(
+    "labels",
+    [
+        ("L.Knee", "R.Knee", "L.Ankle", "R.Ankle", "L.Lateral", "R.Lateral", "L.Low", "R.Low"),
+        tuple(f"Skeleton_{marker}" for marker in MARKERS),
+        tuple(f"{bone}_{place}" for bone in ("LThigh", "RThigh", "LShank", "RShank") for place in "1234"),
+        ("Ann:LASI", "Ben_LASI"),
+        (),
+    ],
+)
+def test_sides_bones_and_a_single_beginning_are_no_subjects(labels: tuple[str, ...]) -> None:
+    assert with_subjects(labels) == labels
+
+
+def test_a_beginning_that_all_labels_share_is_found_with_its_sign() -> None:
+    assert shared_beginning([f"Skeleton_{marker}" for marker in MARKERS]) == "Skeleton_"
+    assert shared_beginning(MARKERS) == ""
