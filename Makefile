@@ -1,4 +1,6 @@
 # Each of these does all the set-up that its job needs; the stamps make the next run start at once.
+SHELL = /bin/bash
+.SHELLFLAGS = -o pipefail -ec
 PYTHON ?= python3
 STUDIO = .venv/bin/python main.py
 
@@ -8,34 +10,42 @@ FAST = tests/architecture tests/document tests/panels tests/timeline
 # The tests of what computes; the others, of files, window and command line, take about as long beside them.
 COMPUTING = tests/core tests/real tests/library tests/live tests/examples
 
-.PHONY: run check test computing others monkey lint fast bench quality soak examples pictures format
+# Lines of jobs that run at once are shown as they come, each with the name of its job.
+shown = ($(1)) 2>&1 | sed -u 's/^/$@: /'
+
+# More arguments for pytest, for example: make test PYTEST="-m captures".
+PYTEST ?=
+
+.PHONY: run check test kernels computing others monkey lint fast bench quality soak examples pictures format
 
 run: .venv/.ready-to-run
 	@$(STUDIO)
 
 check: .venv/.ready-to-test
-	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target lint fast
+	@$(MAKE) --no-print-directory --jobs 2 lint fast
 
 test: .venv/.ready-to-test
-	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target lint computing others monkey
+	@$(MAKE) --no-print-directory kernels
+	@$(MAKE) --no-print-directory --jobs 2 lint computing others monkey
+
+kernels: .venv/.ready-to-test
+	@.venv/bin/python -m tests.compile_kernels
 
 computing: .venv/.ready-to-test
-	.venv/bin/python -m pytest $(COMPUTING)
+	@$(call shown,.venv/bin/python -u -m pytest $(PYTEST) $(COMPUTING))
 
 others: .venv/.ready-to-test
-	.venv/bin/python -m pytest tests $(addprefix --ignore=,$(COMPUTING) tests/monkey)
+	@$(call shown,.venv/bin/python -u -m pytest $(PYTEST) tests $(addprefix --ignore=,$(COMPUTING) tests/monkey))
 
 monkey: .venv/.ready-to-test
-	.venv/bin/python -m pytest tests/monkey
+	@$(call shown,.venv/bin/python -u -m pytest $(PYTEST) tests/monkey)
 
 lint: .venv/.ready-to-test
-	.venv/bin/ruff format --check .
-	.venv/bin/ruff check .
-	.venv/bin/mypy
-	.venv/bin/lint-imports --no-logo
+	@$(call shown,.venv/bin/ruff format --check . && .venv/bin/ruff check . && .venv/bin/mypy)
+	@$(call shown,.venv/bin/lint-imports --no-logo)
 
 fast: .venv/.ready-to-test
-	.venv/bin/python -m pytest -q $(FAST) --ignore tests/architecture/test_wheel.py
+	@$(call shown,.venv/bin/python -u -m pytest -q $(FAST) --ignore tests/architecture/test_wheel.py)
 
 bench: .venv/.ready-to-run
 	.venv/bin/python -m benchmarks.bench

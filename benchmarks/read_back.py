@@ -13,8 +13,8 @@ from studio.core.body.skeleton import Skeleton
 from studio.io.c3d.reader import read_c3d
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.container import read_gltf
-from studio.io.guessing import AXES
 from studio.io.importing import ImportOptions, load_capture
+from studio.io.up_axis import AXES
 
 FloatArray = NDArray[np.float64]
 Places = Mapping[str, FloatArray]

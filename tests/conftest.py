@@ -13,9 +13,7 @@ import pytest
 from hypothesis import settings
 
 from studio.cli.process import has_display, prepare_process
-
-ROOT = Path(__file__).resolve().parents[1]
-CAPTURES = ROOT.parent / "shared" / "captures"
+from tests.captures import CAPTURES, missing
 
 # A cold compile takes many seconds, so kernels outlive the run: their folder is named before the others move.
 prepare_process()
@@ -28,8 +26,10 @@ for _kind in ("CACHE", "CONFIG", "DATA", "STATE"):
 if sys.platform.startswith("linux") and not has_display():
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
-# Time on a busy machine says nothing; where nobody looks at the examples, the same ones are tried every time.
-settings.register_profile("studio", deadline=None, derandomize="CI" in os.environ)
+# Time on a busy machine says nothing. The same examples are tried every time, on every machine; others are tried by
+# pytest --hypothesis-profile=random.
+settings.register_profile("studio", deadline=None, derandomize=True)
+settings.register_profile("random", deadline=None)
 settings.load_profile("studio")
 
 
@@ -50,9 +50,20 @@ def collected() -> Iterator[None]:
     gc.enable()
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark every test that uses the folder of captures as one that needs them."""
+    for item in items:
+        if "captures" in getattr(item, "fixturenames", ()):
+            item.add_marker("captures")
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Skip a test that needs captures of people where there are none."""
+    if item.get_closest_marker("captures") and not CAPTURES.is_dir():
+        pytest.skip(missing())
+
+
 @pytest.fixture(scope="session")
 def captures() -> Path:
-    """The folder of real captures beside the repository; they are not ours to copy into it."""
-    if not CAPTURES.is_dir():
-        pytest.skip(f"the shared captures are not here ({CAPTURES})")
+    """Folder of captures of people."""
     return CAPTURES

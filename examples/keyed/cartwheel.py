@@ -5,7 +5,7 @@ import numpy as np
 from .curves import FloatArray, breath, curve, drift
 from .feet import Plant, foot_path
 from .performer import OUTWARD, STANDING
-from .targets import AirLeg, ArmTargets, Targets, frame_times
+from .targets import FRAME_RATE, AirLeg, ArmTargets, Targets, frame_times
 
 DURATION = 4.6
 FACING = -90.0
@@ -21,9 +21,9 @@ FAR, NEAR = 2.17, 2.72
 """Where the right foot comes down, and the left one beyond it."""
 
 
-def cartwheel() -> Targets:
+def cartwheel(frame_rate: float = FRAME_RATE) -> Targets:
     """The targets of the clip."""
-    times = frame_times(DURATION)
+    times = frame_times(DURATION, frame_rate)
     air = breath(times, 3.1)
     roll = curve(times, ROLL, soft=0.05)
     lean = curve(times, LEAN, soft=0.05)

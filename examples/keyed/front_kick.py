@@ -20,7 +20,7 @@ from .guard import (
     moved,
     rocking,
 )
-from .targets import AirLeg, ArmTargets, Targets, frame_times
+from .targets import FRAME_RATE, AirLeg, ArmTargets, Targets, frame_times
 
 DURATION = 6.0
 LIFT, CHAMBER, HIT, BACK, LAND = 2.06, 2.36, 2.56, 2.84, 3.26
@@ -30,9 +30,9 @@ LANDED = (REAR[0] + 0.035, REAR[1] - 0.022)
 BOUNCE = {0.0: 1.0, 1.3: 0.9, 1.7: 0.0, 4.0: 0.0, 4.6: 0.9, 5.6: 0.8}
 
 
-def front_kick() -> Targets:
+def front_kick(frame_rate: float = FRAME_RATE) -> Targets:
     """The targets of the clip."""
-    times = frame_times(DURATION)
+    times = frame_times(DURATION, frame_rate)
     beat = bounce(times, BOUNCE)
     return Targets(
         times,

@@ -6,8 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from .curves import FloatArray, curve
+from .curves import FloatArray, breath, curve, drift, spring
 from .feet import Plant
+from .performer import OUTWARD
+from .targets import ArmTargets
 
 
 @dataclass(frozen=True)
@@ -77,3 +79,26 @@ class Walk:
             keys[step.lift + 0.45 * (step.land - step.lift)] = 1.0
             keys[step.land + 0.05] = 0.0 if step is not self.steps[-1] else 0.3
         return curve(times, keys, soft=0.06)
+
+
+def swinging_arm(walk: Walk, times: FloatArray, side: int, apart: float | FloatArray = 0.0) -> ArmTargets:
+    """The arm of ``side``: it hangs and swings against the leg; the elbow drags and the hand behind it.
+
+    ``apart`` holds it further from the body, in metres.
+    """
+    sign, outward = (-0.88, 1.0)[side], OUTWARD[side]
+    swing = spring(times, sign * walk.stride(times, delay=0.03), 1.9, 0.75)
+    late = sign * walk.stride(times, delay=0.17)
+    angle = np.radians(2 + 21 * swing + 1.2 * drift(times, 5 + side))
+    length = 0.567 * (0.964 - 0.020 * (late + 0.5 * swing))
+    aside = outward * (0.076 + apart - 0.030 * np.maximum(swing, 0) + 0.012 * np.maximum(-swing, 0))
+    wrist = np.stack([length * np.sin(angle), aside, -length * np.cos(angle)], axis=1)
+    return ArmTargets(
+        wrist,
+        np.array([-1.0, 0.45 * outward, 0.0]),
+        upright=0.7,
+        pronation=28 + 9 * swing,
+        flexion=11 + 13 * (late - swing),
+        deviation=2.0 + 3.0 * late,
+        shrug=1.5 * breath(times),
+    )

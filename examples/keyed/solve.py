@@ -11,7 +11,7 @@ from studio.core.rotations import from_matrix
 
 from .curves import FloatArray
 from .performer import BODY, HEAD, LAYOUT, NECK, OUTWARD, THORAX, clavicle, make_skeleton, t_pose, thigh
-from .targets import FRAME_RATE, AirLeg, ArmTargets, Targets
+from .targets import AirLeg, ArmTargets, Targets
 
 _STRAIGHTEST_LEG, _STRAIGHTEST_ARM = 0.993, 0.99
 """Reach of a limb as a share of its length: nobody locks a knee or an elbow."""
@@ -75,7 +75,7 @@ class _Body:
                 length = _STRAIGHTEST_ARM * BODY.arm[side].sum()
                 highest = arm.held[:, 2] + np.sqrt(np.maximum(length**2 - away[:, 0] ** 2 - away[:, 1] ** 2, 0))
                 need = np.maximum(need, (shoulder[:, 2] - highest) * arm.holding)
-        frames = 2 * round(_SINKING * FRAME_RATE) + 1
+        frames = 2 * round(_SINKING * self.targets.frame_rate) + 1
         window = np.hanning(frames + 2)[1:-1]
         widest = maximum_filter1d(need, frames, mode="nearest")
         self.root[:, 2] -= convolve1d(widest, window / window.sum(), mode="nearest")

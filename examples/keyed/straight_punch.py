@@ -20,7 +20,7 @@ from .guard import (
     moved,
     rocking,
 )
-from .targets import ArmTargets, Targets, frame_times
+from .targets import FRAME_RATE, ArmTargets, Targets, frame_times
 
 DURATION = 5.8
 STEP = 0.13
@@ -33,9 +33,9 @@ HIP, CHEST, SHOULDER = HIT - 0.11, HIT - 0.07, HIT - 0.03
 BOUNCE = {0.0: 0.9, 0.35: 0.4, 1.0: 0.5, 1.3: 1.0, 1.7: 0.5, 2.2: 0.6, 2.5: 0.0, 3.7: 0.0, 4.3: 1.0, 5.3: 0.8}
 
 
-def straight_punch() -> Targets:
+def straight_punch(frame_rate: float = FRAME_RATE) -> Targets:
     """The targets of the clip."""
-    times = frame_times(DURATION)
+    times = frame_times(DURATION, frame_rate)
     beat = bounce(times, BOUNCE)
     return Targets(
         times,

@@ -8,11 +8,12 @@ from .curves import FloatArray
 from .feet import FootPath
 
 FRAME_RATE = 60.0
+"""Frames a second of the captures that come with the studio."""
 
 
-def frame_times(duration: float) -> FloatArray:
-    """The moments (F,) in seconds of a clip's frames, first and last included."""
-    return np.arange(round(duration * FRAME_RATE) + 1) / FRAME_RATE
+def frame_times(duration: float, frame_rate: float = FRAME_RATE) -> FloatArray:
+    """Times (F,) in seconds of a clip's frames, first and last included."""
+    return np.arange(round(duration * frame_rate) + 1) / frame_rate
 
 
 @dataclass
@@ -73,3 +74,8 @@ class Targets:
     """How far each knee points outward."""
     air: dict[int, AirLeg] = field(default_factory=dict)
     """Kicking legs by side."""
+
+    @property
+    def frame_rate(self) -> float:
+        """Frames a second."""
+        return float((len(self.times) - 1) / (self.times[-1] - self.times[0]))

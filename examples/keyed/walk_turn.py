@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from .curves import FloatArray, breath, curve, drift, spring
+from .curves import FloatArray, breath, curve, drift
 from .feet import foot_path
-from .gait import Step, Walk
+from .gait import Step, Walk, swinging_arm
 from .performer import STANDING
-from .targets import ArmTargets, Targets, frame_times
+from .targets import FRAME_RATE, Targets, frame_times
 
 DURATION = 9.4
 LEFT, RIGHT = 0, 1
@@ -30,11 +30,12 @@ WALK = Walk(
 )
 
 
-def walk_turn() -> Targets:
+def walk_turn(frame_rate: float = FRAME_RATE) -> Targets:
     """The targets of the clip."""
-    times = frame_times(DURATION)
+    times = frame_times(DURATION, frame_rate)
     stride, support = WALK.stride(times), WALK.support(times)
     place = WALK.carried(times)
+    apart = curve(times, {4.2: 0.0, 4.7: 0.035, 5.2: 0.0}, soft=0.08)
     pelvis_turn = np.stack([place[:, 2] - 5.5 * stride, 3 + curve(times, LEAN, soft=0.12), 4.5 * support], axis=1)
     return Targets(
         times,
@@ -42,7 +43,7 @@ def walk_turn() -> Targets:
         pelvis_turn,
         _chest(times, pelvis_turn),
         _head(times),
-        (_arm(times, LEFT), _arm(times, RIGHT)),
+        (swinging_arm(WALK, times, LEFT, apart), swinging_arm(WALK, times, RIGHT, apart)),
         (foot_path(LEFT, times, _left_plants()), foot_path(RIGHT, times, WALK.plants(RIGHT))),
     )
 
@@ -123,28 +124,6 @@ HEAD_YAW = {
     9.4: 155.0,
 }
 HEAD_PITCH = {0.0: 4.0, 0.8: 1.0, 1.4: 7.0, 2.2: 3.0, 3.3: 4.0, 3.8: 9.0, 4.8: 5.0, 6.6: 6.0, 7.1: 9.0, 7.9: 3.0}
-
-
-def _arm(times: FloatArray, side: int) -> ArmTargets:
-    """Hangs from the shoulder and swings against the leg; the elbow drags and the hand behind it."""
-    sign = 1.0 if side == RIGHT else -0.88
-    outward = 1.0 if side == LEFT else -1.0
-    swing = spring(times, sign * WALK.stride(times, delay=0.03), 1.9, 0.75)
-    late = sign * WALK.stride(times, delay=0.17)
-    angle = np.radians(2 + 21 * swing + 1.2 * drift(times, 5 + side))
-    length = 0.567 * (0.964 - 0.020 * (late + 0.5 * swing))
-    in_turn = curve(times, {4.2: 0.0, 4.7: 0.035, 5.2: 0.0}, soft=0.08)
-    aside = outward * (0.076 + in_turn - 0.030 * np.maximum(swing, 0) + 0.012 * np.maximum(-swing, 0))
-    wrist = np.stack([length * np.sin(angle), aside, -length * np.cos(angle)], axis=1)
-    return ArmTargets(
-        wrist,
-        np.array([-1.0, 0.45 * outward, 0.0]),
-        upright=0.7,
-        pronation=28 + 9 * swing,
-        flexion=11 + 13 * (late - swing),
-        deviation=2.0 + 3.0 * late,
-        shrug=1.5 * breath(times),
-    )
 
 
 def _left_plants():

@@ -6,7 +6,7 @@ from studio.io.bvh.writer import write_bvh
 
 from .performer import make_skeleton
 from .solve import solve
-from .targets import FRAME_RATE, Targets
+from .targets import Targets
 
 _DECIMALS = 4
 """Ten-thousandths of a degree and micrometres: every joint within 0.01 mm at half the size."""
@@ -15,5 +15,5 @@ _DECIMALS = 4
 def write_capture(path: Path, targets: Targets) -> int:
     """Solve ``targets`` and write them as BVH; returns how many frames."""
     poses = solve(targets)
-    write_bvh(path, make_skeleton(), poses, FRAME_RATE, decimals=_DECIMALS)
+    write_bvh(path, make_skeleton(), poses, targets.frame_rate, decimals=_DECIMALS)
     return poses.frame_count

@@ -1,6 +1,6 @@
 """The table of actions as Qt's actions: made once, kept true, put into menus and toolbar."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from PySide6.QtCore import QObject, QTimer
 from PySide6.QtGui import QAction, QKeySequence
@@ -10,6 +10,17 @@ from studio.app.actions import ACTIONS, MENUS, Action
 from studio.app.verbs import files
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
+
+
+def with_mnemonics(names: Iterable[str]) -> list[str]:
+    """The names with a letter of each marked, by which Alt opens it: the first that no name before has."""
+    taken: set[str] = set()
+    marked = []
+    for name in names:
+        place = next((place for place, letter in enumerate(name) if letter.lower() not in taken), 0)
+        taken.add(name[place].lower())
+        marked.append(f"{name[:place]}&{name[place:]}")
+    return marked
 
 
 class ActionSet(QObject):
@@ -52,7 +63,7 @@ class ActionSet(QObject):
 
     def fill(self, bar: QMenuBar) -> None:
         """Put all actions into their menus."""
-        self.menus = {name: bar.addMenu(name) for name in MENUS}
+        self.menus = {name: bar.addMenu(text) for name, text in zip(MENUS, with_mnemonics(MENUS), strict=True)}
         for row in ACTIONS:
             self.menus[row.menu].addAction(self.by_id[row.id])
             if row.id == "open":

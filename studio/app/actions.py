@@ -13,9 +13,10 @@ from studio.app.live_control import (
 )
 from studio.app.marker_dialog import has_markers, open_markers
 from studio.app.pose_mapping import show_map
+from studio.app.relinking import relink_shown, shown_capture
 from studio.app.striking import label_strike, show_strikes, strike_chosen
 from studio.app.verbs import behaviours, clips, editing, files, playback, props, view
-from studio.app.verbs.constraining import adder, load_area_mesh, selected_area
+from studio.app.verbs.constraining import adder, choose_joint, load_area_mesh, selected_area
 from studio.app.workbench import Workbench
 from studio.core.constraints.base import Shown
 from studio.core.constraints.kinds import KINDS
@@ -114,6 +115,9 @@ FILE = (
     Action("import", "File", "Import motion…", files.import_motion, ("Ctrl+I",), "Read a capture, or drop it here"),
     Action("import_character", "File", "Import character…", files.import_character, ("Ctrl+Shift+I",),
            "Read a character, or drop it on the window"),
+    Action("relink", "File", "Relink source…", relink_shown,
+           tooltip="Find the file of the selected capture, or of the motion that plays, where it has moved",
+           enabled=lambda bench: shown_capture(bench) is not None),
     Action(
         "export", "File", "Export…", files.export, ("Ctrl+E",),
         "Write the selected bodies, or all that are shown; the motion itself; a film of the view", _performing,
@@ -150,6 +154,8 @@ CHARACTER = (
            _with_bodies),
     Action("make_character", "Character", "Create character from actor", casting.make_active_actor_character,
            tooltip="The actor of the motion that plays, as a character of the same measures", enabled=_performing),
+    Action("line_up", "Character", "Line up", editing.line_up, (), "Side by side across the direction of travel",
+           _with_bodies),
     Action("show_all", "Character", "Show all", editing.show_all, ("Shift+H",), "Show every body", _with_bodies),
 )  # fmt: skip
 
@@ -176,6 +182,8 @@ def _adding(kind: str, shown: Shown) -> Action:
 
 
 CONSTRAINT = (
+    Action("choose_joint", "Constraint", "Pick joint…", choose_joint, ("Shift+J",),
+           "A joint of the active body, from a list that can be searched", _ready, ends_group=True),
     *(_adding(kind, each.shown) for kind, each in KINDS.items()),
     Action("area_mesh", "Constraint", "Load mesh for area…", load_area_mesh,
            tooltip="The surface of an OBJ, STL or PLY file becomes the shape of the selected area",
@@ -227,6 +235,11 @@ PLAY = (
     Action("next_event", "Play", "Next contact or key", playback.next_event, ("Down", "."), repeats=True,
            enabled=_keyed),
     Action("previous_event", "Play", "Previous contact or key", playback.previous_event, ("Up", ","), repeats=True,
+           enabled=_keyed, ends_group=True),
+    Action("add_label", "Play", "Add label", playback.add_label, ("M",),
+           "Name this moment of the motion; double-click the label to rename it", _keyed),
+    Action("next_label", "Play", "Next label", playback.next_label, ("Shift+Down",), repeats=True, enabled=_keyed),
+    Action("previous_label", "Play", "Previous label", playback.previous_label, ("Shift+Up",), repeats=True,
            enabled=_keyed, ends_group=True),
     Action("range_from_here", "Play", "Start range here", playback.range_from_here, ("I",)),
     Action("range_to_here", "Play", "End range here", playback.range_to_here, ("O",)),

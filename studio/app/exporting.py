@@ -5,7 +5,7 @@ from pathlib import Path
 
 from studio.app.workbench import Workbench
 from studio.cli.render import performances
-from studio.core.captures.annotations import Annotations
+from studio.core.captures.annotations import Annotations, within
 from studio.core.errors import StudioError
 from studio.io.export import take_of_capture, write_take
 from studio.io.export_options import ExportOptions
@@ -52,7 +52,8 @@ def export_motion(bench: Workbench, path: Path) -> int:
     capture = project.captures[project.motions[motion_id].capture_id]
     contacts = tuple(each for each in project.contacts_of(motion_id).values() if not each.scope.is_narrow)
     constraints = tuple(each for each in project.constraints_of(motion_id).values() if not each.scope.is_narrow)
-    take = take_of_capture(capture, Annotations(contacts, constraints))
+    labels = tuple(project.labels_of(motion_id).values())
+    take = take_of_capture(capture, Annotations(contacts, constraints, within(labels, 0, capture.frame_count - 1)))
 
     def work(progress: Progress) -> list[Path]:
         write_take(take, path, progress)

@@ -3,11 +3,13 @@
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 from studio.app.corrections import ReadAs, as_corrected, values_of, words
+from studio.app.relinking import finder, offer_relinking
 from studio.app.workbench import Workbench
 from studio.core.captures.annotations import Annotations
 from studio.core.captures.capture import Capture
@@ -16,10 +18,11 @@ from studio.core.markers.take import MarkerTake
 from studio.core.project import Motion, Project, new_id
 from studio.core.solver.performers.rows import stage_span
 from studio.core.stage.clip import Clip
-from studio.core.stage.staging import side_by_side
+from studio.core.stage.staging import is_unarranged, lined_up, side_by_side, travel_heading
 from studio.document.document import Document
 from studio.io.importing import GUESS_ALL, ImportOptions, known_of_motion, read_capture, read_file
 from studio.io.registry import Progress, ReadCapture, ReadCharacter
+from studio.io.source_files import SourceMissing
 
 UNCHANGED = "Your project was not changed."
 READ_SHARE = 0.7
@@ -33,6 +36,8 @@ class ReadMotion:
     annotations: Annotations
     read_as: ReadAs
     motion_id: str
+    path: Path | None = None
+    """The file that it was read from; None for a body that was found again in the markers of a project."""
 
 
 def read_motion(
@@ -48,7 +53,7 @@ def read_motion(
     """
     with changing_nothing():
         read = read_capture(path, options, _reading(progress))
-        return ready_motion(read, options, progress, known, expect)
+        return ready_motion(read, path, options, progress, known, expect)
 
 
 def read_either(
@@ -60,11 +65,12 @@ def read_either(
     """``read_motion`` of a file that may also hold a character."""
     with changing_nothing():
         read = read_file(path, GUESS_ALL, _reading(progress))
-        return read if isinstance(read, ReadCharacter) else ready_motion(read, GUESS_ALL, progress, known, expect)
+        return read if isinstance(read, ReadCharacter) else ready_motion(read, path, GUESS_ALL, progress, known, expect)
 
 
 def ready_motion(
     read: ReadCapture,
+    path: Path | None,
     options: ImportOptions,
     progress: Progress,
     known: Mapping[str, dict[str, Any]] = MappingProxyType({}),
@@ -78,7 +84,7 @@ def ready_motion(
     expect(capture)
     progress(READ_SHARE, "looking for contacts")
     motion_id = new_id()
-    return ReadMotion(capture, known_of_motion(capture, read.annotations, motion_id), read_as, motion_id)
+    return ReadMotion(capture, known_of_motion(capture, read.annotations, motion_id), read_as, motion_id, path)
 
 
 @contextmanager
@@ -110,6 +116,7 @@ def show_import(bench: Workbench, path: Path, motion: ReadMotion) -> None:
     put_motion(bench.document, motion, f"Import {path.name}")
     capture_id = list(bench.document.project.captures)[-1]
     bench.sources[capture_id] = path
+    bench.settings.remember_source(path)
     bench.read_as[capture_id] = motion.read_as
     tell_repairs(bench, capture_id)
     tell_corrections(bench, capture_id)
@@ -124,6 +131,8 @@ def put_motion(document: Document, read: ReadMotion, text: str) -> str:
             document.add("performers", replace(performer, character_id=character_id), text)
         capture_id = add_motion(document, read, text)
         _perform(document, read.motion_id, text)
+    if document.selection.of("captures"):
+        document.selection.set(("captures", capture_id))
     show_motion(document)
     if read.capture.markers is not None and read.capture.body_map is None:
         _show_markers(document, capture_id)
@@ -171,29 +180,36 @@ def read_again(
     """Interpret a capture with other options: its markers, by default those that it has, else its file; the task."""
     capture = bench.document.project.captures[capture_id]
     markers = take or capture.markers
-    path = None if markers else bench.sources.get(capture_id)
-    if path is None and markers is None:
-        raise StudioError(f"Where '{capture.source}' lies is not known any more. Import it again to read it otherwise.")
+    find = finder(bench, capture_id)
 
     def read(progress: Progress) -> ReadMotion:
-        if path is not None:
-            return read_motion(path, options, progress)
+        if markers is None:
+            return read_motion(find(progress).path, options, progress)
         from studio.io.markers.capture import capture_of_take  # late: it loads kernels
 
-        assert markers is not None
         chosen = replace(options, body_map=None, marker_map=None)
         with changing_nothing():
             solved = capture_of_take(markers, chosen, capture.repairs, _reading(progress))
-            return ready_motion(ReadCapture(solved), chosen, progress)
+            return ready_motion(ReadCapture(solved), None, chosen, progress)
 
     def done(motion: ReadMotion) -> None:
         if capture_id in bench.document.project.captures:
+            old = bench.document.project.captures[capture_id]
             if capture_id in bench.read_as:
                 bench.read_as[capture_id] = replace(bench.read_as[capture_id], options=options)
             replace_motion(bench.document, capture_id, motion.capture, motion.annotations, text)
             tell_repairs(bench, capture_id)
+            if motion.path is not None:
+                bench.sources[capture_id] = motion.path
+                if old.digest not in ("", motion.capture.digest):
+                    bench.said.emit(f"The content of {motion.path} has changed since it was read before.")
 
-    task: int = bench.runner.run(text, read, done)
+    def missed(error: StudioError) -> None:
+        if isinstance(error, SourceMissing):
+            again = partial(read_again, bench, capture_id, options, text)
+            offer_relinking(bench, capture_id, error, again)
+
+    task: int = bench.runner.run(text, read, done, missed)
     return task
 
 
@@ -273,8 +289,10 @@ def replace_motion(document: Document, capture_id: str, capture: Capture, known:
     """Another reading of a capture in its place, with its contacts; the bodies play it if it had no body before."""
     old = document.project.captures[capture_id]
     with document.group(text):
-        named = capture if capture.name == old.name else replace(capture, name=old.name)
-        document.replace("captures", capture_id, named, text)
+        digest = capture.digest or old.digest
+        if (capture.name, capture.digest) != (old.name, digest):
+            capture = replace(capture, name=old.name, digest=digest)
+        document.replace("captures", capture_id, capture, text)
         for motion_id, motion in document.project.motions.items():
             if motion.capture_id == capture_id:
                 for key in document.project.contacts_of(motion_id):
@@ -288,6 +306,7 @@ def replace_motion(document: Document, capture_id: str, capture: Capture, known:
 def _annotate(document: Document, annotations: Annotations, text: str) -> None:
     document.add_all("contacts", annotations.contacts or (), text)
     document.add_all("constraints", annotations.constraints, text)
+    document.add_all("labels", annotations.labels, text)
 
 
 def _perform(document: Document, motion_id: str, text: str) -> None:
@@ -298,8 +317,12 @@ def _perform(document: Document, motion_id: str, text: str) -> None:
     clip = Clip(motion_id, capture.first_frame, capture.frame_count - 1, id=new_id())
     performers = project.performers
     shown = {key for key, each in performers.items() if each.visible} or set(performers)
-    for key in (key for key in performers if key in shown):
-        document.replace("performers", key, replace(performers[key], clips=(clip,)), text)
+    playing = {key: replace(each, clips=(clip,)) for key, each in performers.items() if key in shown}
+    travel = travel_heading(capture, clip.first, clip.last)
+    if travel is not None and is_unarranged(playing):
+        playing = lined_up(playing, travel)
+    for key, performer in playing.items():
+        document.replace("performers", key, performer, text)
 
 
 def _bundled_bodies() -> list[Any]:

@@ -15,7 +15,7 @@ from studio.app.marker_dialog import open_markers
 from studio.app.playing_live import LivePlaying
 from studio.app.striking import Striking
 from studio.app.top_bar import TopBar
-from studio.app.verbs import files
+from studio.app.verbs import editing, files
 from studio.app.verbs.behaviours import READY_MADE
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
@@ -137,7 +137,7 @@ class MainWindow(QMainWindow):
             self._after_save = then
             files.save(self.bench)
 
-        self.question.say(
+        self.question.ask(
             f"{self._document_name()} has changes that are not saved.",
             ("Save", save_first),
             ("Don't save", then),
@@ -240,6 +240,7 @@ class MainWindow(QMainWindow):
         for over in (runner.finished, runner.failed, runner.cancelled):
             over.connect(lambda task, *_: self.status.progress.end(task))
         self.status.progress.cancel_wanted.connect(runner.cancel)
+        self.status.report_wanted.connect(lambda: editing.select_capture(bench))
         self.status.progress.told.connect(self._show_progress)
         self.library.wanted.connect(lambda capture: importing.perform_capture(bench, capture))
         self.inspector.reimport_wanted.connect(self._reimport)

@@ -42,6 +42,19 @@ class Settings:
         self._store.setValue("folder", str(folder))
 
     @property
+    def source_folders(self) -> tuple[Path, ...]:
+        """Folders in which captures were read, newest first."""
+        stored = self._store.value("sources")
+        names = stored if isinstance(stored, list) else [stored] if stored else []
+        return tuple(Path(str(name)) for name in names)
+
+    def remember_source(self, path: Path) -> None:
+        """Put the folder of a capture's file at the head of those in which captures are looked for."""
+        folder = path.resolve().parent
+        names = [str(folder), *(str(other) for other in self.source_folders if other != folder)]
+        self._store.setValue("sources", names[:MOST_RECENT])
+
+    @property
     def exported(self) -> dict[str, Any]:
         """What was chosen in the export dialog the last time."""
         try:

@@ -7,6 +7,7 @@ from io import StringIO
 from pathlib import Path
 from typing import Any
 
+from studio.cli.printing import counted
 from studio.io.replacing import write_whole
 
 Record = dict[str, Any]
@@ -78,8 +79,8 @@ def _page(records: Sequence[Record], rows: Sequence[Row]) -> str:
     errors = "".join(f"<tr><td>{escape(each['name'])}<td>{escape(each['error'])}" for each in failed)
     return (
         f'<!doctype html><meta charset="utf-8"><title>Batch</title><style>{STYLE}</style>'
-        f"<h1>{len(records)} captures, {len(failed)} failed</h1><p>Captures from left to right, a dot for each"
-        f" character; point at one for its name. {legend}{plots}"
+        f"<h1>{counted(len(records), 'capture')}, {len(failed)} failed</h1><p>Captures from left to right, a dot for"
+        f" each character; point at one for its name. {legend}{plots}"
         + (f"<h2>Failed</h2><table>{errors}</table>" if failed else "")
     )
 

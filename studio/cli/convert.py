@@ -11,7 +11,7 @@ from studio.cli.adaptation import MOTION_ID, cleaning_records, ready_read
 from studio.cli.export_options import export_options
 from studio.cli.import_options import import_options
 from studio.cli.outputs import refuse_replacing
-from studio.cli.printing import print_json
+from studio.cli.printing import counted, print_json
 from studio.cli.warm_up import tell_what_reading_waits_for
 from studio.core.captures.capture import Guess
 from studio.io.export import Take, format_for, take_of_capture, take_of_standing, write_take
@@ -49,7 +49,10 @@ def run(arguments: Namespace) -> int:
             }
         )
         return 0
-    print(f"{arguments.target}: {written.name}, {capture.frame_count} frames of {joints} joints", end=" ")
+    print(
+        f"{arguments.target}: {written.name}, {counted(capture.frame_count, 'frame')} of {counted(joints, 'joint')}",
+        end=" ",
+    )
     print(f"at {capture.frame_rate:g} Hz.")
     _print_changes(guesses, capture.repairs)
     return 0

@@ -2,7 +2,7 @@
 
 from argparse import Namespace
 
-from studio.cli.printing import print_json, print_table, progress_line
+from studio.cli.printing import counted, print_json, print_table, progress_line
 from studio.library.catalogue import Catalogue
 from studio.library.indexing import index
 from studio.library.library import Library, LibraryClip
@@ -28,7 +28,8 @@ def run(arguments: Namespace) -> int:
             for clip in library.clips
         ]
         print_table(("clip", "take", "limb", "kind", "segment", "first", "last", "hit", "confirmed"), rows)
-        print(f"\n{len(library.clips)} clips of {len(library.actors)} actors; {report.read} files read now.")
+        found = f"{counted(len(library.clips), 'clip')} of {counted(len(library.actors), 'actor')}"
+        print(f"\n{found}; {counted(report.read, 'file')} read now.")
         for name, problem in problems.items():
             print(f"{name}: {problem}")
     return 1 if report.problems else 0

@@ -201,7 +201,7 @@ def _words(record: Record, key: str) -> str:
         case "contacts":
             return ", ".join(f"{len(spans)} {_label(foot)}" for foot, spans in value.items())
         case "contents":
-            return ", ".join(f"{count} {name}" for name, count in value.items() if count)
+            return ", ".join(counted(count, name.removesuffix("s")) for name, count in value.items() if count)
         case "markers":
             counts = [f"{counted(value['markers'], 'marker')} of {counted(value['points'], 'point')}"]
             counts += [counted(value["signals"], "signal"), counted(len(value["force_plates"]), "force plate")]

@@ -13,6 +13,7 @@ from types import MappingProxyType
 from typing import Any, Self
 
 from studio.core.body.character import Character
+from studio.core.captures.annotations import Label
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
 from studio.core.constraints.base import Constraint
@@ -82,7 +83,7 @@ class Performer:
         return (*self.clips, *(layer.clip for layer in self.layers))
 
 
-Entity = Capture | Motion | Character | Performer | Constraint | ContactInterval | Ground | Prop | Behaviour
+Entity = Capture | Motion | Character | Performer | Constraint | ContactInterval | Label | Ground | Prop | Behaviour
 
 COLLECTIONS = (
     "captures",
@@ -91,6 +92,7 @@ COLLECTIONS = (
     "performers",
     "constraints",
     "contacts",
+    "labels",
     "grounds",
     "props",
     "behaviours",
@@ -105,6 +107,7 @@ CLASSES: Mapping[str, type] = MappingProxyType(
         "performers": Performer,
         "constraints": Constraint,
         "contacts": ContactInterval,
+        "labels": Label,
         "grounds": Ground,
         "props": Prop,
         "behaviours": Behaviour,
@@ -131,6 +134,8 @@ def references(entity: Entity) -> tuple[tuple[str, str], ...]:
         case Constraint():
             followed = (pair for each in follows_of(entity) for pair in _followed(each))
             return (("motions", entity.motion_id), *_scoped(entity.scope), *followed)
+        case Label():
+            return (("motions", entity.motion_id),)
         case Prop():
             return tuple(("performers", each.performer_id) for each in entity.holds)
         case Behaviour():
@@ -161,6 +166,7 @@ class Project:
     performers: Mapping[str, Performer] = field(default_factory=dict)
     constraints: Mapping[str, Constraint] = field(default_factory=dict)
     contacts: Mapping[str, ContactInterval] = field(default_factory=dict)
+    labels: Mapping[str, Label] = field(default_factory=dict)
     grounds: Mapping[str, Ground] = field(default_factory=lambda: {GROUND_ID: Ground()})
     props: Mapping[str, Prop] = field(default_factory=dict)
     behaviours: Mapping[str, Behaviour] = field(default_factory=dict)
@@ -266,6 +272,11 @@ class Project:
     def contacts_of(self, motion_id: str) -> dict[str, ContactInterval]:
         """The motion's contacts by id, in time."""
         return dict(self._contacts_by_motion.get(motion_id, ()))
+
+    def labels_of(self, motion_id: str) -> dict[str, Label]:
+        """The motion's labels by id, in time."""
+        own = {key: each for key, each in self.labels.items() if each.motion_id == motion_id}
+        return dict(sorted(own.items(), key=lambda pair: (pair[1].first, pair[1].last)))
 
     def contacts_for(self, performer_id: str, clip: Clip) -> dict[str, ContactInterval]:
         """What stands while a performer plays a clip, by id: of each point the contacts of the narrowest scope."""

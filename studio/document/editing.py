@@ -13,12 +13,13 @@ from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.objections import objection
 from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
-from studio.core.project import CLASSES, GROUND_ID, Entity, Project, new_ids, references
+from studio.core.project import CLASSES, GROUND_ID, Entity, Performer, Project, new_ids, references
 from studio.core.solver.performers.rows import stage_span
 from studio.core.stage.clip import Clip
 from studio.document.commands.removal import removal
 from studio.document.commands.replace import Edit, ReplaceValue, applied, merged, reverted, same_value
-from studio.document.playhead import Playhead
+from studio.document.mirrored import mirrored_change, mirrored_entity, mirrored_project
+from studio.document.playhead import NEW, Playhead
 from studio.document.selection import Item, Selection
 
 MANY = 100
@@ -40,8 +41,12 @@ class EditedProject(QObject):
         self._gesture = 0
         self._group: list[Edit] | None = None
         self._shown_already = False
+        self._mirrored: tuple[Project, str, Project] | None = None
         self.undo_stack = QUndoStack(self)
         self.selection = Selection(self)
+        self._active_before: str | None = None
+        self._clip_before: str | None = None
+        self.selection.changed.connect(self._keep_active)
         self.playhead = Playhead(self)
         self.undo_stack.cleanChanged.connect(self._tell_saved_state)
         self._fit_playhead()
@@ -50,6 +55,20 @@ class EditedProject(QObject):
     def project(self) -> Project:
         """The project as it is now: an immutable value that any thread may hold."""
         return self._project
+
+    @property
+    def shown_project(self) -> Project:
+        """The project with constraints and contacts on the sides where the active clip plays them.
+
+        They differ from ``project`` where that clip is mirrored.
+        """
+        clip = self.active_clip
+        if clip is None or not clip.mirrored:
+            return self._project
+        known = self._mirrored
+        if known is None or known[0] is not self._project or known[1] != clip.motion_id:
+            known = self._mirrored = self._project, clip.motion_id, mirrored_project(self._project, clip.motion_id)
+        return known[2]
 
     @property
     def revision(self) -> int:
@@ -79,6 +98,23 @@ class EditedProject(QObject):
                 edits = (Edit(collection, entity_id, old, new),)
                 self._refuse(self._project, applied(self._project, edits), edits)
             self._change((Edit(collection, entity_id, old, new),), text, gesture)
+
+    def replace_shown(
+        self, collection: str, entity_id: str, new: Entity, text: str, gesture: int | None = None
+    ) -> None:
+        """``replace`` for a ``new`` entity that was made from the one of ``shown_project``."""
+        old = self._existing(collection, entity_id)
+        if self._plays_mirrored(old):
+            new = mirrored_change(old, new)
+        self.replace(collection, entity_id, new, text, gesture)
+
+    def add_shown(self, collection: str, entity: Entity, text: str) -> str:
+        """``add`` for an entity on the side where the active clip plays it."""
+        return self.add(collection, mirrored_entity(entity) if self._plays_mirrored(entity) else entity, text)
+
+    def _plays_mirrored(self, entity: Entity) -> bool:
+        clip = self.active_clip
+        return clip is not None and clip.mirrored and getattr(entity, "motion_id", None) == clip.motion_id
 
     def add(self, collection: str, entity: Entity, text: str) -> str:
         """Put a new entity at the end of its collection and return its id. Raises as ``replace``."""
@@ -138,24 +174,42 @@ class EditedProject(QObject):
 
     @property
     def active_performer_id(self) -> str | None:
-        """The selected performer, else the first visible one that plays a selected clip.
+        """The selected performer, else a visible one that plays a selected clip, or what a selected thing applies to.
 
-        Else, of those visible, the one that was selected last, so that it takes the prop that is clicked next; else the
-        first.
+        Else, of those visible, the one that was active before, so that it takes the prop that is clicked next; else
+        the first.
         """
-        performers, clips = self._project.performers, {*self.selection.of("clips")}
+        performers = self._project.performers
         selected = [key for key in self.selection.of("performers") if key in performers]
         visible = [key for key, performer in performers.items() if performer.visible]
-        playing = [key for key in visible if clips and any(clip.id in clips for clip in performers[key].all_clips)]
-        latest = [key for key in visible if key == self.selection.latest("performers")]
-        return next(iter((*reversed(selected), *playing, *latest, *visible)), None)
+        visible.sort(key=lambda key: key != self._active_before)
+        concerned = [key for key in visible if self._concerns_selection(performers[key], key)]
+        return next(iter((*reversed(selected), *concerned, *visible)), None)
+
+    def _concerns_selection(self, performer: Performer, performer_id: str) -> bool:
+        """True if the performer plays a selected clip, or a clip to which a selected constraint or contact applies."""
+        clips = {*self.selection.of("clips")}
+        scoped = [self._project.get(*item) for item in self.selection.items if item[0] in ("constraints", "contacts")]
+        return any(
+            clip.id in clips
+            or any(each.motion_id == clip.motion_id and each.scope.includes(performer_id, clip.id) for each in scoped)
+            for clip in performer.all_clips
+        )
+
+    def _keep_active(self) -> None:
+        self._active_before = self.active_performer_id
+        clip = self.active_clip
+        self._clip_before = clip.id if clip else None
 
     @property
     def active_clip(self) -> Clip | None:
-        """The active performer's clip that is selected, or of which something selected is asked; else its first."""
+        """The active performer's clip that is selected, or to which something selected applies.
+
+        Of several, and where nothing is selected, the one that was active before; else the first.
+        """
         performer_id = self.active_performer_id or ""
         performer = self._project.performers.get(performer_id)
-        clips = performer.clips if performer else ()
+        clips = sorted(performer.clips if performer else (), key=lambda clip: clip.id != self._clip_before)
         selected = {*self.selection.of("clips")}
         asked = [self._project.get(*item) for item in self.selection.items if item[0] in ("constraints", "contacts")]
         for clip in clips:
@@ -176,10 +230,11 @@ class EditedProject(QObject):
         self.playhead.pause()
         self._project = project
         self._revision += 1
+        self._active_before = self._clip_before = None
         self.selection.clear()  # first: who hears of the others asks what is selected
         self.undo_stack.clear()
         self.undo_stack.setClean()
-        self.playhead.set_time(0.0)
+        self.playhead.restore(NEW)
         self._fit_playhead()
         self.project_opened.emit()
 

@@ -19,6 +19,10 @@ class PlayheadState:
     last: int
 
 
+NEW = PlayheadState(0.0, 60.0, 0, 300)
+"""Where the user stands in a project in which nothing plays yet."""
+
+
 class Playhead(QObject):
     """Where in time the user stands. Playback reads the time from the clock, so late frames are skipped."""
 
@@ -31,8 +35,8 @@ class Playhead(QObject):
         self._clock = clock
         self._timer: QTimer | None = None
         self._time = 0.0
-        self._frame_rate = 60.0
-        self._first, self._last = 0, 300
+        self._frame_rate = NEW.frame_rate
+        self._first, self._last = NEW.first, NEW.last
         self._speed = 1.0
         self._anchor = (0.0, 0.0)
         self.loop = True

@@ -13,7 +13,6 @@ class Selection(QObject):
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._items: tuple[Item, ...] = ()
-        self._latest: dict[str, str] = {}
 
     @property
     def items(self) -> tuple[Item, ...]:
@@ -30,7 +29,6 @@ class Selection(QObject):
         unique = tuple(dict.fromkeys((str(collection), str(entity_id)) for collection, entity_id in items))
         if unique != self._items:
             self._items = unique
-            self._latest = self._latest | dict(unique) if unique else {}
             self.changed.emit()
 
     def clear(self) -> None:
@@ -45,10 +43,6 @@ class Selection(QObject):
     def of(self, collection: str) -> tuple[str, ...]:
         """The selected ids of one collection."""
         return tuple(entity_id for name, entity_id in self._items if name == collection)
-
-    def latest(self, collection: str) -> str | None:
-        """The id of that collection that was selected last, and may be gone; None once nothing was selected since."""
-        return self._latest.get(collection)
 
     def __contains__(self, item: object) -> bool:
         return item in self._items

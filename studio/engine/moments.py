@@ -120,7 +120,8 @@ class Moment:
                 if capture is None or follow.joint not in capture.skeleton.names:
                     return None
                 frame = min(round(pose.seconds * capture.frame_rate), capture.frame_count - 1)
-                return tracked_track(follow, capture, np.array([max(frame, 0)]))
+                track = tracked_track(follow, capture, np.array([max(frame, 0)]))
+                return Track(track.places * [1.0, -1.0 if pose.mirrored else 1.0, 1.0], track.rotations)
         return None
 
     def _own_track(self, place: OwnPlace, unasked: Unasked) -> Track:

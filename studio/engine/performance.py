@@ -81,6 +81,11 @@ class Posed:
         composite = self.motion.composite
         return composite.playing(self.frame) if composite else None
 
+    @property
+    def mirrored(self) -> bool:
+        """True if the clip that plays is mirrored."""
+        return self.played is not None and self.played.piece.mirrored
+
     @cached_property
     def seconds(self) -> float:
         """The time that it shows of the motion that plays."""

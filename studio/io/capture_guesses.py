@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.humanoid import BodyMap
+from studio.core.body.moving_offsets import with_bones_followed
 from studio.core.body.pose import PoseSequence
 from studio.core.body.reference_pose import ReferencePose, find_reference_pose, stand_up
 from studio.core.body.skeleton import Skeleton
@@ -19,6 +20,10 @@ from studio.io.guessing import guess_first_frame, guess_floor
 from studio.io.importing import ImportOptions
 
 FloatArray = NDArray[np.float64]
+
+LOOSE_FEET = (
+    "In the file they do not hang from the legs, as rigs for inverse kinematics have it; they follow the shanks."
+)
 
 
 def body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) -> list[Guess]:
@@ -55,15 +60,23 @@ class ReadJoints:
 
 def stood_capture(read: ReadJoints, found: FoundBody, options: ImportOptions, guesses: list[Guess]) -> Capture:
     """The capture of joints when its first frame, ground and reference pose are found."""
+    poses = read.poses
+    if found.body_map is not None:
+        poses, swing = with_bones_followed(read.skeleton, poses, found.body_map)
+        if swing:
+            reason = (
+                f"Joints move in their parents by up to {np.degrees(swing):.0f} degrees; bones point where they are."
+            )
+            guesses.append(Guess("moving offsets", "followed", reason))
     first_frame, guess = guess_first_frame(read.positions, read.frame_rate)
     guesses += [guess] if guess else []
     floor = floor_of(read, first_frame, found.body_map, options, guesses)
-    reference = reference_of(read.skeleton, read.poses, found.body_map, options, guesses)
+    reference = reference_of(read.skeleton, poses, found.body_map, options, guesses)
     return Capture(
         name=read.path.stem,
         source=read.path.name,
         skeleton=read.skeleton,
-        poses=read.poses,
+        poses=poses,
         frame_rate=read.frame_rate,
         body_map=found.body_map,
         reference_rotations=reference,

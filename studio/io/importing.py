@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from studio.core.captures.annotations import Annotations
 from studio.core.captures.capture import Capture
-from studio.io.registry import Progress, ReadCapture, ReadCharacter, format_of
+from studio.io.registry import Progress, ReadCapture, ReadCharacter, format_of, recognise
 
 if TYPE_CHECKING:
     from studio.core.markers.cleaning import Step
@@ -43,7 +43,9 @@ def read_file(
 ) -> ReadCapture | ReadCharacter:
     """The capture or the character in the file at ``path``, whichever it holds; raises as ``read_capture`` does."""
     path = Path(path)
-    return format_of(path, "capture_reader", "character_reader").read(path, options, progress or _unheard)
+    found = recognise(path, "capture_reader", "character_reader")
+    read = found.format.read(path, options, progress or _unheard)
+    return read if isinstance(read, ReadCharacter) else _identified(read, found.digest)
 
 
 def read_capture(path: Path | str, options: ImportOptions = GUESS_ALL, progress: Progress | None = None) -> ReadCapture:
@@ -53,7 +55,19 @@ def read_capture(path: Path | str, options: ImportOptions = GUESS_ALL, progress:
     to do when the file is damaged or the options do not fit it.
     """
     path = Path(path)
-    return format_of(path, "capture_reader").read_capture(path, options, progress or _unheard)
+    found = recognise(path, "capture_reader")
+    return _identified(found.format.read_capture(path, options, progress or _unheard), found.digest)
+
+
+def _identified(read: ReadCapture, digest: str) -> ReadCapture:
+    """``read`` with the ``digest`` of its file in its capture, however often that is interpreted."""
+    inner = read.interpret
+
+    def interpret(options: ImportOptions, progress: Progress) -> Capture:
+        assert inner is not None  # Format.read gives one to every capture
+        return replace(inner(options, progress), digest=digest)
+
+    return replace(read, capture=replace(read.capture, digest=digest), interpret=interpret)
 
 
 def load_capture(path: Path | str, options: ImportOptions = GUESS_ALL, progress: Progress | None = None) -> Capture:

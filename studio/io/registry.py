@@ -4,6 +4,7 @@ A format is one file: functions to ``sniff``, ``read`` or ``write``, named by th
 or by an entry point of the group ``morpho_studio.formats`` for anybody else's (``examples/trace_format.py`` is one).
 """
 
+import hashlib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -197,6 +198,12 @@ OWN_FORMATS = (
         character_reader="studio.io.gltf.character:load_character",
     ),
     Format(
+        name="VRM animation",
+        suffixes=(".vrma",),
+        sniff="studio.io.gltf.container:is_gltf",
+        capture_reader="studio.io.gltf.capture:load_gltf",
+    ),
+    Format(
         name="USD",
         suffixes=(".usd", ".usda", ".usdc", ".usdz"),
         motion_writer="studio.io.usd.writer:write_take",
@@ -291,15 +298,32 @@ def _added(entry: EntryPoint, formats: list[Format]) -> Format:
     return added
 
 
+@dataclass(frozen=True)
+class Recognised:
+    """The format of a file, and the SHA-256 of its content in hexadecimal digits."""
+
+    format: Format
+    digest: str
+
+
 def format_of(path: Path, *jobs: str) -> Format:
     """The format of a file that can do one of ``jobs``, by its first bytes, else by its suffix; else StudioError.
 
     Formats of the suffix are asked first, so that no other is imported for a file that is what it is called.
     """
+    return recognise(path, *jobs).format
+
+
+def recognise(path: Path, *jobs: str) -> Recognised:
+    """``format_of`` a file and the digest of its content, from one pass over its bytes."""
+    head, digest = _head_and_digest(path)
+    return Recognised(_format_of(path, head, jobs), digest)
+
+
+def _format_of(path: Path, head: bytes, jobs: tuple[str, ...]) -> Format:
     known = known_formats()
     candidates = [each for each in known.formats if any(getattr(each, job) for job in jobs)]
     by_suffix = [each for each in candidates if path.suffix.lower() in each.suffixes]
-    head = _head(path)
     others = (each for each in candidates if each not in by_suffix)
     found = next(_recognising([*by_suffix, *others], head), None)
     if found is None:
@@ -318,10 +342,12 @@ def _recognising(candidates: list[Format], head: bytes) -> Iterator[Format]:
     return (each for each in candidates if each.recognises(head))
 
 
-def _head(path: Path) -> bytes:
+def _head_and_digest(path: Path) -> tuple[bytes, str]:
     refuse_devices(path)
     try:
         with path.open("rb") as file:
-            return file.read(SNIFFED)
+            head = file.read(SNIFFED)
+            file.seek(0)
+            return head, hashlib.file_digest(file, "sha256").hexdigest()
     except OSError as error:
         raise StudioError(f"{path.name} could not be read: {error.strerror}. Check the file and try again.") from error

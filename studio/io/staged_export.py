@@ -1,13 +1,16 @@
 """What a performer of a stage plays, as a file: its row of clips on its character."""
 
 import re
+from dataclasses import replace
+from itertools import product
 
 from studio.core.body.carried_joints import carried_joints
+from studio.core.captures.annotations import Label, within
 from studio.core.captures.capture import Capture
 from studio.core.normalized.normalize import normalize
 from studio.core.project import Project
 from studio.core.solver.performers.performing import Performance
-from studio.core.solver.performers.rows import is_plain
+from studio.core.solver.performers.rows import is_plain, timing_of
 from studio.io.export import Take, take_of_adapted
 
 
@@ -31,7 +34,26 @@ def take_of_performer(project: Project, performer_id: str, performance: Performa
     capture = project.captures[project.motions[clips[0].motion_id].capture_id]
     alone = len(clips) == 1 and is_plain(clips[0])
     carried = (capture, normalize(capture)[1]) if along and alone and other_joints(capture) else None
-    return take_of_adapted(performer.name, performance.played, character, performance.request, carried)
+    take = take_of_adapted(performer.name, performance.played, character, performance.request, carried)
+    return replace(take, annotations=replace(take.annotations, labels=labels_played(project, performer_id)))
+
+
+def labels_played(project: Project, performer_id: str) -> tuple[Label, ...]:
+    """The labels of the motions that a performer plays, in frames of its row of clips, as often as they are played."""
+    performer = project.performers[performer_id]
+    timing, played = timing_of(project, performer), []
+    for clip in performer.clips:
+        rate = project.frame_rate_of(clip)
+        once = clip.length(rate) / clip.repeats
+        labels = within(project.labels_of(clip.motion_id).values(), clip.first, clip.last)
+        for label, repeat in product(labels, range(clip.repeats)):
+            begin = clip.start + repeat * once - timing.start
+            first, last = (
+                min(max(round((begin + frame / rate / clip.speed) * timing.frame_rate), 0), timing.last - timing.first)
+                for frame in (label.first, label.last)
+            )
+            played.append(replace(label, first=first, last=last))
+    return tuple(played)
 
 
 def other_joints(capture: Capture) -> tuple[str, ...]:

@@ -143,19 +143,29 @@ class ClipEditor(Editor):
 
     def _edit(self, edit: Any, verb: str, rest: str = "") -> None:
         text = f"{verb} {clips.name_of(self.document.project, self.entity)} {rest}".strip()
-        self._say(lambda: clips.edit_clip(self.document, self.entity_id, edit, text, self._gesture))
+
+        def edit_all() -> None:
+            with self.document.group(text, self._gesture):
+                for key in self.together:
+                    clips.edit_clip(self.document, key, edit, text)
+
+        self._say(edit_all)
 
     def _set(self, verb: str, rest: str = "", **values: Any) -> None:
         self._edit(lambda clip: (replace(clip, **values),), verb, rest)
 
     def _set_first(self, frame: float) -> None:
-        rate = self.document.project.frame_rate_of(self.entity)
-        self._edit(lambda clip: (begun_at(clip, rate, round(frame)),), "Trim")
+        project = self.document.project
+        self._edit(lambda clip: (begun_at(clip, project.frame_rate_of(clip), round(frame)),), "Trim")
 
     def _set_last(self, frame: float) -> None:
         project = self.document.project
-        count = project.captures[project.motions[self.entity.motion_id].capture_id].frame_count
-        self._edit(lambda clip: (ended_at(clip, round(frame), count),), "Trim")
+
+        def ended(clip: Clip) -> tuple[Clip, ...]:
+            count = project.captures[project.motions[clip.motion_id].capture_id].frame_count
+            return (ended_at(clip, round(frame), count),)
+
+        self._edit(ended, "Trim")
 
     def _set_repeats(self, times: float) -> None:
         self._set("Loop", repeats=round(times))

@@ -1,6 +1,7 @@
 """Editor: what every form of the inspector has in common: an entity, a gesture, one way to change it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
@@ -11,6 +12,10 @@ from studio.core.errors import StudioError
 from studio.document.document import Document
 from studio.engine.live import Live
 from studio.panels.fields import NumberField, labelled
+from studio.panels.shared_edits import different_fields, with_edit
+
+SHARED = ("constraints", "contacts", "clips", "performers", "props")
+"""Collections of which all that are selected are edited together."""
 
 
 class Editor(QWidget):
@@ -25,7 +30,28 @@ class Editor(QWidget):
         self.column = QVBoxLayout(self)
         self.column.setContentsMargins(0, 0, 0, 12)
         self.column.setSpacing(0)
+        self._together = labelled("", "hint")
+        self._together.setContentsMargins(12, 8, 12, 0)
+        self._together.hide()
+        self.column.addWidget(self._together)
         self._gesture: int | None = None
+
+    @property
+    def together(self) -> tuple[str, ...]:
+        """Ids of all of the collection that are selected with the entity and edited as it is, itself among them."""
+        selected = self.document.selection.of(self.collection)
+        return selected if self.entity_id in selected else (self.entity_id,)
+
+    def tell_together(self) -> None:
+        """Show how many entities an edit changes, and in what they differ."""
+        ids = self.together
+        self._together.setVisible(len(ids) > 1 and self.collection in SHARED)
+        if len(ids) > 1 and self.collection in SHARED:
+            entities = [self.document.shown_project.get(self.collection, key) for key in ids]
+            mixed = ", ".join(different_fields(entities))
+            self._together.setText(
+                f"{len(ids)} {self.collection} are edited together." + (f" Mixed values: {mixed}." if mixed else "")
+            )
 
     @property
     def gesture(self) -> int | None:
@@ -34,8 +60,8 @@ class Editor(QWidget):
 
     @property
     def entity(self) -> Any:
-        """The entity as it is now."""
-        return self.document.project.get(self.collection, self.entity_id)
+        """The entity as the active clip shows it now."""
+        return self.document.shown_project.get(self.collection, self.entity_id)
 
     def refresh(self) -> None:
         """Show the entity as it is now."""
@@ -50,12 +76,25 @@ class Editor(QWidget):
 
     def put(self, make: Callable[[], Any], text: str) -> None:
         """As ``change``, for a new entity that is made in another way."""
-        self.put_other(self.collection, self.entity_id, make, text)
+        others = [key for key in self.together if key != self.entity_id] if self.collection in SHARED else []
+        before = self.entity
+        with self._objections_told(), self.document.group(text, self._gesture):
+            after = make()
+            self.document.replace_shown(self.collection, self.entity_id, after, text)
+            for key in others:
+                edited = with_edit(self.document.shown_project.get(self.collection, key), before, after)
+                self.document.replace_shown(self.collection, key, edited, text)
 
     def put_other(self, collection: str, entity_id: str, make: Callable[[], Any], text: str) -> None:
         """As ``put``, for an entity that belongs to this one."""
+        with self._objections_told():
+            self.document.replace_shown(collection, entity_id, make(), text, self._gesture)
+
+    @contextmanager
+    def _objections_told(self) -> Iterator[None]:
+        """Report an edit that is refused in a sentence, and show the entity as it is."""
         try:
-            self.document.replace(collection, entity_id, make(), text, self._gesture)
+            yield
         except (ValueError, StudioError) as error:
             self.document.problem.emit(f"{error}")
             self.refresh()
@@ -86,6 +125,7 @@ class Editor(QWidget):
         """The form is complete: what is left over stays empty below it."""
         self.column.addStretch(1)
         self.refresh()
+        self.tell_together()
 
 
 class PlainEditor(Editor):

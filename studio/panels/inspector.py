@@ -17,6 +17,7 @@ from studio.panels.constraint_editors import editor_of_kind
 from studio.panels.contact_editor import ContactEditor
 from studio.panels.editor import Editor, PlainEditor
 from studio.panels.ground_editor import GroundEditor
+from studio.panels.label_editor import LabelEditor
 from studio.panels.performer_editor import PerformerEditor
 from studio.panels.prop_editor import PropEditor
 from studio.panels.stage_editor import StageEditor
@@ -27,6 +28,7 @@ EDITORS: dict[str, Callable[[Document, Live, str, str], Editor]] = {
     "clips": ClipEditor,
     "performers": PerformerEditor,
     "contacts": ContactEditor,
+    "labels": LabelEditor,
     "grounds": GroundEditor,
     "props": PropEditor,
     "behaviours": BehaviourEditor,
@@ -79,6 +81,7 @@ class Inspector(QScrollArea):
         editor = self.editor
         if editor is not None and (editor.collection, editor.entity_id) == (collection, entity_id) and item:
             editor.refresh()
+            editor.tell_together()
             return
         self.editor = self._make(collection, entity_id)
         if isinstance(self.editor, CaptureEditor):
@@ -112,12 +115,14 @@ class Inspector(QScrollArea):
         elif editor.concerns(collection, entity_id) or (collection == editor.collection and not entity_id):
             if not self.live.interactive:
                 editor.refresh()
+                editor.tell_together()
             elif not self._dragged.isActive():
                 self._dragged.start()
 
     def _refresh(self) -> None:
         if self.editor is not None and (not self.editor.collection or self.editor.entity is not None):
             self.editor.refresh()
+            self.editor.tell_together()
 
     def current_form(self) -> QWidget | None:
         """The form on show."""

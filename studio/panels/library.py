@@ -146,6 +146,7 @@ class Library(QWidget):
         column.setContentsMargins(0, 4, 0, 0)
         column.addWidget(self.view)
         self.view.selectionModel().selectionChanged.connect(self._select)
+        self.view.clicked.connect(self._select)  # a row that is lit already may stand beside what is current
         self.view.eye_clicked.connect(self._toggle)
         self.view.opened.connect(self._open)
         document.entity_changed.connect(self._entity_changed)
@@ -156,12 +157,12 @@ class Library(QWidget):
     def refresh(self) -> None:
         """Fetch all rows."""
         with QSignalBlocker(self.view.selectionModel()):
-            self.model.show(rows_of(self.document.project, self.document.active_motion_id))
+            self.model.show(rows_of(self.document.shown_project, self.document.active_motion_id))
         self._show_selection()
 
     def _show_change(self) -> None:
         """Fetch them where they have changed: most of what is dragged, no row tells."""
-        if rows_of(self.document.project, self.document.active_motion_id) != self.model.rows:
+        if rows_of(self.document.shown_project, self.document.active_motion_id) != self.model.rows:
             self.refresh()
 
     def row_rect(self, item: tuple[str, str]) -> QRect:
@@ -173,7 +174,7 @@ class Library(QWidget):
         return self.model.index(places[0]) if places else QModelIndex()
 
     def _entity_changed(self, collection: str, _: str) -> None:
-        if collection != "contacts":
+        if collection not in ("contacts", "labels"):
             self._show_change()
 
     def _selection_changed(self) -> None:

@@ -2,12 +2,14 @@
 
 from collections.abc import Callable
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QEvent, Qt, Signal
+from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QWidget
 
 from studio.panels.fields import press_button
 
 Answer = tuple[str, Callable[[], object]]
+PRESSING = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 
 
 class MessageStrip(QWidget):
@@ -46,6 +48,29 @@ class MessageStrip(QWidget):
         self._label.setText(sentence)
         self.setAccessibleName(sentence)
         self.show()
+
+    def ask(self, sentence: str, *answers: Answer) -> None:
+        """``say`` with the keyboard on the first answer: Tab goes on, Enter presses, Esc presses the last one."""
+        self.say(sentence, *answers)
+        self._answers[0].setFocus(Qt.FocusReason.PopupFocusReason)
+
+    def event(self, event: QEvent) -> bool:
+        """Keys that answer are not shortcuts of the window while an answer has the keyboard."""
+        keys = (*PRESSING, Qt.Key.Key_Space, Qt.Key.Key_Escape)
+        if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.ShortcutOverride and event.key() in keys:
+            event.accept()
+            return True
+        return bool(super().event(event))
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Press the answer that has the keyboard, or with Esc the last one."""
+        focused = next((button for button in self._answers if button.hasFocus()), None)
+        if event.key() in PRESSING and focused is not None:
+            focused.click()
+        elif event.key() == Qt.Key.Key_Escape:
+            self._answers[-1].click()
+        else:
+            super().keyPressEvent(event)
 
     def clear(self) -> None:
         """Nothing to say any more."""

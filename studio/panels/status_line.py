@@ -76,15 +76,20 @@ class ProgressLine(QWidget):
 class StatusLine(QStatusBar):
     """Frame, rate and guesses at the left; the journal at the right."""
 
+    report_wanted = Signal()
+    """The guesses were clicked."""
+
     def __init__(self, document: Document) -> None:
         super().__init__()
         self.setSizeGripEnabled(False)
         self.document = document
-        self._time, self._rate, self._guesses, self._told, self._journal = (QLabel() for _ in range(5))
+        self._time, self._rate, self._told, self._journal = (QLabel() for _ in range(4))
+        self._guesses = press_button("", self.report_wanted.emit, "link")
         self.progress = ProgressLine()
-        for label in (self._time, self._rate, self._guesses, self._told):
+        for label in (self._time, self._rate, self._told):
             label.setContentsMargins(8, 0, 8, 0)
-            self.addWidget(label)
+        for widget in (self._time, self._rate, self._guesses, self._told):
+            self.addWidget(widget)
         self._journal.setContentsMargins(8, 0, 12, 0)
         self.addPermanentWidget(self.progress)
         self.addPermanentWidget(self._journal)
@@ -115,8 +120,8 @@ class StatusLine(QStatusBar):
         project = self.document.project
         self._rate.setText(f"{self.document.playhead.frame_rate:.4g} Hz")
         motion = project.motions.get(self.document.active_motion_id or "")
+        self._guesses.setVisible(motion is not None)
         if motion is None:
-            self._guesses.setText("")
             return
         guesses = project.captures[motion.capture_id].guesses
         count = f"{len(guesses)} guess" + ("" if len(guesses) == 1 else "es")

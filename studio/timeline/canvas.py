@@ -1,5 +1,6 @@
 """TrackCanvas: the rows in the user's hands: mouse, wheel, menus and keys."""
 
+from dataclasses import replace
 from functools import partial
 
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt, Signal
@@ -27,8 +28,10 @@ from studio.timeline.gestures.view import Pan, Scrub
 from studio.timeline.hover import hover_text, is_value
 from studio.timeline.keys import is_wanted, press_key
 from studio.timeline.menus import menu_at
+from studio.timeline.name_field import NameField
 from studio.timeline.shown import LABEL_WIDTH, Hit, Part
 from studio.timeline.snapping import snapped
+from studio.timeline.tracks.labels import flag_area
 from studio.timeline.view import TrackView
 
 DRAG_BEGINS = 3
@@ -110,17 +113,24 @@ class TrackCanvas(TrackView):
         """Finish the drag, once no button is down any more."""
         if event.buttons():
             return
-        self._pending = None
+        pending, self._pending = self._pending, None
         if self.gesture is not None:
             self.gesture.finish()
             self.end_gesture()
+        elif pending is not None and not event.modifiers() & Modifier.ControlModifier and items_of(pending[0]):
+            self.document.selection.set(*items_of(pending[0]))  # a click, not a drag
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """Add a contact at an empty place of a line."""
+        """Add a contact or a label at an empty place of a line; rename a label."""
         hit = self.sheet.hit(event.position()) if self.sheet else None
         if self.sheet and hit and hit.kind == "lane" and hit.part == Part.EMPTY:
             frame = round(self.sheet.shown.frame_at(event.position().x()))
             edits.add_contact(self.sheet.shown, contact_point(hit.id), frame)
+        elif self.sheet and hit and hit.kind == "labels" and hit.id:
+            self._pending = None
+            self.rename_label(hit.id)
+        elif self.sheet and hit and hit.kind == "labels" and hit.part == Part.EMPTY:
+            edits.add_label(self.sheet.shown, round(self.sheet.shown.frame_at(event.position().x())))
         else:
             self.mousePressEvent(event)
 
@@ -195,9 +205,9 @@ class TrackCanvas(TrackView):
                 selection.clear()
         elif add and items[-1] in selection:
             selection.toggle(items[-1])
-        elif add:
+        elif add or (items[-1] in selection and len(selection.of(items[-1][0])) > 1):  # one of several drags all
             selection.set(*(item for item in selection.items if item not in items), *items)
-        elif items[-1][0] != "clips" or not {*items} <= {*selection.items}:  # one of them drags all selected clips
+        else:
             selection.set(*items)
 
     def _drag(self, event: QMouseEvent) -> None:
@@ -248,6 +258,20 @@ class TrackCanvas(TrackView):
             self.told.emit("")
             QToolTip.hideText()
         super().leaveEvent(event)
+
+    def rename_label(self, label_id: str) -> None:
+        """Open a field over a label in which its name is typed."""
+        label, row = self.document.project.labels.get(label_id), self.sheet and self.sheet.find("labels", "")
+        if label is None or self.sheet is None or not row:
+            return
+
+        def take(name: str) -> None:
+            now = self.document.project.labels.get(label_id)
+            if now is not None:
+                self.document.replace("labels", label_id, replace(now, name=name), f"Rename label {now.name}")
+
+        area = flag_area(self.sheet.shown, self.sheet.rect(row), label)
+        NameField(self, area.toRect(), label.name, take)
 
     def _show_menu(self, position: QPointF, place: QPoint) -> None:
         menu = menu_at(self, position)

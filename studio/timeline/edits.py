@@ -1,23 +1,25 @@
-"""Edits without the mouse: add a contact, delete what is selected, move a handle by whole frames."""
+"""Edits without the mouse: add a contact or label, delete what is selected, move a handle by whole frames."""
 
 from dataclasses import replace
 from typing import Any
 
+from studio.core.captures.annotations import Label
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
+from studio.core.constraints.base import Constraint
 from studio.core.constraints.target import key_times
+from studio.core.names import free_name
 from studio.core.project import Project
 from studio.core.stage.clip import Clip
 from studio.document.clips import name_of as clip_name
 from studio.document.clips import remove_clips
 from studio.timeline.clip_edits import nudged
-from studio.timeline.figures import moment
 from studio.timeline.gestures.activation import time_of, with_time
 from studio.timeline.gestures.begin import name_of
 from studio.timeline.gestures.contact import free_stretch, new_contact
 from studio.timeline.shown import EDGES, HANDLES, Part, Shown
 from studio.timeline.tracks.growth import keys_of, nearest_key
 
-DELETABLE = ("constraints", "contacts", "clips")
+DELETABLE = ("constraints", "contacts", "clips", "labels")
 
 
 def add_contact(shown: Shown, point: ContactPoint | Touch, frame: int) -> str | None:
@@ -25,18 +27,40 @@ def add_contact(shown: Shown, point: ContactPoint | Touch, frame: int) -> str | 
     contact = new_contact(shown, point, frame)
     if contact is None:
         return None
-    entity_id = shown.document.add("contacts", contact, f"Add {name_of(contact).lower()}")
+    entity_id = shown.document.add_shown("contacts", contact, f"Add {name_of(contact).lower()}")
     shown.document.selection.set(("contacts", entity_id))
     return entity_id
 
 
+def add_label(shown: Shown, frame: int) -> str:
+    """Add and select a label at a frame of the motion, 0 to its last; its id."""
+    taken = {each.name for each in shown.project.labels_of(shown.subject.motion_id).values()}
+    frame = min(max(frame, 0), shown.subject.last_frame)
+    label = Label(free_name("Label", taken), frame, frame, shown.subject.motion_id)
+    label_id = shown.document.add("labels", label, "Add label")
+    shown.document.selection.set(("labels", label_id))
+    return label_id
+
+
+def go_to_label(shown: Shown, direction: int) -> None:
+    """Bring the playhead to the next (1) or previous (-1) label, and select it."""
+    playhead, subject = shown.document.playhead, shown.subject
+    times = {key: subject.stage_time(each.first) for key, each in shown.project.labels_of(subject.motion_id).items()}
+    ahead = {key: time for key, time in times.items() if (time - playhead.time) * direction > 1e-6}
+    if ahead:
+        nearest = min(ahead, key=lambda key: abs(ahead[key] - playhead.time))
+        playhead.pause()
+        playhead.set_time(ahead[nearest])
+        shown.document.selection.set(("labels", nearest))
+
+
 def delete_selected(shown: Shown) -> bool:
-    """Delete the selected constraints, contacts and clips as one step; whether there were any."""
+    """Delete the selected constraints, contacts, labels and clips as one step; whether there were any."""
     document = shown.document
     items = [item for item in document.selection.items if item[0] in DELETABLE]
     if not items:
         return False
-    text = f"Delete {_words(document.project, *items[0])}" if len(items) == 1 else f"Delete {len(items)} items"
+    text = f"Delete {_words(shown.project, *items[0])}" if len(items) == 1 else f"Delete {len(items)} items"
     with document.group(text):
         remove_clips(document, document.selection.of("clips"), text)
         for collection, entity_id in items:
@@ -109,25 +133,32 @@ def next_handle(shown: Shown, forward: bool) -> Part | None:
 
 
 def nudge(shown: Shown, frames: int) -> None:
-    """Move the handle that has the keyboard by whole frames: one undo step."""
+    """Move the handle that has the keyboard by whole frames, of all selected things of a kind: one undo step."""
     current = shown.document.selection.current
     if current is None or shown.handle is None:
         return
-    collection, entity_id = current
-    if collection == "clips":
-        nudged(shown, entity_id, shown.handle, frames)
-        return
-    entity: Any = shown.project.get(collection, entity_id)
-    if collection == "contacts":
-        new: Any = _trimmed(shown, entity_id, entity, shown.handle, frames)
-        text = f"Trim {name_of(entity).lower()}"
-    else:
-        rate = shown.subject.frame_rate
-        frame = round(time_of(entity.activation, shown.handle) * rate) + frames
-        frame = min(max(frame, 0), shown.subject.last_frame)
-        new = replace(entity, activation=with_time(entity.activation, shown.handle, frame / rate))
-        text = f"Move {shown.handle} of {entity.name}"
-    shown.document.replace(collection, entity_id, new, text)
+    collection, _ = current
+    ids = shown.document.selection.of(collection)
+    verb = f"Move {shown.handle} of" if collection == "constraints" else "Trim"
+    words = _words(shown.project, *current) if len(ids) == 1 else f"{len(ids)} {collection}"
+    with shown.document.group(f"{verb} {words}"):
+        for key in ids:
+            entity: Any = shown.project.get(collection, key)
+            if collection == "clips":
+                nudged(shown, key, shown.handle, frames)
+                continue
+            if collection == "contacts":
+                new: Any = _trimmed(shown, key, entity, shown.handle, frames)
+            else:
+                new = _shifted(shown, entity, shown.handle, frames)
+            shown.document.replace_shown(collection, key, new, verb)
+
+
+def _shifted(shown: Shown, constraint: Constraint, handle: Part, frames: int) -> Constraint:
+    rate = shown.subject.frame_rate
+    frame = round(time_of(constraint.activation, handle) * rate) + frames
+    frame = min(max(frame, 0), shown.subject.last_frame)
+    return replace(constraint, activation=with_time(constraint.activation, handle, frame / rate))
 
 
 def handle_words(shown: Shown) -> str:
@@ -142,13 +173,13 @@ def handle_words(shown: Shown) -> str:
         return f"Clip {clip_name(shown.project, entity)}, {shown.handle} {frame}"
     if isinstance(entity, ContactInterval):
         frame = entity.first if shown.handle == Part.FIRST else entity.last
-        return f"{name_of(entity)}, {shown.handle}, {moment(frame, frame / rate)}"
+        return f"{name_of(entity)}, {shown.handle}, {shown.moment(frame)}"
     time = time_of(entity.activation, shown.handle)
-    return f"{entity.name}, {shown.handle}, {moment(time * rate, time)}"
+    return f"{entity.name}, {shown.handle}, {shown.moment(time * rate)}"
 
 
 def _trimmed(shown: Shown, entity_id: str, contact: ContactInterval, edge: Part, frames: int) -> ContactInterval:
-    room = free_stretch(shown, contact.point, contact.first, entity_id)
+    room = free_stretch(shown, contact.point, contact.first, (entity_id,))
     low, high = room or (contact.first, contact.last)
     if edge == Part.FIRST:
         return replace(contact, first=min(max(contact.first + frames, low), contact.last))

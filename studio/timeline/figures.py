@@ -3,8 +3,12 @@
 
 def moment(frame: float, seconds: float) -> str:
     """``0.767 s · frame 23``; a time between frames says so."""
-    number = f"{round(frame)}" if abs(frame - round(frame)) < 0.005 else f"{frame:.2f}"
-    return f"{seconds:.3f} s · frame {number}"
+    return f"{seconds:.3f} s · frame {number(frame)}"
+
+
+def number(frame: float) -> str:
+    """``23``; ``23.50`` between frames."""
+    return f"{round(frame)}" if abs(frame - round(frame)) < 0.005 else f"{frame:.2f}"
 
 
 def rate(frame_rate: float) -> str:

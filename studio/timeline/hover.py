@@ -35,7 +35,10 @@ def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
             rate = sheet.shown.subject.frame_rate
             seconds = (contact.last - contact.first) / rate
             alone = f", of {sheet.shown.subject_name} alone" if contact.scope.is_narrow else ""
-            return f"{name_of(contact)}: frames {contact.first} to {contact.last}, {seconds:.3f} s{alone}"
+            ends = (sheet.shown.frame_words(frame) for frame in (contact.first, contact.last))
+            return f"{name_of(contact)}: {' to '.join(ends)}, {seconds:.3f} s{alone}"
+        case "labels":
+            return _label_words(sheet, hit)
         case "clips":
             return _clip_text(sheet, hit)
         case "clip":
@@ -68,8 +71,8 @@ def strip_text(sheet: Sheet, constraint_id: str, performer_id: str, frame: int) 
     if strip.state_at(frame) == StripState.INACTIVE:
         return ""
     if strip.state_at(frame) == StripState.YIELDING:
-        return f"{name}: gives way to a contact at frame {frame}"
-    return f"{name}: {strip.measure.words(strip.error_at(frame))} at frame {frame}"
+        return f"{name}: gives way to a contact at {sheet.shown.frame_words(frame)}"
+    return f"{name}: {strip.measure.words(strip.error_at(frame))} at {sheet.shown.frame_words(frame)}"
 
 
 def _label_text(sheet: Sheet, hit: Hit) -> str:
@@ -99,6 +102,16 @@ def _clip_text(sheet: Sheet, hit: Hit) -> str:
     return f"{text}\n{comes.words(entity)}" if comes else text
 
 
+def _label_words(sheet: Sheet, hit: Hit) -> str:
+    label = sheet.shown.project.labels.get(hit.id)
+    if label is None:
+        return "Labels of the motion: double-click to add one"
+    rate = sheet.shown.subject.frame_rate
+    if label.last == label.first:
+        return f"{label.name}: {moment(label.first, label.first / rate)}"
+    return f"{label.name}: frames {label.first} to {label.last}, {(label.last - label.first) / rate:.3f} s"
+
+
 def _growth_text(sheet: Sheet, hit: Hit, position: QPointF) -> str:
     shown, keyed = sheet.shown, growth.keys_of(sheet.shown, hit.id)
     if keyed is None or hit.part == Part.EMPTY:
@@ -122,11 +135,11 @@ def _constraint_text(sheet: Sheet, hit: Hit, position: QPointF) -> str:
     rate = sheet.shown.subject.frame_rate
     if hit.part in HANDLES:
         time = time_of(entity.activation, hit.part)
-        return f"{entity.name}, {hit.part}: {moment(time * rate, time)}"
+        return f"{entity.name}, {hit.part}: {sheet.shown.moment(time * rate)}"
     frame = round(sheet.shown.frame_at(position.x()))
     if hit.part == Part.BODY:
         activation = float(entity.activation.at(frame / rate))
-        return f"{entity.name}: {activation:.0%} active at frame {frame}"
+        return f"{entity.name}: {activation:.0%} active at {sheet.shown.frame_words(frame)}"
     row = sheet.find("constraints", hit.id)
     body = constraint.strip_body(sheet.shown, sheet.rect(row), hit.id, position.y()) if row else None
     return strip_text(sheet, hit.id, body, frame) if body else ""
@@ -139,4 +152,4 @@ def _plot_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
         return ""
     curve, value = near
     figure = plot.words(sheet.shown, value)
-    return f"{curve.name}: {figure} at frame {round(sheet.shown.subject.motion_frame(time))}"
+    return f"{curve.name}: {figure} at {sheet.shown.frame_words(round(sheet.shown.subject.motion_frame(time)))}"

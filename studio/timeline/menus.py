@@ -37,8 +37,12 @@ def menu_at(canvas: "TrackCanvas", position: QPointF) -> QMenu | None:
     elif hit.kind in ("clip", "performers"):
         start = None if hit.part == Part.LABEL else canvas.sheet.shown.axis.time_at(position.x())
         offer_motions(menu, canvas.sheet.shown, hit.id, start)
-    elif hit.kind in edits.DELETABLE and hit.part != Part.EMPTY:
+    elif hit.kind in ("ruler", "labels") and not hit.id and hit.part in (Part.TIME, Part.EMPTY):
+        _offer_label(menu, canvas, round(canvas.sheet.shown.frame_at(position.x())))
+    elif hit.kind in edits.DELETABLE and hit.id and hit.part != Part.EMPTY:
         canvas.document.selection.set((hit.kind, hit.id))
+        if hit.kind == "labels":
+            menu.addAction("Rename label").triggered.connect(lambda: canvas.rename_label(hit.id))
         _offer_deletion(menu, canvas, hit)
     elif hit.part == Part.KEY:
         _offer_key(menu, canvas.sheet.shown, hit, position)
@@ -55,8 +59,13 @@ def _offer_quantities(menu: QMenu, canvas: "TrackCanvas", shown: Shown) -> None:
         action.triggered.connect(lambda _, chosen=quantity: canvas.set_quantity(chosen))
 
 
+def _offer_label(menu: QMenu, canvas: "TrackCanvas", frame: int) -> None:
+    action = menu.addAction("Add label here")
+    action.triggered.connect(lambda: canvas.shown and edits.add_label(canvas.shown, frame))
+
+
 def _offer_deletion(menu: QMenu, canvas: "TrackCanvas", hit: Hit) -> None:
-    action = QAction("Delete constraint" if hit.kind == "constraints" else "Delete contact", menu)
+    action = QAction(f"Delete {hit.kind.removesuffix('s')}", menu)
     action.triggered.connect(lambda: canvas.shown and edits.delete_selected(canvas.shown))
     menu.addAction(action)
 

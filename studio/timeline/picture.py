@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QWidget
 from studio.document import colours
 from studio.timeline.sheet import Sheet
 from studio.timeline.shown import LABEL_WIDTH, Row, Shown, label_area
-from studio.timeline.tracks import clip, constraint, contacts, growth, hold, layer, remarks, ruler
+from studio.timeline.tracks import clip, constraint, contacts, growth, hold, labels, layer, remarks, ruler
 from studio.timeline.tracks.brush import time_area, translucent
 from studio.timeline.tracks.plot import FOLDED, PlotPicture
 
@@ -118,6 +118,8 @@ def _paint_label(painter: QPainter, area: QRect, shown: Shown, row: Row) -> None
     if shown.is_selected(collection, row.id):
         painter.fillRect(label_area(area), QColor(colours.SELECTED_ROW))
     match row.kind:
+        case "labels":
+            labels.paint_labels_label(painter, area)
         case "clip":
             clip.paint_clip_label(painter, area, shown, row.id)
         case "layer":
@@ -134,6 +136,8 @@ def _paint_label(painter: QPainter, area: QRect, shown: Shown, row: Row) -> None
 
 def _paint_content(painter: QPainter, area: QRect, shown: Shown, row: Row) -> None:
     match row.kind:
+        case "labels":
+            labels.paint_labels(painter, area, shown)
         case "clip":
             clip.paint_clips(painter, area, shown, row.id)
         case "layer":

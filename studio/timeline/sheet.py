@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from PySide6.QtCore import QPoint, QPointF, QRect, QSize
 
 from studio.timeline.shown import FOLD_WIDTH, LABEL_WIDTH, Hit, Part, Row, Shown
-from studio.timeline.tracks import clip, constraint, contacts, growth, hold, layer, plot, ruler
+from studio.timeline.tracks import clip, constraint, contacts, growth, hold, labels, layer, plot, ruler
 
 PLAYHEAD_REACH = 4.0
 RIGHT_MARGIN = 12
@@ -14,14 +14,16 @@ FOLDING = ("constraints", "lane")
 
 
 def rows_of(shown: Shown) -> tuple[Row, ...]:
-    """Clips, layers, keys of growth, when props are held, what touches the ground, and constraints by priority."""
-    players = shown.project.performers if shown.apart else (shown.subject.performer_id,)
+    """Labels, clips, layers, keys of growth, when props are held, contacts, and constraints by priority."""
+    visible = [key for key, each in shown.project.performers.items() if each.visible]
+    players = visible if shown.apart else (shown.subject.performer_id,)
     constraints = shown.project.constraints_for(shown.subject.performer_id, shown.subject.clip)
     touching = {each.point for each in shown.project.contacts_of(shown.subject.motion_id).values()}
     lanes = contacts.rows_with(touching)
     tall = constraint.height(len(shown.subject.bodies))
     heights_of = {key: constraint.FOLDED if ("constraints", key) in shown.folded else tall for key in constraints}
     heights = [
+        *labels.rows_of(shown),
         *(
             each
             for key in players
@@ -117,6 +119,8 @@ class Sheet:
                 return clip.clip_hit(layer.clip_bars(self.shown, area, row.id), layer.performer_of(row.id), position)
             case "growth":
                 return growth.growth_hit(self.shown, area, row.id, position)
+            case "labels":
+                return labels.labels_hit(self.shown, area, position)
             case "props":
                 return hold.hold_hit(self.shown, area, row.id, position)
             case "lane":

@@ -14,6 +14,7 @@ from studio.document.document import Document
 from studio.engine.live import Live
 from studio.engine.residuals import Residual, is_asked, worst_residual
 from studio.timeline.axis import TimeAxis
+from studio.timeline.figures import number
 from studio.timeline.strips import Strip, strip_of
 from studio.timeline.subject import Subject
 
@@ -47,7 +48,7 @@ EDGES = (Part.FIRST, Part.LAST)
 
 @dataclass(frozen=True)
 class Row:
-    """One row: its kind (constraints, clip, layer, growth, props, lane), id, and place from the top of all rows.
+    """One row: its kind (labels, constraints, clip, layer, growth, props, lane), id, and pixels below the first row.
 
     A row of clips or of growth has its performer's id, one of layers that and the region.
     """
@@ -89,8 +90,8 @@ class Shown:
 
     @property
     def project(self) -> Project:
-        """The project as it is now."""
-        return self.document.project
+        """The project as the active clip shows it."""
+        return self.document.shown_project
 
     @property
     def subject_name(self) -> str:
@@ -104,6 +105,16 @@ class Shown:
     def x_of_frame(self, frame: float) -> float:
         """Pixel of a frame of the motion."""
         return self.axis.x_of_time(self.subject.stage_time(frame))
+
+    def frame_words(self, frame: float) -> str:
+        """``frame 1809 (178 of the clip)``: the frame of the stage at which a frame of the motion plays."""
+        stage = self.subject.stage_time(frame) * self.axis.frame_rate
+        own = f" ({number(frame)} of the clip)" if abs(stage - frame) >= 0.005 else ""
+        return f"frame {number(stage)}{own}"
+
+    def moment(self, frame: float) -> str:
+        """``30.151 s · frame 1809 (178 of the clip)``, of a frame of the motion."""
+        return f"{self.subject.stage_time(frame):.3f} s · {self.frame_words(frame)}"
 
     def xs_of_frames(self, frames: FloatArray) -> FloatArray:
         """Pixels of frames of the motion, of any shape."""

@@ -12,7 +12,7 @@ from studio.timeline.canvas import TrackCanvas
 from studio.timeline.sheet import Sheet
 from studio.timeline.shown import Part
 from studio.timeline.strips import StripState
-from studio.timeline.tracks import constraint, contacts
+from studio.timeline.tracks import constraint, contacts, labels
 from studio.timeline.tracks.strip import PITCH
 from studio.timeline.transport import Transport
 
@@ -51,8 +51,8 @@ class Timeline(QWidget):
     def row_rect(self, kind: str, row_id: str = "") -> QRect:
         """Where a row lies, empty where there is none.
 
-        Kinds: ``ruler``, ``clip`` (performer), ``lane`` (left foot, right foot, hands, knees, seat), ``constraints``,
-        ``plot``.
+        Kinds: ``ruler``, ``labels``, ``clip`` (performer), ``lane`` (left foot, right foot, hands, knees, seat),
+        ``constraints``, ``plot``.
         """
         sheet = self.tracks.sheet
         if sheet is None:
@@ -75,6 +75,11 @@ class Timeline(QWidget):
         contact = sheet.shown.project.contacts[contact_id]
         row = self.row_rect("lane", contacts.row_of(contact.point))
         return contacts.contact_bar(sheet.shown, row, contact).toRect()
+
+    def label_rect(self, label_id: str) -> QRect:
+        """Where a label's flag lies."""
+        sheet = self._sheet()
+        return labels.flag_area(sheet.shown, self.row_rect("labels"), sheet.shown.project.labels[label_id]).toRect()
 
     def strip_point(self, constraint_id: str, performer_id: str, frame: int) -> QPoint:
         """Where a body's strip lies at a frame of the motion."""
@@ -108,6 +113,18 @@ class Timeline(QWidget):
         if shown is None:
             return None
         return edits.add_contact(shown, point, round(shown.subject.motion_frame(shown.document.playhead.time)))
+
+    def add_label(self) -> str | None:
+        """Add a label at the playhead and return its id; None without a motion."""
+        shown = self.tracks.shown
+        if shown is None:
+            return None
+        return edits.add_label(shown, round(shown.subject.motion_frame(shown.document.playhead.time)))
+
+    def go_to_label(self, direction: int) -> None:
+        """Bring the playhead to the next (1) or previous (-1) label."""
+        if self.tracks.shown is not None:
+            edits.go_to_label(self.tracks.shown, direction)
 
     def go_to_key(self, direction: int) -> None:
         """Bring the playhead to the next (1) or previous (-1) end of a contact or time of an activation."""

@@ -13,6 +13,7 @@ from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint, Vector
+from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.look_at import EYES, LookAtConstraint
@@ -114,7 +115,8 @@ class Here:
 
 def constraint_here(here: Here, kind: str) -> Constraint:
     """A constraint of ``kind`` that asks for what the body does at the playhead."""
-    return _MAKERS[kind](here)
+    made = _MAKERS[kind](here)
+    return mirrored_constraint(made) if here.pose.mirrored else made
 
 
 def _position(here: Here) -> Constraint:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from studio.core.constraints.balance import Support
+from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.project import Project
 from studio.engine.moments import Moment
 from studio.engine.performance import Posed
@@ -51,6 +52,7 @@ def constraint_handles(
         for constraint_id, constraint in asked.items():
             if only is not None and constraint_id not in only:
                 continue
+            constraint = mirrored_constraint(constraint) if pose.mirrored else constraint
             now = moment.fixed(constraint) if constraint.enabled else None
             if now is None:
                 continue

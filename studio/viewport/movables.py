@@ -8,12 +8,14 @@ from typing import Protocol
 import numpy as np
 
 from studio.core.constraints.base import Constraint
+from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.constraints.keyed import KeyedPlace
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.project import Performer
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Carried, Prop
 from studio.document.document import Document
+from studio.document.mirrored import mirrored_change
 from studio.engine.moments import Moment
 from studio.engine.performance import Posed
 from studio.engine.props import moved_prop, prop_at, turned_prop, wrapped
@@ -65,7 +67,8 @@ class Target:
 
     @property
     def _constraint(self) -> Constraint:
-        return self._document.project.constraints[self._id]
+        stored = self._document.project.constraints[self._id]
+        return mirrored_constraint(stored) if self._moment.pose.mirrored else stored
 
     @property
     def flat(self) -> bool:
@@ -83,7 +86,7 @@ class Target:
         old = self._constraint
         x, y, z = place.tolist()
         text = f"{'Key' if is_keyed(old) else 'Move'} {self._words}"
-        self._document.replace("constraints", self._id, self._moment.moved(self._begin, (x, y, z)), text, gesture)
+        self._put(self._moment.moved(self._begin, (x, y, z)), text, gesture)
 
     def turn(self, angle: float, gesture: int) -> None:
         """A place has no turn."""
@@ -98,7 +101,12 @@ class Target:
 
     def put_back(self, gesture: int) -> None:
         """As it was: without the key that a drag has set."""
-        self._document.replace("constraints", self._id, self._begin, f"Move {self._words}", gesture)
+        self._put(self._begin, f"Move {self._words}", gesture)
+
+    def _put(self, seen: Constraint, text: str, gesture: int) -> None:
+        stored = self._document.project.constraints[self._id]
+        new = mirrored_change(stored, seen) if self._moment.pose.mirrored else seen
+        self._document.replace("constraints", self._id, new, text, gesture)
 
 
 class PlacedProp:
@@ -197,6 +205,8 @@ def selected_movable(document: Document, posed: Mapping[str, Posed], *, picking:
         )
     moment = Moment(project, posed, pose)
     constraint = project.constraints.get(entity_id) if collection == "constraints" else None
+    if constraint is not None and pose.mirrored:
+        constraint = mirrored_constraint(constraint)
     now = moment.fixed(constraint) if constraint else None
     if now is None or handle_place(now) is None:
         return None

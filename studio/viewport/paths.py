@@ -78,12 +78,14 @@ def prop_paths(project: Project, selected: Collection[str], time: float) -> list
 
 def contact_marks(project: Project, posed: Mapping[str, Posed]) -> list[StagePath]:
     """A small ring on the ground where a heel, toe, hand, knee or seat is in contact now."""
-    centres, standing = [], {}
+    centres: list[FloatArray] = []
+    standing: dict[tuple[object, int], list[ContactPoint]] = {}
     for pose in posed.values():
-        moment = pose.motion_id or "", pose.frame
+        composite, motion_id = pose.motion.composite, pose.motion_id or ""
+        moment = composite or motion_id, pose.frame
         if moment not in standing:  # once for all bodies: a long motion has thousands of contacts
-            contacts = project.contacts_of(moment[0]).values()
-            now = [each for each in contacts if each.first <= moment[1] <= each.last]
+            contacts = composite.contacts if composite else project.contacts_of(motion_id).values()
+            now = [each for each in contacts if each.first <= pose.frame <= each.last]
             standing[moment] = [each.point for each in now if isinstance(each.point, ContactPoint)]
         centres += [_touching_point(pose, point) for point in standing[moment]]
     return _rings(project, centres, np.full(len(centres), MARK_RADIUS), colours.kind_colour("contact"), 0.9)

@@ -2,7 +2,9 @@
 
 from dataclasses import dataclass
 
+from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.project import Project
+from studio.core.solver.performers.rows import stage_span
 from studio.core.solver.performers.stage import asked_of
 from studio.engine.performance import Results, stage_time
 from studio.engine.residuals import Residual, worst_residual
@@ -36,11 +38,15 @@ def worst_problem(project: Project, result_of: Results) -> Problem | None:
             if worst is None or found.weight > worst.residual.weight:
                 rate = project.frame_rate_of(clip)
                 time = stage_time(clip, rate, found.frame / rate)
-                sentence = _sentence(performer.name, found, constraint.name)
+                span = stage_span(project)
+                frame = round(time * span.frame_rate) if span else found.frame
+                name = (mirrored_constraint(constraint) if clip.mirrored else constraint).name
+                sentence = _sentence(performer.name, found, name, frame)
                 worst = Problem(performer_id, constraint_id, found.frame, time, found, sentence)
     return worst
 
 
-def _sentence(performer: str, residual: Residual, constraint: str) -> str:
+def _sentence(performer: str, residual: Residual, constraint: str, frame: int) -> str:
+    own = f" ({residual.frame} of the clip)" if residual.frame != frame else ""
     remark = f", {residual.remark}" if residual.remark else ""
-    return f"{performer}: {residual.words} short of '{constraint}' at frame {residual.frame}{remark}"
+    return f"{performer}: {residual.words} short of '{constraint}' at frame {frame}{own}{remark}"

@@ -364,7 +364,7 @@ class Viewport(Canvas):
         if not self._chips.trails.isChecked():
             return None
         selected = self._document.selection.of("constraints")
-        constraint = self._document.project.constraints.get(selected[-1]) if selected else None
+        constraint = self._document.shown_project.constraints.get(selected[-1]) if selected else None
         if constraint is not None:
             return constraint.point
         return self.joint_picked.joint.point if self.joint_picked else None

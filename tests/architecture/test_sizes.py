@@ -3,8 +3,9 @@ import ast
 from tests.architecture import sources
 from tests.architecture.sources import ROOT, functions_of, place_of, product_files
 
-LONGEST_FILE = 500
-LONGEST_FUNCTION, MOST_ARGUMENTS = 50, 8
+# No goals: a file, a function or a list of arguments longer than this is what a reader would split.
+LONGEST_FILE = 700
+LONGEST_FUNCTION, MOST_ARGUMENTS = 80, 10
 LONGEST_BESIDE = 80  # benchmarks, examples and what makes resources tell their steps in one go
 LONGEST_MAIN = 20
 

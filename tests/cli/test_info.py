@@ -98,6 +98,9 @@ def test_a_project_is_told_by_what_it_holds(capsys, tmp_path):
     assert code == 0
     assert record["kind"] == "project"
     assert record["contents"]["characters"] == 2
+    assert main(["info", str(tmp_path / "play.studio")]) == 0
+    printed = capsys.readouterr().out
+    assert "1 capture, 1 motion, 2 characters, 2 performers" in printed
 
 
 def test_the_user_knows_better_than_a_guess(capsys, walk):

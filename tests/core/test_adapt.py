@@ -181,19 +181,33 @@ def test_a_trunk_that_may_help_leaves_less_missing(body: Morphology) -> None:
     assert missing[0] > missing[-1] + 0.05
 
 
-@given(seeds)
-@example(70896)
-@settings(max_examples=20)
-def test_a_lower_priority_on_the_arm_alone_leaves_the_higher_exactly_where_it_was(seed: int) -> None:
+def _recoil(seed: int) -> tuple[float, float]:
+    """Metres by which a wrist, and the elbow below it in priority, are further from their targets for asking both."""
     random = np.random.default_rng(seed)
     place = _adapted(frames=(50, 50)).positions[0, WOMAN.layout.wrist(0)] + random.normal(size=3) * 0.15
     elbow = place + random.normal(size=3) * 0.3
     wrist = target(BodyPart.LEFT_FOREARM, place, ARM, 0)
     alone = _adapted(wrist, frames=(50, 50))
     both = _adapted(wrist, target(BodyPart.LEFT_UPPER_ARM, elbow, ARM, 1), frames=(50, 50))
-    assert both.residuals[0, 0] <= alone.residuals[0, 0] + 2e-4
     before = np.linalg.norm(alone.positions[0, WOMAN.layout.collar(0) + 2] - elbow)
-    assert both.residuals[1, 0] <= before + 1e-3  # by the limits that the arm may be at
+    return both.residuals[0, 0] - alone.residuals[0, 0], float(both.residuals[1, 0] - before)
+
+
+@given(seeds)
+@example(70896)
+@settings(max_examples=20)
+def test_a_lower_priority_on_the_arm_alone_leaves_the_higher_exactly_where_it_was(seed: int) -> None:
+    wrist, elbow = _recoil(seed)
+    assert wrist <= 2e-4
+    assert elbow <= 1e-3  # by the limits that the arm may be at
+
+
+@pytest.mark.xfail(
+    strict=True, reason="An elbow whose target is beyond a limit of the arm recoils from it by 2 to 14 mm."
+)
+@pytest.mark.parametrize("seed", [24037, 5912781])
+def test_nor_does_an_elbow_recoil_from_a_limit(seed: int) -> None:
+    assert _recoil(seed)[1] <= 1e-3
 
 
 def test_limbs_that_share_nothing_do_not_disturb_each_other() -> None:

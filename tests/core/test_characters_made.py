@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from studio.core.body.body_shape import body_by_shape
+from studio.core.body.body_shape import body_by_shape, knees_bend_backwards
 from studio.core.body.canonical import BodyPart
 from studio.core.body.character import Character
 from studio.core.body.character_skeleton import t_pose_rotations
@@ -49,6 +49,38 @@ def test_a_body_without_names_is_found_whichever_way_it_looks(turn: float):
         (BodyPart.HEAD, "head"),
     ):
         assert NAMES[found[part]] == name
+
+
+def test_sides_are_told_by_hips_where_the_feet_are_crossed():
+    skeleton, points = figure()
+    for one, other in (("leftFoot", "rightFoot"), ("leftToes", "rightToes")):
+        points[[NAMES.index(one), NAMES.index(other)]] = points[[NAMES.index(other), NAMES.index(one)]]
+    found = body_by_shape(skeleton, points)
+    assert found is not None
+    assert NAMES[found[BodyPart.LEFT_THIGH]] == "leftUpperLeg"
+    assert NAMES[found[BodyPart.LEFT_HAND]] == "leftHand"
+
+
+def test_sides_are_those_that_names_say_whichever_way_the_toes_point():
+    skeleton, points = figure()
+    points[[NAMES.index("leftToes"), NAMES.index("rightToes")], 0] *= -1.0
+    sides = np.array([name.startswith("left") - name.startswith("right") for name in NAMES])
+    found = body_by_shape(skeleton, points, sides)
+    assert found is not None
+    assert NAMES[found[BodyPart.LEFT_THIGH]] == "leftUpperLeg"
+    assert NAMES[found[BodyPart.LEFT_HAND]] == "leftHand"
+
+
+def test_knees_that_bend_backwards_tell_that_sides_are_exchanged():
+    skeleton, points = figure()
+    found = body_by_shape(skeleton, points)
+    assert found is not None
+    sitting = np.array(points)
+    for side in ("left", "right"):
+        for name, place in (("LowerLeg", (0.4, 0.0, 0.4)), ("Foot", (0.3, 0.0, 0.8))):
+            sitting[NAMES.index(f"{side}{name}")] += place
+    assert not knees_bend_backwards(found, sitting[None])
+    assert knees_bend_backwards(found.with_sides_exchanged(), sitting[None])
 
 
 def test_an_animal_on_four_legs_is_no_body():

@@ -241,14 +241,14 @@ def test_the_active_performer_is_the_selected_one_else_the_first_visible(qapp: A
     assert document.active_motion_id == "motion"
 
 
-def test_who_was_selected_last_stays_active_while_a_prop_is_selected_until_all_is_let_go(qapp: Any) -> None:
+def test_who_was_selected_last_stays_active_while_a_prop_is_selected_and_when_all_is_let_go(qapp: Any) -> None:
     document = Document(PROJECT)
     prop_id = document.add("props", Prop("Box"), "Add box")
     document.selection.set(("performers", "performer 2"))
     document.selection.set(("props", prop_id))
     assert document.active_performer_id == "performer 2"
     document.selection.clear()
-    assert document.active_performer_id == "performer 0"
+    assert document.active_performer_id == "performer 2"
 
 
 def test_a_range_that_the_stage_has_left_is_the_whole_stage_again(qapp: Any) -> None:

@@ -24,6 +24,7 @@ from studio.engine.frames import LONG, PIECE
 from studio.engine.live_adaptation import LiveAdaptation, normalised
 from studio.engine.standing_solver import StandingSolver
 from tests.builders import make_constraint, make_project
+from tests.patience import SECONDS
 
 FRAMES, FRAME = 60, 15
 KEPT, MET = 1e-6, 0.002
@@ -56,7 +57,7 @@ def exact(document: Document, performer_id: str) -> Any:
 
 def let_others_follow(live: Any) -> None:
     """Until what is asked of who is worked on is answered by the others too."""
-    end = time.monotonic() + 10.0
+    end = time.monotonic() + SECONDS
     asked_at = live.asked_at(live.document.active_performer_id)
     while any(live.asked_at(key) < asked_at for key in live.document.project.performers):
         QApplication.processEvents()
@@ -75,13 +76,14 @@ def test_a_pose_is_as_old_as_the_move_of_the_mouse_that_it_answers(live: Any, la
     place, none = QPointF(5.0, 5.0), Qt.KeyboardModifier.NoModifier
     left = Qt.MouseButton.LeftButton
     event = QMouseEvent(QEvent.Type.MouseMove, place, place, Qt.MouseButton.NoButton, left, none)
-    event.setTimestamp(round(1000 * (time.monotonic() - late)))
+    moved = time.monotonic()
+    event.setTimestamp(round(1000 * (moved - late)))
     widget = QWidget()
     QApplication.sendEvent(widget, event)
     drag(live.document, (0.4, 0.1, 1.2))
     live.bring(live.document.playhead.time)
     active = live.document.active_performer_id
-    assert time.monotonic() - live.asked_at(active) == pytest.approx(told, abs=0.1)
+    assert moved - told - 0.001 <= live.asked_at(active) <= time.monotonic() - told
 
 
 def test_every_move_is_shown_at_once_as_the_whole_clip_has_that_frame(live: Any) -> None:
@@ -219,7 +221,7 @@ def test_a_row_that_is_very_long_keeps_not_even_the_first_picture_waiting(
     drag(document, (0.4, 0.1, 1.2))
     live.bring(document.playhead.time)
     assert np.array_equal(shown(live, "performer 0"), before)
-    end = time.monotonic() + 10.0
+    end = time.monotonic() + SECONDS
     while np.array_equal(shown(live, "performer 0"), before) and time.monotonic() < end:
         QApplication.processEvents()
     assert not np.array_equal(shown(live, "performer 0"), before)

@@ -9,12 +9,13 @@ from typing import Any
 import pytest
 
 from studio.engine.scheduler import SolveScheduler
+from tests.patience import PATIENCE
 
 REQUESTS = 1000
 
 
 def settle(qtbot: Any, scheduler: SolveScheduler) -> None:
-    qtbot.waitUntil(lambda: not scheduler.busy, timeout=20_000)
+    qtbot.waitUntil(lambda: not scheduler.busy, timeout=PATIENCE)
 
 
 @pytest.fixture

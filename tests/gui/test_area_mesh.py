@@ -14,6 +14,7 @@ from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.errors import StudioError
 from studio.document.document import Document
 from tests.builders import make_project
+from tests.patience import PATIENCE
 
 OBJ = "v 0 0 0\nv 1 0 0\nv 0 0 1\nv 0 1 0\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n"
 
@@ -41,7 +42,7 @@ def test_a_mesh_becomes_the_shape_of_the_selected_area(qtbot, bench, tmp_path):
     document.selection.set(("constraints", "area"))
     before = document.project.constraints["area"]
     put_area_mesh(bench, path)
-    qtbot.waitUntil(lambda: not bench.runner.running, timeout=30_000)
+    qtbot.waitUntil(lambda: not bench.runner.running, timeout=PATIENCE)
     area = document.project.constraints["area"]
     assert (area.shape, len(area.mesh.triangles)) == (AreaShape.MESH, 4)
     assert replace(area, shape=before.shape, mesh=None) == before

@@ -21,8 +21,7 @@ from studio.io.importing import load_character
 from studio.io.project.project_file import new_document_id, read_project, write_project
 from studio.viewport.bodies import BodyVisual
 from tests.io.character_files import PIXEL, Gltf, vrml
-
-PATIENCE = 30_000
+from tests.patience import PATIENCE
 
 
 @pytest.fixture

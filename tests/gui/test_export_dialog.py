@@ -8,8 +8,7 @@ from studio.app import export_dialog
 from studio.io.importing import load_capture
 from tests.builders import make_project
 from tests.io.bvh_exports import EXTRAS, with_extras
-
-PATIENCE = 60_000
+from tests.patience import PATIENCE
 
 
 @pytest.fixture

@@ -22,8 +22,8 @@ from studio.viewport.film_pictures import render_shots
 from studio.viewport.shots import Shots, View
 from studio.viewport.widget import Viewport
 from tests.builders import make_project
+from tests.patience import PATIENCE
 
-PATIENCE = 100_000
 SMALL = (160, 90)
 CHIPS = 60
 VIEW = View(OrbitCamera(), 90.0)

@@ -14,8 +14,8 @@ from studio.core.solver.adapt import place_of
 from studio.core.stage.behaviour import Behaviour, Role, State, Transition
 from studio.core.stage.conditions import KeyCondition
 from tests.live.test_live_stage import WRIST, clip_of, reaching, staged
+from tests.patience import PATIENCE
 
-PATIENCE = 60_000
 PLACE = (0.4, -0.2, 1.1)
 
 

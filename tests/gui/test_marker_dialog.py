@@ -15,8 +15,8 @@ from studio.io.markers.maps import known_maps, maps_folder
 from tests.builders import make_project
 from tests.core.markers.made import FRAMES, RATE, made_trial
 from tests.io.trials import make_trial
+from tests.patience import PATIENCE
 
-PATIENCE = 30_000
 KNEE, MARKER = "left_knee", "P_left_knee"
 
 

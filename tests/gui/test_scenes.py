@@ -3,6 +3,7 @@
 from PySide6.QtTest import QTest
 
 from studio.app.application import import_views, show_views
+from tests.patience import PATIENCE
 
 
 def test_the_fight_opens_from_the_menu_with_its_eight_fighters_and_their_clips(window, qtbot):
@@ -10,7 +11,7 @@ def test_the_fight_opens_from_the_menu_with_its_eight_fighters_and_their_clips(w
     window.bench.said.connect(said.append)
     window.actions_by_id.by_id["scene_fight_training"].trigger()
     document, live = window.bench.document, window.bench.live
-    qtbot.waitUntil(lambda: len(document.project.performers) == 8, timeout=30000)
+    qtbot.waitUntil(lambda: len(document.project.performers) == 8, timeout=PATIENCE)
     document.playhead.pause()
     assert any("forearm" in text for text in said)
     assert document.playhead.frame_rate == 60.0
@@ -20,5 +21,5 @@ def test_the_fight_opens_from_the_menu_with_its_eight_fighters_and_their_clips(w
     document.playhead.set_time(2.03)
     import_views()
     show_views(window)
-    qtbot.waitUntil(lambda: len(window.bench.viewport.posed) == 8, timeout=20000)
+    qtbot.waitUntil(lambda: len(window.bench.viewport.posed) == 8, timeout=PATIENCE)
     QTest.qWait(300)

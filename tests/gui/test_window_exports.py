@@ -3,6 +3,7 @@
 import pytest
 from PySide6.QtCore import Qt
 
+from studio.core.captures.annotations import Label
 from studio.io.importing import load_capture
 from tests.gui.window_use import wait_until_idle
 
@@ -48,6 +49,7 @@ def test_the_motion_itself_goes_out_with_its_contacts_and_constraints(qtbot, win
     from studio.io.importing import read_capture
 
     path = tmp_path / "walk.s4d"
+    window.bench.document.add("labels", Label("kick", 3, 8, "motion"), "Add label")
     monkeypatch.setattr(export_dialog, "ask_new_file", lambda bench, title, kind, name, then, suffix: then(path))
     window.actions_by_id.by_id["export"].trigger()
     dialog = window.findChild(export_dialog.ExportDialog)
@@ -58,6 +60,7 @@ def test_the_motion_itself_goes_out_with_its_contacts_and_constraints(qtbot, win
     project = window.bench.document.project
     stored = read_capture(path).annotations.of_motion("motion")
     assert stored.constraints == tuple(project.constraints_of("motion").values())
+    assert stored.labels == tuple(project.labels_of("motion").values())
     assert set(stored.contacts) == set(project.contacts_of("motion").values())
 
 

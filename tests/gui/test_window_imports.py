@@ -3,7 +3,7 @@
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
-from studio.core.captures.annotations import Annotations
+from studio.core.captures.annotations import Annotations, Label
 from studio.io.export import take_of_capture, write_take
 from tests.builders import make_capture, make_constraint, make_contact
 from tests.gui.window_use import drop, same, wait_until_idle
@@ -30,7 +30,7 @@ def test_a_dropped_bvh_is_shown_on_the_visible_characters_as_one_undo_step(qtbot
 def test_a_dropped_s4d_brings_its_own_contacts_and_constraints_and_is_one_undo_step(qtbot, window, tmp_path):
     document = window.bench.document
     before = document.project
-    notes = Annotations((make_contact(first=4, last=9),), (make_constraint(name="Bell"),))
+    notes = Annotations((make_contact(first=4, last=9),), (make_constraint(name="Bell"),), (Label("kick", 3, 8),))
     write_take(take_of_capture(make_capture(), notes), tmp_path / "walk.s4d")
     drop(window, tmp_path / "walk.s4d")
     wait_until_idle(qtbot, window)
@@ -38,6 +38,7 @@ def test_a_dropped_s4d_brings_its_own_contacts_and_constraints_and_is_one_undo_s
     new_motion = list(document.project.motions)[-1]
     assert [each.name for each in document.project.constraints_of(new_motion).values()] == ["Bell"]
     assert [(each.first, each.last) for each in document.project.contacts_of(new_motion).values()] == [(4, 9)]
+    assert list(document.project.labels_of(new_motion).values()) == [Label("kick", 3, 8, new_motion)]
     assert {p.clips[0].motion_id for p in document.project.performers.values()} == {new_motion}
     QTest.keyClick(window, Qt.Key.Key_Z, CONTROL)
     assert same(document.project, before)
@@ -152,7 +153,8 @@ def test_a_correction_that_is_undone_is_not_remembered(qtbot, window, walk):
 
 def test_a_capture_whose_file_is_not_known_is_not_read_again_but_said_so(qtbot, window):
     window.inspector.reimport_wanted.emit("capture", {"unit": "cm"})
-    assert "Import it again" in window.strip.text
+    wait_until_idle(qtbot, window)
+    assert "cannot be found. Relink it" in window.strip.text
 
 
 def test_a_double_click_on_a_capture_plays_it_on_the_visible_characters(qtbot, window, walk):
@@ -162,3 +164,11 @@ def test_a_double_click_on_a_capture_plays_it_on_the_visible_characters(qtbot, w
     window.library.wanted.emit("capture")
     assert {p.clips[0].motion_id for p in document.project.performers.values()} == {"motion"}
     assert document.history[-1] == "Play Walk"
+
+
+def test_an_import_shows_its_own_report_in_place_of_that_of_another_capture(qtbot, window, walk):
+    document = window.bench.document
+    document.selection.set(("captures", "capture"))
+    drop(window, walk)
+    wait_until_idle(qtbot, window)
+    assert document.selection.items == (("captures", list(document.project.captures)[-1]),)

@@ -4,9 +4,9 @@ from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
 from PySide6.QtGui import QDropEvent
 
 from studio.document.journal import StateHash
+from tests.patience import PATIENCE
 
 LEFT = Qt.MouseButton.LeftButton
-PATIENCE = 30_000
 
 
 def drop(window, *paths):

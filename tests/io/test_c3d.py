@@ -9,7 +9,7 @@ import pytest
 from studio.core.markers.trial import MARKER, Trial
 from studio.io.c3d.reader import read_c3d
 from studio.io.c3d.writer import write_c3d
-from tests.conftest import CAPTURES
+from tests.captures import CAPTURES
 from tests.io.trials import make_trial, same
 
 FILES = tuple(path.stem for path in sorted((CAPTURES / "c3d").glob("*.c3d")))

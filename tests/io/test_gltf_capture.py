@@ -20,6 +20,10 @@ from studio.io.registry import ReadCapture, ReadCharacter
 from tests.builders import make_capture
 
 TENTH_OF_A_MILLIMETRE = 1e-4
+VRM_BONES = {
+    "UpperArm": "Arm", "LowerArm": "ForeArm", "Hand": "Hand",
+    "UpperLeg": "UpLeg", "LowerLeg": "Leg", "Foot": "Foot", "Toes": "ToeBase",
+}  # fmt: skip
 
 
 def world(capture):
@@ -97,6 +101,51 @@ def test_keys_are_followed_as_they_say():
     assert spline == pytest.approx(CubicHermiteSpline(times, values, slopes)(np.clip(at, 0.0, 3.0)))
     single = Track(0, "translation", times[:1], values[:1], "LINEAR").at(at)
     assert single == pytest.approx(np.tile(values[0], (6, 1)))
+
+
+def test_a_step_shows_its_own_key_though_its_time_was_rounded_up():
+    times = np.float32(np.arange(200) / 30.0).astype(np.float64)
+    values = np.tile(np.arange(200.0)[:, None], (1, 3))
+    shown = Track(0, "translation", times, values, "STEP").at(np.arange(200) / 30.0)
+    assert np.array_equal(shown, values)
+
+
+def test_a_motion_without_a_mesh_is_described_as_a_capture(tmp_path, capsys):
+    def change(root):
+        root.pop("meshes", None)
+        for node in root["nodes"]:
+            node.pop("mesh", None)
+
+    assert main(["info", "--json", str(with_animation(tmp_path, change))]) == 0
+    [record] = json.loads(capsys.readouterr().out)
+    assert (record["kind"], record["frames"]) == ("skeleton", 4)
+    assert record["body_map"]["left_foot"] == "LeftFoot"
+
+
+def test_the_map_of_a_vrm_animation_is_read_and_joints_without_keys_stay(tmp_path):
+    pairs = [(side, bone, joint) for side in ("left", "right") for bone, joint in VRM_BONES.items()]
+    named = {f"{side}{bone}": f"{side.title()}{joint}" for side, bone, joint in pairs}
+    named |= {"hips": "Hips", "spine": "Spine", "chest": "Chest", "neck": "Neck", "head": "Head"}
+
+    def change(root):
+        places = {node.get("name"): place for place, node in enumerate(root["nodes"])}
+        bones = {bone: {"node": places[joint]} for bone, joint in named.items()}
+        root["extensions"] = {"VRMC_vrm_animation": {"humanoid": {"humanBones": bones}}}
+        root.pop("skins", None)
+        still = {places[f"{side}{joint}"] for side in ("Left", "Right") for joint in ("ForeArm", "Hand", "ToeBase")}
+        channels = root["animations"][0]["channels"]
+        root["animations"][0]["channels"] = [each for each in channels if each["target"]["node"] not in still]
+        for number, node in enumerate(root["nodes"]):
+            node["name"] = f"n{number}"
+
+    path = with_animation(tmp_path, change).rename(tmp_path / "walk.vrma")
+    capture = load_capture(path)
+    assert capture.body_map is not None
+    expected = load_capture(path).skeleton
+    root = json.loads(path.read_text())
+    bones = root["extensions"]["VRMC_vrm_animation"]["humanoid"]["humanBones"]
+    for part, bone in ((BodyPart.LEFT_HAND, "leftHand"), (BodyPart.RIGHT_FOOT, "rightFoot"), (BodyPart.HEAD, "head")):
+        assert expected.names[capture.body_map[part]] == root["nodes"][bones[bone]["node"]]["name"]
 
 
 def with_animation(tmp_path, change):

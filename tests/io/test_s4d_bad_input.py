@@ -11,7 +11,7 @@ import pytest
 from studio.core.errors import StudioError
 from studio.core.normalized.normalize import normalize
 from studio.io.importing import load_capture
-from studio.io.s4d.reader import read_annotations
+from studio.io.s4d.reader import read_s4d
 from studio.io.s4d.writer import S4d, write_s4d
 from tests.builders import make_capture
 
@@ -214,10 +214,10 @@ def test_float64_and_rows_first_are_read_as_well(members, tmp_path):
     assert load_capture(tmp_path / "take.s4d").frame_count == 30
 
 
-def test_annotations_alone_are_checked_as_well(members, tmp_path):
+def test_annotations_are_checked_against_the_frames(members, tmp_path):
     (tmp_path / "take.s4d").write_bytes(with_fields(contacts=LATE)(members))
     with pytest.raises(StudioError, match="after the last"):
-        read_annotations(tmp_path / "take.s4d", "motion")
+        read_s4d(tmp_path / "take.s4d", "motion")
 
 
 def test_a_folder_and_a_missing_file_are_refused(tmp_path):

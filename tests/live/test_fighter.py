@@ -1,5 +1,6 @@
 """A fighter keeps at striking distance of a head that moves, strikes when told, and hits."""
 
+import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -237,14 +238,16 @@ def test_ctrl_c_ends_a_fight_with_the_report_of_what_was_fought_until_then(libra
 
 @pytest.mark.parametrize("name", ["child", "adult_woman"])
 def test_the_bundled_fighter_strikes_for_a_minute_at_a_head_that_ducks(bundled, name):
+    begun = time.thread_time()
     report = fought(bundled, BODIES[name], 60.0)
+    frame = (time.thread_time() - begun) / report.frames
     assert len(report.hits) >= 35
     assert {hit.limb for hit in report.hits} == set(Limb)
     in_reach = [hit.missed for hit in report.hits if hit.apart <= IN_REACH]
     assert len(in_reach) >= 10
     assert max(in_reach) < 1e-3
     assert sum(hit.missed < 1e-3 for hit in report.hits) >= 0.95 * len(report.hits)
-    assert max(report.latencies) < 0.05  # seconds of processor time
+    assert max(report.latencies) < 60.0 * frame  # found in the time of so many frames, however fast the machine is
     print(report.words)
 
 

@@ -293,8 +293,8 @@ def test_another_unit_asks_for_the_file_to_be_read_again(inspector, document, qt
     document.selection.set(("captures", "capture"))
     unit = named(inspector, QComboBox, "Unit")
     with qtbot.waitSignal(inspector.reimport_wanted) as asked:
-        unit.setCurrentIndex(1)
-        unit.activated.emit(1)
+        unit.setCurrentIndex(unit.findText("cm"))
+        unit.activated.emit(unit.currentIndex())
     assert asked.args == ["capture", {"unit": "cm"}]
 
 

@@ -1,15 +1,20 @@
-"""The shared captures as tests want them: loaded once, normalised once, with their contacts."""
+"""Captures that tests adapt, loaded and normalised once: the project's recordings, and captures of people."""
 
-from functools import lru_cache
+import atexit
+from functools import cache, lru_cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
+import pytest
+
+from examples.keyed.recording import RECORDINGS, write_recording
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import ContactInterval
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import capture_contacts, normalize
 from studio.io.importing import load_capture
-from tests.conftest import CAPTURES
+from tests.captures import CAPTURES, missing
 
 HUMANS = tuple(path for path in sorted((CAPTURES / "bvh").rglob("*.bvh")) if path.stem != "pybvh_rotation_first_root")
 WALKS = tuple(path for path in HUMANS if "walk" in path.stem.lower() or "Retreat" in path.stem)
@@ -21,15 +26,26 @@ REPRESENTATIVE = (
 )  # fmt: skip
 """One of every convention, actor and kind of movement."""
 
+_folder = TemporaryDirectory(prefix="morpho-studio-recordings-")
+atexit.register(_folder.cleanup)
 
-@lru_cache(maxsize=len(HUMANS) or None)
+
+@lru_cache(maxsize=len(HUMANS) + len(RECORDINGS))
 def taken(path: Path) -> tuple[Capture, NormalizedMotion, Actor]:
     capture = load_capture(path)
     return capture, *normalize(capture)
 
 
+@cache
 def named(stem: str) -> Path:
-    return next(path for path in HUMANS if path.stem == stem)
+    """A recording or a capture of people; the test is skipped where that is not there."""
+    if stem in RECORDINGS:
+        write_recording(stem, recorded := Path(_folder.name) / f"{stem}.bvh")
+        return recorded
+    for path in HUMANS:
+        if path.stem == stem:
+            return path
+    pytest.skip(missing(CAPTURES / "bvh" / f"{stem}.bvh"))
 
 
 def contacts_of(capture: Capture) -> tuple[ContactInterval, ...]:

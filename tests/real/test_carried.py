@@ -21,12 +21,16 @@ from studio.core.solver.request import AdaptRequest
 from studio.core.solver.source import source_motion
 from studio.core.solver.standing.stand import stand
 from studio.io.project.character_file import bundled_characters
+from tests.captures import outside
 from tests.core.motions import target
-from tests.real.taken import HUMANS, contacts_of, named, taken
+from tests.real.taken import HUMANS, RECORDINGS, contacts_of, named, taken
 from tests.real.test_characters import FILES, read
 
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}
 CARRIED = {
+    "crawl": {"left_hand", "right_hand", "left_knee", "right_knee"},
+    "get_up": {"left_knee", "right_knee"},
+    "cartwheel": {"left_hand", "right_hand"},
     "accad_female1_D6_CartWheel": {"left_hand", "right_hand"},
     "accad_female1_D5_RandomStuff2": {"left_hand", "right_hand"},
     "mass_cart": {"left_hand", "right_hand"},
@@ -36,18 +40,27 @@ CARRIED = {
 }
 
 
+RECORDED = ["crawl", "get_up", "cartwheel"]
+WHO = [*RECORDED, *outside(*(stem for stem in CARRIED if stem not in RECORDED))]
+THREE = [*RECORDED, *outside("accad_female1_A11_CrawlForward", "accad_female1_A08_CrouchToLie", "mass_cart")]
+
+
 def _points(stem: str) -> set[ContactPoint]:
     return {each.point for each in contacts_of(taken(named(stem))[0])} & set(BODY_POINTS)
 
 
-@pytest.mark.parametrize("stem", CARRIED)
-def test_what_touches_is_found(captures: Path, stem: str) -> None:
+@pytest.mark.parametrize("stem", WHO)
+def test_what_touches_is_found(stem: str) -> None:
     assert _points(stem) == CARRIED[stem]
 
 
 def test_who_stays_on_its_feet_touches_with_nothing_else(captures: Path) -> None:
     touching = {path.stem for path in HUMANS if _points(path.stem)}
     assert touching - set(CARRIED) <= {"accad_male2_G7_Capoeira"}
+
+
+def test_who_is_recorded_on_the_feet_touches_with_nothing_else() -> None:
+    assert {stem for stem in RECORDINGS if _points(stem)} == set(RECORDED)
 
 
 def test_hands_of_a_cartwheel_come_down_one_after_the_other(captures: Path) -> None:
@@ -58,8 +71,8 @@ def test_hands_of_a_cartwheel_come_down_one_after_the_other(captures: Path) -> N
 
 
 @pytest.mark.parametrize("name", BODIES)
-@pytest.mark.parametrize("stem", CARRIED)
-def test_what_stands_stays_and_nothing_pops(captures: Path, stem: str, name: str) -> None:
+@pytest.mark.parametrize("stem", WHO)
+def test_what_stands_stays_and_nothing_pops(stem: str, name: str) -> None:
     capture, motion, actor = taken(named(stem))
     contacts = contacts_of(capture)
     adapted = adapt(AdaptRequest(motion, BODIES[name], contacts), capture.first_frame)
@@ -78,8 +91,8 @@ SLOPES = {
 
 
 @pytest.mark.parametrize("slope", SLOPES)
-@pytest.mark.parametrize("stem", ["mass_cart", "accad_female1_A11_CrawlForward", "accad_female1_A08_CrouchToLie"])
-def test_cartwheels_and_crawls_hold_on_slopes(captures: Path, stem: str, slope: str) -> None:
+@pytest.mark.parametrize("stem", THREE)
+def test_cartwheels_and_crawls_hold_on_slopes(stem: str, slope: str) -> None:
     capture, motion, actor = taken(named(stem))
     contacts, source, ground = contacts_of(capture), source_motion(motion, actor), SLOPES[slope]
     for body in BODIES.values():
@@ -99,8 +112,8 @@ def test_feet_that_are_dragged_along_in_a_crawl_stay_out_of_the_ground(captures:
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
-@pytest.mark.parametrize("stem", ["accad_female1_A11_CrawlForward", "accad_female1_A08_CrouchToLie", "mass_cart"])
-def test_who_crawls_lies_down_or_turns_a_cartwheel_holds_on_bumps(captures: Path, stem: str, seed: int) -> None:
+@pytest.mark.parametrize("stem", THREE)
+def test_who_crawls_lies_down_or_turns_a_cartwheel_holds_on_bumps(stem: str, seed: int) -> None:
     """Tucked toes, that lie where the ground turns off under them, within 13 mm; hands, knees and seat within 1."""
     capture, motion, actor = taken(named(stem))
     contacts, source, ground = contacts_of(capture), source_motion(motion, actor), Bumps(0.0, 0.08, 1.2, seed)
@@ -115,9 +128,9 @@ def test_who_crawls_lies_down_or_turns_a_cartwheel_holds_on_bumps(captures: Path
         assert acceleration_ratio(adapted, source) < 4.0
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
-@pytest.mark.parametrize("stem", ["accad_female1_A11_CrawlForward", "accad_female1_A08_CrouchToLie", "mass_cart"])
-def test_foreign_characters_keep_hands_knees_and_seat_on_the_ground(captures: Path, stem: str, path: Path) -> None:
+@pytest.mark.parametrize("path", FILES)
+@pytest.mark.parametrize("stem", THREE)
+def test_foreign_characters_keep_hands_knees_and_seat_on_the_ground(stem: str, path: Path) -> None:
     """Also those with arms longer than their legs."""
     capture, motion, _ = taken(named(stem))
     others = [each for each in contacts_of(capture) if not each.point.is_foot]
@@ -127,8 +140,8 @@ def test_foreign_characters_keep_hands_knees_and_seat_on_the_ground(captures: Pa
     assert max(quality.rise, quality.penetration) < 2e-3
 
 
-@pytest.mark.parametrize("stem", ["accad_female1_A11_CrawlForward", "accad_female1_A08_CrouchToLie", "mass_cart"])
-def test_a_child_that_grows_into_a_giant_stays_on_what_carries_it(captures: Path, stem: str) -> None:
+@pytest.mark.parametrize("stem", THREE)
+def test_a_child_that_grows_into_a_giant_stays_on_what_carries_it(stem: str) -> None:
     capture, motion, actor = taken(named(stem))
     times = np.linspace(0.0, 1.0, motion.frame_count)
     body = AnimatedMorphology.from_bodies(BODIES["child"], BODIES["giant"], times * times * (3.0 - 2.0 * times))
@@ -170,8 +183,8 @@ def test_constraints_yield_to_hands_and_knees_and_scrubbing_is_playing(captures:
 
 
 @pytest.mark.parametrize("name", ["adult_woman", "child", "giant"])
-@pytest.mark.parametrize("stem", ["accad_female1_A11_CrawlForward", "accad_female1_A08_CrouchToLie", "mass_cart"])
-def test_nothing_that_is_asked_elsewhere_moves_what_stands(captures: Path, stem: str, name: str) -> None:
+@pytest.mark.parametrize("stem", THREE)
+def test_nothing_that_is_asked_elsewhere_moves_what_stands(stem: str, name: str) -> None:
     capture, motion, _ = taken(named(stem))
     contacts = contacts_of(capture)
     standing = stand(motion, BODIES[name], contacts, Ground())

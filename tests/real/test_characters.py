@@ -19,10 +19,11 @@ from studio.core.solver.standing.settling import SQUATTING
 from studio.io.export import take_of_adapted, write_take
 from studio.io.importing import load_character
 from studio.io.registry import ReadCharacter
-from tests.conftest import CAPTURES
+from tests.captures import outside_files
 from tests.real.taken import contacts_of, named, taken
 
-FILES = tuple(sorted((CAPTURES / "characters").glob("*"))) if CAPTURES.is_dir() else ()
+FILES = outside_files("characters/*")
+PATHS = tuple(param.values[0] for param in FILES)
 HIPS_TO_SOLE = {
     "cesium_man": 0.63,
     "jin_hanim_loa4": 0.83,
@@ -35,7 +36,7 @@ HIPS_TO_SOLE = {
 """Metres, read off the files' own joints."""
 
 
-@lru_cache(maxsize=len(FILES) or None)
+@lru_cache(maxsize=len(FILES))
 def read(path: Path) -> ReadCharacter:
     return load_character(path)
 
@@ -46,21 +47,21 @@ def kicking(path: Path) -> AdaptedMotion:
     return adapt(AdaptRequest(motion, read(path).character.morphology, contacts_of(capture)))
 
 
-pytestmark = pytest.mark.skipif(not FILES, reason="the shared captures are not here")
+pytestmark = pytest.mark.captures
 
 
 def test_there_are_nine():
     assert len(FILES) == 9
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+@pytest.mark.parametrize("path", FILES)
 def test_it_is_read_with_legs_as_long_as_its_file_says(path: Path):
     build = read(path).character.build
     hips = build.leg.sum(axis=1) + build.ankle_height
     assert hips == pytest.approx([HIPS_TO_SOLE[path.stem]] * 2, abs=0.06)
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+@pytest.mark.parametrize("path", FILES)
 def test_its_head_is_above_its_neck_though_the_file_has_none(path: Path):
     build = read(path).character.build
     positions, layout = rest_pose(build)[0], build.layout
@@ -69,7 +70,7 @@ def test_its_head_is_above_its_neck_though_the_file_has_none(path: Path):
     assert np.linalg.norm(away[:2]) < 0.5 * away[2]
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+@pytest.mark.parametrize("path", FILES)
 def test_its_skin_stands_on_the_ground_and_bound_it_is_as_it_was(path: Path):
     character = read(path).character
     assert character.skin.vertices[:, 2].min() == pytest.approx(0.0, abs=0.02)
@@ -85,7 +86,7 @@ def test_its_skin_stands_on_the_ground_and_bound_it_is_as_it_was(path: Path):
         assert normals == pytest.approx(character.skin.normals, abs=1e-4)
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+@pytest.mark.parametrize("path", FILES)
 def test_kicking_no_triangle_is_torn_and_no_foot_sinks_into_the_ground(path: Path):
     character, motion = read(path).character, kicking(path)
     skin = character.skin
@@ -101,19 +102,19 @@ def test_kicking_no_triangle_is_torn_and_no_foot_sinks_into_the_ground(path: Pat
 
 def test_both_encodings_of_a_body_give_the_same_measures():
     for name in ("joe_hanim_kick", "jin_hanim_loa4"):
-        one, other = (read(path).character.build for path in FILES if path.stem == name)
+        one, other = (read(path).character.build for path in PATHS if path.stem == name)
         assert one.packed == pytest.approx(other.packed, abs=1e-6)
 
 
 def test_textures_come_along_where_the_file_has_them():
     for name in ("cesium_man", "kaykit_barbarian_stocky"):
-        [look] = {read(path).character.skin.appearance for path in FILES if path.stem == name}
+        [look] = {read(path).character.skin.appearance for path in PATHS if path.stem == name}
         assert look is not None
         assert any(material.texture is not None for material in look.materials)
 
 
 def test_a_missing_texture_is_told():
-    [path] = (path for path in FILES if path.name == "jin_hanim_loa4.x3d")
+    [path] = (path for path in PATHS if path.name == "jin_hanim_loa4.x3d")
     assert any("Jin.png" in repair for repair in read(path).repairs)
 
 
@@ -124,7 +125,7 @@ def _longest_edge(vertices: np.ndarray, triangles: np.ndarray) -> float:
 
 @pytest.mark.parametrize("name", ["kaykit_barbarian_stocky.glb", "joe_hanim_kick.x3d"])
 def test_written_with_its_motion_and_read_again_it_is_the_same_body(tmp_path: Path, name: str):
-    [path] = (path for path in FILES if path.name == name)
+    [path] = (path for path in PATHS if path.name == name)
     character = read(path).character
     write_take(take_of_adapted("kick", kicking(path), character), tmp_path / "again.glb")
     again = load_character(tmp_path / "again.glb").character
@@ -140,7 +141,7 @@ def test_written_with_its_motion_and_read_again_it_is_the_same_body(tmp_path: Pa
         assert mine.texture is None or np.array_equal(mine.texture, theirs.texture)
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+@pytest.mark.parametrize("path", FILES)
 @pytest.mark.parametrize("stem", ["pybvh_cmu_12_01_walk", "accad_female1_B03_Walk1", "accad_female1_C03_Run"])
 def test_it_walks_and_runs_on_the_floor_without_a_jolt(stem: str, path: Path):
     """A foot as long as its leg is lifted over the floor in the middle of its swing, and sharper."""
@@ -156,7 +157,7 @@ WALKS = "bvhtoolbox_walk01", "accad_female1_B03_Walk1", "pybvh_cmu_12_01_walk"
 WALKERS = "cesium_man", "joe_hanim_kick", "jin_hanim_loa4", "openhrp_sample1_humanoid", "kaykit_barbarian_stocky"
 
 
-@pytest.mark.parametrize("path", [path for path in FILES if path.stem in WALKERS], ids=lambda path: path.name)
+@pytest.mark.parametrize("path", [param for param in FILES if param.values[0].stem in WALKERS])
 @pytest.mark.parametrize("stem", WALKS)
 def test_it_walks_with_knees_as_straight_as_the_actors_and_arms_beside_its_body(stem: str, path: Path):
     """Whatever its ankles, feet and hips are like: twice what is asked of the bundled bodies."""
@@ -175,7 +176,7 @@ def test_it_walks_with_knees_as_straight_as_the_actors_and_arms_beside_its_body(
 @pytest.mark.parametrize("stem", ["accad_male2_E11_BlockLeftHigh", "accad_male2_E4_CrossRight", "cmu_salsa_10"])
 def test_wide_hips_that_turn_over_feet_that_stand_do_not_sit_down(stem: str, name: str):
     capture, motion, actor = taken(named(stem))
-    [path] = (path for path in FILES if path.stem == name)
+    [path] = (path for path in PATHS if path.stem == name)
     contacts, body = contacts_of(capture), read(path).character.morphology
     seen = motion_quality(
         adapt(AdaptRequest(motion, body, contacts, actor=actor.morphology)),
@@ -187,7 +188,7 @@ def test_wide_hips_that_turn_over_feet_that_stand_do_not_sit_down(stem: str, nam
     assert seen.bob < 1.5
 
 
-@pytest.mark.parametrize("path", [path for path in FILES if path.stem == "cesium_man"], ids=lambda path: path.name)
+@pytest.mark.parametrize("path", [param for param in FILES if param.values[0].stem == "cesium_man"])
 def test_legs_of_who_sits_low_on_high_ankles_do_not_fold_to_nothing(path: Path):
     """Half as far as flesh and the actor's own let them: folded further, a hip goes past its ankle, and legs whirl."""
     capture, motion, actor = taken(named("assimp_Boxing_Toes"))
@@ -204,7 +205,7 @@ def test_legs_of_who_sits_low_on_high_ankles_do_not_fold_to_nothing(path: Path):
         assert (own > 0.5 * np.minimum(actors, SQUATTING)).all()
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+@pytest.mark.parametrize("path", FILES)
 def test_who_turns_over_in_the_air_leaps_high_enough_for_its_head(path: Path):
     """Legs say how high; a toy's are a sixth of it."""
     capture, motion, actor = taken(named("mass_backflip"))

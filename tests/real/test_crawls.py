@@ -20,27 +20,33 @@ from studio.core.solver.source import source_motion
 from studio.core.solver.standing.stand import standing_of
 from studio.io.importing import load_capture
 from studio.io.project.character_file import bundled_characters
-from tests.conftest import CAPTURES
-from tests.real.taken import contacts_of
+from tests.captures import capture_file, outside
+from tests.real.taken import RECORDINGS, contacts_of, named
 
 BODIES: dict[str, Morphology | None] = {
     "actor": None,
     **{name: character.morphology for name, character in bundled_characters().items()},
 }
 FILES = {
+    "recorded on all fours": ("crawl", 0, 205),
+    "recorded kneeling": ("get_up", 0, 60),
+    "recorded cartwheel": ("cartwheel", 0, 551),
     "plank": ("more_captures/accad_female1_D4_RandomStuff.bvh", 254, 271),
     "on the belly": ("more_captures/accad_male2_A11_Crawl.bvh", 0, 372),
-    "on all fours": ("captures/bvh/varied/accad_female1_A11_CrawlForward.bvh", 0, 500),
-    "lying down": ("captures/bvh/varied/accad_female1_A11_CrawlForward.bvh", 501, 600),
-    "cartwheel": ("captures/bvh/varied/mass_cart.bvh", 0, 285),
+    "on all fours": ("bvh/varied/accad_female1_A11_CrawlForward.bvh", 0, 500),
+    "lying down": ("bvh/varied/accad_female1_A11_CrawlForward.bvh", 501, 600),
+    "cartwheel": ("bvh/varied/mass_cart.bvh", 0, 285),
 }
 
 
+RECORDED = "recorded on all fours", "recorded kneeling", "recorded cartwheel"
+KINDS = [*RECORDED, *outside(*(kind for kind in FILES if kind not in RECORDED))]
+ALL_FOURS = ["recorded on all fours", *outside("on all fours")]
+
+
 def _path(kind: str) -> Path:
-    path = CAPTURES.parent / FILES[kind][0]
-    if not path.is_file():
-        pytest.skip(f"{path.name} is not here ({path.parent})")
-    return path
+    name = FILES[kind][0]
+    return named(name) if name in RECORDINGS else capture_file(name)
 
 
 @lru_cache
@@ -70,8 +76,8 @@ def _hips(motion: AdaptedMotion) -> NDArray[np.float64]:
 
 
 @pytest.mark.parametrize("name", BODIES)
-@pytest.mark.parametrize("kind", FILES)
-def test_trunk_and_legs_keep_their_posture(captures: Path, kind: str, name: str) -> None:
+@pytest.mark.parametrize("kind", KINDS)
+def test_trunk_and_legs_keep_their_posture(kind: str, name: str) -> None:
     """A knee that is dragged along and a leg that lies back pull nobody to the ground; long arms raise the trunk."""
     turned = _turned(kind, name)
     assert turned[:, 0].max() < 15.0
@@ -79,8 +85,11 @@ def test_trunk_and_legs_keep_their_posture(captures: Path, kind: str, name: str)
 
 
 @pytest.mark.parametrize("name", BODIES)
-@pytest.mark.parametrize("kind", ["plank", "on the belly", "on all fours", "lying down"])
-def test_hips_are_no_higher_for_longer_arms(captures: Path, kind: str, name: str) -> None:
+@pytest.mark.parametrize(
+    "kind",
+    ["recorded on all fours", "recorded kneeling", *outside("plank", "on the belly", "on all fours", "lying down")],
+)
+def test_hips_are_no_higher_for_longer_arms(kind: str, name: str) -> None:
     """They were by 18 cm on legs of 85; floors that a capture has wrong are told from it by the median."""
     source, adapted, _ = _adapted(kind)
     _, first, last = FILES[kind]
@@ -89,24 +98,25 @@ def test_hips_are_no_higher_for_longer_arms(captures: Path, kind: str, name: str
 
 
 @pytest.mark.parametrize("name", BODIES)
-@pytest.mark.parametrize("kind", ["on the belly", "on all fours", "lying down"])
-def test_arms_keep_their_posture_but_for_moments(captures: Path, kind: str, name: str) -> None:
+@pytest.mark.parametrize("kind", ["recorded on all fours", *outside("on the belly", "on all fours", "lying down")])
+def test_arms_keep_their_posture_but_for_moments(kind: str, name: str) -> None:
     """Within 20 degrees, and twice that for a moment: bones of other lengths fold otherwise."""
     turned = _turned(kind, name)[:, 1:5].max(axis=1)
     assert turned.max() < 40.0
     assert (turned > 20.0).mean() < 0.15
 
 
-@pytest.mark.parametrize("kind", FILES)
-def test_nothing_jumps(captures: Path, kind: str) -> None:
+@pytest.mark.parametrize("kind", KINDS)
+def test_nothing_jumps(kind: str) -> None:
     """A hand in the air pulls no body along, and has all the time that the actor's has for its way."""
     assert _adapted(kind)[2] < 1.6
 
 
 @pytest.mark.parametrize("name", BODIES)
-def test_no_elbow_is_in_the_ground(captures: Path, name: str) -> None:
+@pytest.mark.parametrize("kind", ALL_FOURS)
+def test_no_elbow_is_in_the_ground(kind: str, name: str) -> None:
     """On bodies with longer arms they hung into it, of arms that reach ahead and of hands that stand."""
-    _, adapted, _ = _adapted("on all fours")
+    _, adapted, _ = _adapted(kind)
     positions, layout = adapted[name].positions, adapted[name].morphology.layout
     for side in range(2):
         assert positions[:, layout.wrist(side) - 1, 2].min() > -0.005
@@ -117,8 +127,9 @@ SLOPES = {"up": 0.0, "across": np.pi / 2, "down": np.pi}
 
 @pytest.mark.parametrize("name", ["tall_man", "giant"])
 @pytest.mark.parametrize("way", SLOPES)
-def test_on_a_slope_hands_stand_and_lie_along_it_and_do_not_jolt(captures: Path, way: str, name: str) -> None:
-    capture = load_capture(_path("on all fours"))
+@pytest.mark.parametrize("kind", ALL_FOURS)
+def test_on_a_slope_hands_stand_and_lie_along_it_and_do_not_jolt(kind: str, way: str, name: str) -> None:
+    capture = load_capture(_path(kind))
     motion, actor = normalize(capture)
     source = source_motion(motion, actor)
     ahead = source.positions[-1, 0] - source.positions[0, 0]
@@ -159,9 +170,10 @@ def test_no_foot_is_flat_under_a_shank_that_lies(captures: Path) -> None:
     assert not found[ContactPoint.RIGHT_HEEL]
 
 
-def test_hands_stand_in_turn_all_along_a_crawl(captures: Path) -> None:
+@pytest.mark.parametrize("kind", ALL_FOURS)
+def test_hands_stand_in_turn_all_along_a_crawl(kind: str) -> None:
     """One that rests at two places, with a slow way between them, rests at both."""
-    found = capture_contacts(load_capture(_path("on all fours")))
+    found = capture_contacts(load_capture(_path(kind)))
     for hand in (ContactPoint.LEFT_HAND, ContactPoint.RIGHT_HAND):
         spans = sorted(found[hand])
         assert all(later - last < 80 for (_, last), (later, _) in pairwise(spans))

@@ -1,7 +1,5 @@
 """Hands that the actor has above the floor do not sink into it on bodies with longer arms."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -13,15 +11,17 @@ from studio.core.solver.source import source_motion
 from studio.core.solver.standing.raised_arms import raise_arms
 from studio.core.solver.standing.stand import standing_of
 from studio.io.project.character_file import bundled_characters
+from tests.captures import outside
 from tests.real.taken import contacts_of, named, taken
 
 BODIES = bundled_characters()
+WALKS = ["walk", *outside("accad_female1_B03_Walk1")]
 LOW = "accad_female1_A05_PickUpBox", "accad_female1_B21_PutDownBoxToWalk", "accad_female1_A08_CrouchToLie"
 
 
-@pytest.mark.parametrize("stem", LOW)
+@pytest.mark.parametrize("stem", ["box_lift", "floor_reach", *outside(*LOW)])
 @pytest.mark.parametrize("name", BODIES)
-def test_no_hand_is_below_the_floor_and_none_snaps(captures: Path, stem: str, name: str) -> None:
+def test_no_hand_is_below_the_floor_and_none_snaps(stem: str, name: str) -> None:
     capture, motion, actor = taken(named(stem))
     body, first = BODIES[name].morphology, capture.first_frame
     adapted = adapt(AdaptRequest(motion, body, contacts_of(capture)), first)
@@ -31,8 +31,9 @@ def test_no_hand_is_below_the_floor_and_none_snaps(captures: Path, stem: str, na
     assert acceleration_ratio(adapted, source_motion(motion, actor)) < 2.5
 
 
-def test_hands_high_above_the_ground_are_left_as_they_are(captures: Path) -> None:
-    capture, motion, _ = taken(named("accad_female1_B03_Walk1"))
+@pytest.mark.parametrize("stem", WALKS)
+def test_hands_high_above_the_ground_are_left_as_they_are(stem: str) -> None:
+    capture, motion, _ = taken(named(stem))
     body = BODIES["giant"].morphology
     standing = standing_of(AdaptRequest(motion, body, contacts_of(capture)))
     positions, rotations = standing.positions.copy(), standing.rotations.copy()
@@ -44,8 +45,9 @@ def test_hands_high_above_the_ground_are_left_as_they_are(captures: Path) -> Non
 
 
 @pytest.mark.parametrize("name", BODIES)
-def test_hands_that_hang_into_the_ground_bend_back_rather_than_their_arms(captures: Path, name: str) -> None:
-    capture, motion, _ = taken(named("accad_female1_B03_Walk1"))
+@pytest.mark.parametrize("stem", WALKS)
+def test_hands_that_hang_into_the_ground_bend_back_rather_than_their_arms(stem: str, name: str) -> None:
+    capture, motion, _ = taken(named(stem))
     body = BODIES[name].morphology
     standing = standing_of(AdaptRequest(motion, body, contacts_of(capture)))
     wrists = np.array([body.layout.wrist(side) for side in range(2)])

@@ -1,7 +1,5 @@
 """Real kicks and walks balance with free arms and the free leg: feet stay, the balance is met, nothing pops."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -16,17 +14,21 @@ from studio.core.solver.adapt import hold
 from studio.core.solver.source import source_motion
 from studio.core.solver.standing.stand import stand
 from studio.io.project.character_file import bundled_characters
+from tests.captures import outside
 from tests.core.motions import ALWAYS
 from tests.real.taken import contacts_of, named, taken
 
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}
+STANDING = ["punch", *outside("accad_female1_D3_ConversationGestures")]
 ALONE = Chain(0.0, 0.0, 0.0, 0.0, 0.0, free_arms=1.0, free_legs=1.0)
 WHOLE = Chain(limb=0.0, clavicle=0.0, trunk=1.0, root=1.0, free_arms=1.0, free_legs=1.0)
 
 
 @pytest.mark.parametrize("name", ["adult_woman", "child", "giant"])
-@pytest.mark.parametrize("stem", ["mass_kick", "accad_male2_G2_FrontKick", "accad_female1_B03_Walk1"])
-def test_free_limbs_help_to_balance(captures: Path, stem: str, name: str) -> None:
+@pytest.mark.parametrize(
+    "stem", ["kick", "walk", *outside("mass_kick", "accad_male2_G2_FrontKick", "accad_female1_B03_Walk1")]
+)
+def test_free_limbs_help_to_balance(stem: str, name: str) -> None:
     capture, motion, _ = taken(named(stem))
     contacts = contacts_of(capture)
     standing = stand(motion, BODIES[name], contacts, Ground())
@@ -41,9 +43,10 @@ def test_free_limbs_help_to_balance(captures: Path, stem: str, name: str) -> Non
 
 @pytest.mark.parametrize("name", ["adult_woman", "tall_man", "giant", "stocky_man"])
 @pytest.mark.parametrize("side", ["left", "right"])
-def test_a_reach_with_balance_lets_no_joint_jump(captures: Path, name: str, side: str) -> None:
+@pytest.mark.parametrize("stem", STANDING)
+def test_a_reach_with_balance_lets_no_joint_jump(stem: str, name: str, side: str) -> None:
     """The other arm is flung out level meanwhile, where it helps as much turned up as turned down."""
-    capture, motion, actor = taken(named("accad_female1_D3_ConversationGestures"))
+    capture, motion, actor = taken(named(stem))
     contacts, wrist = contacts_of(capture), BodyPoint(BodyPart(f"{side}_forearm"), at_end=True)
     reach = Chain(trunk=1.0, root=1.0)
     wishes = (
@@ -57,9 +60,10 @@ def test_a_reach_with_balance_lets_no_joint_jump(captures: Path, name: str, side
 
 
 @pytest.mark.parametrize("priorities", [(0, 1), (1, 0)])
-def test_a_level_that_is_given_up_lets_the_hips_down_by_degrees(captures: Path, priorities: tuple[int, int]) -> None:
+@pytest.mark.parametrize("stem", STANDING)
+def test_a_level_that_is_given_up_lets_the_hips_down_by_degrees(stem: str, priorities: tuple[int, int]) -> None:
     """Though a hand of the motion is flicked much more sharply than hips may be."""
-    capture, motion, _ = taken(named("accad_female1_D3_ConversationGestures"))
+    capture, motion, _ = taken(named(stem))
     wrist = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True)
     wishes = (
         PositionConstraint("motion", "Wrist", wrist, Chain(trunk=1.0), priorities[0], ALWAYS, target=(0.75, -0.2, 1.0)),

@@ -10,13 +10,14 @@ from studio.core.kernels import layout as at
 from studio.core.normalized.realize import realize
 from studio.core.normalized.round_trip import round_trip
 from tests.builders import make_morphology
-from tests.real.taken import HUMANS, REPRESENTATIVE, named, taken
+from tests.captures import outside
+from tests.real.taken import HUMANS, RECORDINGS, REPRESENTATIVE, named, taken
 
 POSITION, ROTATION = 1e-4, np.deg2rad(0.01)
 
 
-@pytest.mark.parametrize("stem", REPRESENTATIVE)
-def test_it_comes_back(captures: Path, stem: str) -> None:
+@pytest.mark.parametrize("stem", [*RECORDINGS, *outside(*REPRESENTATIVE)])
+def test_it_comes_back(stem: str) -> None:
     errors = round_trip(*taken(named(stem)))
     assert errors.position < POSITION
     assert errors.rotation < ROTATION
@@ -31,8 +32,8 @@ def test_all_humans_come_back(captures: Path) -> None:
     assert lost == {}
 
 
-@pytest.mark.parametrize("stem", REPRESENTATIVE)
-def test_its_actor_has_the_measures_of_a_person(captures: Path, stem: str) -> None:
+@pytest.mark.parametrize("stem", [*RECORDINGS, *outside(*REPRESENTATIVE)])
+def test_its_actor_has_the_measures_of_a_person(stem: str) -> None:
     body = taken(named(stem))[2].morphology
     assert 1.2 < body.stature < 2.1
     assert 0.7 < body.leg_length < 1.0
@@ -40,8 +41,8 @@ def test_its_actor_has_the_measures_of_a_person(captures: Path, stem: str) -> No
     assert ((body.ankle_height > 0.02) & (body.ankle_height < 0.2)).all()
 
 
-@pytest.mark.parametrize("stem", REPRESENTATIVE)
-def test_single_precision_is_enough_to_store_it(captures: Path, stem: str) -> None:
+@pytest.mark.parametrize("stem", [*RECORDINGS, *outside(*REPRESENTATIVE)])
+def test_single_precision_is_enough_to_store_it(stem: str) -> None:
     """Channels rounded to 32 bits still put every point within a tenth of a millimetre."""
     _, motion, actor = taken(named(stem))
     rounded = replace(motion, channels=motion.channels.astype(np.float32))
@@ -50,8 +51,10 @@ def test_single_precision_is_enough_to_store_it(captures: Path, stem: str) -> No
     assert np.linalg.norm(apart, axis=-1).max() < 1e-4 * far
 
 
-@pytest.mark.parametrize("stem", ["accad_male2_G2_FrontKick", "accad_female1_D6_CartWheel", "fair_dab_zup"])
-def test_more_vertebrae_only_round_the_back(captures: Path, stem: str) -> None:
+@pytest.mark.parametrize(
+    "stem", ["kick", "crawl", *outside("accad_male2_G2_FrontKick", "accad_female1_D6_CartWheel", "fair_dab_zup")]
+)
+def test_more_vertebrae_only_round_the_back(stem: str) -> None:
     """The neck base lies elsewhere on a rounder back; the arms hang from it as before."""
     motion = taken(named(stem))[1]
     necks, arms = [], []

@@ -4,11 +4,12 @@ import re
 
 import pytest
 
+from examples.keyed import front_kick, straight_punch
 from studio.core.normalized.realize import realize
 from studio.library.assistant import propose
 from studio.library.clips import Limb
-from tests.conftest import CAPTURES
-from tests.real.taken import HUMANS, named, taken
+from tests.captures import CAPTURES, outside
+from tests.real.taken import RECORDINGS, named, taken
 
 FROM_ITS_SOURCE = re.compile(r"kind( and side)?: (file name|CMU index)")
 NO_STRIKES = (
@@ -36,7 +37,15 @@ def labelled_rows():
     return [(row[0].removesuffix(".bvh"), Limb[row[3].upper().replace(" ", "_")], int(row[5])) for row in known]
 
 
-@pytest.mark.skipif(not HUMANS, reason="the shared captures are not here")
+@pytest.mark.parametrize(
+    ("stem", "limb", "hit"), [("punch", Limb.RIGHT_ARM, straight_punch.HIT), ("kick", Limb.RIGHT_LEG, front_kick.HIT)]
+)
+def test_a_recorded_strike_is_proposed_where_it_was_keyed(stem, limb, hit):
+    clips, rate = proposals(stem)
+    assert any(clip.limb is limb and abs(clip.hit / rate - hit) <= 0.1 for clip in clips)
+
+
+@pytest.mark.captures
 def test_limbs_and_hits_are_those_of_the_labels():
     rows = labelled_rows()
     assert len(rows) == 52
@@ -50,14 +59,16 @@ def test_limbs_and_hits_are_those_of_the_labels():
     assert hits >= 0.90 * len(rows)
 
 
-@pytest.mark.skipif(not HUMANS, reason="the shared captures are not here")
-@pytest.mark.parametrize("stem", NO_STRIKES)
+@pytest.mark.parametrize(
+    "stem", [*(name for name in RECORDINGS if name not in ("punch", "kick")), *outside(*NO_STRIKES)]
+)
 def test_what_is_no_strike_is_not_called_one(stem):
     assert proposals(stem)[0] == []
 
 
-@pytest.mark.skipif(not HUMANS, reason="the shared captures are not here")
-@pytest.mark.parametrize("stem", ["cmu_135_04", "cmu_135_09", "cmu_135_11", "cmu_salsa_10", "bvh11_cmu131_metres"])
+@pytest.mark.parametrize(
+    "stem", ["punch", "kick", *outside("cmu_135_04", "cmu_135_09", "cmu_135_11", "cmu_salsa_10", "bvh11_cmu131_metres")]
+)
 def test_a_motion_has_the_same_strikes_at_a_quarter_of_its_frame_rate(stem):
     _, motion, actor = taken(named(stem))
     points, turns = realize(motion, actor.morphology, play=True)

@@ -9,10 +9,14 @@ from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.source import source_motion
 from studio.io.project.character_file import bundled_characters
+from tests.captures import outside
 from tests.real.taken import named, taken
 
-DANCES = ("cmu_salsa_10", "rokoko_jesse_dance")
-CARRIERS = ("accad_female1_A05_PickUpBox", "accad_female1_B21_PutDownBoxToWalk", "accad_male2_A6_BoxLift")
+DANCES = ["dance", *outside("cmu_salsa_10", "rokoko_jesse_dance")]
+CARRIERS = [
+    "box_lift",
+    *outside("accad_female1_A05_PickUpBox", "accad_female1_B21_PutDownBoxToWalk", "accad_male2_A6_BoxLift"),
+]
 BODIES = ("child", "tall_man", "stocky_man", "giant")
 
 

@@ -16,6 +16,7 @@ from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.source import source_motion
 from studio.io.project.character_file import bundled_characters
 from studio.resources_folder import example_captures_folder
+from tests.captures import outside
 from tests.real.taken import contacts_of, named, taken
 
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}
@@ -79,8 +80,8 @@ def _faults(path: Path) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize("stem", STEMS)
-def test_a_real_walk_holds_its_feet_on_any_ground(captures: Path, stem: str) -> None:
+@pytest.mark.parametrize("stem", ["walk", "turn", "run", *outside(*STEMS)])
+def test_a_real_walk_holds_its_feet_on_any_ground(stem: str) -> None:
     assert _faults(named(stem)) == []
 
 

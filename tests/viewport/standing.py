@@ -42,6 +42,7 @@ class StandingLive(QObject):
     adapted = Signal(str)
     told_changed = Signal()
     interactive_changed = Signal(bool)
+    ready = True
 
     def __init__(self, document: Any) -> None:
         super().__init__()

@@ -58,8 +58,15 @@ def split(bench: Workbench) -> None:
 
 
 def mirror(bench: Workbench) -> None:
-    """Left is right, or again left."""
-    clips.mirror_clip(bench.document, _clip(bench))
+    """Mirror the selected clips, or show them as they were."""
+    document = bench.document
+    keys = document.selection.of("clips") or (_clip(bench),)
+    if len(keys) == 1:
+        clips.mirror_clip(document, keys[0])
+        return
+    with document.group(f"Mirror {len(keys)} clips"):
+        for key in keys:
+            clips.mirror_clip(document, key)
 
 
 def duplicate(bench: Workbench) -> None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from studio.app.file_dialogs import ask_file
@@ -10,15 +11,36 @@ from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.errors import StudioError
 from studio.io.meshes.mesh_file import SUFFIXES, MeshFile, read_mesh
 
+NO_JOINT = "Click a joint in the 3D view first, or press Shift+J to choose one: the constraint will hold it."
+
 
 def adder(kind: str) -> Callable[[Workbench], None]:
     """A verb that adds a constraint of ``kind`` at the joint picked in the viewport, or to the active body."""
 
     def add(bench: Workbench) -> None:
         if bench.viewport.add_constraint_at_pick(kind) is None:
-            raise StudioError("Click a joint in the 3D view first: the constraint will hold it.")
+            raise StudioError(NO_JOINT)
+        if bench.window.strip.text == NO_JOINT:
+            bench.window.strip.clear()
 
     return add
+
+
+def choose_joint(bench: Workbench) -> None:
+    """Pick a joint of the active body from a list that can be searched."""
+    from studio.viewport.body_points import body_joints  # late: a window opens before its views are loaded
+    from studio.viewport.picking import PickedJoint
+
+    viewport, document = bench.viewport, bench.document
+    performer_id = document.active_performer_id or ""
+    pose = viewport.posed.get(performer_id)
+    if pose is None:
+        raise StudioError("Show a character that plays something first: its joints are listed then.")
+    choices = [
+        ((joint.name.capitalize(), pose.performer.name), partial(viewport.pick, PickedJoint(performer_id, joint)))
+        for joint in body_joints(pose.motion.morphology.layout)
+    ]
+    bench.window.choose("Pick a joint", choices)
 
 
 def load_area_mesh(bench: Workbench) -> None:

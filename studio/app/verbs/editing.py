@@ -5,15 +5,17 @@ from dataclasses import replace
 from studio.app.verbs import clips
 from studio.app.workbench import Workbench
 from studio.core.captures.contacts import ContactInterval
+from studio.core.errors import StudioError
 from studio.core.names import free_name
 from studio.core.project import GROUND_ID
 from studio.core.stage.behaviour import Transition
 from studio.core.stage.clip import Clip
+from studio.core.stage.staging import lined_up, travel_heading
 from studio.document.behaviours import duplicate_states, remove_parts
 from studio.document.clips import name_of, remove_clips
 
 PARTS = ("clips", "states", "transitions")
-SMALL_THINGS = ("constraints", "contacts", "props", "behaviours", *PARTS)
+SMALL_THINGS = ("constraints", "contacts", "labels", "props", "behaviours", *PARTS)
 
 
 def undo(bench: Workbench) -> None:
@@ -86,6 +88,22 @@ def show_all(bench: Workbench) -> None:
     with document.group("Show all characters"):
         for key, performer in document.project.performers.items():
             document.replace("performers", key, replace(performer, visible=True), "Show")
+
+
+def line_up(bench: Workbench) -> None:
+    """Put the selected bodies, or all that are shown, in a row across the direction in which their motion travels."""
+    document = bench.document
+    project, chosen = document.project, document.selection.of("performers")
+    keys = chosen if len(chosen) > 1 else [key for key, each in project.performers.items() if each.visible]
+    performers = {key: project.performers[key] for key in keys if project.performers[key].clips}
+    if len(performers) < 2:
+        raise StudioError("Show or select at least two characters that play something first.")
+    clip = document.active_clip or next(iter(performers.values())).clips[0]
+    capture = project.captures[project.motions[clip.motion_id].capture_id]
+    travel = travel_heading(capture, clip.first, clip.last)
+    with document.group("Line up characters"):
+        for key, performer in lined_up(performers, travel or 0.0).items():
+            document.replace("performers", key, performer, "Line up")
 
 
 def escape(bench: Workbench) -> None:

@@ -41,6 +41,21 @@ def previous_event(bench: Workbench) -> None:
     bench.timeline.go_to_key(-1)
 
 
+def add_label(bench: Workbench) -> None:
+    """Name the moment at the playhead."""
+    bench.timeline.add_label()
+
+
+def next_label(bench: Workbench) -> None:
+    """To the next label."""
+    bench.timeline.go_to_label(1)
+
+
+def previous_label(bench: Workbench) -> None:
+    """To the label before."""
+    bench.timeline.go_to_label(-1)
+
+
 def range_from_here(bench: Workbench) -> None:
     """Begin the range at the playhead."""
     playhead = bench.document.playhead

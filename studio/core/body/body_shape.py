@@ -8,20 +8,24 @@ from numpy.typing import NDArray
 from studio.core.body.canonical import BodyPart
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.skeleton import Skeleton
+from studio.core.rotations import normalized
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 _ALIKE = 0.2
 """Difference of two bones, as a share of the longer, up to which they may be a pair."""
+_SEEN_BEND = 0.1
+"""Sum of the mean sines by which two knees bend, from which their direction is known."""
 _MOST_LEAVES = 120
 _Pair = tuple[list[int], list[int]]
 
 
-def body_by_shape(skeleton: Skeleton, points: FloatArray) -> BodyMap | None:
+def body_by_shape(skeleton: Skeleton, points: FloatArray, sides: IntArray | None = None) -> BodyMap | None:
     """The body whose joints stand at ``points`` (J, 3), Z up: legs reach lowest, arms widest, the head highest.
 
-    Left is where it lies for one who looks the way the toes point, or along +X where there are none. None when
-    this is no human shape.
+    Left is what names say: ``sides`` (J,) 1 for left, -1 for right, 0 for neither; else where hips and shoulders lie
+    for one who looks the way the toes point, or along +X where there are none. None when this is no human shape.
     """
     pairs = _mirrored_chains(skeleton, points)
     if len(pairs) < 2:
@@ -35,7 +39,9 @@ def body_by_shape(skeleton: Skeleton, points: FloatArray) -> BodyMap | None:
     parts: dict[BodyPart, int] = {}
     if not _upright(points, arms, legs):
         return None
-    legs, arms = (_sorted_by_side(points, pair, _forward(points, legs)) for pair in (legs, arms))
+    forward = _forward(points, legs)
+    sides = np.zeros(len(points), dtype=np.int64) if sides is None else sides
+    legs, arms = (_sorted_by_side(points, pair, forward, sides) for pair in (legs, arms))
     for side, leg, arm in zip(("LEFT", "RIGHT"), legs, arms, strict=True):
         hip, shoulder = _longest(points, leg), _longest(points, arm)
         parts |= _limb(side, ("THIGH", "SHANK", "FOOT", "TOE"), leg[hip:])
@@ -76,11 +82,24 @@ def _forward(points: FloatArray, legs: _Pair) -> FloatArray:
     return toes if np.linalg.norm(toes) > 1e-6 else np.array([1.0, 0.0, 0.0])
 
 
-def _sorted_by_side(points: FloatArray, pair: _Pair, forward: FloatArray) -> _Pair:
+def knees_bend_backwards(body_map: BodyMap, points: FloatArray) -> bool:
+    """True if the knees of ``points`` (F, J, 3), in any axes, bend as they would were left and right exchanged."""
+    left = points[:, body_map[BodyPart.LEFT_THIGH]] - points[:, body_map[BodyPart.RIGHT_THIGH]]
+    bends = 0.0
+    for side in ("LEFT", "RIGHT"):
+        hip, knee, ankle = (points[:, body_map[BodyPart[f"{side}_{part}"]]] for part in ("THIGH", "SHANK", "FOOT"))
+        bend = np.cross(normalized(knee - hip), normalized(ankle - knee))
+        bends += float(np.einsum("fi,fi->f", bend, normalized(left)).mean())
+    return bends < -_SEEN_BEND
+
+
+def _sorted_by_side(points: FloatArray, pair: _Pair, forward: FloatArray, sides: IntArray) -> _Pair:
     """Left first."""
     left = np.array([-forward[1], forward[0], 0.0])
     one, other = pair
-    return (one, other) if (points[one[-1]] - points[other[-1]]) @ left > 0 else (other, one)
+    named = int(sides[one].sum() - sides[other].sum())
+    roots = points[one[_longest(points, one)]] - points[other[_longest(points, other)]]
+    return (one, other) if (named or roots @ left) > 0 else (other, one)
 
 
 def _longest(points: FloatArray, chain: list[int]) -> int:

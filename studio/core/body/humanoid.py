@@ -46,6 +46,18 @@ class BodyMap:
         """The joint of ``part``, or None where the body has none."""
         return self.parts.get(part)
 
+    def with_sides_exchanged(self) -> "BodyMap":
+        """The same joints with left and right the other way round."""
+        other = {"LEFT": "RIGHT", "RIGHT": "LEFT"}
+        sides = ((part, joint, *part.name.partition("_")) for part, joint in self.parts.items())
+        return BodyMap(
+            {
+                BodyPart[f"{other[side]}_{name}"] if side in other else part: joint
+                for part, joint, side, _, name in sides
+            },
+            self.spine,
+        )
+
     def to_json(self, skeleton: Skeleton) -> dict[str, str]:
         """Names of joints by part: ``{"pelvis": "Hips", "spine_1": "Spine", ..., "head": "Head", ...}``."""
         names = {"pelvis": skeleton.names[self.spine[0]]}

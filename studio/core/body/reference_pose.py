@@ -1,4 +1,4 @@
-"""The pose that stands for "upright, at ease": the zero pose where it is human, else the best frame."""
+"""The pose that stands for "upright, at ease": the zero pose where it is human, else that of all frames."""
 
 from dataclasses import dataclass
 
@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.humanoid import BodyMap, BodyPart
 from studio.core.body.kinematics import joint_positions, rest_poses
+from studio.core.body.neutral_pose import find_neutral_pose
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.rotations import IDENTITY, from_matrix, multiply, normalized, shortest_arc
@@ -14,6 +15,8 @@ from studio.core.rotations import IDENTITY, from_matrix, multiply, normalized, s
 FloatArray = NDArray[np.float64]
 
 _UP: FloatArray = np.array([0.0, 0.0, 1.0])
+_NEVER_STOOD = 2.0
+"""Worst fault of a take's best frame from which no frame of it stands at ease."""
 
 
 @dataclass(frozen=True)
@@ -22,12 +25,12 @@ class ReferencePose:
 
     rotations: FloatArray
     source: str
-    """``zero pose`` or ``frame 12``."""
+    """``zero pose`` or ``all frames``."""
     reason: str
 
 
 def find_reference_pose(skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap) -> ReferencePose:
-    """The zero pose, stood up where it lies, if it is human; else the frame most like a T-, A- or N-pose."""
+    """The zero pose, stood up where it lies, if it is human; else the neutral pose of all frames."""
     zero = np.tile(IDENTITY, (skeleton.joint_count, 1))
     standing = stand_up(skeleton, zero, body_map)
     if standing is not None:
@@ -37,14 +40,13 @@ def find_reference_pose(skeleton: Skeleton, poses: PoseSequence, body_map: BodyM
             return ReferencePose(
                 standing, "zero pose", f"With all rotations zero the body stands like a human{turned}."
             )
-    points = joint_positions(skeleton, poses)
-    standing_faults = np.concatenate([faults(points, body_map), _off_the_ground(points, body_map)], axis=1)
-    frame = int(np.argmin((standing_faults**2).sum(axis=1)))
-    return ReferencePose(
-        poses.local_rotations[frame],
-        f"frame {frame}",
-        "With all rotations zero the body is not human; this frame is the nearest to standing at ease.",
-    )
+    wrong = faults(joint_positions(skeleton, poses), body_map)
+    neutral = find_neutral_pose(skeleton, poses, body_map, 1.0 / (1.0 + (wrong**2).sum(axis=1)) ** 2)
+    doubt = f"The head may be turned by {neutral.head_doubt:.0f} degrees" if neutral.head_doubt else "It has no head"
+    if wrong.max(axis=1).min() > _NEVER_STOOD:
+        doubt += ", and the body never stands at ease: look at its head, hands and feet"
+    reason = "With all rotations zero the body is not human; its mean pose was stood upright."
+    return ReferencePose(neutral.rotations, "all frames", f"{reason} {doubt}.")
 
 
 def stand_up(skeleton: Skeleton, local_rotations: FloatArray, body_map: BodyMap) -> FloatArray | None:
@@ -94,14 +96,6 @@ def faults(points: FloatArray, body_map: BodyMap) -> FloatArray:
     mirrored = arms[0] - 2 * np.sum(arms[0] * mirror, axis=-1, keepdims=True) * mirror
     terms.append(_angle(mirrored, arms[1]) / 35.0)
     return np.stack(terms, axis=1)
-
-
-def _off_the_ground(points: FloatArray, body_map: BodyMap) -> FloatArray:
-    """(F, n) height of ankles and toes over their usual low, 1 at 4 cm: the feet should be flat."""
-    feet = (BodyPart.LEFT_FOOT, BodyPart.RIGHT_FOOT, BodyPart.LEFT_TOE, BodyPart.RIGHT_TOE)
-    heights = points[:, [body_map[part] for part in feet if part in body_map.parts], 2]
-    over: FloatArray = np.abs(heights - np.percentile(heights, 10, axis=0)) / 0.04
-    return over
 
 
 def _middle(points: FloatArray, body_map: BodyMap, part: str) -> FloatArray:

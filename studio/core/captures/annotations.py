@@ -1,5 +1,6 @@
 """Annotations: what is known of a motion beside the motion itself."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -19,6 +20,15 @@ class Label:
     def __post_init__(self) -> None:
         if not 0 <= self.first <= self.last:
             raise ValueError(f"A label runs from a frame to a later one, not from {self.first} to {self.last}.")
+
+
+def within(labels: Iterable[Label], first: int, last: int) -> tuple[Label, ...]:
+    """The parts of labels that lie in the frames ``first`` to ``last``, counted from ``first``."""
+    return tuple(
+        replace(each, first=max(each.first, first) - first, last=min(each.last, last) - first)
+        for each in labels
+        if each.first <= last and each.last >= first
+    )
 
 
 @dataclass(frozen=True)

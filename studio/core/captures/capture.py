@@ -21,7 +21,8 @@ class Guess:
     """Something assumed that the user may overrule."""
 
     subject: str
-    """One of ``unit, up axis, frame rate, floor, floor drift, body map, reference pose, first frame``."""
+    """One of ``unit, up axis, frame rate, floor, floor drift, body map, feet, moving offsets,
+    reference pose, first frame``."""
     value: str
     reason: str
 
@@ -50,6 +51,8 @@ class Capture:
     repairs: tuple[str, ...]
     markers: MarkerTake | None = None
     """What a body seen by optical markers was solved from; kept, so that it can be solved anew."""
+    digest: str = ""
+    """SHA-256 of the content of the source file in hexadecimal digits, by which it is found again; empty if unknown."""
 
     def __post_init__(self) -> None:
         reference = np.array(self.reference_rotations, dtype=np.float64)

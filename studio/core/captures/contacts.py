@@ -162,6 +162,14 @@ SHORTEST = 0.05
 """Seconds: shorter contacts are dropped, shorter gaps closed."""
 SMOOTHING = 0.012
 """Seconds, standard deviation of the smoothing before speed is taken."""
+NOISE_SPEED = 0.12
+"""Metres a second along an axis that noise may add to a speed, which is taken over more frames where it adds more."""
+LONGEST_STEP = 0.15
+"""Seconds over which a speed is taken at most."""
+ENOUGH = 8
+"""Third differences that show how much noise there is."""
+THIRDS_OF_NOISE = np.sqrt(20.0) * 0.76
+"""Lowest quartile of the third differences of noise whose standard deviation along each of two axes is 1."""
 DRIFT_WINDOW = 1.0
 """Seconds to each side in which a foot is taken to touch the ground at least once."""
 GREATEST_DRIFT = 0.04
@@ -257,7 +265,7 @@ def _stands(
     """(F,) where a point of a sole (F, 3) stands: ``near`` the ground (F,) and still, coming to rest or leaving, at
     less than ``landing`` or ``leaving`` metres a second.
     """
-    speeds = _speeds(track, frame_rate)
+    speeds = point_speeds(track, near, frame_rate)
     still = near & (speeds < STILL_SPEED)
     standing, longest = still.copy(), round(ROLLING * frame_rate)
     for first, last in spans_of(near & (speeds < landing)):
@@ -282,7 +290,7 @@ def detect_body_contacts(
     found: dict[ContactPoint, list[Span]] = {}
     for point, track in tracks.items():
         near = track[first_frame:, 2] < BODY_HEIGHTS[point.member] * leg_length
-        standing = near & (_speeds(track[first_frame:], frame_rate) < BODY_SPEEDS[point.member]) if near.any() else near
+        standing = near & (point_speeds(track[first_frame:], near, frame_rate) < BODY_SPEEDS[point.member])
         spans = _without_flicker(standing, track[first_frame:], round(SHORTEST * frame_rate))
         rest = round(RESTS * frame_rate)
         stays = [stay for first, last in spans for stay in _stays(track[first_frame:], first, last, rest)]
@@ -354,15 +362,32 @@ def trailed(spans: list[Span], toes: FloatArray, down: NDArray[np.bool_], frame_
     return found
 
 
-def _speeds(track: FloatArray, frame_rate: float) -> FloatArray:
-    """(F,) metres a second of a track (F, 3): from the frame before or to the next one, whichever is less.
+def point_speeds(track: FloatArray, near: NDArray[np.bool_], frame_rate: float) -> FloatArray:
+    """(F,) metres a second of a track (F, 3): since some frame before or until some later one, whichever is less.
 
-    So the first and the last frame of a rest are still, however fast the frames beside it.
+    So the first and the last frame of a rest are still, however fast the frames beside it. They are as many frames
+    apart as the noise of the track asks for while it is ``near`` the ground (F,).
     """
-    if len(track) < 2:
+    smooth = smoothed(track, SMOOTHING * frame_rate)
+    noise = np.sqrt(2.0) * _noise(track, near) * min(1.0, (3.5 * SMOOTHING * frame_rate) ** -0.5)
+    apart = int(np.clip(np.ceil(noise * frame_rate / NOISE_SPEED), 1, max(1, round(LONGEST_STEP * frame_rate))))
+    if len(track) <= apart:
         return np.full(len(track), np.inf)
-    steps = np.linalg.norm(np.diff(smoothed(track, SMOOTHING * frame_rate), axis=0), axis=1) * frame_rate
-    return np.asarray(np.minimum(np.append(steps, np.inf), np.append(np.inf, steps)))
+    steps = np.linalg.norm(smooth[apart:] - smooth[:-apart], axis=1) * frame_rate / apart
+    beyond = np.full(apart, np.inf)
+    return np.asarray(np.minimum(np.append(steps, beyond), np.append(beyond, steps)))
+
+
+def _noise(track: FloatArray, near: NDArray[np.bool_]) -> float:
+    """Metres, standard deviation of a track's noise (F, 3) along an axis, by its third differences ``near`` the ground.
+
+    Those of a motion are far smaller while it is about to rest, which it is for a quarter of that time at least.
+    """
+    if len(track) < ENOUGH:
+        return 0.0
+    whole = near[3:] & near[2:-1] & near[1:-2] & near[:-3]
+    thirds = np.linalg.norm(np.diff(track, 3, axis=0), axis=1)[whole]
+    return float(np.quantile(thirds, 0.25) / THIRDS_OF_NOISE) if len(thirds) >= ENOUGH else 0.0
 
 
 def contact_mask(spans: Iterable[Span], frame_count: int) -> NDArray[np.bool_]:

@@ -1,5 +1,7 @@
 """A constraint of a motion as it is where a clip of that motion plays: at other times, in another place, mirrored."""
 
+import math
+import re
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -110,6 +112,18 @@ def carried_over(constraint: Constraint, carry: Carry) -> Constraint:
         if changed is not value:
             changes[name] = changed
     return replace(constraint, **changes, **constraint.carried(carry))
+
+
+MIRROR = Carry(0.0, 1.0, 0.0, (0.0, 0.0), True, -math.inf, math.inf)
+"""From a motion to its mirror image, and back."""
+_SIDE_WORDS = {"left": "right", "right": "left", "Left": "Right", "Right": "Left"}
+_SIDE_WORD = re.compile(rf"\b({'|'.join(_SIDE_WORDS)})\b")
+
+
+def mirrored_constraint(constraint: Constraint) -> Constraint:
+    """``constraint`` in the mirror image of its motion; its name says the other side where it says one."""
+    name = _SIDE_WORD.sub(lambda found: _SIDE_WORDS[found[0]], constraint.name)
+    return replace(carried_over(constraint, MIRROR), name=name)
 
 
 def _value(name: str, value: Any, constraint: Constraint, carry: Carry) -> Any:

@@ -23,11 +23,11 @@ def measure_actor(
     rotations: FloatArray,
     contacts: dict[ContactPoint, list[tuple[int, int]]],
     first_frame: int,
-    floor: float,
+    floor: FloatArray | float,
 ) -> Morphology:
     """Medians over the motion of all bones, in canonical axes; sole heights where feet stand.
 
-    ``alignments`` (S, 3, 3) and ``rotations`` (F, S, 3, 3) canonical; ``floor`` the height of the ground in metres.
+    ``alignments`` (S, 3, 3), ``rotations`` (F, S, 3, 3) canonical; ``floor`` (F, 2) metres, ground under the ankles.
     """
     layout, points = marks.layout, marks.points
     thorax = layout.spine_count - 1

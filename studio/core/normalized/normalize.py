@@ -26,6 +26,7 @@ from studio.core.captures.contacts import (
     trailed,
     without,
 )
+from studio.core.captures.floor_slope import FloorSlope, find_floor_slope
 from studio.core.captures.rising_heels import rising_heels
 from studio.core.errors import StudioError
 from studio.core.kernels import layout as at
@@ -72,14 +73,16 @@ def _normalize(capture: Capture, progress: Callable[[float], object]) -> tuple[N
         )
     marks = find_landmarks(capture, capture.body_map)
     progress(0.4)
-    contacts = _FOUND(capture, marks).contacts
+    found = _FOUND(capture, marks)
+    contacts = found.contacts
     progress(0.6)
     alignments = find_alignments(marks)
     _level_soles(marks, contacts, alignments)
     rotations = marks.aligned(alignments)
     progress(0.8)
     origin = np.array([*marks.points[capture.first_frame, 0, :2], capture.floor])
-    body = measure_actor(marks, alignments, rotations, contacts, capture.first_frame, capture.floor)
+    soles = capture.floor + found.slope.rise(marks.points[:, [marks.layout.ankle(0), marks.layout.ankle(1)]])
+    body = measure_actor(marks, alignments, rotations, contacts, capture.first_frame, soles)
     channels = _channels(body, marks.points, rotations, capture.frame_rate)
     channels[:, at.HIPS : at.HIPS + 3] -= origin / body.leg_length
     channels.setflags(write=False)
@@ -133,9 +136,10 @@ def detected_contacts(capture: Capture, motion_id: str) -> tuple[ContactInterval
 
 @dataclass(frozen=True, eq=False)
 class _Found:
-    """Contacts of a capture, and the metres at which its ankles stand in those of each heel."""
+    """Contacts of a capture, the slope of its floor, and the metres at which its ankles stand in those of each heel."""
 
     contacts: Contacts
+    slope: FloorSlope
     sole_heights: list[list[float]]
 
 
@@ -143,13 +147,13 @@ def _find(capture: Capture, marks: Landmarks | None = None) -> _Found:
     """What stands in a mapped capture, whose ``marks`` are found where they are not known."""
     assert capture.body_map is not None
     marks = marks or find_landmarks(capture, capture.body_map)
-    contacts = _contacts_of(marks, capture)
+    contacts, slope = _contacts_of(marks, capture)
     ankles = [marks.points[:, marks.layout.ankle(side), 2] for side in range(2)]
     heights = [
         [float(np.median(track[first : last + 1])) for first, last in contacts[heel]]
         for track, heel in zip(ankles, HEELS, strict=True)
     ]
-    return _Found(contacts, heights)
+    return _Found(contacts, slope, heights)
 
 
 def _terms(capture: Capture) -> object:
@@ -178,13 +182,18 @@ def _risen(marks: Landmarks, heels: Sequence[NDArray[np.bool_]], leg_length: flo
     return np.mean(shown, axis=0) if shown else np.zeros(len(frames))
 
 
-def _contacts_of(marks: Landmarks, capture: Capture) -> Contacts:
-    layout, points = marks.layout, marks.points
-    toes = points[:, [layout.toe(0), layout.toe(1)]]
-    hips = [layout.hip(0), layout.hip(1)]
+def _contacts_of(marks: Landmarks, capture: Capture) -> tuple[Contacts, FloorSlope]:
+    layout, rate = marks.layout, capture.frame_rate
+    hips = [marks.layout.hip(0), marks.layout.hip(1)]
     leg = np.linalg.norm(np.diff(marks.reference[hips[0] : hips[0] + 3], axis=0), axis=1).sum()
+    soles = sole_points(marks, float(leg), capture.first_frame)
+    legs = marks.points[:, hips, 2] - marks.points[:, [layout.ankle(0), layout.ankle(1)], 2]
+    own = slice(capture.first_frame, None)
+    slope = find_floor_slope(soles[own], legs[own] > UPRIGHT * leg, rate)
+    points, soles = slope.levelled(marks.points), slope.levelled(soles)
+    toes = points[:, [layout.toe(0), layout.toe(1)]]
     shortest = round(SHORTEST * capture.frame_rate)
-    feet = detect_contacts(sole_points(marks, float(leg), capture.first_frame), capture.frame_rate, capture.first_frame)
+    feet = detect_contacts(soles, rate, capture.first_frame)
     for side, (heel, toe) in enumerate(FEET):  # none stands in a plank, over its knee, or flat under a shank that lies
         hip_track, knee_track, ankle, _ = np.moveaxis(points[:, hips[side] : hips[side] + 4], 1, 0)
         raised = (knee_track[:, 2] < ankle[:, 2]) | tipped_over(hip_track, ankle, toes[:, side])
@@ -210,7 +219,7 @@ def _contacts_of(marks: Landmarks, capture: Capture) -> Contacts:
     prone = faces_down(points[:, hips], points[:, [layout.collar(0) + 1, layout.collar(1) + 1]])
     flat = tracks[ContactPoint.SEAT][:, 2] < FLAT * leg
     bodies[ContactPoint.SEAT] = without(bodies[ContactPoint.SEAT], prone & ~flat, shortest)
-    return feet | bodies
+    return feet | bodies, slope
 
 
 def _level_soles(marks: Landmarks, contacts: Contacts, alignments: FloatArray) -> None:

@@ -7,18 +7,20 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.body_shape import body_by_shape
+from studio.core.body.body_shape import body_by_shape, knees_bend_backwards
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_positions
+from studio.core.body.moving_offsets import with_seen_offsets
 from studio.core.body.pose import PoseSequence
+from studio.core.body.rehanging import rehang, rehung
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
 from studio.core.kernels.body.channels import turn_axes
 from studio.core.pieces import over_frames
 from studio.core.rotations import IDENTITY, normalized
 from studio.io.bvh.reader import read_bvh
-from studio.io.capture_guesses import ReadJoints, body_guesses, stood_capture
-from studio.io.figure.body_maps import FoundBody, find_body
+from studio.io.capture_guesses import LOOSE_FEET, ReadJoints, body_guesses, stood_capture
+from studio.io.figure.body_maps import FoundBody, find_body, loose_feet, named_sides
 from studio.io.guessing import Scale, find_unit, guess_frame_rate, leg_length
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress, ReadCapture
@@ -78,20 +80,29 @@ def capture_of(file: Recording, path: Path, options: ImportOptions, progress: Pr
     progress(0.6, f"Finding the body in {path.name}")
     looked_at = np.unique(np.linspace(0, file.frame_count - 1, _LOOKED_AT).astype(int))
     sample = PoseSequence(*file.transforms(looked_at))
-    points = joint_positions(file.skeleton, sample)
     after = PoseSequence(*file.transforms(np.minimum(looked_at + 1, file.frame_count - 1)))
-    found = find_body(file.skeleton, points, options.body_map)
+    skeleton = with_seen_offsets(file.skeleton, sample)
+    both = np.stack([joint_positions(skeleton, poses) for poses in (sample, after)])
+    loose = loose_feet(skeleton, both[0])
+    if loose:
+        hanging = rehang(skeleton.parents, loose)
+        skeleton, _ = rehung(skeleton, sample, hanging)
+        both = both[:, :, hanging.order]
+    found = find_body(skeleton, both[0], options.body_map)
     if found.body_map is None:
-        found = _found_by_shape(file.skeleton, options) or found
-    guesses: list[Guess] = body_guesses(file.skeleton, found, options)
-    leg = leg_length(points, found.body_map) if found.body_map else None
+        found = _found_by_shape(skeleton, both[0], options) or found
+    guesses: list[Guess] = body_guesses(skeleton, found, options)
+    leg = leg_length(both[0], found.body_map) if found.body_map else None
     scale, unit_guess = find_unit(leg, file.said_unit, options.unit)
     guesses += [unit_guess] if unit_guess else []
-    both = np.stack([points, joint_positions(file.skeleton, after)])
-    up_axis = _up_axis(file, both, found.body_map, options, guesses)
+    up_axis = _up_axis(file.said_axis, skeleton, both, found.body_map, options, guesses)
     skeleton, poses = to_world(
         file, turn_to_world(up_axis), scale.metres, lambda share: progress(0.6 + 0.2 * share, _TURNING)
     )
+    skeleton = with_seen_offsets(skeleton, poses)
+    if loose:
+        skeleton, poses = rehung(skeleton, poses, hanging)
+        guesses.append(Guess("feet", "hung from the shanks", LOOSE_FEET))
     frame_rate = _frame_rate(file.frame_time, file.frame_time_digit, options, guesses)
     progress(0.8, f"Finding floor and reference pose of {path.name}")
     positions = joint_positions(skeleton, poses)
@@ -101,13 +112,18 @@ def capture_of(file: Recording, path: Path, options: ImportOptions, progress: Pr
     return capture
 
 
-def _found_by_shape(skeleton: Skeleton, options: ImportOptions) -> FoundBody | None:
-    """The body that stands like one with all rotations zero, whatever its joints are called; None where none does."""
+def _found_by_shape(skeleton: Skeleton, points: FloatArray, options: ImportOptions) -> FoundBody | None:
+    """The body that stands like one with all rotations zero, whatever its joints are called; None where none does.
+
+    ``points`` (F, J, 3) in the file's axes tell which knees are the left ones.
+    """
     still = PoseSequence(np.tile(IDENTITY, (1, skeleton.joint_count, 1)), skeleton.offsets[None])
-    points = joint_positions(skeleton, still)[0]
+    rest, sides = joint_positions(skeleton, still)[0], named_sides(skeleton)
     for axis in (axis_called(options.up_axis),) if options.up_axis else AXES:
-        by_shape = body_by_shape(skeleton, points @ turn_to_world(axis).T)
+        by_shape = body_by_shape(skeleton, rest @ turn_to_world(axis).T, sides)
         if by_shape is not None:
+            if not sides.any() and knees_bend_backwards(by_shape, points):
+                by_shape = by_shape.with_sides_exchanged()
             parts = {part: joint for part, joint in by_shape.parts.items() if not skeleton.end_sites[joint]}
             return FoundBody(BodyMap(parts, by_shape.spine), "", ())
     return None
@@ -136,19 +152,23 @@ def to_world(
 
 
 def _up_axis(
-    file: Recording, points: FloatArray, body_map: BodyMap | None, options: ImportOptions, guesses: list[Guess]
+    said: str | None,
+    skeleton: Skeleton,
+    points: FloatArray,
+    body_map: BodyMap | None,
+    options: ImportOptions,
+    guesses: list[Guess],
 ) -> str:
-    """As the user or the file says, unless the body stands along another; ``points`` (2, F, J, 3) as it moves."""
+    """As the user or the file (``said``) says, unless the body stands along another by ``points`` (2, F, J, 3)."""
     if options.up_axis is not None:
         return axis_called(options.up_axis)
-    said = file.said_axis
     if body_map is None:
         if said is None:
             words = "Without a human body nothing tells what is up; most files have Y up."
             guesses.append(Guess("up axis", "Y", words))
         return said or "Y"
-    still = PoseSequence(np.tile(IDENTITY, (1, file.skeleton.joint_count, 1)), file.skeleton.offsets[None])
-    standing = BodyPoints.of_joints(joint_positions(file.skeleton, still)[None], body_map)
+    still = PoseSequence(np.tile(IDENTITY, (1, skeleton.joint_count, 1)), skeleton.offsets[None])
+    standing = BodyPoints.of_joints(joint_positions(skeleton, still)[None], body_map)
     rest = normalized(standing.shoulders.mean(axis=2) - standing.ankles.mean(axis=2))[0, 0]
     body = BodyPoints.of_joints(points, body_map)
     guess = guess_up_axis(body, BVH_USE, rest) if said is None else guess_up_axis(body, said_axis(said))

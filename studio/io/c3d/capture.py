@@ -43,7 +43,7 @@ def _events(trial: Trial) -> Annotations:
     """The events of a trial as labels of one frame; contacts are for the feet to tell."""
     frames = [round(trial.event_frame(event)) for event in trial.events]
     labels = (
-        Label(f"{event.context} {event.label}".strip(), frame, frame)
+        Label(event.label if event.context == "General" else f"{event.context} {event.label}".strip(), frame, frame)
         for event, frame in zip(trial.events, frames, strict=True)
         if 0 <= frame < trial.frame_count
     )

@@ -1,14 +1,19 @@
 """C3D as a format of the registry: what such a file begins with, and how a take is written."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
+from studio.core.captures.annotations import Label
+from studio.core.captures.capture import Capture
+from studio.core.markers.trial import TrialEvent
 from studio.io.export import Take
 from studio.io.registry import Progress
 from studio.io.up_axis import AXES
 
 _WORN = 0.6
 """The share of the work after which all markers have their places."""
+_SIDES = ("Left", "Right")
 
 
 def is_c3d(head: bytes) -> bool:
@@ -33,5 +38,19 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
         take.annotations.contacts or (),
         lambda share: progress(_WORN * share, f"Placing the markers of {path.name}"),
     )
-    trial = replace(trial, points=trial.points @ AXES["Z"])
+    events = _events(take.annotations.labels, take.capture, trial.events)
+    trial = replace(trial, points=trial.points @ AXES["Z"], events=events)
     write_c3d(path, trial, lambda share, text: progress(_WORN + (1.0 - _WORN) * share, text))
+
+
+def _events(labels: Iterable[Label], capture: Capture, found: Iterable[TrialEvent]) -> tuple[TrialEvent, ...]:
+    """The beginnings of labels as events, with those ``found`` in contacts of kinds that no label names, in time."""
+    marked = []
+    for label in labels:
+        context, _, name = label.name.partition(" ")
+        seconds = (label.first - capture.first_frame) / capture.frame_rate
+        if seconds >= 0.0:
+            sided = context in _SIDES and bool(name)
+            marked.append(TrialEvent(name if sided else label.name, context if sided else "General", seconds))
+    kinds = {event.label for event in marked}
+    return tuple(sorted((*marked, *(each for each in found if each.label not in kinds)), key=lambda event: event.time))

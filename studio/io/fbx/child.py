@@ -52,7 +52,13 @@ def main(source: str, target: str, what: str) -> None:
         sys.exit(f"it holds {len(nodes)} joints, more than a body has")
     if what == "figure" or bound:
         _write_figure(target, scene, everything, nodes, parents)
-        return
+    else:
+        _write_motion(target, scene, nodes, parents)
+
+
+def _write_motion(target: str, scene: Any, nodes: list[Any], parents: list[int]) -> None:
+    import ufbx
+
     stack = max(all_of(scene.anim_stacks), key=lambda each: each.time_end - each.time_begin, default=None)
     animation = keep(stack.anim) if stack else None
     settings = keep(scene.settings)

@@ -19,12 +19,13 @@ from studio.core.body.embodiment import (
 )
 from studio.core.body.humanoid import LIMBS, BodyMap
 from studio.core.body.reference_pose import faults
+from studio.core.body.rehanging import Rehanging, rehang
 from studio.core.body.skeleton import Skeleton
 from studio.core.body.standing import standing_points
 from studio.core.captures.capture import Guess
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Appearance, Material
-from studio.io.figure.body_maps import find_body, similar_joints
+from studio.io.figure.body_maps import find_body, loose_feet, named_sides, similar_joints
 from studio.io.figure.figure import NO_SKELETON, Figure, Piece
 from studio.io.guessing import find_unit, said_unit
 from studio.io.importing import ImportOptions
@@ -82,6 +83,9 @@ def _body(figure: Figure, options: ImportOptions) -> _Body:
     offsets = figure.positions - figure.positions[np.maximum(parents, 0)]
     offsets[0] = figure.positions[0]
     skeleton = Skeleton(figure.joint_names, parents, offsets, np.zeros(len(parents), dtype=bool))
+    loose = loose_feet(skeleton, figure.positions[None])
+    if loose:
+        return _body(_rehung(figure, rehang(parents, loose)), options)
     body_map, guess = _find(figure, skeleton, options)
     _check_limbs(figure, body_map)
     to_world = _upright(figure, body_map, options.up_axis)
@@ -89,6 +93,19 @@ def _body(figure: Figure, options: ImportOptions) -> _Body:
     scale, unit_guess = _scale(figure, leg, options.unit)
     guesses = [each for each in (guess, unit_guess) if each is not None]
     return _Body(figure, skeleton, body_map, scale * figure.positions @ to_world.T, scale * to_world, tuple(guesses))
+
+
+def _rehung(figure: Figure, new: Rehanging) -> Figure:
+    """The same figure whose joints hang as ``new`` says."""
+    place = np.argsort(new.order)
+    pieces = tuple(replace(piece, joints=place[piece.joints]) for piece in figure.pieces)
+    return replace(
+        figure,
+        joint_names=tuple(figure.joint_names[old] for old in new.order),
+        parents=tuple(new.parents.tolist()),
+        positions=figure.positions[new.order],
+        pieces=pieces,
+    )
 
 
 def _check_limbs(figure: Figure, body_map: BodyMap) -> None:
@@ -128,7 +145,7 @@ def _find(figure: Figure, skeleton: Skeleton, options: ImportOptions) -> tuple[B
         parts = len(found.body_map.parts)
         reason = f"Names as in {found.family}; topology and symmetry agree."
         return found.body_map, Guess("body map", f"{parts} parts, {len(found.body_map.spine)} spine joints", reason)
-    by_shape = body_by_shape(skeleton, figure.positions @ turn_to_world(figure.up).T)
+    by_shape = body_by_shape(skeleton, figure.positions @ turn_to_world(figure.up).T, named_sides(skeleton))
     if by_shape is not None:
         reason = "The names of its joints say nothing; legs reach lowest, arms widest, the head highest."
         return by_shape, Guess("body map", f"{len(by_shape.parts)} parts by shape", reason)

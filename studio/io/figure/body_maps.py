@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -85,6 +85,39 @@ def _best_match(skeleton: Skeleton, positions: FloatArray, fixed: dict[BodyPart,
     return family, best
 
 
+def loose_feet(skeleton: Skeleton, positions: FloatArray) -> dict[int, int]:
+    """Shanks by the feet that belong to them and hang elsewhere, of joints at ``positions`` (F, J, 3); none in most.
+
+    Rigs for inverse kinematics keep feet under the root. Raises StudioError when such feet leave the legs.
+    """
+    candidates = _candidates(_all_families(), _joints_by_name(skeleton))
+    feet: dict[int, int] = {}
+    for limb in ("left leg", "right leg"):
+        thigh, shank, foot = (next(iter(candidates[part]), -1) for part in LIMBS[limb])
+        if min(thigh, shank, foot) < 0 or len(skeleton.path(thigh, shank)) < 2:
+            continue
+        if skeleton.path(shank, foot) or (skeleton.path(foot, thigh) and foot != 0):
+            continue
+        lengths = np.linalg.norm(positions[:, foot] - positions[:, shank], axis=1)
+        if lengths.std() > LOOSE_VARIATION * lengths.mean():
+            raise StudioError(
+                f"'{skeleton.names[foot]}' hangs from the root and leaves '{skeleton.names[shank]}' in its motion."
+                " Bake the legs, or hang the feet from the shanks, and export it again."
+            )
+        feet[foot] = shank
+    return feet if len(feet) == 2 else {}
+
+
+def named_sides(skeleton: Skeleton) -> NDArray[np.int64]:
+    """(J,) 1 for joints whose names say left, -1 for right, 0 for the others."""
+    places = {"left": 1, "right": -1}
+    found = (
+        next((_sided(part) for part in (name, *_suffixes(name)) if _sided(part)[:1] != " "), "")
+        for name in skeleton.names
+    )
+    return np.array([places.get(words.partition(" ")[0], 0) for words in found])
+
+
 def similar_joints(skeleton: Skeleton, limb: str) -> list[str]:
     """Names that might belong to ``limb`` (``left arm``), to be offered when it was not found."""
     parts = LIMBS.get(limb, (BodyPart.PELVIS, BodyPart.HEAD))
@@ -132,7 +165,10 @@ def _sided(name: str) -> str:
 
 
 def _joints_by_name(skeleton: Skeleton) -> dict[str, list[int]]:
-    """Joints by plain name, by what follows a prefix (``Character1_Hips``), by side and name; the surest first."""
+    """Joints by plain name, by what follows a prefix (``Character1_Hips``), by side and name; the surest first.
+
+    Last by the name without its number (``lThigh_042``, ``upperarm01.L``): of several in a row the first one.
+    """
     named = [(name, joint) for joint, name in enumerate(skeleton.names) if not skeleton.end_sites[joint]]
     suffixed = [(suffix, joint) for name, joint in named for suffix in _suffixes(name)]
     keys = [(_plain(name), joint) for name, joint in (*named, *suffixed)]
@@ -141,7 +177,21 @@ def _joints_by_name(skeleton: Skeleton) -> dict[str, list[int]]:
     for key, joint in keys:
         if joint not in by_name.setdefault(key, []):
             by_name[key].append(joint)
+    numbered: dict[str, list[int]] = {}
+    for name, joint in (*named, *suffixed):
+        plain = _plain(name), _sided(name)
+        for key in {_numberless(name, _plain), _numberless(name, _sided)}.difference(plain):
+            above = numbered.setdefault(key, [])
+            if not any(skeleton.path(upper, joint) for upper in above):
+                above.append(joint)
+    for key, joints in numbered.items():
+        by_name[key] = list(dict.fromkeys([*by_name.get(key, []), *joints]))
     return by_name
+
+
+def _numberless(name: str, key: Callable[[str], str]) -> str:
+    """The ``key`` of a name without the number that ends it, before or behind its side."""
+    return re.sub(r"\d+$", "", key(name)).rstrip()
 
 
 def _suffixes(name: str) -> Iterator[str]:

@@ -13,6 +13,8 @@ FloatArray = NDArray[np.float64]
 
 _WIDTHS = {"translation": 3, "rotation": 4, "scale": 3}
 _LONGEST = 1e6
+_STEP_SLACK = 1e-3
+"""Seconds by which a key of steps may lie behind a frame that shows it: times are written with 24 bits."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +41,8 @@ class Track:
         if self.interpolation == "CUBICSPLINE":
             return self._spline(before, after, span, share)
         if self.interpolation == "STEP":
-            return self.values[np.where(share >= 1.0, after, before)]
+            last = np.searchsorted(self.times, times + _STEP_SLACK, side="right") - 1
+            return self.values[np.maximum(last, 0)]
         if self.path == "rotation":
             return slerp(self.values[before], self.values[after], share)
         return self.values[before] + share[:, None] * (self.values[after] - self.values[before])

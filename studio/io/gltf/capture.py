@@ -6,14 +6,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.body_shape import body_by_shape
+from studio.core.body.body_shape import body_by_shape, knees_bend_backwards
 from studio.core.body.pose import PoseSequence
+from studio.core.body.rehanging import rehang, rehung
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
 from studio.core.errors import StudioError
 from studio.core.rotations import from_matrix, to_matrix
-from studio.io.capture_guesses import ReadJoints, body_guesses, stood_capture
-from studio.io.figure.body_maps import FoundBody, find_body
+from studio.io.capture_guesses import LOOSE_FEET, ReadJoints, body_guesses, stood_capture
+from studio.io.figure.body_maps import FoundBody, find_body, loose_feet, named_sides
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.animation import Track, read_tracks
 from studio.io.gltf.container import GltfFile, read_gltf
@@ -32,7 +33,11 @@ _SPARSE = 1.0 / 15.0
 """Seconds between keys from which they are an animator's and not a recording's."""
 _USUAL_RATE = 30.0
 _DIGIT = 1e-4
+_EVEN = 0.05
+"""Of a step: keys whose distances differ by less are evenly spaced."""
 _SPARE_POSES = 2_500_000
+_DRAWN = {"mesh", "camera"}
+"""What makes a node a thing that is shown and no joint."""
 _PIECE = 1024
 """Frames whose matrices are made at a time."""
 _LOOKED_AT = 128
@@ -79,26 +84,34 @@ def _capture(file: GltfFile, options: ImportOptions, progress: Progress) -> Capt
     places, turns = _world(nodes, figure, tracks, times, to_world, progress)
     rest_places, rest_turns = _world(nodes, figure, [], times[:1], to_world, lambda share, text: None)
     progress(0.7, f"Finding the body in {path.name}")
-    offsets, local, moves = _joint_motion(figure, rest_places[0], rest_turns[0], places, turns)
-    skeleton = Skeleton(figure.names, np.array(figure.parents), offsets, np.zeros(len(offsets), bool))
     looked_at = np.unique(np.linspace(0, len(times) - 1, _LOOKED_AT).astype(int))
-    sample = places[looked_at]
+    skeleton, poses = _joint_motion(figure, rest_places[0], rest_turns[0], places, turns)
+    sample, rest = places[looked_at], rest_places[0]
+    loose = loose_feet(skeleton, sample)
+    if loose:
+        hanging = rehang(skeleton.parents, loose)
+        skeleton, poses = rehung(skeleton, poses, hanging)
+        places, sample, rest = places[:, hanging.order], sample[:, hanging.order], rest[hanging.order]
+        guesses.append(Guess("feet", "hung from the shanks", LOOSE_FEET))
     chosen = {part: figure.names[figure.nodes.index(node)] for part, node in bones.items()}
     found = find_body(skeleton, sample, {**chosen, **(options.body_map or {})} or None)
-    by_shape = body_by_shape(skeleton, rest_places[0]) if found.body_map is None else None
+    sides = named_sides(skeleton)
+    by_shape = body_by_shape(skeleton, rest, sides) if found.body_map is None else None
     if by_shape is not None:
-        found = FoundBody(by_shape, "", ())
+        turned = not sides.any() and knees_bend_backwards(by_shape, sample)
+        found = FoundBody(by_shape.with_sides_exchanged() if turned else by_shape, "", ())
     guesses += body_guesses(skeleton, found, options)
     if found.body_map is not None and options.up_axis is None:
-        both = np.stack([sample, places[np.minimum(looked_at + 1, len(times) - 1)]]) @ to_world
-        guess = guess_up_axis(BodyPoints.of_joints(both, found.body_map), said_axis(axis))
+        after = places[np.minimum(looked_at + 1, len(times) - 1)]
+        body = BodyPoints.of_joints(np.stack([sample, after]) @ to_world, found.body_map)
+        guess = guess_up_axis(body, said_axis(axis))
         if guess.value != axis:
             return _capture(file, replace(options, up_axis=guess.value), progress).with_guess(guess)
     leg = leg_length(sample, found.body_map) if found.body_map else None
     (unit, metres), unit_guess = find_unit(leg, _METRES, options.unit)
     guesses += [unit_guess] if unit_guess else []
-    skeleton = Skeleton(figure.names, skeleton.parents, metres * offsets, skeleton.end_sites)
-    poses = PoseSequence(local, metres * moves)
+    skeleton = replace(skeleton, offsets=metres * skeleton.offsets)
+    poses = replace(poses, local_translations=metres * poses.local_translations)
     read = ReadJoints(path, skeleton, poses, metres * places, rate, unit, axis)
     capture = stood_capture(read, found, options, guesses)
     progress(1.0, f"Loaded {path.name}")
@@ -118,9 +131,15 @@ def _first_animation(file: GltfFile, accessors: Accessors, node_count: int) -> t
 
 
 def _figure(file: GltfFile, nodes: Nodes, tracks: list[Track], bones: dict[str, int]) -> _Figure:
-    """The joints of all skins, else what is moved, and all nodes above them."""
-    skinned = {joint for skin in file.root.records("skins") for joint in skin.indices("joints", len(nodes.parents))}
-    wanted = skinned | set(bones.values()) or {track.node for track in tracks}
+    """The joints of all skins, else what is moved and what hangs from that, and all nodes above them."""
+    wanted = {joint for skin in file.root.records("skins") for joint in skin.indices("joints", len(nodes.parents))}
+    if not wanted:
+        wanted = {track.node for track in tracks} | set(bones.values())
+        hanging = [node for node in nodes.order if not _DRAWN & nodes.records[node].value.keys()]
+        for node in hanging:
+            if nodes.parents[node] in wanted:
+                wanted.add(node)
+    wanted |= set(bones.values())
     for node in list(wanted):
         while (node := nodes.parents[node]) >= 0 and node not in wanted:
             wanted.add(node)
@@ -139,7 +158,10 @@ def _frame_rate(tracks: list[Track], options: ImportOptions, guesses: list[Guess
     if options.frame_rate is not None:
         return options.frame_rate
     densest = max(tracks, key=lambda track: len(track.times)).times
-    step = float(np.median(np.diff(densest))) if len(densest) > 1 else np.inf
+    steps = np.diff(densest)
+    step = float(np.median(steps)) if len(steps) else np.inf
+    if len(steps) and np.ptp(steps) < _EVEN * step:  # the mean of even steps is the surest
+        step = float((densest[-1] - densest[0]) / len(steps))
     if step > _SPARSE:
         guesses.append(Guess("frame rate", f"{_USUAL_RATE:g} Hz", "The keys are too few to tell a rate."))
         return _USUAL_RATE
@@ -217,8 +239,8 @@ def _without_scale(matrices: FloatArray) -> FloatArray:
 
 def _joint_motion(
     figure: _Figure, rest_places: FloatArray, rest_turns: FloatArray, places: FloatArray, turns: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Offsets (J, 3), local rotations (F, J, 4) and translations (F, J, 3) on joints whose zero pose is the rest."""
+) -> tuple[Skeleton, PoseSequence]:
+    """Joints whose zero pose is the rest, and how they move."""
     world = turns @ np.swapaxes(rest_turns, 1, 2)
     offsets, moves = rest_places.copy(), places.copy()
     local = world.copy()
@@ -228,4 +250,5 @@ def _joint_motion(
             offsets[joint] -= rest_places[parent]
             local[:, joint] = carrier @ world[:, joint]
             moves[:, joint] = np.einsum("fij,fj->fi", carrier, places[:, joint] - places[:, parent])
-    return offsets, from_matrix(local), moves
+    skeleton = Skeleton(figure.names, np.array(figure.parents), offsets, np.zeros(len(offsets), bool))
+    return skeleton, PoseSequence(from_matrix(local), moves)

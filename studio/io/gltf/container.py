@@ -14,8 +14,9 @@ MAGIC = b"glTF"
 _MOST_RECORDS = 1_000_000
 _JSON, _BINARY = 0x4E4F534A, 0x004E4942
 _READ = frozenset({
-    "VRM", "VRMC_vrm", "VRMC_materials_mtoon", "VRMC_springBone", "VRMC_node_constraint", "KHR_materials_unlit",
-    "KHR_texture_transform", "KHR_mesh_quantization", "KHR_materials_emissive_strength", "KHR_materials_specular",
+    "VRM", "VRMC_vrm", "VRMC_vrm_animation", "VRMC_materials_mtoon", "VRMC_springBone", "VRMC_node_constraint",
+    "KHR_materials_unlit", "KHR_texture_transform", "KHR_mesh_quantization", "KHR_materials_emissive_strength",
+    "KHR_materials_specular",
 })  # fmt: skip
 """Extensions a file may require: those that are read, and those that only make it look finer."""
 

@@ -1,4 +1,4 @@
-"""The humanoid map of VRM 0 and 1: which node plays which part of the body."""
+"""The humanoid map of VRM 0 and 1 and of VRM animations: which node plays which part of the body."""
 
 from studio.core.errors import StudioError
 from studio.io.json_record import Record
@@ -16,6 +16,7 @@ _SIDED = {
 _BONES = {"hips": "pelvis", "neck": "neck", "head": "head"} | {
     f"{side}{bone}": f"{side}_{part}" for side in ("left", "right") for bone, part in _SIDED.items()
 }
+_VERSION_1 = ("VRMC_vrm", "VRMC_vrm_animation")
 _SPINE = ("spine", "chest", "upperChest")
 _NEEDED = ("hips", "spine", "head", *(f"{side}{bone}" for side in ("left", "right") for bone in _SIDED))
 
@@ -26,8 +27,9 @@ def vrm_bones(root: Record, node_count: int) -> dict[str, int]:
     Raises StudioError when the map lacks a bone that every VRM has.
     """
     extensions = root.inner("extensions")
-    if "VRMC_vrm" in extensions:
-        named = _version_1(extensions.inner("VRMC_vrm").inner("humanoid").inner("humanBones"), node_count)
+    version_1 = next((name for name in _VERSION_1 if name in extensions), None)
+    if version_1 is not None:
+        named = _version_1(extensions.inner(version_1).inner("humanoid").inner("humanBones"), node_count)
     elif "VRM" in extensions:
         named = _version_0(extensions.inner("VRM").inner("humanoid"), node_count)
     else:

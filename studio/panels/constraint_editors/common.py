@@ -90,6 +90,8 @@ class ConstraintEditor(Editor):
             return
         self._enabled.blockSignals(True)
         self._enabled.setChecked(constraint.enabled)
+        together = [self.document.project.constraints[key] for key in self.together]
+        self._enabled.setText("on" if len({each.enabled for each in together}) == 1 else "on (mixed)")
         self._enabled.blockSignals(False)
         if not self._name.hasFocus() or not self._name.isModified():
             self._name.setText(constraint.name)

@@ -58,7 +58,7 @@ class PrioritySection(Section):
 
     def refresh(self) -> None:
         """Fetch the order."""
-        project = self._editor.document.project
+        project = self._editor.document.shown_project
         constraints = project.constraints_of(self._editor.entity.motion_id)
         places = project.places_of(self._editor.entity.motion_id)
         with QSignalBlocker(self._list), QSignalBlocker(self._list.model()):

@@ -158,7 +158,9 @@ class TargetRows:
         project = self._editor.document.project
         match kind:
             case FollowPerformer.kind:
-                return [(key, each.name) for key, each in project.performers.items()]
+                followed = getattr(self.target, "performer_id", None)
+                performers = project.performers.items()
+                return [(key, each.name) for key, each in performers if each.visible or key == followed]
             case FollowProp.kind:
                 return [(key, each.name) for key, each in project.props.items()]
             case FollowTracked.kind:

@@ -5,7 +5,7 @@ from dataclasses import replace
 from PySide6.QtCore import QPointF
 
 from studio.core.constraints.activation import ActivationCurve
-from studio.timeline.figures import moment
+from studio.core.constraints.base import Constraint
 from studio.timeline.gestures.gesture import EditGesture, Mark
 from studio.timeline.shown import HANDLES, Part, Shown
 from studio.timeline.snapping import Snapped
@@ -34,17 +34,23 @@ class DragHandle(EditGesture):
     def __init__(self, shown: Shown, entity_id: str, part: Part, press: QPointF) -> None:
         super().__init__(shown, entity_id, press)
         self.part = part
-        self.text = f"Move {part} of {self.original.name}"
+        self.text = f"Move {part} of {self.words}"
 
     def update(self, position: QPointF, free: bool) -> None:
         """The time under the mouse, snapped."""
-        curve, subject = self.original.activation, self.shown.subject
-        old = time_of(curve, self.part)
+        subject, old = self.shown.subject, time_of(self.original.activation, self.part)
         caught = self.snap(subject.to_stage(old) + self.moved(position), free)
-        last = max(subject.last_frame / subject.frame_rate, curve.end)
-        time = min(max(subject.to_motion(caught.time), min(0.0, curve.start)), last)
-        self.put(replace(self.original, activation=with_time(curve, self.part, time)))
-        text = f"{self.part}  {moment(time * subject.frame_rate, time)}"
+        seconds = subject.to_motion(caught.time) - old
+
+        def moved(constraint: Constraint) -> ActivationCurve:
+            curve = constraint.activation
+            last = max(subject.last_frame / subject.frame_rate, curve.end)
+            time = time_of(curve, self.part) + seconds
+            return with_time(curve, self.part, min(max(time, min(0.0, curve.start)), last))
+
+        self.put_all(lambda _, each: replace(each, activation=moved(each)))
+        time = time_of(moved(self.original), self.part)
+        text = f"{self.part}  {self.shown.moment(time * subject.frame_rate)}"
         self.mark = Mark(subject.to_stage(time), text, caught.caught)
 
 
@@ -55,7 +61,7 @@ class MoveActivation(EditGesture):
 
     def __init__(self, shown: Shown, entity_id: str, press: QPointF) -> None:
         super().__init__(shown, entity_id, press)
-        self.text = f"Move {self.original.name} in time"
+        self.text = f"Move {self.words} in time"
 
     def update(self, position: QPointF, free: bool) -> None:
         """All four times later or earlier by the same."""
@@ -63,11 +69,13 @@ class MoveActivation(EditGesture):
         begin = subject.to_stage(curve.start)
         caught = self._catch(begin + self.moved(position), free)
         seconds = caught.time - begin
-        # At least a frame of it stays within the motion.
-        seconds = min(max(seconds, -curve.end), subject.last_frame / subject.frame_rate - curve.start)
-        self.put(replace(self.original, activation=curve.moved(seconds)))
+        # At least a frame of each stays within the motion.
+        curves = [each.activation for each in self.originals.values()]
+        last = subject.last_frame / subject.frame_rate
+        seconds = min(max(seconds, *(-each.end for each in curves)), *(last - each.start for each in curves))
+        self.put_all(lambda _, each: replace(each, activation=each.activation.moved(seconds)))
         start = curve.start + seconds
-        text = f"{seconds:+.3f} s  starts {moment(start * subject.frame_rate, start)}"
+        text = f"{seconds:+.3f} s  starts {self.shown.moment(start * subject.frame_rate)}"
         self.mark = Mark(subject.to_stage(start), text, caught.caught)
 
     def _catch(self, begin: float, free: bool) -> Snapped:

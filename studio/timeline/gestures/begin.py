@@ -9,6 +9,7 @@ from studio.timeline.gestures.contact import DragContact
 from studio.timeline.gestures.gesture import Gesture
 from studio.timeline.gestures.growth import DragGrowthKey
 from studio.timeline.gestures.hold import DragHold
+from studio.timeline.gestures.label import DragLabel
 from studio.timeline.gestures.view import Scrub
 from studio.timeline.shown import EDGES, HANDLES, Hit, Part, Shown
 
@@ -27,6 +28,8 @@ def gesture_at(hit: Hit, shown: Shown, press: QPointF) -> Gesture | None:
         return MoveClips(shown, hit.id, press) if hit.part == Part.BODY else TrimClip(shown, hit.id, hit.part, press)
     if hit.kind == "props" and (hit.part == Part.BODY or hit.part in EDGES):
         return DragHold(shown, hit.id, hit.part, press)
+    if hit.kind == "labels" and hit.id:
+        return DragLabel(shown, hit.id, hit.part, press)
     if hit.part == Part.KEY:
         return DragGrowthKey(shown, hit.id, press)
     if hit.kind == "contacts":
@@ -35,14 +38,14 @@ def gesture_at(hit: Hit, shown: Shown, press: QPointF) -> Gesture | None:
 
 
 def cursor_at(hit: Hit) -> Cursor:
-    """Arrows for what moves, a hand for what is chosen, a cross where a contact may be added."""
+    """Arrows for what moves, a hand for what is chosen, a cross where a contact or label may be added."""
     if hit.part in HANDLES or hit.part in (*EDGES, Part.KEY) or hit.kind == "playhead":
         return Cursor.SizeHorCursor
-    if hit.part == Part.BODY and hit.kind in ("constraints", "contacts", "clips", "props"):
+    if hit.part == Part.BODY and hit.kind in ("constraints", "contacts", "clips", "props", "labels"):
         return Cursor.OpenHandCursor
     if hit.part == Part.FOLD or (hit.part == Part.LABEL and hit.kind in ("constraints", "plot", "performers")):
         return Cursor.PointingHandCursor
-    if hit.kind == "lane" and hit.part == Part.EMPTY:
+    if hit.kind in ("lane", "labels") and hit.part == Part.EMPTY:
         return Cursor.CrossCursor
     return Cursor.ArrowCursor
 
@@ -53,7 +56,11 @@ def items_of(hit: Hit) -> tuple[tuple[str, str], ...]:
         return ("performers", hit.performer_id), ("clips", hit.id)
     if hit.kind == "growth":
         return (("performers", hit.id),)
-    if hit.kind == "contacts" or (hit.kind in ("constraints", "performers", "props") and hit.part != Part.EMPTY):
+    if (
+        hit.kind == "contacts"
+        or (hit.kind == "labels" and hit.id)
+        or (hit.kind in ("constraints", "performers", "props") and hit.part != Part.EMPTY)
+    ):
         return ((hit.kind, hit.id),)
     return ()
 

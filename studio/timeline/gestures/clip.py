@@ -20,13 +20,18 @@ class ClipGesture(EditGesture):
 
     collection = "clips"
 
-    def __init__(self, shown: Shown, clip_id: str, press: QPointF, clip_ids: Sequence[str] = ()) -> None:
-        self.clip_ids = clip_ids or (clip_id,)
+    def __init__(self, shown: Shown, clip_id: str, press: QPointF) -> None:
+        selected = [key for key in shown.document.selection.of("clips") if key in shown.project.clips]
+        self.clip_ids: Sequence[str] = selected if clip_id in selected else (clip_id,)
         super().__init__(shown, clip_id, press)
-        self.frame_rate = shown.project.frame_rate_of(self.original)
         self._performers = {
             key: each for clip in self.clip_ids for key, each in players_of(shown.project, clip).items()
         }
+
+    @property
+    def words(self) -> str:
+        """``Walk``, or ``2 clips``."""
+        return super().words if len(self.clip_ids) > 1 else name_of(self.shown.project, self.original)
 
     @property
     def is_there(self) -> bool:
@@ -72,10 +77,8 @@ class MoveClips(ClipGesture):
     """Drag bars in time: one that begins where another ends catches there."""
 
     def __init__(self, shown: Shown, clip_id: str, press: QPointF) -> None:
-        selected = [key for key in shown.document.selection.of("clips") if key in shown.project.clips]
-        super().__init__(shown, clip_id, press, selected if clip_id in selected else ())
-        many = len(self.clip_ids)
-        self.text = f"Move {f'{many} clips' if many > 1 else name_of(shown.project, self.original)} in time"
+        super().__init__(shown, clip_id, press)
+        self.text = f"Move {self.words} in time"
 
     def drag(self, position: QPointF, free: bool) -> None:
         """All by as much as the one that is held."""
@@ -97,24 +100,28 @@ class TrimClip(ClipGesture):
     def __init__(self, shown: Shown, clip_id: str, part: Part, press: QPointF) -> None:
         super().__init__(shown, clip_id, press)
         self.part = part
-        self.text = f"Trim {name_of(shown.project, self.original)}"
+        self.text = f"Trim {self.words}"
 
     def drag(self, position: QPointF, free: bool) -> None:
         """Whole frames always; ``free`` only keeps it from catching on what lies near."""
-        clip, project = self.original, self.shown.project
-        grabbed = clip.start if self.part == Part.FIRST else end_of(self.shown, clip)
+        clip, first = self.original, self.part == Part.FIRST
+        grabbed = clip.start if first else end_of(self.shown, clip)
         caught = self.snap(grabbed + self.moved(position), free)
-        first = self.part == Part.FIRST
-        if first:
-            frame = min(max(round(frame_at(clip, self.frame_rate, caught.time)), 0), clip.last)
-            self.put_each(lambda each: (begun_at(each, self.frame_rate, frame),))
-        else:
-            count = project.captures[project.motions[clip.motion_id].capture_id].poses.frame_count
-            way = (caught.time - grabbed) * self.frame_rate * clip.speed / clip.repeats
-            frame = max(min(clip.last + round(way), count - 1), clip.first)
-            self.put_each(lambda each: (ended_at(each, frame, count),))
+        seconds = caught.time - grabbed
+        self.put_each(lambda each: (self._trimmed(each, seconds),))
+        trimmed = self._trimmed(clip, seconds)
         place = caught.time if caught.caught is not None else grabbed + self.moved(position)
-        self.mark = Mark(place, f"{self.part} {frame} of the motion", caught.caught)
+        self.mark = Mark(place, f"{self.part} {trimmed.first if first else trimmed.last} of the motion", caught.caught)
+
+    def _trimmed(self, clip: Clip, seconds: float) -> Clip:
+        """The clip with its end moved by ``seconds`` of the stage, to a whole frame of its motion."""
+        project = self.shown.project
+        rate = project.frame_rate_of(clip)
+        if self.part == Part.FIRST:
+            return begun_at(clip, rate, min(max(round(frame_at(clip, rate, clip.start + seconds)), 0), clip.last))
+        count = project.captures[project.motions[clip.motion_id].capture_id].poses.frame_count
+        way = round(seconds * rate * clip.speed / clip.repeats)
+        return ended_at(clip, max(min(clip.last + way, count - 1), clip.first), count)
 
 
 def end_of(shown: Shown, clip: Clip) -> float:

@@ -1,12 +1,12 @@
 """Drags on a contact, and how long a new one is: contacts of one point never overlap."""
 
+from collections.abc import Collection
 from dataclasses import replace
 
 from PySide6.QtCore import QPointF
 
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
 from studio.core.stage.scope import EVERYONE
-from studio.timeline.figures import moment
 from studio.timeline.gestures.gesture import EditGesture, Mark
 from studio.timeline.shown import Part, Shown
 from studio.timeline.snapping import Snapped
@@ -15,11 +15,13 @@ LONGEST_NEW = 0.3
 """Seconds of a contact that is added by hand."""
 
 
-def free_stretch(shown: Shown, point: ContactPoint | Touch, frame: int, without: str = "") -> tuple[int, int] | None:
+def free_stretch(
+    shown: Shown, point: ContactPoint | Touch, frame: int, without: Collection[str] = ()
+) -> tuple[int, int] | None:
     """First and last frame about ``frame`` that no contact of the point takes; None where one stands."""
     first, last = 0, shown.subject.last_frame
     for key, contact in contacts_shown(shown).items():
-        if contact.point != point or key == without:
+        if contact.point != point or key in without:
             continue
         if contact.first <= frame <= contact.last:
             return None
@@ -54,10 +56,18 @@ class DragContact(EditGesture):
     def __init__(self, shown: Shown, entity_id: str, part: Part, press: QPointF) -> None:
         super().__init__(shown, entity_id, press)
         self.part = part
-        name = self.original.point.words
-        self.text = f"Move {name} contact" if part == Part.BODY else f"Trim {name} contact"
-        room = free_stretch(shown, self.original.point, self.original.first, without=entity_id)
-        self._room = room or (self.original.first, self.original.last)
+        self.text = f"{'Move' if part == Part.BODY else 'Trim'} {self.words}"
+        # Contacts that move together leave each other room; those that are trimmed stop at each other.
+        self._rooms = {
+            key: free_stretch(shown, each.point, each.first, self.originals if part == Part.BODY else (key,))
+            or (each.first, each.last)
+            for key, each in self.originals.items()
+        }
+
+    @property
+    def words(self) -> str:
+        """``left heel contact``, or ``2 contacts``."""
+        return super().words if len(self.originals) > 1 else f"{self.original.point.words} contact"
 
     def update(self, position: QPointF, free: bool) -> None:
         """Whole frames always; ``free`` only keeps it from catching on what lies near."""
@@ -67,22 +77,30 @@ class DragContact(EditGesture):
             behind = subject.stage_time(old.last) - subject.stage_time(old.first)
             end = self._catch(old.last, position, free)
             caught = Snapped(end.time - behind, end.caught) if end.caught is not None else caught
-        contact = self._dragged(round(subject.motion_frame(caught.time)))
-        self.put(contact)
+        grabbed = old.last if self.part == Part.LAST else old.first
+        frames = self._within(round(subject.motion_frame(caught.time)) - grabbed)
+        self.put_all(lambda key, each: self._dragged(key, each, frames))
+        contact = self._dragged(self.entity_id, old, frames)
         shown_frame = contact.last if self.part == Part.LAST else contact.first
-        text = moment(shown_frame, shown_frame / subject.frame_rate)
+        text = self.shown.moment(shown_frame)
         self.mark = Mark(subject.stage_time(shown_frame), text, caught.caught)
 
     def _catch(self, grabbed: int, position: QPointF, free: bool) -> Snapped:
         """Where one of its ends would come to lie."""
         return self.snap(self.shown.subject.stage_time(grabbed) + self.moved(position), free)
 
-    def _dragged(self, frame: int) -> ContactInterval:
-        old, (low, high) = self.original, self._room
+    def _within(self, frames: int) -> int:
+        """As many frames as there is room for where all move."""
+        if self.part != Part.BODY:
+            return frames
+        rooms = [(self._rooms[key], each) for key, each in self.originals.items()]
+        frames = min(frames, *(high - each.last for (_, high), each in rooms))
+        return max(frames, *(low - each.first for (low, _), each in rooms))
+
+    def _dragged(self, key: str, old: ContactInterval, frames: int) -> ContactInterval:
+        low, high = self._rooms[key]
         if self.part == Part.FIRST:
-            return replace(old, first=min(max(frame, low), old.last))
+            return replace(old, first=min(max(old.first + frames, low), old.last))
         if self.part == Part.LAST:
-            return replace(old, last=max(min(frame, high), old.first))
-        length = old.last - old.first
-        first = max(min(frame, high - length), low)
-        return replace(old, first=first, last=first + length)
+            return replace(old, last=max(min(old.last + frames, high), old.first))
+        return replace(old, first=old.first + frames, last=old.last + frames)

@@ -1,11 +1,11 @@
 """Gesture: one drag, from the button's press to its release or to Esc."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 from PySide6.QtCore import QPointF
 
-from studio.core.project import Entity
 from studio.timeline.shown import Shown
 from studio.timeline.snapping import Snapped, magnets_of, snapped
 
@@ -35,7 +35,10 @@ class Gesture:
 
 
 class EditGesture(Gesture):
-    """A drag that edits one entity: a single undo step, while every visible character follows."""
+    """A drag that edits an entity, and all of its kind that are selected with it: a single undo step.
+
+    Every visible character follows.
+    """
 
     collection = ""
     text = ""
@@ -43,23 +46,40 @@ class EditGesture(Gesture):
     def __init__(self, shown: Shown, entity_id: str, press: QPointF) -> None:
         self.shown, self.entity_id = shown, entity_id
         self.original: Any = shown.project.get(self.collection, entity_id)
+        selected = shown.document.selection.of(self.collection)
+        beside = [key for key in selected if shown.project.get(self.collection, key) is not None]
+        ids = beside if entity_id in beside else [entity_id]
+        self.originals: dict[str, Any] = {key: shown.project.get(self.collection, key) for key in ids}
         self.press_time = shown.axis.time_at(press.x())
         self._number = shown.document.new_gesture()
         self._magnets = self._find_magnets()
         shown.live.interactive = True
 
-    def put(self, entity: Entity) -> None:
-        """Show the entity as the drag makes it; nothing when it has been removed meanwhile."""
-        if self.shown.project.get(self.collection, self.entity_id) is not None:
-            self.shown.document.replace(self.collection, self.entity_id, entity, self.text, self._number)
+    @property
+    def words(self) -> str:
+        """``Kick target``, or ``2 constraints``."""
+        count = len(self.originals)
+        return f"{count} {self.collection}" if count > 1 else self.original.name
+
+    def put(self, entity: Any) -> None:
+        """Show the entity that was grabbed as the drag makes it."""
+        self.put_all(lambda key, each: entity if key == self.entity_id else each)
+
+    def put_all(self, edit: Callable[[str, Any], Any]) -> None:
+        """Show what the drag makes of each entity, by id; nothing of those that have been removed meanwhile."""
+        document = self.shown.document
+        with document.group(self.text, self._number):
+            for key, original in self.originals.items():
+                if self.shown.project.get(self.collection, key) is not None:
+                    document.replace_shown(self.collection, key, edit(key, original), self.text)
 
     def finish(self) -> None:
         """Let the whole clip be solved."""
         self.shown.live.interactive = False
 
     def cancel(self) -> None:
-        """Put the entity back; the step vanishes."""
-        self.put(self.original)
+        """Put everything back; the step vanishes."""
+        self.put_all(lambda _, original: original)
         self.finish()
 
     def moved(self, position: QPointF) -> float:
@@ -74,4 +94,4 @@ class EditGesture(Gesture):
         stage_time = self.shown.subject.stage_time
         contacts = self.shown.project.contacts_of(self.shown.subject.motion_id)
         edges = {key: (stage_time(each.first), stage_time(each.last)) for key, each in contacts.items()}
-        return magnets_of(edges, self.shown.document.playhead.time, self.entity_id)
+        return magnets_of(edges, self.shown.document.playhead.time, *self.originals)

@@ -203,7 +203,7 @@ def verdict(shown: Shown, constraint_id: str) -> tuple[str, str]:
         yields = any(strip.yields for strip in strips if strip)
         return "gives way to contacts" if yields else held, colours.TEXT_THIRD
     worst, name = max(missed, key=lambda each: each[0].weight)
-    text = f"{name} {worst.words} at frame {worst.frame}"
+    text = f"{name} {worst.words} at {shown.frame_words(worst.frame)}"
     colour = colours.PARTLY if worst.partly else colours.mixed(colours.NOT_REACHED, colours.TEXT, 0.25)
     return f"{text}, {worst.remark}" if worst.remark else text, colour
 

@@ -14,6 +14,7 @@ LINE, THIN_LINE = 7, 3
 """Pixels of a row, and of one of its lines, as high as it is and folded."""
 EDGE_REACH = 5.0
 LEAST_BAR = 3.0
+EDGE_FIELDS = {Part.FIRST: "first", Part.LAST: "last"}
 LANES: dict[str, tuple[ContactPoint | Touch, ...]] = {
     "left foot": (ContactPoint.LEFT_HEEL, ContactPoint.LEFT_TOE),
     "right foot": (ContactPoint.RIGHT_HEEL, ContactPoint.RIGHT_TOE),
@@ -58,10 +59,16 @@ def is_folded(row: QRect) -> bool:
 
 def contact_bar(shown: Shown, row: QRect, contact: ContactInterval) -> QRectF:
     """Where a contact lies: from its first frame to its last, three pixels at least."""
-    line = lane(row, contact.point)
-    left, right = shown.x_of_frame(contact.first), shown.x_of_frame(contact.last)
+    line, (first, last) = lane(row, contact.point), played_frames(shown, contact)
+    left, right = shown.x_of_frame(first), shown.x_of_frame(last)
     spare = max(LEAST_BAR - (right - left), 0.0) / 2
     return QRectF(left - spare, line.top(), right - left + 2 * spare, line.height())
+
+
+def played_frames(shown: Shown, contact: ContactInterval) -> tuple[int, int]:
+    """First and last frame of a contact that the clip plays."""
+    clip = shown.subject.clip
+    return max(contact.first, clip.first), min(contact.last, clip.last)
 
 
 def paint_contacts(painter: QPainter, row: QRect, shown: Shown, row_id: str) -> None:
@@ -69,7 +76,7 @@ def paint_contacts(painter: QPainter, row: QRect, shown: Shown, row_id: str) -> 
     contacts = _contacts(shown, row_id)
     for point, fill in zip(LANES[row_id], FILLS, strict=False):
         line = lane(row, point)
-        own = [(each.first, each.last) for _, each in contacts if each.point == point]
+        own = [played_frames(shown, each) for _, each in contacts if each.point == point]
         for left, right in seen_bars(shown, own):
             bar = QRectF(left, line.top(), right - left, line.height())
             paint_bar(painter, bar, translucent(fill, 1.0), 2, None)
@@ -124,6 +131,7 @@ def contacts_hit(shown: Shown, row: QRect, row_id: str, point: QPointF) -> Hit:
         for key, contact in _contacts(shown, row_id)
         if contact.point == touching and contact.last >= first and contact.first <= last
         for distance, part in _grip(contact_bar(shown, row, contact), point.x())
+        if part == Part.BODY or getattr(contact, EDGE_FIELDS[part]) in played_frames(shown, contact)
     ]
     if hits:
         return min(hits, key=lambda pair: pair[0])[1]
@@ -153,4 +161,9 @@ def _paint_edge(painter: QPainter, bar: QRectF, handle: Part | None) -> None:
 
 def _contacts(shown: Shown, row_id: str) -> list[tuple[str, ContactInterval]]:
     own = shown.project.contacts_for(shown.subject.performer_id, shown.subject.clip)
-    return [(key, contact) for key, contact in own.items() if contact.point in LANES[row_id]]
+    clip = shown.subject.clip
+    return [
+        (key, contact)
+        for key, contact in own.items()
+        if contact.point in LANES[row_id] and contact.last >= clip.first and contact.first <= clip.last
+    ]

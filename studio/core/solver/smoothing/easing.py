@@ -82,7 +82,7 @@ class Rank(NamedTuple):
 
 EASED = Ramp(np.array([ADDED, ADDED, WHOLE]), np.array([1.8, 1.8, 2.6]))
 """Parts of the allowed peak at which what root and joints add, and what limbs turn with in all, is eased."""
-DROPPED = Ramp(4.0 * EASED.begins, 4.0 * EASED.whole)
+DROPPED = Ramp(3.5 * EASED.begins, 3.5 * EASED.whole)
 """Parts of the allowed peak at which a level is dropped in favour of those above it, since even its average pops.
 
 A level that is merely sharper than a calm source is kept: dropped, it missed its target for seconds by up to 0.8 m.

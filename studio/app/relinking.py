@@ -1,0 +1,98 @@
+"""Files of captures that have moved: found by content or name in the folders that are known, else by hand."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from studio.app.file_dialogs import ask_file, motions
+from studio.app.workbench import Workbench
+from studio.core.errors import StudioError
+from studio.io.registry import Progress
+from studio.io.source_files import Source, SourceMissing, digest_of, find_source
+
+
+def finder(bench: Workbench, capture_id: str) -> Callable[[Progress], Source]:
+    """A job that finds the source file of a capture; it raises SourceMissing where that is nowhere."""
+    capture, known = bench.document.project.captures[capture_id], bench.sources.get(capture_id)
+    folders = known_folders(bench)
+    return lambda progress: find_source(capture, known, folders, progress)
+
+
+def known_folders(bench: Workbench) -> tuple[Path, ...]:
+    """Folders in which sources are looked for: those of the project, of other sources and of the recent dialogs."""
+    project, settings = bench.document.path, bench.settings
+    files = (*([project] if project else ()), *bench.sources.values(), *settings.recent)
+    folders = (*(file.parent for file in files), *settings.source_folders, Path(settings.folder))
+    return tuple(dict.fromkeys(folders))
+
+
+def relink_shown(bench: Workbench) -> None:
+    """Relink the capture that is selected, else that of the motion that plays."""
+    capture_id = shown_capture(bench)
+    if capture_id is None:
+        raise StudioError("No capture is selected. Select one in the library.")
+    relink(bench, capture_id)
+
+
+def shown_capture(bench: Workbench) -> str | None:
+    """The selected capture, else that of the motion that plays."""
+    selected = bench.document.selection.of("captures")
+    motion = bench.document.project.motions.get(bench.document.active_motion_id or "")
+    return str(selected[0]) if selected else motion.capture_id if motion else None
+
+
+def relink(bench: Workbench, capture_id: str) -> int:
+    """Look for the file of a capture, and ask for it where it is not found; returns the task."""
+    capture = bench.document.project.captures[capture_id]
+
+    def missed(error: StudioError) -> None:
+        if isinstance(error, SourceMissing):
+            ask_source(bench, capture_id)
+
+    def found(source: Source) -> None:
+        link(bench, capture_id, source)
+        other = ("Choose another…", lambda: ask_source(bench, capture_id))
+        bench.window.strip.say(_words(bench, capture_id, source), ("Close", bench.window.strip.clear), other)
+
+    task: int = bench.runner.run(f"Looking for {capture.source}", finder(bench, capture_id), found, missed)
+    return task
+
+
+def offer_relinking(bench: Workbench, capture_id: str, error: StudioError, then: Callable[[], object]) -> None:
+    """Tell that a source is missing, with a button that asks for it and goes on with ``then``."""
+    ask = ("Relink…", lambda: ask_source(bench, capture_id, then))
+    bench.window.strip.say(str(error), ask, ("Close", bench.window.strip.clear))
+
+
+def ask_source(bench: Workbench, capture_id: str, then: Callable[[], object] = lambda: None) -> None:
+    """Ask for the file of a capture, link it, then go on with ``then``."""
+    capture = bench.document.project.captures.get(capture_id)
+    if capture is None:
+        return
+
+    def chosen(path: Path) -> None:
+        def linked(source: Source) -> None:
+            link(bench, capture_id, source)
+            bench.said.emit(_words(bench, capture_id, source))
+            then()
+
+        bench.runner.run(f"Relinking {capture.name}", lambda _: Source(path, digest_of(path)), linked)
+
+    ask_file(bench, f"Source file of {capture.name}", motions("capture_reader"), chosen)
+
+
+def link(bench: Workbench, capture_id: str, source: Source) -> None:
+    """Take a file for the source of a capture; one of another name or content is an undo step."""
+    capture = bench.document.project.captures.get(capture_id)
+    if capture is None:
+        return
+    bench.sources[capture_id] = source.path
+    bench.settings.remember_source(source.path)
+    if capture.digest != source.digest:
+        linked = replace(capture, source=source.path.name, digest=source.digest)
+        bench.document.replace("captures", capture_id, linked, f"Relink {capture.name}")
+
+
+def _words(bench: Workbench, capture_id: str, source: Source) -> str:
+    name = bench.document.project.captures[capture_id].name
+    return f"The source file of {name} is {source.path}. Change an import setting to read it again."

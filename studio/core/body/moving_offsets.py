@@ -1,0 +1,67 @@
+"""Joints that move in their parents: files with position channels on every joint draw bones where no rotation has them.
+
+What moves to the side is a rotation of the parent, so that bones point where the file's joints are; what moves along
+the bone is its length. No joint leaves its place in any frame.
+"""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.humanoid import BodyMap, BodyPart
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
+from studio.core.rotations import from_matrix, multiply, normalized, rotate, shortest_arc
+
+FloatArray = NDArray[np.float64]
+
+_STEADY = 0.01
+"""Of a bone's length: a joint that moves less in its parent lies still."""
+_SWING = np.radians(0.5)
+"""Radians from its direction at rest by which a bone swings in its parent before it is followed."""
+_BONES = ("CLAVICLE", "UPPER_ARM", "FOREARM", "HAND"), ("THIGH", "SHANK", "FOOT", "TOE")
+
+
+def with_seen_offsets(skeleton: Skeleton, poses: PoseSequence) -> Skeleton:
+    """The skeleton whose bones are as long as ``poses`` draw them where they lie still, or have no length at all."""
+    seen = np.median(poses.local_translations, axis=0)
+    stray = np.abs(poses.local_translations - seen).max(axis=(0, 2))
+    lengths, own = np.linalg.norm(seen, axis=1), np.linalg.norm(skeleton.offsets, axis=1)
+    other = np.linalg.norm(seen - skeleton.offsets, axis=1) > _STEADY * lengths
+    taken = other & ((stray < _STEADY * lengths) | (own < _STEADY * lengths))
+    taken[0] = False
+    return replace(skeleton, offsets=np.where(taken[:, None], seen, skeleton.offsets)) if taken.any() else skeleton
+
+
+def with_bones_followed(skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap) -> tuple[PoseSequence, float]:
+    """The same joint positions by rotations of limbs and neck, and the greatest swing that these take over."""
+    local = np.array(poses.local_rotations)
+    moves = np.array(poses.local_translations)
+    greatest = 0.0
+    for joint, end in _bones(skeleton, body_map):
+        bones = normalized(moves[:, end])
+        own = normalized(skeleton.offsets[end])
+        swings = np.arccos(np.clip(bones @ own, -1.0, 1.0)) if own.any() else np.zeros(len(bones))
+        if swings.max() < _SWING:
+            continue
+        greatest = max(greatest, float(swings.max()))
+        turn = from_matrix(shortest_arc(own, bones))
+        back = turn * [-1.0, -1.0, -1.0, 1.0]
+        local[:, joint] = multiply(local[:, joint], turn)
+        for child in skeleton.children[joint]:
+            local[:, child] = multiply(back, local[:, child])
+            moves[:, child] = rotate(back, moves[:, child])
+    return (PoseSequence(local, moves), greatest) if greatest else (poses, 0.0)
+
+
+def _bones(skeleton: Skeleton, body_map: BodyMap) -> list[tuple[int, int]]:
+    """Joints of limbs and neck with the one in which their bone ends, parents first."""
+    parts = [(BodyPart.NECK, BodyPart.HEAD)]
+    for side in ("LEFT", "RIGHT"):
+        for names in _BONES:
+            parts += [(BodyPart[f"{side}_{part}"], BodyPart[f"{side}_{end}"]) for part, end in pairwise(names)]
+    joints = [(body_map.get(part), body_map.get(end)) for part, end in parts]
+    found = [(a, b) for a, b in joints if a is not None and b is not None and skeleton.parents[b] == a]
+    return sorted(found)

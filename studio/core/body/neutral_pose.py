@@ -1,0 +1,214 @@
+"""The neutral pose of a skeleton: found from all frames of a take where its zero pose is not human.
+
+The mean pose, upright frames weighing most, is stood up: trunk and legs vertical, hips and shoulders square, wrists
+straight. The head is the exception, because a fighter looks over a shoulder through a whole take: it takes the axes of
+its joint that are nearest to the mean, since programs whose zero pose is not human lay the axes along the bones.
+"""
+
+from dataclasses import dataclass
+from itertools import permutations, product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.hand_end import could_be_hand, hand_reach
+from studio.core.body.humanoid import BodyMap, BodyPart
+from studio.core.body.kinematics import joint_world, rest_poses
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
+from studio.core.rotations import from_matrix, multiply, normalized, shortest_arc, to_matrix
+
+FloatArray = NDArray[np.float64]
+
+_UP: FloatArray = np.array([0.0, 0.0, 1.0])
+_LEFT: FloatArray = np.array([0.0, 1.0, 0.0])
+_FRAMES = 2048
+"""Frames, spread over the take, that are averaged."""
+_HEAD_TILT, _HEAD_TURN, _BONE_ASIDE = 15.0, 40.0, 4.0
+"""Standard deviations in degrees: of a take's mean head from level, from the shoulders' front; of its bone from the
+middle plane."""
+_SURE, _LEAST_DOUBT = 2.0, 10.0
+"""Difference of unlikeliness from which the second best is ruled out; degrees of doubt that remain even then."""
+_ODD_BONE = 6.0
+"""Most that a head's bone counts: ends of bones are placeholders in some files."""
+_MOST_TILT = 40.0
+"""Degrees from the mean beyond which no axis of the head's joint is its vertical."""
+_NECK_SHARE = 0.6
+"""Part of a head's turn about the vertical that the joint of its neck carries."""
+_SHORTEST_ACROSS = 0.01
+"""Metres between two shoulders from which they have a direction."""
+
+
+@dataclass(frozen=True)
+class NeutralPose:
+    """Local ``rotations`` (J, 4) of a body upright along Z that faces +X, and the doubt of its head."""
+
+    rotations: FloatArray
+    head_doubt: float
+    """Degrees by which the head may be turned."""
+
+
+def find_neutral_pose(skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap, weights: FloatArray) -> NeutralPose:
+    """The neutral pose of ``skeleton`` from all frames of ``poses``, each as upright as its weight (F,) says."""
+    seen = slice(None, None, max(1, poses.frame_count // _FRAMES))
+    sample = PoseSequence(poses.local_rotations[seen], poses.local_translations[seen])
+    positions, turns = joint_world(skeleton, sample)
+    shares = weights[seen] / weights[seen].sum()
+    pose = _Pose(skeleton, body_map, _mean_rotations(sample.local_rotations, shares))
+    pose.place_root(turns, positions, shares)
+    pose.stand()
+    pose.straighten_wrists()
+    doubt = 0.0
+    if BodyPart.HEAD in body_map.parts:
+        doubt = pose.face_forward(_head_axes(turns, positions, body_map, shares))
+    return NeutralPose(pose.rotations, doubt)
+
+
+class _Pose:
+    """Local ``rotations`` (J, 4) that are turned, joint by joint, towards a human that stands."""
+
+    def __init__(self, skeleton: Skeleton, body_map: BodyMap, rotations: FloatArray) -> None:
+        self.skeleton, self.body_map, self.rotations = skeleton, body_map, rotations
+
+    def place_root(self, turns: FloatArray, positions: FloatArray, shares: FloatArray) -> None:
+        """Turn the root as it is on average (F, J, 3, 3) in a body that faces +X in every frame."""
+        left = normalized(self._pair(positions, "THIGH") * [1.0, 1.0, 0.0])
+        headings = np.stack([np.cross(left, _UP), left, np.broadcast_to(_UP, left.shape)], axis=1)
+        pelvis = self.body_map.spine[0]
+        mean = _mean_rotations(from_matrix(headings @ turns[:, pelvis])[:, None], shares)[0]
+        self._turn(pelvis, to_matrix(mean) @ self._world()[1][pelvis].T)
+
+    def stand(self) -> None:
+        """Turn trunk and legs vertical, hips and shoulders square."""
+        body_map, spine = self.body_map, self.body_map.spine
+        points = self._world()[0]
+        trunk = self._middle(points, "UPPER_ARM") - self._middle(points, "THIGH")
+        self._turn(spine[0], shortest_arc(normalized(trunk), _UP))
+        self._square(spine[0], "THIGH")
+        base = "CLAVICLE" if self._across("CLAVICLE") is not None else "UPPER_ARM"
+        self._square(spine[-1], base)
+        for side, (upper, lower) in product(("LEFT", "RIGHT"), (("THIGH", "SHANK"), ("SHANK", "FOOT"))):
+            joint, end = body_map[BodyPart[f"{side}_{upper}"]], body_map[BodyPart[f"{side}_{lower}"]]
+            points = self._world()[0]
+            self._turn(joint, shortest_arc(normalized(points[end] - points[joint]), -_UP))
+
+    def straighten_wrists(self) -> None:
+        """Turn each hand that has a bone to lie along its forearm."""
+        for side in ("LEFT", "RIGHT"):
+            elbow, wrist = (self.body_map[BodyPart[f"{side}_{part}"]] for part in ("FOREARM", "HAND"))
+            points = self._world()[0]
+            along = points[wrist] - points[elbow]
+            reach = hand_reach(self.skeleton, wrist, points[None])
+            if could_be_hand(reach, along[None])[0]:
+                self._turn(wrist, shortest_arc(normalized(reach[0]), normalized(along)))
+
+    def face_forward(self, mean_axes: FloatArray) -> float:
+        """Turn the head so that its own axes, as ``mean_axes`` tell them, lie along the world's; degrees of doubt.
+
+        The neck, which carries a part of each turn of the head, is turned about the vertical with it.
+        """
+        head, neck = self.body_map[BodyPart.HEAD], self.body_map.get(BodyPart.NECK)
+        over_trunk = self._world()[1][head].T[:, 2]
+        axes, doubt = _own_axes(mean_axes, over_trunk, self._head_bone(head))
+        if neck is not None:
+            _, _, z, w = from_matrix(axes.T @ self._world()[1][head].T)
+            half = _NECK_SHARE * np.arctan2(z, w)
+            self._turn(neck, to_matrix(np.array([0.0, 0.0, np.sin(half), np.cos(half)])))
+        self._turn(head, axes.T @ self._world()[1][head].T)
+        return doubt
+
+    def _head_bone(self, head: int) -> FloatArray:
+        """(3,) direction of the longest bone that the head carries, in its own axes; zero without one."""
+        offsets = self.skeleton.offsets[list(self.skeleton.children[head])]
+        longest = max(offsets, key=np.linalg.norm, default=np.zeros(3))
+        return np.asarray(longest / max(float(np.linalg.norm(longest)), 1e-9))
+
+    def _world(self) -> tuple[FloatArray, FloatArray]:
+        positions, turns = joint_world(self.skeleton, rest_poses(self.skeleton, self.rotations))
+        return positions[0], turns[0]
+
+    def _turn(self, joint: int, turn: FloatArray) -> None:
+        """Turn a joint and all that it carries by ``turn`` (3, 3) in the world."""
+        parent = self.skeleton.parents[joint]
+        carrier = self._world()[1][parent] if parent >= 0 else np.eye(3)
+        self.rotations[joint] = multiply(from_matrix(carrier.T @ turn @ carrier), self.rotations[joint])
+
+    def _square(self, joint: int, part: str) -> None:
+        """Turn ``joint`` about the vertical until the pair of ``part`` lies along +Y."""
+        across = self._across(part)
+        if across is not None:
+            self._turn(joint, shortest_arc(across, _LEFT))
+
+    def _across(self, part: str) -> FloatArray | None:
+        """Horizontal direction from right to left of a pair; None where it has none."""
+        if BodyPart[f"LEFT_{part}"] not in self.body_map.parts or BodyPart[f"RIGHT_{part}"] not in self.body_map.parts:
+            return None
+        across = self._pair(self._world()[0], part) * [1.0, 1.0, 0.0]
+        return None if np.linalg.norm(across) < _SHORTEST_ACROSS else normalized(across)
+
+    def _pair(self, points: FloatArray, part: str) -> FloatArray:
+        return np.asarray(points[..., self._joint("LEFT", part), :] - points[..., self._joint("RIGHT", part), :])
+
+    def _middle(self, points: FloatArray, part: str) -> FloatArray:
+        return np.asarray(0.5 * (points[self._joint("LEFT", part)] + points[self._joint("RIGHT", part)]))
+
+    def _joint(self, side: str, part: str) -> int:
+        return self.body_map[BodyPart[f"{side}_{part}"]]
+
+
+def _mean_rotations(rotations: FloatArray, shares: FloatArray) -> FloatArray:
+    """Mean (J, 4) of quaternions (F, J, 4), weighted by ``shares`` (F,): Markley's largest eigenvector."""
+    scatter = np.einsum("f,fja,fjb->jab", shares, rotations, rotations)
+    return np.ascontiguousarray(np.linalg.eigh(scatter)[1][:, :, -1])
+
+
+def _head_axes(turns: FloatArray, positions: FloatArray, body_map: BodyMap, shares: FloatArray) -> FloatArray:
+    """(3, 3) front, left and up as columns, in the axes of the head's joint, as they are on average."""
+    head = turns[:, body_map[BodyPart.HEAD]]
+    shoulders = positions[:, body_map[BodyPart.LEFT_UPPER_ARM]] - positions[:, body_map[BodyPart.RIGHT_UPPER_ARM]]
+    up = normalized(shares @ head[:, 2])
+    left = np.einsum("f,fji,fj->i", shares, head, normalized(shoulders * [1.0, 1.0, 0.0]))
+    left = normalized(left - left @ up * up)
+    return np.stack([np.cross(left, up), left, up], axis=1)
+
+
+def _own_axes(mean: FloatArray, over_trunk: FloatArray, bone: FloatArray) -> tuple[FloatArray, float]:
+    """The likeliest front, left and up (3, 3) of a head whose ``mean`` axes are known, and degrees of doubt.
+
+    Of the signed axes of its joint those win that lie near the mean and hold its ``bone`` (3,) upright in the middle
+    plane. ``over_trunk`` (3,) is its up were the trunk upright: who leans far holds the head level, or lets it hang.
+    The mean itself is taken where no axis is near either.
+    """
+    candidates = _signed_axes()
+    costs = [_unlikeliness(axes, mean, over_trunk, bone) for axes in candidates]
+    first, second = np.argsort(costs)[:2]
+    likeliest = candidates[first]
+    if min(_degrees(likeliest[:, 2], up) for up in (mean[:, 2], over_trunk)) > _MOST_TILT:
+        return mean, _HEAD_TURN
+    sure = costs[second] - costs[first] > _SURE
+    return likeliest, _LEAST_DOUBT if sure else _degrees(likeliest[:, 0], candidates[second][:, 0])
+
+
+def _unlikeliness(axes: FloatArray, mean: FloatArray, over_trunk: FloatArray, bone: FloatArray) -> float:
+    """Squares of standard deviations, summed, by which head ``axes`` (3, 3) differ from what is seen."""
+    left, up = axes[:, 1], axes[:, 2]
+    tilt = min(_degrees(up, mean[:, 2]), _degrees(up, over_trunk))
+    turned = shortest_arc(mean[:, 2], up) @ mean[:, 1]
+    cost = (tilt / _HEAD_TILT) ** 2 + (_degrees(left, turned) / _HEAD_TURN) ** 2
+    if bone.any():
+        cost += min((_degrees(bone, up) / _HEAD_TILT) ** 2, _ODD_BONE)
+    if _degrees(bone, up) < _MOST_TILT:
+        cost += ((_degrees(bone, left) - 90.0) / _BONE_ASIDE) ** 2
+    return cost
+
+
+def _signed_axes() -> list[FloatArray]:
+    """All 24 right-handed frames whose axes are those of the coordinates."""
+    frames = [
+        np.eye(3)[list(order)].T * signs for order in permutations(range(3)) for signs in product((1.0, -1.0), repeat=3)
+    ]
+    return [frame for frame in frames if np.linalg.det(frame) > 0.0]
+
+
+def _degrees(first: FloatArray, second: FloatArray) -> float:
+    return float(np.degrees(np.arctan2(np.linalg.norm(np.cross(first, second)), first @ second)))

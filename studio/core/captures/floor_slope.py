@@ -1,0 +1,82 @@
+"""The slope of a captured floor, from where the soles come down: calibrations are off by a degree or two."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.captures.contacts import HEIGHT_MARGIN, STILL_SPEED, point_speeds
+from studio.core.runs import runs_of
+from studio.core.windows import lowest
+
+FloatArray = NDArray[np.float64]
+
+STEEPEST = 0.07
+"""Rise over run, 4 degrees: steeper ground is stairs or a ramp, and no level floor that is badly calibrated."""
+USUAL = 0.02
+"""Standard deviation of the rise over run of captured floors."""
+UNEVEN = 0.015
+"""Metres, standard deviation of the heights at which a sole comes to stand."""
+A_STEP = 0.3
+"""Seconds that a sole stands in a step: what stands for less counts less, what stands longer no more. The swing to the
+next step takes longer.
+"""
+FITS = 5
+"""Fits of the slope, each of which trusts the places that were far off the one before less."""
+
+
+@dataclass(frozen=True, eq=False)
+class FloorSlope:
+    """A floor that rises by ``gradient`` (2,) along X and Y, and lies at the capture's own height at ``level``."""
+
+    gradient: FloatArray
+    level: float
+
+    def rise(self, points: FloatArray) -> FloatArray:
+        """Metres that the floor under ``points`` (..., 3) is higher than at its lowest."""
+        return np.asarray(points[..., :2] @ self.gradient - self.level)
+
+    def levelled(self, points: FloatArray) -> FloatArray:
+        """``points`` (..., 3) with their heights over the floor."""
+        heights = points[..., 2] - self.rise(points)
+        return np.concatenate([points[..., :2], heights[..., None]], axis=-1)
+
+
+def find_floor_slope(soles: FloatArray, upright: NDArray[np.bool_], frame_rate: float) -> FloorSlope:
+    """The slope that the lowest places of soles (F, 2, 3, 3) show, as in ``detect_contacts``, of legs that stand
+    ``upright`` (F, 2).
+
+    The most likely slope of a floor that is usually level: soles that stay at one place show none.
+    """
+    reach = round(A_STEP * frame_rate)
+    points = [(side, end) for side in range(2) for end in range(2)]
+    steps, weights, kinds = [], [], []
+    for kind, (side, end) in enumerate(points):
+        track = soles[:, side, end]
+        low = track[:, 2] < lowest(track[:, 2], reach) + HEIGHT_MARGIN
+        stands = low & upright[:, side] & (point_speeds(track, low, frame_rate) < STILL_SPEED)
+        for first, past in runs_of(stands):
+            steps.append(track[first:past].mean(axis=0))
+            weights.append(min((past - first) / (A_STEP * frame_rate), 1.0))
+            kinds.append(kind)
+    if not steps:
+        return FloorSlope(np.zeros(2), 0.0)
+    places = np.array(steps)
+    gradient = _gradient(places, np.array(weights), np.eye(len(points))[kinds])
+    if np.linalg.norm(gradient) > STEEPEST:
+        gradient = np.zeros(2)
+    return FloorSlope(gradient, float(np.quantile(places[:, :2] @ gradient, 0.05)))
+
+
+def _gradient(places: FloatArray, weights: FloatArray, kinds: FloatArray) -> FloatArray:
+    """(2,) the rise over run of ``places`` (N, 3), where heels and balls have heights of their own: ``kinds`` (N, K),
+    one 1 a row. Places far off the floor count little, as those of a heel that never came down.
+    """
+    columns = np.concatenate([places[:, :2] - places[:, :2].mean(axis=0), kinds], axis=1)
+    doubt = np.diag([*2 * [(UNEVEN / USUAL) ** 2], *kinds.shape[1] * [1e-9]])
+    trusted = weights
+    for _ in range(FITS):
+        weighed = columns.T * trusted
+        fit = np.linalg.solve(weighed @ columns + doubt, weighed @ places[:, 2])
+        trusted = weights / (1.0 + ((places[:, 2] - columns @ fit) / UNEVEN) ** 2)
+    return np.asarray(fit[:2])

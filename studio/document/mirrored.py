@@ -1,0 +1,48 @@
+"""Constraints and contacts of a motion as a mirrored clip plays them: on the other side of the body."""
+
+from dataclasses import fields, replace
+from typing import Any
+
+from studio.core.captures.contacts import ContactInterval
+from studio.core.constraints.base import Constraint
+from studio.core.constraints.carried_over import mirrored_constraint
+from studio.core.normalized.mirror import mirrored_contacts
+from studio.core.project import Project
+from studio.document.commands.replace import same_value
+
+
+def mirrored_entity(entity: Any) -> Any:
+    """A constraint or contact on the other side; anything else as it is. Applied twice, it is as before."""
+    match entity:
+        case Constraint():
+            return mirrored_constraint(entity)
+        case ContactInterval():
+            return mirrored_contacts((entity,))[0]
+    return entity
+
+
+def mirrored_change(stored: Any, new: Any) -> Any:
+    """``stored`` with the edits that a view made in its mirror image, of which ``new`` came.
+
+    Fields that the view left alone stay the same objects.
+    """
+    before, after = mirrored_entity(stored), mirrored_entity(new)
+    if type(before) is not type(new):
+        return after
+    names = [each.name for each in fields(new)]
+    return replace(
+        stored,
+        **{name: getattr(after, name) for name in names if not same_value(getattr(before, name), getattr(new, name))},
+    )
+
+
+def mirrored_project(project: Project, motion_id: str) -> Project:
+    """The project with the constraints and contacts of one motion on the other side."""
+    changed = {
+        name: {
+            key: mirrored_entity(each) if each.motion_id == motion_id else each
+            for key, each in getattr(project, name).items()
+        }
+        for name in ("constraints", "contacts")
+    }
+    return replace(project, **changed)

@@ -1,0 +1,75 @@
+"""Sources that have moved: found again by their content, else by their name."""
+
+import hashlib
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from studio.core.captures.capture import Capture
+from studio.core.errors import StudioError
+from studio.io.beside import LARGEST
+from studio.io.registry import Progress, known_formats
+
+MOST_FILES = 2000
+"""Files of one search; the folders that are known are the user's own, and may hold anything."""
+
+
+class SourceMissing(StudioError):  # noqa: N818 - it names what is the case
+    """The file of a capture is nowhere where the studio looked."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """A file with the name and the content of a capture's source, or only with one of them."""
+
+    path: Path
+    digest: str
+    """SHA-256 of its content in hexadecimal digits."""
+
+
+def digest_of(path: Path) -> str:
+    """SHA-256 of a file's content. Raises StudioError where it cannot be read."""
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError as error:
+        raise StudioError(f"{path.name} could not be read: {error.strerror}. Check the file and try again.") from error
+
+
+def find_source(capture: Capture, known: Path | None, folders: Iterable[Path], progress: Progress) -> Source:
+    """The file with the content of a capture's source, else one of its name.
+
+    Looked at are ``known``, where it lay, then files in ``folders`` and the folders in them: those of its name first,
+    then others that hold captures. Raises SourceMissing where there is neither.
+    """
+    name, digest = capture.source, capture.digest
+    files = list(dict.fromkeys(_files(folders)))[:MOST_FILES]
+    called = [
+        *([known] if known is not None and known.is_file() else ()),
+        *(each for each in files if each.name == name),
+    ]
+    alike = sorted(files, key=lambda path: path.suffix.lower() != Path(name).suffix.lower())
+    for place, path in enumerate(dict.fromkeys([*called, *alike]) if digest else ()):
+        progress(place / (len(called) + len(files)), f"Looking for {name}")
+        try:
+            if path.stat().st_size <= LARGEST and digest_of(path) == digest:
+                return Source(path, digest)
+        except (OSError, StudioError):
+            continue  # what cannot be read is not what is looked for
+    if called:
+        return Source(called[0], digest_of(called[0]))
+    raise SourceMissing(f"The source file of {capture.name} cannot be found. Relink it with File > Relink source…")
+
+
+def _files(folders: Iterable[Path]) -> Iterator[Path]:
+    """Files that may hold captures, those in a folder before those in the folders in it."""
+    suffixes = known_formats().suffixes("capture_reader")
+    for folder in folders:
+        try:
+            inside = sorted(folder.iterdir())
+            yield from (each for each in inside if each.suffix.lower() in suffixes and each.is_file())
+            for each in inside:
+                if each.is_dir() and not each.name.startswith("."):
+                    yield from (file for file in sorted(each.iterdir()) if file.suffix.lower() in suffixes)
+        except OSError:
+            continue  # a folder that is gone or closed holds nothing

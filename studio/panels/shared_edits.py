@@ -1,0 +1,54 @@
+"""An edit of one of several selected things, applied to the others as well."""
+
+from collections.abc import Iterable
+from dataclasses import fields, is_dataclass, replace
+from typing import Any
+
+from studio.document.commands.replace import same_value
+
+INDIVIDUAL = frozenset(
+    {"name", "motion_id", "priority", "character_id", "clips", "layers", "position", "heading", "holds"}
+)
+"""Fields that each entity keeps for itself."""
+_WORDS = {"enabled": "on or off", "scope": "applies to", "end_segment": "end"}
+
+
+def with_edit(other: Any, before: Any, after: Any) -> Any:
+    """``other`` with the values in which ``after`` differs from ``before``, and no others."""
+    names = [each.name for each in fields(other) if each.name not in INDIVIDUAL]
+    edits = {
+        name: _edited(getattr(other, name), getattr(before, name), getattr(after, name))
+        for name in names
+        if hasattr(before, name)
+        and hasattr(after, name)
+        and not same_value(getattr(before, name), getattr(after, name))
+    }
+    return replace(other, **edits)
+
+
+def _edited(other: Any, before: Any, after: Any) -> Any:
+    """A value with the parts that were edited; all of ``after`` where the values are of different kinds."""
+    if type(other) is type(before) is type(after):
+        if isinstance(after, tuple) and len(other) == len(before) == len(after):
+            parts = zip(other, before, after, strict=True)
+            return tuple(one if same_value(old, new) else _edited(one, old, new) for one, old, new in parts)
+        if is_dataclass(after):
+            try:
+                return with_edit(other, before, after)
+            except ValueError:
+                return after
+    return after
+
+
+def different_fields(entities: Iterable[Any]) -> list[str]:
+    """Words for the fields in which entities differ."""
+    first, *others = entities
+    return [
+        _WORDS.get(each.name, each.name.replace("_", " "))
+        for each in fields(first)
+        if each.name not in INDIVIDUAL
+        and any(
+            not hasattr(other, each.name) or not same_value(getattr(first, each.name), getattr(other, each.name))
+            for other in others
+        )
+    ]

@@ -1,0 +1,41 @@
+"""Drags on a label."""
+
+from dataclasses import replace
+
+from PySide6.QtCore import QPointF
+
+from studio.core.captures.annotations import Label
+from studio.timeline.figures import moment
+from studio.timeline.gestures.gesture import EditGesture, Mark
+from studio.timeline.shown import Part, Shown
+
+
+class DragLabel(EditGesture):
+    """Drag a label to another frame of the motion, or an end of its stretch to trim it."""
+
+    collection = "labels"
+
+    def __init__(self, shown: Shown, entity_id: str, part: Part, press: QPointF) -> None:
+        super().__init__(shown, entity_id, press)
+        self.part = part
+        self.text = f"{'Move' if part == Part.BODY else 'Trim'} label {self.original.name}"
+
+    def update(self, position: QPointF, free: bool) -> None:
+        """Move by whole frames; ``free`` only keeps it from catching on what lies near."""
+        subject, old = self.shown.subject, self.original
+        grabbed = old.last if self.part == Part.LAST else old.first
+        caught = self.snap(subject.stage_time(grabbed) + self.moved(position), free)
+        label = self._dragged(round(subject.motion_frame(caught.time)))
+        self.put(label)
+        frame = label.last if self.part == Part.LAST else label.first
+        self.mark = Mark(subject.stage_time(frame), moment(frame, frame / subject.frame_rate), caught.caught)
+
+    def _dragged(self, frame: int) -> Label:
+        old: Label = self.original
+        last_frame = max(self.shown.subject.last_frame, old.last)
+        if self.part == Part.FIRST:
+            return replace(old, first=min(max(frame, 0), old.last))
+        if self.part == Part.LAST:
+            return replace(old, last=max(min(frame, last_frame), old.first))
+        first = max(min(frame, last_frame - (old.last - old.first)), 0)
+        return replace(old, first=first, last=first + old.last - old.first)

@@ -1,0 +1,73 @@
+"""Labels: named moments and stretches of the motion, as flags on a row of their own."""
+
+from collections.abc import Iterator
+
+from PySide6.QtCore import QPointF, QRect, QRectF, Qt
+from PySide6.QtGui import QColor, QFontMetrics, QPainter, QPolygonF
+
+from studio.core.captures.annotations import Label
+from studio.document import colours
+from studio.timeline.shown import Hit, Part, Shown, label_area
+from studio.timeline.tracks.brush import font, paint_label, translucent
+
+HEIGHT = 20
+POLE, GRIP, MARGIN = 2.0, 5.0, 4.0
+"""Pixels of a flag's pole, beside an end that the mouse takes hold of, and around the name."""
+PIXELS = 11
+
+
+def rows_of(shown: Shown) -> list[tuple[str, str, int]]:
+    """Kind, id and height of the row of labels; none while the motion has no label."""
+    return [("labels", "", HEIGHT)] if shown.project.labels_of(shown.subject.motion_id) else []
+
+
+def flag_area(shown: Shown, row: QRect, label: Label) -> QRectF:
+    """Rectangle of a label's flag: from its first frame over its stretch, at least as wide as its name."""
+    left, right = shown.x_of_frame(label.first), shown.x_of_frame(label.last)
+    width = QFontMetrics(font(PIXELS)).horizontalAdvance(label.name) + 2 * MARGIN + POLE
+    return QRectF(left, row.top() + 3.0, max(right - left, width), row.height() - 6.0)
+
+
+def paint_labels(painter: QPainter, row: QRect, shown: Shown) -> None:
+    """Draw a pole at the first frame of each label, its stretch as a band, and its name; the selected one is light."""
+    painter.setFont(font(PIXELS))
+    for key, label in shown.project.labels_of(shown.subject.motion_id).items():
+        selected = shown.is_selected("labels", key)
+        colour = colours.SELECTED_HANDLE if selected else colours.kind_colour("label")
+        area, end = flag_area(shown, row, label), shown.x_of_frame(label.last)
+        painter.fillRect(area, translucent(colour, 0.12))
+        painter.fillRect(QRectF(area.left(), area.top(), end - area.left(), area.height()), translucent(colour, 0.25))
+        painter.fillRect(QRectF(area.left() - POLE / 2, row.top() + 1.0, POLE, row.height() - 2.0), QColor(colour))
+        if label.last > label.first:
+            corners = ((end, area.top()), (end, area.bottom()), (end - GRIP, area.bottom()))
+            painter.setPen(Qt.PenStyle.NoPen)
+            painter.setBrush(QColor(colour))
+            painter.drawPolygon(QPolygonF([QPointF(*corner) for corner in corners]))
+        painter.setPen(QColor(colours.TEXT))
+        side = Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft
+        painter.drawText(area.adjusted(POLE + MARGIN / 2, 0.0, 0.0, 0.0), side, label.name)
+
+
+def paint_labels_label(painter: QPainter, row: QRect) -> None:
+    """Write what the row shows."""
+    paint_label(painter, label_area(row), "Labels", colours.TEXT_SECOND)
+
+
+def labels_hit(shown: Shown, row: QRect, point: QPointF) -> Hit:
+    """The label under ``point``, the one that begins last where they overlap, and its end; else the empty row."""
+    found = max(_parts(shown, row, point.x()), default=None, key=lambda each: each[0])
+    return Hit("labels", found[1], found[2]) if found else Hit("labels", "", Part.EMPTY)
+
+
+def _parts(shown: Shown, row: QRect, x: float) -> Iterator[tuple[float, str, Part]]:
+    """First frame, id and part of each label at the pixel ``x``."""
+    for key, label in shown.project.labels_of(shown.subject.motion_id).items():
+        area, end = flag_area(shown, row, label), shown.x_of_frame(label.last)
+        if not area.left() - GRIP <= x <= max(area.right(), end + GRIP):
+            continue
+        part = Part.BODY
+        if label.last > label.first and abs(x - end) <= GRIP:
+            part = Part.LAST
+        elif label.last > label.first and abs(x - area.left()) <= GRIP:
+            part = Part.FIRST
+        yield label.first, key, part

@@ -1,0 +1,72 @@
+"""The neutral pose: one for a skeleton, whatever its takes show."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from studio.core.body.kinematics import joint_world, rest_poses
+from studio.core.body.reference_pose import find_reference_pose
+from studio.core.body.zero_pose import with_zero_pose
+from studio.core.captures.capture import Capture
+from studio.core.rotations import angle_between, from_matrix, multiply
+from tests.core.motions import about, swaying
+
+UP, LEFT = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)
+WITHIN = 10.0
+"""Degrees."""
+
+
+def _axes(seed: int, count: int) -> np.ndarray:
+    """(J, 3, 3) axes of joints that lie along the body's own in any order."""
+    random = np.random.default_rng(seed)
+    frames = np.eye(3)[[random.permutation(3) for _ in range(count)]] * random.choice([-1.0, 1.0], (count, 1, 3))
+    frames[:, :, 0] *= np.linalg.det(frames)[:, None]
+    return np.asarray(frames)
+
+
+def _turned(capture: Capture, joint: str, turn: np.ndarray) -> Capture:
+    """The same motion with a joint turned by one more rotation."""
+    rotations = np.array(capture.poses.local_rotations)
+    place = capture.skeleton.index(joint)
+    rotations[:, place] = multiply(turn, rotations[:, place])
+    return replace(capture, poses=replace(capture.poses, local_rotations=rotations))
+
+
+def _errors(capture: Capture, axes: np.ndarray) -> dict[str, float]:
+    """Degrees between the reference pose that is found and that of a body whose zero pose is ``axes`` (J, 3, 3)."""
+    assert capture.body_map is not None
+    found = find_reference_pose(capture.skeleton, capture.poses, capture.body_map)
+    assert found.source == "all frames"
+    turns = joint_world(capture.skeleton, rest_poses(capture.skeleton, found.rotations))[1][0]
+    apart = np.degrees(angle_between(from_matrix(turns), from_matrix(np.swapaxes(axes, 1, 2))))
+    errors = {name: float(apart[capture.skeleton.index(name)]) for name in ("Head", "Chest", "LeftFoot", "RightFoot")}
+    for side in ("Left", "Right"):  # the neutral elbow is bent, the neutral wrist is not
+        hand, forearm = (capture.skeleton.index(f"{side}{name}") for name in ("Hand", "ForeArm"))
+        bent = turns[hand].T @ turns[forearm] @ axes[forearm] @ axes[hand].T
+        errors[f"{side}Hand"] = float(np.degrees(2 * np.arccos(np.clip(abs(from_matrix(bent)[3]), 0.0, 1.0))))
+    return errors
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize(
+    ("joint", "axis", "degrees"),
+    [("Head", UP, 40.0), ("Head", UP, -40.0), ("Head", LEFT, 20.0), ("Hips", LEFT, 60.0), ("Chest", UP, 30.0)],
+    ids=["looks left", "looks right", "looks down", "leans far forward", "turns the shoulders"],
+)
+def test_head_hands_and_feet_are_found_whatever_the_take_does(
+    seed: int, joint: str, axis: tuple[float, float, float], degrees: float
+) -> None:
+    calm = swaying(seed, frames=120, amplitude=0.15, hinged=True)
+    take = _turned(calm, joint, about(axis, np.radians(degrees)))
+    axes = np.swapaxes(_axes(seed, take.skeleton.joint_count), 1, 2)
+    errors = _errors(with_zero_pose(take, axes), axes)
+    assert max(errors.values()) < WITHIN, errors
+
+
+def test_a_take_in_which_nobody_stands_is_told_as_doubtful() -> None:
+    lying = _turned(swaying(1, frames=60, amplitude=0.1), "Hips", about(LEFT, np.radians(90.0)))
+    axes = np.swapaxes(_axes(1, lying.skeleton.joint_count), 1, 2)
+    odd = with_zero_pose(lying, axes)
+    assert odd.body_map is not None
+    assert "never stands" in find_reference_pose(odd.skeleton, odd.poses, odd.body_map).reason

@@ -1,0 +1,54 @@
+"""Bodies side by side: across the direction in which their motion travels."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from studio.core.body.pose import PoseSequence
+from studio.core.project import Performer
+from studio.core.stage.staging import SPACING, is_unarranged, lined_up, travel_heading
+from tests.builders import make_capture
+
+ROW = {f"body {k}": Performer(f"Body {k}", "character", position=(0.0, SPACING * (1 - k))) for k in range(3)}
+
+
+def walking(heading, metres=4.0, there_and_back=False):
+    """A capture of which the root goes straight in a heading."""
+    capture = make_capture(frames=60)
+    way = np.linspace(0.0, 1.0, 60)
+    way = np.minimum(way, 1.0 - way) * 2.0 if there_and_back else way
+    moves = np.array(capture.poses.local_translations)
+    moves[:, 0, :2] = metres * way[:, None] * [math.cos(heading), math.sin(heading)]
+    return replace(capture, poses=PoseSequence(capture.poses.local_rotations, moves))
+
+
+@pytest.mark.parametrize("heading", [0.0, 1.0, math.pi / 2, -2.5])
+@pytest.mark.parametrize("there_and_back", [False, True])
+def test_a_walk_travels_where_its_root_goes(heading, there_and_back):
+    assert travel_heading(walking(heading, there_and_back=there_and_back), 0, 59) == pytest.approx(heading, abs=0.05)
+
+
+def test_who_stays_about_travels_nowhere():
+    assert travel_heading(walking(1.0, metres=0.3), 0, 59) is None
+
+
+@pytest.mark.parametrize("heading", [0.0, 0.7, math.pi / 2, -2.0])
+def test_nobody_in_a_row_walks_into_another(heading):
+    performers = lined_up(ROW, heading)
+    places = np.array([each.position for each in performers.values()])
+    way = np.array([math.cos(heading), math.sin(heading)])
+    assert places @ way == pytest.approx(0.0, abs=1e-9)
+    gaps = np.linalg.norm(places[:, None] - places, axis=-1)[np.triu_indices(3, 1)]
+    assert gaps.min() == pytest.approx(SPACING)
+    assert places.mean(axis=0) == pytest.approx([0.0, 0.0], abs=1e-9)
+
+
+def test_a_row_is_known_from_what_a_user_has_arranged():
+    assert is_unarranged(ROW)
+    assert is_unarranged(lined_up(ROW, 1.3))
+    moved = ROW | {"body 1": replace(ROW["body 1"], position=(0.5, 0.0))}
+    turned = ROW | {"body 1": replace(ROW["body 1"], heading=0.5)}
+    assert not is_unarranged(moved)
+    assert not is_unarranged(turned)

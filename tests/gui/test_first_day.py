@@ -1,0 +1,117 @@
+"""Small things of an animator's first day: keys that answer, hints that go, bodies that stand in a row."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication
+
+from studio.app.action_set import with_mnemonics
+from studio.app.actions import MENUS
+from studio.app.application import import_views, show_views
+from tests.gui.viewport_use import LEFT, NONE, joint_pixel
+from tests.gui.window_use import drop, wait_until_idle
+
+CONTROL = Qt.KeyboardModifier.ControlModifier
+
+
+@pytest.fixture
+def changed(window):
+    """The window with a change that is not saved, asked for a new project."""
+    document = window.bench.document
+    document.replace("motions", "motion", replace(document.project.motions["motion"], name="Other"), "Rename")
+    window.activateWindow()
+    QTest.keyClick(window, Qt.Key.Key_N, CONTROL)
+    QApplication.processEvents()
+    assert window.question.isVisible()
+    return window
+
+
+def press(key):
+    QTest.keyClick(QApplication.focusWidget(), key)
+
+
+def test_esc_answers_the_question_about_unsaved_changes_with_cancel(changed):
+    press(Qt.Key.Key_Escape)
+    assert not changed.question.isVisible()
+    assert "motion" in changed.bench.document.project.motions
+
+
+def test_tab_and_enter_answer_it_as_chosen(changed):
+    assert QApplication.focusWidget().text() == "Save"
+    press(Qt.Key.Key_Tab)
+    assert QApplication.focusWidget().text() == "Don't save"
+    press(Qt.Key.Key_Return)
+    assert not changed.question.isVisible()
+    assert "motion" not in changed.bench.document.project.motions
+
+
+def test_a_new_project_forgets_the_range(changed):
+    document = changed.bench.document
+    document.playhead.set_range(7, 19)
+    press(Qt.Key.Key_Tab)
+    press(Qt.Key.Key_Return)
+    assert (document.playhead.first, document.playhead.last) == (0, 300)
+
+
+def test_every_menu_opens_by_a_letter_of_its_own(window):
+    titles = [menu.title() for menu in window.actions_by_id.menus.values()]
+    letters = [title[title.index("&") + 1].lower() for title in titles]
+    assert len({*letters}) == len(MENUS)
+    assert with_mnemonics(("Clip", "Constraint")) == ["&Clip", "C&onstraint"]
+
+
+def test_a_click_on_the_guesses_shows_the_import_report(window):
+    QTest.mouseClick(window.status._guesses, LEFT)
+    assert window.bench.document.selection.items == (("captures", "capture"),)
+
+
+def test_the_hint_to_click_a_joint_goes_when_one_is_constrained(window, qtbot):
+    import_views()
+    show_views(window)
+    assert window.bench.live.wait(300.0)
+    viewport = window.bench.viewport
+    qtbot.waitUntil(lambda: len(viewport.posed) == 2, timeout=20000)
+    QTest.qWait(200)
+    QTest.keyClick(window, Qt.Key.Key_C)
+    assert window.strip.text.startswith("Click a joint")
+    QTest.mouseClick(viewport, LEFT, NONE, joint_pixel(viewport, "performer 0", "right wrist"))
+    QTest.keyClick(window, Qt.Key.Key_C)
+    assert window.bench.document.selection.of("constraints")
+    assert window.strip.text == ""
+
+
+def test_a_joint_is_picked_and_constrained_by_keys_alone(window, qtbot):
+    import_views()
+    show_views(window)
+    assert window.bench.live.wait(300.0)
+    viewport, document = window.bench.viewport, window.bench.document
+    qtbot.waitUntil(lambda: len(viewport.posed) == 2, timeout=20000)
+    document.selection.set(("performers", "performer 1"))
+    window.activateWindow()
+    QTest.keyClick(window, Qt.Key.Key_J, Qt.KeyboardModifier.ShiftModifier)
+    QTest.keyClicks(window.choice_panel.field, "left kn")
+    press(Qt.Key.Key_Return)
+    assert (viewport.joint_picked.performer_id, viewport.joint_picked.joint.name) == ("performer 1", "left knee")
+    QTest.keyClick(viewport, Qt.Key.Key_C)
+    [constraint_id] = document.selection.of("constraints")
+    assert document.project.constraints[constraint_id].name == "Left knee"
+
+
+def test_line_up_puts_bodies_across_their_way_as_one_step(window, qtbot, walk):
+    document = window.bench.document
+    drop(window, walk)
+    wait_until_idle(qtbot, window)
+    for place, key in enumerate(document.project.performers):
+        performer = replace(document.project.performers[key], position=(3.0 * place, 0.4 * place), heading=0.3)
+        document.replace("performers", key, performer, "Move")
+    count = document.undo_stack.count()
+    window.actions_by_id.by_id["line_up"].trigger()
+    places = np.array([each.position for each in document.project.performers.values()])
+    assert np.linalg.norm(places[1] - places[0]) == pytest.approx(1.15)
+    assert {each.heading for each in document.project.performers.values()} == {0.0}
+    assert document.undo_stack.count() == count + 1
+    document.undo_stack.undo()
+    assert document.project.performers["performer 1"].position == (3.0, 0.4)
