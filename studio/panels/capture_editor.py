@@ -15,6 +15,7 @@ from studio.engine.live import Live
 from studio.panels.body_map_section import BodyMapSection
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section, labelled, press_button
+from studio.panels.reference_figure import ReferenceFigure
 
 UNITS = (
     *(("m", "metres"), ("dm", "decimetres"), ("cm", "centimetres"), ("mm", "millimetres")),
@@ -147,6 +148,8 @@ def _make_report(capture: Capture) -> QWidget:
     section = Section(f"Guessed · {len(capture.guesses)}")
     for guess in capture.guesses:
         section.add_wide(_guess_lines(guess))
+    if capture.body_map is not None:
+        section.add_wide(ReferenceFigure(capture, capture.body_map))
     if not capture.guesses:
         section.add_wide(labelled("No assumptions were made.", "hint"))
     for repair in capture.repairs:

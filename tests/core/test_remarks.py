@@ -47,6 +47,15 @@ def test_a_jump_of_a_hand_s_breadth_is_told_of_slow_hips_too(walk: Capture) -> N
         assert remark.spans[0][0] == 50
 
 
+def test_a_bone_that_changes_its_length_is_told(walk: Capture) -> None:
+    assert walk.body_map is not None
+    foot = walk.body_map[BodyPart.LEFT_FOOT]
+    moves = walk.poses.local_translations.copy()
+    moves[::3, foot] *= 1.05
+    stretched = replace(walk, poses=PoseSequence(walk.poses.local_rotations, moves))
+    assert any("left shank changes its length by 21 mm" in remark.sentence for remark in remarks_on(stretched))
+
+
 def test_a_body_whose_angles_are_radians_is_told(walk: Capture) -> None:
     turns = Rotation.from_quat(walk.poses.local_rotations.reshape(-1, 4)).as_rotvec() / np.degrees(1.0)
     rotations = Rotation.from_rotvec(turns).as_quat().reshape(walk.poses.local_rotations.shape)

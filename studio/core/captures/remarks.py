@@ -32,6 +32,8 @@ WHOLE_TURN, MOVES = 2.0 * np.pi, 0.1
 """Degrees that no joint turns by at most, and at least, where the angles of a file are radians."""
 HOVERING = 0.06
 """Metres above the floor that its lowest joint is all the time in a take that hovers."""
+STRETCHED, STRETCHES = 0.005, 0.1
+"""Metres by which a bone changes its length in this part of all frames, from which it is told."""
 ODD_PAIR = 0.2
 """The difference of left and right bones, as a part of the longer one, from which they are no pair."""
 TALLEST, LEGS_OF_STATURE = 2.3, 0.491
@@ -69,6 +71,7 @@ def remarks_on(capture: Capture) -> tuple[Remark, ...]:
         *_leaps(capture),
         *_stiff(capture),
         *_odd_build(capture, capture.body_map, positions),
+        *_stretches(capture.body_map, positions[capture.first_frame :]),
         *_jumps(capture, positions[:, capture.body_map.spine[0]]),
         *_rushes(capture, capture.body_map, positions),
         *_hovers(capture, capture.body_map, positions),
@@ -145,6 +148,18 @@ def _far_hand(capture: Capture, body: BodyMap, side: str, positions: FloatArray)
     if far < SHORTEST_HAND or could_be_hand(reach, forearm).any():
         return []
     return [f"The {side} hand ends {100.0 * far:.0f} cm from its wrist: a hand of usual length takes its place."]
+
+
+def _stretches(body: BodyMap, positions: FloatArray) -> list[Remark]:
+    """The bone of a limb that changes its length most, where a body of constant bones comes out elsewhere."""
+    bones = [(part, body[part], body[end]) for parts in LIMBS.values() for part, end in pairwise(parts)]
+    lengths = np.array([np.linalg.norm(positions[:, b] - positions[:, a], axis=1) for _, a, b in bones])
+    off = np.quantile(np.abs(lengths - np.median(lengths, axis=1, keepdims=True)), 1.0 - STRETCHES, axis=1)
+    worst = int(np.argmax(off))
+    if off[worst] < STRETCHED:
+        return []
+    words = f"The {bones[worst][0].label.lower()} changes its length by {1000.0 * off[worst]:.0f} mm and more:"
+    return [Remark(f"{words} on bodies, whose bones keep theirs, joints lie elsewhere by as much.")]
 
 
 def _feet_point_back(capture: Capture, body: BodyMap, positions: FloatArray) -> bool:

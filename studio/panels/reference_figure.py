@@ -1,0 +1,96 @@
+"""The body at ease as the studio understands a capture: from the front and from its left, with both sides named."""
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt
+from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen
+from PySide6.QtWidgets import QSizePolicy, QWidget
+
+from studio.core.body.humanoid import BodyMap, BodyPart
+from studio.core.body.kinematics import joint_positions, rest_poses
+from studio.core.captures.capture import Capture
+from studio.core.rotations import normalized
+from studio.document import colours
+
+FloatArray = NDArray[np.float64]
+
+_HEIGHT, _MARGIN, _CAPTION = 150, 10.0, 16.0
+_WIDTH = 2.0
+LEFT_COLOUR, RIGHT_COLOUR = "#6aa5e3", "#e3a23c"
+_CHAINS = (
+    ("CLAVICLE", "UPPER_ARM", "FOREARM", "HAND"),
+    ("THIGH", "SHANK", "FOOT", "TOE"),
+)
+
+
+class ReferenceFigure(QWidget):
+    """Two views of a capture's reference pose; left and right have colours of their own."""
+
+    def __init__(self, capture: Capture, body_map: BodyMap) -> None:
+        super().__init__()
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self.setAccessibleName("Reference pose")
+        self.setToolTip("The body at ease as it is understood: if sides, front or up are wrong, correct the body map")
+        self._points = _standing(capture, body_map)
+        self._chains = _chains(capture, body_map)
+
+    def sizeHint(self) -> QSize:
+        """As wide as the panel."""
+        return QSize(200, _HEIGHT)
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Front view at the left, view from the body's left at the right."""
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        half = self.width() / 2.0
+        views = (
+            ("Front", self._points[:, 1], "Right", "Left"),
+            ("From its left", -self._points[:, 0], "Front", "Back"),
+        )
+        for number, (caption, across, *sides) in enumerate(views):
+            box = QRectF(number * half, 0.0, half, self.height())
+            self._paint_view(painter, across, box)
+            painter.setPen(QColor(colours.TEXT_SECOND))
+            painter.drawText(box, Qt.AlignmentFlag.AlignBottom | Qt.AlignmentFlag.AlignHCenter, caption)
+            for text, side in zip(sides, (Qt.AlignmentFlag.AlignLeft, Qt.AlignmentFlag.AlignRight), strict=True):
+                painter.drawText(box.adjusted(6.0, 0.0, -6.0, 0.0), Qt.AlignmentFlag.AlignTop | side, text)
+        painter.end()
+
+    def _paint_view(self, painter: QPainter, across: FloatArray, box: QRectF) -> None:
+        heights = self._points[:, 2]
+        room = box.height() - 2.0 * _MARGIN - _CAPTION
+        span = max(float(np.ptp(heights)), float(np.ptp(across)) * room / max(box.width() - 4.0 * _MARGIN, 1.0), 1e-6)
+        scale = room / span
+        middle = 0.5 * (across.min() + across.max())
+        xs = box.center().x() + scale * (across - middle)
+        ys = box.bottom() - _MARGIN - _CAPTION - scale * (heights - heights.min())
+        for colour, joints in self._chains:
+            painter.setPen(QPen(QColor(colour), _WIDTH, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
+            painter.drawPolyline([QPointF(float(xs[joint]), float(ys[joint])) for joint in joints])
+
+
+def _standing(capture: Capture, body_map: BodyMap) -> FloatArray:
+    """(J, 3) joints in the reference pose of a body that faces +X, Z up."""
+    points: FloatArray = joint_positions(capture.skeleton, rest_poses(capture.skeleton, capture.reference_rotations))[0]
+    left = points[body_map[BodyPart.LEFT_THIGH]] - points[body_map[BodyPart.RIGHT_THIGH]]
+    left = normalized(left * [1.0, 1.0, 0.0])
+    return np.asarray(points @ np.stack([np.cross(left, [0.0, 0.0, 1.0]), left, [0.0, 0.0, 1.0]], axis=1))
+
+
+def _chains(capture: Capture, body_map: BodyMap) -> list[tuple[str, list[int]]]:
+    """Joints in a row with their colour: trunk and head, then arms and legs with all that ends in them."""
+    top = [joint for part in (BodyPart.NECK, BodyPart.HEAD) if (joint := body_map.get(part)) is not None]
+    chains = [(colours.TEXT, _to_the_end(capture, [*body_map.spine, *top]))]
+    for side, colour in (("RIGHT", RIGHT_COLOUR), ("LEFT", LEFT_COLOUR)):  # the left is nearer in its view
+        for names, root in zip(_CHAINS, (body_map.spine[-1], body_map.spine[0]), strict=True):
+            joints = [joint for name in names if (joint := body_map.get(BodyPart[f"{side}_{name}"])) is not None]
+            chains.append((colour, _to_the_end(capture, [root, *joints])))
+    return chains
+
+
+def _to_the_end(capture: Capture, joints: list[int]) -> list[int]:
+    """``joints`` with the farthest joint that the last one carries, so that its direction is seen."""
+    children = capture.skeleton.children[joints[-1]]
+    if not children:
+        return joints
+    return [*joints, max(children, key=lambda child: float(np.linalg.norm(capture.skeleton.offsets[child])))]

@@ -1,0 +1,43 @@
+"""The picture of a capture's body at ease in its import report."""
+
+import numpy as np
+import pytest
+from PySide6.QtGui import QColor, QImage
+from pytestqt.qtbot import QtBot
+
+from studio.panels.reference_figure import LEFT_COLOUR, RIGHT_COLOUR, ReferenceFigure
+from tests.builders import make_capture
+
+
+def _columns(image: QImage, colour: str, width: int) -> np.ndarray:
+    """Columns of pixels of a colour in the left ``width`` of an image."""
+    wanted = QColor(colour).rgb()
+    found = [(x, y) for x in range(width) for y in range(image.height()) if image.pixel(x, y) == wanted]
+    return np.array([x for x, _ in found])
+
+
+def test_the_body_is_seen_from_the_front_with_its_left_at_the_right(qtbot: QtBot) -> None:
+    capture = make_capture()
+    assert capture.body_map is not None
+    figure = ReferenceFigure(capture, capture.body_map)
+    qtbot.addWidget(figure)
+    figure.resize(400, 160)
+    image = figure.grab().toImage()
+    left, right = (_columns(image, colour, 200) for colour in (LEFT_COLOUR, RIGHT_COLOUR))
+    assert len(left)
+    assert len(right)
+    assert left.mean() > right.mean() + 20
+
+
+@pytest.mark.parametrize("exchanged", [False, True])
+def test_toes_show_whether_sides_are_exchanged(qtbot: QtBot, exchanged: bool) -> None:
+    capture = make_capture()
+    assert capture.body_map is not None
+    body_map = capture.body_map.with_sides_exchanged() if exchanged else capture.body_map
+    figure = ReferenceFigure(capture, body_map)
+    qtbot.addWidget(figure)
+    figure.resize(400, 160)
+    columns = _columns(figure.grab().toImage(), LEFT_COLOUR, 400)
+    side_view = columns[columns >= 200]
+    leg = np.median(side_view)
+    assert (side_view.max() - leg > leg - side_view.min()) == exchanged
