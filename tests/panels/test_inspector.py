@@ -293,7 +293,7 @@ def test_another_unit_asks_for_the_file_to_be_read_again(inspector, document, qt
     document.selection.set(("captures", "capture"))
     unit = named(inspector, QComboBox, "Unit")
     with qtbot.waitSignal(inspector.reimport_wanted) as asked:
-        unit.setCurrentIndex(unit.findText("cm"))
+        unit.setCurrentIndex(unit.findText("centimetres"))
         unit.activated.emit(unit.currentIndex())
     assert asked.args == ["capture", {"unit": "cm"}]
 
