@@ -45,6 +45,7 @@ SEEDS: dict[str, Write] = {
     ".glb": lambda path: path.write_bytes(Gltf().moving().glb()),
     ".gltf": lambda path: path.write_bytes(Gltf().moving().gltf()),
     ".vrm": lambda path: path.write_bytes(Gltf(vrm=1).glb()),
+    ".vrma": lambda path: path.write_bytes(Gltf().moving().glb()),
     ".x3d": _text(x3d),
     ".wrl": _text(vrml),
     ".vrml": _text(vrml),

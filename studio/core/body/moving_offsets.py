@@ -41,10 +41,11 @@ def with_bones_followed(skeleton: Skeleton, poses: PoseSequence, body_map: BodyM
     moves = np.array(poses.local_translations)
     greatest = 0.0
     for joint, end in _bones(skeleton, body_map):
-        bones = normalized(moves[:, end])
-        own = normalized(skeleton.offsets[end])
-        swings = np.arccos(np.clip(bones @ own, -1.0, 1.0)) if own.any() else np.zeros(len(bones))
-        if swings.max() < _SWING:
+        own, bones = normalized(skeleton.offsets[end]), normalized(moves[:, end])
+        directed = np.linalg.norm(bones, axis=1, keepdims=True) > 0.5  # a bone without length points nowhere
+        bones = np.where(directed, bones, own)
+        swings = np.arccos(np.clip(bones @ own, -1.0, 1.0))
+        if np.linalg.norm(own) < 0.5 or swings.max() < _SWING:
             continue
         greatest = max(greatest, float(swings.max()))
         turn = from_matrix(shortest_arc(own, bones))
