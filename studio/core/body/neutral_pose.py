@@ -73,6 +73,7 @@ class _Pose:
     def place_root(self, turns: FloatArray, positions: FloatArray, shares: FloatArray) -> None:
         """Turn the root as it is on average (F, J, 3, 3) in a body that faces +X in every frame."""
         left = normalized(self._pair(positions, "THIGH") * [1.0, 1.0, 0.0])
+        left = np.where(np.linalg.norm(left, axis=1, keepdims=True) > 0.5, left, [0.0, 1.0, 0.0])  # hips in one place
         headings = np.stack([np.cross(left, _UP), left, np.broadcast_to(_UP, left.shape)], axis=1)
         pelvis = self.body_map.spine[0]
         mean = _mean_rotations(from_matrix(headings @ turns[:, pelvis])[:, None], shares)[0]
