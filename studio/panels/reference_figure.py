@@ -40,21 +40,20 @@ class ReferenceFigure(QWidget):
 
     def paintEvent(self, event: QPaintEvent) -> None:
         """Front view at the left, view from the body's left at the right."""
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        half = self.width() / 2.0
-        views = (
-            ("Front", self._points[:, 1], "Right", "Left"),
-            ("From its left", -self._points[:, 0], "Front", "Back"),
-        )
-        for number, (caption, across, *sides) in enumerate(views):
-            box = QRectF(number * half, 0.0, half, self.height())
-            self._paint_view(painter, across, box)
-            painter.setPen(QColor(colours.TEXT_SECOND))
-            painter.drawText(box, Qt.AlignmentFlag.AlignBottom | Qt.AlignmentFlag.AlignHCenter, caption)
-            for text, side in zip(sides, (Qt.AlignmentFlag.AlignLeft, Qt.AlignmentFlag.AlignRight), strict=True):
-                painter.drawText(box.adjusted(6.0, 0.0, -6.0, 0.0), Qt.AlignmentFlag.AlignTop | side, text)
-        painter.end()
+        with QPainter(self) as painter:
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            half = self.width() / 2.0
+            views = (
+                ("Front", self._points[:, 1], "Right", "Left"),
+                ("From its left", -self._points[:, 0], "Front", "Back"),
+            )
+            for number, (caption, across, *sides) in enumerate(views):
+                box = QRectF(number * half, 0.0, half, self.height())
+                self._paint_view(painter, across, box)
+                painter.setPen(QColor(colours.TEXT_SECOND))
+                painter.drawText(box, Qt.AlignmentFlag.AlignBottom | Qt.AlignmentFlag.AlignHCenter, caption)
+                for text, side in zip(sides, (Qt.AlignmentFlag.AlignLeft, Qt.AlignmentFlag.AlignRight), strict=True):
+                    painter.drawText(box.adjusted(6.0, 0.0, -6.0, 0.0), Qt.AlignmentFlag.AlignTop | side, text)
 
     def _paint_view(self, painter: QPainter, across: FloatArray, box: QRectF) -> None:
         heights = self._points[:, 2]

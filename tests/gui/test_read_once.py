@@ -7,6 +7,7 @@ import threading
 import pytest
 
 from studio.core.captures.annotations import Annotations, Label
+from studio.core.normalized import normalize
 from studio.io.export import take_of_capture, write_take
 from tests.builders import make_capture
 from tests.gui.window_use import drop, wait_until_idle
@@ -52,6 +53,21 @@ def test_a_dropped_file_is_recognised_once_and_read_once_beside_the_window(qtbot
     wait_until_idle(qtbot, window)
     assert len(window.bench.document.project.captures) == captures + (name not in ("hero.fbx", "walk.glb"))
     assert times == [False, False]
+
+
+def test_a_dropped_capture_is_normalised_once_for_its_contacts_and_its_bodies(qtbot, window, tmp_path, monkeypatch):
+    measured, real = [], normalize.measure_actor
+    put(tmp_path / "jump.bvh", frames=41)
+
+    def measure(marks, *rest):
+        measured.append(len(marks.points))
+        return real(marks, *rest)
+
+    monkeypatch.setattr(normalize, "measure_actor", measure)
+    drop(window, tmp_path / "jump.bvh")
+    wait_until_idle(qtbot, window)
+    assert window.bench.live.wait(300.0)
+    assert measured.count(41) == 1
 
 
 def test_a_file_whose_kind_was_corrected_is_read_no_more_often(qtbot, window, tmp_path, watched):

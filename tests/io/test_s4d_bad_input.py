@@ -126,7 +126,7 @@ def bad_byte(members):
 
 LATE = {"left_heel": [[0, 30]]}
 CASES = {
-    "no bytes": (lambda members: b"", "not a complete S4D file: File is not a zip file"),
+    "no bytes": (lambda members: b"", "is empty. Copy or export it again."),
     "cut off": (lambda members: packed(members)[:-100], "File is not a zip file"),
     "another file": (lambda members: b"PK\x03\x04" + b"x" * 500, "File is not a zip file"),
     "a byte changed": (bad_byte, "Bad CRC-32"),
