@@ -16,6 +16,7 @@ from studio.core.captures.contacts import (
     SHORTEST,
     ContactInterval,
     ContactPoint,
+    close_steps,
     contact_mask,
     detect_body_contacts,
     detect_contacts,
@@ -215,6 +216,7 @@ def _contacts_of(marks: Landmarks, capture: Capture) -> tuple[Contacts, FloorSlo
         low = tracks[knee][:, 2] < LOW_KNEE * leg
         down = low | contact_mask(bodies[ContactPoint.SEAT], len(points))
         feet[toe] = trailed(feet[toe], toes[:, side], down, capture.frame_rate)
+        feet[heel], feet[toe] = close_steps(feet[heel], feet[toe], soles[:, side, :2].mean(axis=1), shortest)
     # Low hips say what knees and toes do; but of who crawls they are carried, until it lies flat.
     prone = faces_down(points[:, hips], points[:, [layout.collar(0) + 1, layout.collar(1) + 1]])
     flat = tracks[ContactPoint.SEAT][:, 2] < FLAT * leg
