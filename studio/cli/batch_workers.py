@@ -11,12 +11,12 @@ from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 
-from studio.cli.adapt_report import character_report
-from studio.cli.adaptation import ready_capture
 from studio.cli.batch_jobs import Job, Record, died, work
 from studio.core.solver.request import AdaptRequest
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
+from studio.jobs.adapt_report import character_report
+from studio.jobs.adaptation import ready_capture
 from studio.resources_folder import example_captures_folder
 
 FORK = sys.platform == "linux"

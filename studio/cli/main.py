@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 
 from studio import __version__
 from studio.cli.printing import STOPPED
-from studio.cli.process import check_libraries, has_display, prepare_process
 from studio.core.errors import Stopped, StudioError
 from studio.io.registry import known_formats
+from studio.startup.process import check_libraries, has_display, prepare_process
 
 if TYPE_CHECKING:
-    from studio.cli.warm_up import WarmUp
+    from studio.startup.kernel_warm_up import WarmUp
 
 VERBS = {
     "info": "say what was read from a file, what was guessed, and how well it round-trips",
@@ -117,7 +117,8 @@ def open_window(files: Sequence[str] | None = None) -> int:
     found = entry_points(group="morpho_studio.window", name="main")
     if not found:
         raise StudioError("No window is installed. Install Morpho Studio with `pip install -e .` first.")
-    warm_up = import_module("studio.cli.warm_up").WarmUp(held=True)  # compiles beside, while the window is imported
+    # It compiles while the window is imported.
+    warm_up = import_module("studio.startup.kernel_warm_up").WarmUp(held=True)
     window: Callable[[Sequence[str] | None, WarmUp], int] = next(iter(found)).load()
     return window(files, warm_up)
 
