@@ -29,6 +29,7 @@ VERBS = {
     "formats": "list the kinds of files that can be read and written",
     "render": "draw a project or a capture as a picture or a film",
     "bench": "measure how long the studio's jobs take on this machine",
+    "script": "run a Python script that uses studio.api",
 }
 WORK_FAILED, NOBODY_READS = 1, 141
 """Exit codes; the second is that of a tool which a closed pipe ends."""
