@@ -42,6 +42,7 @@ SIZES = ((1280, 720), (1920, 1080), (2560, 1440), (3840, 2160), (1080, 1080), (1
 RATES = (24.0, 25.0, 30.0, 60.0)
 HINTS = {
     ".bvh": "Joints and angles: read by nearly every program.",
+    ".fbx": "Joints, skin, materials and animation for Maya, MotionBuilder, Unreal, Unity and Blender.",
     ".s4d": "The motion as it was captured, with its contacts and constraints, for any body.",
     ".glb": "Joints, skin, materials and animation in one file.",
     ".gltf": "The same as GLB, as text.",

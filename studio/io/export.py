@@ -15,6 +15,8 @@ from studio.core.captures.annotations import Annotations
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import Touch
 from studio.core.errors import StudioError
+from studio.core.mesh.appearance import Material
+from studio.core.mesh.joint_skin import JointSkin, bone_skin, character_skin
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.realize import own_poses
 from studio.core.rotations import IDENTITY
@@ -22,6 +24,7 @@ from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.registry import Format, Progress, known_formats
 
 _STILL_RATE = 30.0
+_BONES = "#C8CDD2"
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +41,8 @@ class Take:
     adapted: AdaptedMotion | None = None
     request: AdaptRequest | None = None
     """What ``adapted`` answers: the normalised motion, contacts, constraints."""
+    bound: JointSkin | None = None
+    """The skin on the joints as they are written, where options have changed these; else ``skin_of`` makes it."""
 
     @property
     def name(self) -> str:
@@ -67,6 +72,18 @@ class Take:
     def frame_rate(self) -> float:
         """Hz."""
         return self.capture.frame_rate
+
+
+def skin_of(take: Take) -> JointSkin:
+    """The character's skin on the joints of ``take``, or a figure of bones where there is none."""
+    if take.bound is not None:
+        return take.bound
+    return character_skin(take.character, take.skeleton) if take.character else bone_skin(take.skeleton)
+
+
+def plain_material(take: Take) -> Material:
+    """The one material of a skin that has no appearance."""
+    return Material(take.name, take.character.colour if take.character else _BONES)
 
 
 def take_of_capture(capture: Capture, annotations: Annotations | None = None) -> Take:

@@ -12,7 +12,7 @@ from studio.io.joint_names import with_joint_names
 REST_POSES = {"t": "T-pose", "own": "the body's own"}
 """In which pose every angle of a file is zero, by key."""
 
-CARRYING = (".bvh", ".glb", ".gltf", ".usd", ".usda", ".usdc")
+CARRYING = (".bvh", ".glb", ".gltf", ".usd", ".usda", ".usdc", ".usdz", ".fbx")
 """Kinds of files in which a character carries the capture's fingers, props and other joints along."""
 
 

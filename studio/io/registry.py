@@ -174,6 +174,7 @@ OWN_FORMATS = (
         capture_reader="studio.io.fbx.format:load_capture",
         character_reader="studio.io.fbx.format:load_character",
         reader="studio.io.fbx.format:load_either",
+        motion_writer="studio.io.fbx.take_writer:write_take",
     ),
     Format(
         name="S4D",

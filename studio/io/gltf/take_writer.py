@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from studio import __version__
 from studio.core.mesh.appearance import Material
-from studio.core.mesh.joint_skin import JointSkin, bone_skin, character_skin
-from studio.io.export import Take
+from studio.core.mesh.joint_skin import JointSkin
+from studio.io.export import Take, plain_material, skin_of
 from studio.io.gltf.buffers import TRIANGLES, VERTICES, Buffers
 from studio.io.registry import Progress
 from studio.io.replacing import write_pieces
@@ -23,7 +23,6 @@ FloatArray = NDArray[np.float64]
 _WORLD_TO_FILE = [1, 2, 0]
 """Y up, facing +Z: file x is world Y (left), y is Z (up), z is X (forward)."""
 _TRAVELS = 1e-7
-_BONES = "#C8CDD2"
 _PIECE = 3 << 18
 """Bytes that are written between two reports of progress: whole groups of three, as base64 takes them."""
 
@@ -34,7 +33,7 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
     Metres, Y up; one key a frame, interpolated linearly. Raises StudioError when the file cannot be written.
     """
     buffers = Buffers()
-    skin = character_skin(take.character, take.skeleton) if take.character else bone_skin(take.skeleton)
+    skin = skin_of(take)
     root = _document(take, skin, buffers, lambda share: progress(0.8 * share, f"Writing {path.name}"))
     buffers.content.extend(bytes(-len(buffers.content) % 4))
     root["buffers"] = [{"byteLength": len(buffers.content)}]
@@ -66,7 +65,7 @@ def _document(take: Take, skin: JointSkin, buffers: Buffers, progress: Any) -> d
         "skins": [{"joints": list(range(joints)), "inverseBindMatrices": _inverse_binds(skin, buffers), "skeleton": 0}],
         "animations": [_animation(take, buffers, progress)],
     }
-    materials = skin.appearance.materials if skin.appearance else (Material(take.name, _colour(take)),)
+    materials = skin.appearance.materials if skin.appearance else (plain_material(take),)
     root["materials"], images = _materials(materials, buffers)
     if images:
         root["images"] = images
@@ -78,10 +77,6 @@ def _document(take: Take, skin: JointSkin, buffers: Buffers, progress: Any) -> d
         root["nodes"].pop()
         root["scenes"][0]["nodes"].pop()
     return root | {"bufferViews": buffers.views, "accessors": buffers.accessors}
-
-
-def _colour(take: Take) -> str:
-    return take.character.colour if take.character else _BONES
 
 
 def _joint_nodes(take: Take) -> list[dict[str, Any]]:

@@ -13,9 +13,8 @@ import numpy as np
 
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
-from studio.core.mesh.appearance import Material
-from studio.core.mesh.joint_skin import JointSkin, bone_skin, character_skin
-from studio.io.export import Take
+from studio.core.mesh.joint_skin import JointSkin
+from studio.io.export import Take, plain_material, skin_of
 from studio.io.registry import Progress
 from studio.io.replacing import replacing_all
 from studio.io.usd.materials import bind_materials, identifiers
@@ -24,7 +23,6 @@ from studio.io.zipped import write_zip
 PACKED = ".usdz"
 _TOLD, _SAVED = 64, 8192
 """Frames between two reports of progress, and those that go to the disk at once: USD holds Python's lock for them."""
-_BONES = "#C8CDD2"
 
 
 def write_take(path: Path, take: Take, progress: Progress) -> None:
@@ -80,7 +78,7 @@ def _fill(stage: Any, take: Take, stem: str, progress: Any) -> dict[str, bytes]:
     stage.SetFramesPerSecond(take.frame_rate)
     stage.SetStartTimeCode(0)
     stage.SetEndTimeCode(take.poses.frame_count - 1)
-    skin = character_skin(take.character, take.skeleton) if take.character else bone_skin(take.skeleton)
+    skin = skin_of(take)
     root = UsdSkel.Root.Define(stage, f"/{identifiers([take.name])[0]}")
     stage.SetDefaultPrim(root.GetPrim())
     joints = _joint_paths(take.skeleton)
@@ -90,9 +88,7 @@ def _fill(stage: Any, take: Take, stem: str, progress: Any) -> dict[str, bytes]:
         return {}
     mesh = _mesh(stage, root, skeleton, skin)
     if not skin.appearance:
-        colour = take.character.colour if take.character else _BONES
-        plain = (Material(take.name, colour),)
-        return bind_materials(stage, mesh, plain, np.zeros(len(skin.triangles), dtype=np.int32), stem)
+        return bind_materials(stage, mesh, (plain_material(take),), np.zeros(len(skin.triangles), dtype=np.int32), stem)
     look = skin.appearance
     coordinates = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
         "st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.vertex
