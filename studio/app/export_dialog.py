@@ -12,7 +12,7 @@ from studio.app import exporting, filming
 from studio.app.file_dialogs import ask_folder, ask_new_file
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
-from studio.io.export_options import CARRYING, REST_POSES, ExportOptions
+from studio.io.export_options import REST_POSES, SKELETAL, ExportOptions
 from studio.io.joint_names import joint_namings
 from studio.io.registry import known_formats
 from studio.io.staged_export import file_name, other_joints, safe_name
@@ -204,7 +204,7 @@ class ExportDialog(QDialog):
         shown = {
             self.names: self._names_matter(kind),
             self.rest: kind.suffix == ".bvh",
-            self.others: kind.what is What.ADAPTED and kind.suffix in CARRYING and bool(self._carried),
+            self.others: kind.what is What.ADAPTED and kind.suffix in SKELETAL and bool(self._carried),
             self.picture_size: kind.what is What.FILM,
             self.rate: kind.what is What.FILM,
         }

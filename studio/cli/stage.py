@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
-from studio.cli.adapt_report import Record, figures
+from studio.cli.adapt_report import Record, figures, place_record
 from studio.cli.adaptation import make_folder
 from studio.cli.bundled_scenes import open_project
 from studio.cli.export_options import export_options
@@ -18,6 +18,7 @@ from studio.core.project import Project
 from studio.core.solver.performers.performing import Performance
 from studio.core.solver.source import played_on
 from studio.core.solver.standing.stand import standing_of
+from studio.core.stage.placement import Placement
 from studio.io.export import write_take
 from studio.io.export_options import ExportOptions
 from studio.io.registry import known_formats
@@ -39,7 +40,7 @@ def run_stage(arguments: Namespace) -> int:
     known = known_formats().suffixes("motion_writer")
     if suffix not in known:
         raise StudioError(f"'{arguments.format}' is not a kind of file for motions: choose {', '.join(known)}.")
-    options = replace(export_options(arguments), body_only=arguments.body_only)
+    options = export_options(arguments)
     options.check(Path(f"motion{suffix}"))
     project = told(open_project(arguments.stage), arguments)
     paths = {key: arguments.out / name for key, name in file_names(project, suffix).items()}
@@ -108,6 +109,7 @@ def performer_record(
     return {
         "name": performer.name,
         "file": str(path),
+        "place": place_record(Placement.of(performer)),
         "clips": [project.motions[clip.motion_id].name for clip in performer.clips],
         "begin": composite.timing.start,
         "frame_rate": composite.timing.frame_rate,

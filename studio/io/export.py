@@ -21,9 +21,12 @@ from studio.core.normalized.actor import Actor
 from studio.core.normalized.realize import own_poses
 from studio.core.rotations import IDENTITY
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.stage.placement import Placement
 from studio.io.registry import Format, Progress, known_formats
 
 _STILL_RATE = 30.0
+NOWHERE = Placement()
+"""The place of who stands on no stage."""
 _BONES = "#C8CDD2"
 
 
@@ -43,6 +46,10 @@ class Take:
     """What ``adapted`` answers: the normalised motion, contacts, constraints."""
     bound: JointSkin | None = None
     """The skin on the joints as they are written, where options have changed these; else ``skin_of`` makes it."""
+    place: Placement = Placement()
+    """Where the space of its poses stands on the stage."""
+    begin: float = 0.0
+    """Seconds on the stage at which it begins."""
 
     @property
     def name(self) -> str:
@@ -134,15 +141,27 @@ def take_of_adapted(
     return Take(capture, _met(request, adapted), character, adapted, request)
 
 
-def take_of_actor(adapted: AdaptedMotion, actor: Actor, capture: Capture, request: AdaptRequest | None = None) -> Take:
+def take_of_actor(
+    adapted: AdaptedMotion,
+    actor: Actor,
+    capture: Capture,
+    request: AdaptRequest | None = None,
+    place: Placement = NOWHERE,
+) -> Take:
     """A motion adapted to the actor of its own capture, on the capture's joints: fingers, eyes, props and all others
     that play no part of the body move as they were captured.
+
+    It stays where it was captured, or stands at ``place`` on the stage where one is chosen.
     """
     try:
         poses = own_poses(actor, adapted.positions[:], adapted.rotations[:], adapted.first_frame)
     except StudioError as error:
         raise StudioError(f"The motion of {capture.name} cannot be exported: {error}") from error
-    return Take(replace(capture, poses=poses, first_frame=0), _met(request, adapted), None, adapted, request)
+    take = Take(replace(capture, poses=poses, first_frame=0), _met(request, adapted), None, adapted, request)
+    if place == NOWHERE:
+        return take
+    x, y, _ = (-actor.origin).tolist()
+    return replace(take, place=place.around(Placement((x, y))))
 
 
 def _met(request: AdaptRequest | None, adapted: AdaptedMotion) -> Annotations:
