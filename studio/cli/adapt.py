@@ -44,6 +44,8 @@ def run(arguments: Namespace) -> int:
     """Adapt, export, report."""
     if arguments.stage is not None:
         return run_stage(arguments)
+    if arguments.one_file:
+        raise StudioError("--one-file holds a whole stage: name a project or a scene with --stage.")
     if arguments.capture is None:
         raise StudioError("Name a capture to adapt, or a project with --stage.")
     asked = asked_by(arguments)

@@ -53,6 +53,9 @@ def add_adapt_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--stage", type=Path, metavar="PROJECT|SCENE", help="all performers of a project or scene instead"
     )
+    parser.add_argument(
+        "--one-file", action="store_true", help="of a stage: all performers and props in one file (glTF, USD, FBX)"
+    )
     add_adaptation_options(parser)
 
 

@@ -74,8 +74,17 @@ class ExportOptions:
                 f"{path.name}: the constraints of '{take.name}' count from its first frame. Write all of it at its own"
                 " frame rate, or another kind of file."
             )
-        if self._is_timed(take):
-            take = self._timed(take)
+        return self._shaped(self._timed(take) if self._is_timed(take) else take)
+
+    def applied_over(self, take: Take, seconds: FloatArray, frame_rate: float, path: Path) -> Take:
+        """``applied_to`` in frames at ``seconds`` (N,) of the stage, whatever the range is; outside its own the take
+        holds still.
+        """
+        self.check(path)
+        return self._shaped(sampled(take, seconds - take.begin, frame_rate))
+
+    def _shaped(self, take: Take) -> Take:
+        """The take in its place, with the joints, the zero pose and the names that are chosen."""
         if not self.at_origin:
             take = placed(take)
         take = self._from_rest_pose(take)

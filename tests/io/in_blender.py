@@ -1,6 +1,7 @@
 """Run by Blender's Python, see ``blender``: import a file and write where everything is in every frame.
 
-Blender has Z up and faces -Y where the studio faces X: what is written is turned into the studio's axes.
+Blender has Z up and faces -Y where the studio faces X: what is written is turned into the studio's axes. USD keeps
+its own.
 """
 
 import json
@@ -10,11 +11,13 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-TO_STUDIO = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+FROM_BLENDER = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 
 
-def main(source: str, target: str, frames: int) -> None:
+def main(source: str, target: str, frames: int, rate: float) -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.context.scene.render.fps = round(rate)  # a glTF file says seconds
+    to_studio = np.eye(3) if ".usd" in Path(source).suffix else FROM_BLENDER
     match Path(source).suffix.lower():
         case ".fbx":
             bpy.ops.import_scene.fbx(filepath=source, use_anim=True, ignore_leaf_bones=False, anim_offset=0.0)
@@ -35,11 +38,11 @@ def main(source: str, target: str, frames: int) -> None:
                 names[item.name] = [bone.name for bone in item.pose.bones]
                 posed = [world @ np.array(bone.matrix) for bone in item.pose.bones]
                 bound = [world @ np.array(bone.bone.matrix_local) for bone in item.pose.bones]
-                record["heads"].append(np.array([TO_STUDIO @ each[:3, 3] for each in posed]))
+                record["heads"].append(np.array([to_studio @ each[:3, 3] for each in posed]))
                 record["rotations"].append(
                     np.array(
                         [
-                            TO_STUDIO @ turn(now) @ turn(then).T @ TO_STUDIO.T
+                            to_studio @ turn(now) @ turn(then).T @ to_studio.T
                             for now, then in zip(posed, bound, strict=True)
                         ]
                     )
@@ -50,9 +53,9 @@ def main(source: str, target: str, frames: int) -> None:
                 mesh.vertices.foreach_get("co", points)
                 record = found["meshes"].setdefault(item.name, {"vertices": []})
                 placed = points.reshape(-1, 3) @ world[:3, :3].T + world[:3, 3]
-                record["vertices"].append(placed @ TO_STUDIO.T)
+                record["vertices"].append(placed @ to_studio.T)
             record = found["objects"].setdefault(item.name, {"places": []})
-            record["places"].append(world)
+            record["places"].append(to_studio @ world[:3, 3])
     about = {
         kind: {name: {"arrays": list(record), "bones": names.get(name, [])} for name, record in records.items()}
         for kind, records in found.items()
@@ -73,4 +76,4 @@ def turn(matrix: np.ndarray) -> np.ndarray:
     return matrix[:3, :3] / np.cbrt(np.linalg.det(matrix[:3, :3]))
 
 
-main(sys.argv[1], sys.argv[2], int(sys.argv[3]))
+main(sys.argv[1], sys.argv[2], int(sys.argv[3]), float(sys.argv[4]))

@@ -172,7 +172,7 @@ def test_blender_shows_the_same_joints_and_the_same_skin(captures, tmp_path, nam
     take = take_on(bundled_characters()[name], load_capture(captures / "bvh" / f"{CLIPS[0]}.bvh"))
     write_take(take, tmp_path / "out.fbx")
     frames = take.poses.frame_count
-    found = opened_in_blender(tmp_path / "out.fbx", frames=frames)
+    found = opened_in_blender(tmp_path / "out.fbx", frames=frames, rate=24.0)
     assert found["rate"] == take.frame_rate
     [armature], [mesh] = found["armatures"].values(), found["meshes"].values()
     positions, rotations = joint_world(take.skeleton, take.poses)

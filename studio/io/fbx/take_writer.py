@@ -33,11 +33,11 @@ Share = Callable[[float], None]
 
 CENTIMETRES = 100.0
 """A metre."""
-_WORLD_TO_FILE = [1, 2, 0]
+WORLD_TO_FILE = [1, 2, 0]
 """Y up, facing +Z: file x is world Y (left), y is Z (up), z is X (forward)."""
 _TRAVELS = 1e-7
 """Metres by which a joint must leave its offset to have curves of its position."""
-_CURVES = 0.8
+CURVES_SHARE = 0.8
 """The share of the work after which all curves are made."""
 _LINEAR = 4
 """The flag of keys that are interpolated linearly."""
@@ -51,10 +51,14 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
     Centimetres, Y up, facing +Z; every angle is zero in the zero pose of the skeleton, the bind pose is that of the
     skin. Read back, every joint is within 0.01 mm and 0.01 degrees. Raises StudioError when the file cannot be written.
     """
-    text = f"Writing {path.name}"
     document = Document(take.name, take.frame_rate, take.poses.frame_count)
-    put_take(document, take, WHOLE_SCENE, lambda share: progress(_CURVES * share, text))
-    write_pieces(path, _reported(document.elements(), lambda: progress(_CURVES, text)))
+    put_take(document, take, WHOLE_SCENE, lambda share: progress(CURVES_SHARE * share, f"Writing {path.name}"))
+    write_document(path, document, progress)
+
+
+def write_document(path: Path, document: Document, progress: Progress) -> None:
+    """Write what is finished, from ``CURVES_SHARE`` of the work on."""
+    write_pieces(path, _reported(document.elements(), lambda: progress(CURVES_SHARE, f"Writing {path.name}")))
     progress(1.0, f"Wrote {path.name}")
 
 
@@ -72,7 +76,7 @@ def put_take(document: Document, take: Take, parent: Long, progress: Share) -> N
     stands = [
         (joint, _placed(position, rotation))
         for joint, position, rotation in zip(
-            joints, _positions(skin.bind_positions), _turned(skin.bind_rotations), strict=True
+            joints, positions_in_file(skin.bind_positions), _turned(skin.bind_rotations), strict=True
         )
     ]
     if len(skin.triangles):
@@ -90,12 +94,12 @@ def put_take(document: Document, take: Take, parent: Long, progress: Share) -> N
 def _put_joints(document: Document, take: Take, parent: Long, progress: Share) -> list[Long]:
     """The joints as they stand in the skeleton's zero pose, and their curves."""
     skeleton, poses = take.skeleton, take.poses
-    offsets = _positions(skeleton.offsets)
+    offsets = positions_in_file(skeleton.offsets)
     travels = np.abs(poses.local_translations - skeleton.offsets).max(axis=(0, 2)) > _TRAVELS
     joints: list[Long] = []
     for joint, name in enumerate(skeleton.names):
         progress(joint / skeleton.joint_count)
-        order, angles = euler_curves(poses.local_rotations[:, joint][:, [*_WORLD_TO_FILE, 3]])
+        order, angles = euler_curves(poses.local_rotations[:, joint][:, [*WORLD_TO_FILE, 3]])
         above = int(skeleton.parents[joint])
         key = document.add(
             "Model", name, "LimbNode", node(animated("Lcl Translation", offsets[joint]), order=order),
@@ -106,7 +110,7 @@ def _put_joints(document: Document, take: Take, parent: Long, progress: Share) -
         if not skeleton.end_sites[joint] or joint == 0:
             put_curves(document, key, "Lcl Rotation", "R", angles)
         if travels[joint] or joint == 0:
-            put_curves(document, key, "Lcl Translation", "T", _positions(poses.local_translations[:, joint]))
+            put_curves(document, key, "Lcl Translation", "T", positions_in_file(poses.local_translations[:, joint]))
         joints.append(key)
     return joints
 
@@ -213,7 +217,7 @@ def geometry(
     used = [block("LayerElement", children=[element("Type", layer.name), element("TypedIndex", 0)]) for layer in layers]
     return [
         element("GeometryVersion", 124),
-        element("Vertices", _positions(vertices).ravel()),
+        element("Vertices", positions_in_file(vertices).ravel()),
         element("PolygonVertexIndex", ended.ravel()),
         *layers,
         block("Layer", 0, children=[element("Version", 100), *used]),
@@ -249,18 +253,18 @@ def _put_skin(
         document.connect(key, cluster)
 
 
-def _positions(points: FloatArray) -> FloatArray:
+def positions_in_file(points: FloatArray) -> FloatArray:
     """Centimetres in the file's axes of metres (..., 3) in the world."""
-    return np.asarray(CENTIMETRES * points[..., _WORLD_TO_FILE])
+    return np.asarray(CENTIMETRES * points[..., WORLD_TO_FILE])
 
 
 def _turned_vectors(directions: FloatArray) -> FloatArray:
-    return np.ascontiguousarray(directions[..., _WORLD_TO_FILE], np.float64).ravel()
+    return np.ascontiguousarray(directions[..., WORLD_TO_FILE], np.float64).ravel()
 
 
 def _turned(rotations: FloatArray) -> FloatArray:
     """Rotations (..., 3, 3) of the world in the file's axes."""
-    return rotations[..., _WORLD_TO_FILE, :][..., _WORLD_TO_FILE]
+    return rotations[..., WORLD_TO_FILE, :][..., WORLD_TO_FILE]
 
 
 def _placed(position: FloatArray, rotation: FloatArray) -> FloatArray:
