@@ -40,7 +40,7 @@ def hostile_inbox(random: Random) -> Inbox:
 
 
 def play(seed: int) -> bool:
-    """Let a hostile body drive a performer; returns whether it was one. Raises AssertionError for numbers not finite."""
+    """Let a hostile body drive a performer; returns whether it was one. Raises AssertionError for NaN."""
     random = Random(seed)
     inbox = hostile_inbox(random)
     inbox.place(["Head"])
