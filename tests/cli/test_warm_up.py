@@ -11,8 +11,8 @@ import pytest
 
 from studio.cli import first_run, warm_up
 from studio.cli.compile_work import CompileWork, all_kernels, kernels_below
-from studio.core.kernels.adapt import place_frames, solve_frames
-from studio.core.kernels.body.normalize import encode_frames
+from studio.core.kernels.body.encode_channels import encode_frames
+from studio.core.kernels.solve_clip import place_frames, solve_frames
 
 FETCHED = [warm_up.STANDING, "first_run.run", warm_up.REST]
 
