@@ -291,7 +291,7 @@ def test_frames_in_which_a_limb_stands_are_counted_and_misses_are_those_of_the_f
 
 
 def test_feet_stand_on_the_ground_of_a_file_where_the_character_is_placed(capsys, tmp_path):
-    standing = example_captures_folder() / "reach_grasp.bvh"
+    standing = example_captures_folder() / "front_kick.bvh"
     (tmp_path / "ground.json").write_text('{"kind": "slope", "angle": 0.1}')
     arguments = ("--character", "child", "--ground", tmp_path / "ground.json")
     for place, rise in (((), 0.0), (("--place", "child", "2", "0", "0"), 2.0 * np.tan(0.1))):
