@@ -11,6 +11,7 @@ from studio.core.body.pose import PoseSequence
 from studio.core.body.rehanging import rehang, rehung
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
+from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
 from studio.core.rotations import from_matrix, to_matrix
 from studio.io.capture_guesses import LOOSE_FEET, ReadJoints, body_guesses, stood_capture
@@ -20,7 +21,7 @@ from studio.io.gltf.animation import Track, read_tracks
 from studio.io.gltf.container import GltfFile, read_gltf
 from studio.io.gltf.nodes import Nodes, read_nodes
 from studio.io.gltf.vrm import vrm_bones
-from studio.io.guessing import Scale, find_unit, guess_frame_rate, leg_length
+from studio.io.guessing import Scale, find_unit, guess_frame_rate, leg_and_trunk
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress, ReadCapture
 from studio.io.up_axis import BodyPoints, axis_called, guess_up_axis, said_axis, turn_to_world
@@ -107,8 +108,8 @@ def _capture(file: GltfFile, options: ImportOptions, progress: Progress) -> Capt
         guess = guess_up_axis(body, said_axis(axis))
         if guess.value != axis:
             return _capture(file, replace(options, up_axis=guess.value), progress).with_guess(guess)
-    leg = leg_length(sample, found.body_map) if found.body_map else None
-    (unit, metres), unit_guess = find_unit(leg, _METRES, options.unit)
+    leg, trunk = leg_and_trunk(sample, found.body_map)
+    (unit, metres), unit_guess = find_unit(leg, _METRES, options.unit, trunk)
     guesses += [unit_guess] if unit_guess else []
     skeleton = replace(skeleton, offsets=metres * skeleton.offsets)
     poses = replace(poses, local_translations=metres * poses.local_translations)
@@ -163,7 +164,9 @@ def _frame_rate(tracks: list[Track], options: ImportOptions, guesses: list[Guess
     if len(steps) and np.ptp(steps) < _EVEN * step:  # the mean of even steps is the surest
         step = float((densest[-1] - densest[0]) / len(steps))
     if step > _SPARSE:
-        guesses.append(Guess("frame rate", f"{_USUAL_RATE:g} Hz", "The keys are too few to tell a rate."))
+        guesses.append(
+            Guess("frame rate", f"{_USUAL_RATE:g} Hz", "The keys are too few to tell a rate.", Confidence.DOUBTFUL)
+        )
         return _USUAL_RATE
     rate, guess = guess_frame_rate(step, _DIGIT)
     guesses += [guess] if guess else []
