@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 
 KNOWN_FAULTS = {
-    "test_feet_strike_and_leave_when_operators_and_force_plates_say_so": "one event is 0.15 s off for 0.05",
     "test_cartwheels_and_crawls_hold_on_slopes[get_up-up]": "legs accelerate 5.0 times as sharply as the source's",
     "test_cartwheels_and_crawls_hold_on_slopes[get_up-aside]": "legs accelerate 4.5 times as sharply as the source's",
     "test_cartwheels_and_crawls_hold_on_slopes[cartwheel-up]": "arms accelerate 4.5 times as sharply as the source's",

@@ -16,6 +16,7 @@ from studio.core.captures.contacts import (
     SHORTEST,
     ContactInterval,
     ContactPoint,
+    close_steps,
     contact_mask,
     detect_body_contacts,
     detect_contacts,
@@ -27,6 +28,7 @@ from studio.core.captures.contacts import (
     without,
 )
 from studio.core.captures.floor_slope import FloorSlope, find_floor_slope
+from studio.core.captures.plate_steps import fit_to_plates
 from studio.core.captures.rising_heels import rising_heels
 from studio.core.errors import StudioError
 from studio.core.kernels import layout as at
@@ -160,7 +162,8 @@ def _find(capture: Capture, marks: Landmarks | None = None) -> _Found:
 def _terms(capture: Capture) -> object:
     """All of a capture, besides its poses, that its contacts depend on."""
     offsets, reference = capture.skeleton.offsets.tobytes(), capture.reference_rotations.tobytes()
-    return offsets, reference, capture.body_map, capture.frame_rate, capture.floor, capture.first_frame
+    begin = capture.frame_rate, capture.floor, capture.first_frame
+    return offsets, reference, capture.body_map, *begin, capture.plate_loads
 
 
 _FOUND: Shared[Capture, _Found] = Shared(_find, owner=lambda capture: capture.poses, terms=_terms)
@@ -216,11 +219,12 @@ def _contacts_of(marks: Landmarks, capture: Capture) -> tuple[Contacts, FloorSlo
         low = tracks[knee][:, 2] < LOW_KNEE * leg
         down = low | contact_mask(bodies[ContactPoint.SEAT], len(points))
         feet[toe] = trailed(feet[toe], toes[:, side], down, capture.frame_rate)
+        feet[heel], feet[toe] = close_steps(feet[heel], feet[toe], soles[:, side, :2].mean(axis=1), shortest)
     # Low hips say what knees and toes do; but of who crawls they are carried, until it lies flat.
     prone = faces_down(points[:, hips], points[:, [layout.collar(0) + 1, layout.collar(1) + 1]])
     flat = tracks[ContactPoint.SEAT][:, 2] < FLAT * leg
     bodies[ContactPoint.SEAT] = without(bodies[ContactPoint.SEAT], prone & ~flat, shortest)
-    return feet | bodies, slope
+    return fit_to_plates(feet, soles, capture.plate_loads, rate) | bodies, slope
 
 
 def _standing_feet(contacts: Contacts, frame_count: int) -> BoolArray:
