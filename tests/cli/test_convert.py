@@ -68,7 +68,7 @@ def test_a_damaged_file_leaves_the_target_as_it_was(capsys, tmp_path):
 def test_a_character_in_a_file_that_holds_no_motion_stands_for_one_frame(capsys, captures, tmp_path, name, suffix):
     source, target = captures / "characters" / name, tmp_path / f"out{suffix}"
     assert main(["convert", str(source), str(target)]) == 0
-    assert "1 frames" in capsys.readouterr().out
+    assert "1 frame of" in capsys.readouterr().out
     character, capture = load_character(source).character, load_capture(target)
     assert capture.frame_count == 1
     standing = joint_world(capture.skeleton, capture.poses)[0][0]
