@@ -76,7 +76,8 @@ def _capture(file: GltfFile, options: ImportOptions, progress: Progress) -> Capt
     path = file.path
     nodes, accessors = read_nodes(file.root), Accessors(file)
     bones = vrm_bones(file.root, len(nodes.parents))
-    tracks, guesses = _first_animation(file, accessors, len(nodes.parents))
+    repairs: list[str] = []
+    tracks, guesses = _first_animation(file, accessors, len(nodes.parents), repairs)
     figure = _figure(file, nodes, tracks, bones)
     rate = _frame_rate(tracks, options, guesses)
     times = _times(tracks, rate, len(nodes.parents), file)
@@ -113,16 +114,18 @@ def _capture(file: GltfFile, options: ImportOptions, progress: Progress) -> Capt
     guesses += [unit_guess] if unit_guess else []
     skeleton = replace(skeleton, offsets=metres * skeleton.offsets)
     poses = replace(poses, local_translations=metres * poses.local_translations)
-    read = ReadJoints(path, skeleton, poses, metres * places, rate, unit, axis)
+    read = ReadJoints(path, skeleton, poses, metres * places, rate, unit, axis, tuple(repairs))
     capture = stood_capture(read, found, options, guesses)
     progress(1.0, f"Loaded {path.name}")
     return capture
 
 
-def _first_animation(file: GltfFile, accessors: Accessors, node_count: int) -> tuple[list[Track], list[Guess]]:
+def _first_animation(
+    file: GltfFile, accessors: Accessors, node_count: int, repairs: list[str]
+) -> tuple[list[Track], list[Guess]]:
     animations = file.root.records("animations")
     for place, animation in enumerate(animations):
-        tracks = read_tracks(animation, accessors, node_count)
+        tracks = read_tracks(animation, accessors, node_count, repairs)
         if tracks:
             name = animation.text("name") or f"animation {place}"
             others = [each.text("name") for each in animations[:9] if each is not animation]
