@@ -22,9 +22,15 @@ from studio.io.importing import ImportOptions
 
 FloatArray = NDArray[np.float64]
 
-LOOSE_FEET = (
-    "In the file they do not hang from the legs, as rigs for inverse kinematics have it; they follow the shanks."
-)
+
+def feet_guess(behind: float) -> Guess:
+    """Feet that do not hang from the legs; the body was ``behind`` them, in the unit of the poses, by so much."""
+    reason = (
+        "In the file they do not hang from the legs, as rigs for inverse kinematics have it; they follow the shanks."
+    )
+    if behind:
+        reason += " The body does not go with them there; it was put where the ends of its shanks meet them."
+    return Guess("feet", "hung from the shanks", reason, Confidence.LIKELY if behind else Confidence.SURE)
 
 
 def body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) -> list[Guess]:

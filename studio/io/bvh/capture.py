@@ -12,7 +12,7 @@ from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_positions
 from studio.core.body.moving_offsets import with_seen_offsets
 from studio.core.body.pose import PoseSequence
-from studio.core.body.rehanging import rehang, rehung
+from studio.core.body.rehanging import over_feet, rehang, rehung
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.confidence import Confidence
@@ -20,7 +20,7 @@ from studio.core.kernels.body.channels import turn_axes
 from studio.core.pieces import over_frames
 from studio.core.rotations import IDENTITY, normalized
 from studio.io.bvh.reader import read_bvh
-from studio.io.capture_guesses import LOOSE_FEET, ReadJoints, body_guesses, stood_capture
+from studio.io.capture_guesses import ReadJoints, body_guesses, feet_guess, stood_capture
 from studio.io.figure.body_maps import FoundBody, find_body, loose_feet, named_sides
 from studio.io.guessing import Scale, find_unit, guess_frame_rate, leg_and_trunk
 from studio.io.importing import ImportOptions
@@ -83,8 +83,10 @@ def capture_of(file: Recording, path: Path, options: ImportOptions, progress: Pr
     sample = PoseSequence(*file.transforms(looked_at))
     after = PoseSequence(*file.transforms(np.minimum(looked_at + 1, file.frame_count - 1)))
     skeleton = with_seen_offsets(file.skeleton, sample)
+    loose = loose_feet(skeleton)
+    if loose:
+        sample, after = (over_feet(skeleton, poses, loose)[0] for poses in (sample, after))
     both = np.stack([joint_positions(skeleton, poses) for poses in (sample, after)])
-    loose = loose_feet(skeleton, both[0])
     if loose:
         hanging = rehang(skeleton.parents, loose)
         skeleton, _ = rehung(skeleton, sample, hanging)
@@ -102,8 +104,9 @@ def capture_of(file: Recording, path: Path, options: ImportOptions, progress: Pr
     )
     skeleton = with_seen_offsets(skeleton, poses)
     if loose:
+        poses, behind = over_feet(skeleton, poses, loose)
         skeleton, poses = rehung(skeleton, poses, hanging)
-        guesses.append(Guess("feet", "hung from the shanks", LOOSE_FEET))
+        guesses.append(feet_guess(behind))
     frame_rate = _frame_rate(file.frame_time, file.frame_time_digit, options, guesses)
     progress(0.8, f"Finding floor and reference pose of {path.name}")
     positions = joint_positions(skeleton, poses)

@@ -84,7 +84,7 @@ def _body(figure: Figure, options: ImportOptions) -> _Body:
     offsets = figure.positions - figure.positions[np.maximum(parents, 0)]
     offsets[0] = figure.positions[0]
     skeleton = Skeleton(figure.joint_names, parents, offsets, np.zeros(len(parents), dtype=bool))
-    loose = loose_feet(skeleton, figure.positions[None])
+    loose = loose_feet(skeleton)
     if loose:
         return _body(_rehung(figure, rehang(parents, loose)), options)
     body_map, guess = _find(figure, skeleton, options)

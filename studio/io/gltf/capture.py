@@ -7,14 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.body_shape import body_by_shape, knees_bend_backwards
+from studio.core.body.kinematics import joint_positions
 from studio.core.body.pose import PoseSequence
-from studio.core.body.rehanging import rehang, rehung
+from studio.core.body.rehanging import over_feet, rehang, rehung
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
 from studio.core.rotations import from_matrix, to_matrix
-from studio.io.capture_guesses import LOOSE_FEET, ReadJoints, body_guesses, stood_capture
+from studio.io.capture_guesses import ReadJoints, body_guesses, feet_guess, stood_capture
 from studio.io.figure.body_maps import FoundBody, find_body, loose_feet, named_sides
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.animation import Track, read_tracks
@@ -88,13 +89,16 @@ def _capture(file: GltfFile, options: ImportOptions, progress: Progress) -> Capt
     progress(0.7, f"Finding the body in {path.name}")
     looked_at = np.unique(np.linspace(0, len(times) - 1, _LOOKED_AT).astype(int))
     skeleton, poses = _joint_motion(figure, rest_places[0], rest_turns[0], places, turns)
-    sample, rest = places[looked_at], rest_places[0]
-    loose = loose_feet(skeleton, sample)
+    rest = rest_places[0]
+    loose = loose_feet(skeleton)
     if loose:
+        poses, behind = over_feet(skeleton, poses, loose)
+        places = joint_positions(skeleton, poses)
         hanging = rehang(skeleton.parents, loose)
         skeleton, poses = rehung(skeleton, poses, hanging)
-        places, sample, rest = places[:, hanging.order], sample[:, hanging.order], rest[hanging.order]
-        guesses.append(Guess("feet", "hung from the shanks", LOOSE_FEET))
+        places, rest = places[:, hanging.order], rest[hanging.order]
+        guesses.append(feet_guess(behind))
+    sample = places[looked_at]
     chosen = {part: figure.names[figure.nodes.index(node)] for part, node in bones.items()}
     found = find_body(skeleton, sample, {**chosen, **(options.body_map or {})} or None)
     sides = named_sides(skeleton)
