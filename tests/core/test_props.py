@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studio.cli.render import prepared
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Proportions
 from studio.core.constraints.base import BodyPoint
@@ -20,6 +19,7 @@ from studio.core.solver.performers.stage import asked_of
 from studio.core.stage.holding import grips
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape
+from studio.jobs.performances import prepared
 from studio.library.scenes import carrying
 from tests.builders import make_constraint, make_project
 
