@@ -6,23 +6,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from studio.cli.adapt_report import Record, character_report, place_record
-from studio.cli.adaptation import (
-    MOTION_ID,
-    ReadyCapture,
-    chosen_characters,
-    cleaning_records,
-    make_folder,
-    ready_capture,
-)
 from studio.cli.batch_summary import rows_of, write_rows
 from studio.cli.export_options import export_options
-from studio.cli.following import with_tracks
 from studio.cli.import_options import import_options
 from studio.cli.outputs import refuse_replacing
 from studio.cli.printing import print_json, print_table
 from studio.cli.stage import run_stage
-from studio.cli.warm_up import compile_first
 from studio.core.body.character import Character
 from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
@@ -36,6 +25,17 @@ from studio.io.project.constraint_file import ConstraintFile, read_constraints
 from studio.io.project.ground_file import read_ground
 from studio.io.registry import known_formats
 from studio.io.report_file import write_json
+from studio.jobs.adapt_report import Record, character_report, place_record
+from studio.jobs.adaptation import (
+    MOTION_ID,
+    ReadyCapture,
+    chosen_characters,
+    cleaning_records,
+    make_folder,
+    ready_capture,
+)
+from studio.jobs.following import with_tracks
+from studio.startup.kernel_warm_up import compile_first
 
 ACTOR = "actor"
 

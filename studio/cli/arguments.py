@@ -1,6 +1,6 @@
 """The arguments of every verb: what `VERB --help` shows, without what the verbs compute with."""
 
-from argparse import ArgumentParser, RawDescriptionHelpFormatter
+from argparse import REMAINDER, ArgumentParser, RawDescriptionHelpFormatter
 from collections.abc import Callable
 from pathlib import Path
 
@@ -330,6 +330,12 @@ def library_folder() -> Path:
     return Path(platformdirs.user_data_path("morpho-studio", appauthor=False)) / "library"
 
 
+def add_script_arguments(parser: ArgumentParser) -> None:
+    """The script, and what is left for it."""
+    parser.add_argument("file", type=Path, metavar="FILE.py", help="a Python script that uses studio.api")
+    parser.add_argument("arguments", nargs=REMAINDER, metavar="ARGUMENT", help="arguments of the script itself")
+
+
 ADD_ARGUMENTS: dict[str, Callable[[ArgumentParser], None]] = {
     "info": add_info_arguments,
     "convert": add_convert_arguments,
@@ -341,4 +347,5 @@ ADD_ARGUMENTS: dict[str, Callable[[ArgumentParser], None]] = {
     "formats": add_formats_arguments,
     "render": add_render_arguments,
     "bench": add_bench_arguments,
+    "script": add_script_arguments,
 }

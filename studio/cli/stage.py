@@ -5,14 +5,9 @@ from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
-from studio.cli.adapt_report import Record, figures, place_record
-from studio.cli.adaptation import make_folder
-from studio.cli.bundled_scenes import open_project
 from studio.cli.export_options import export_options
 from studio.cli.outputs import refuse_replacing
 from studio.cli.printing import print_json, print_table
-from studio.cli.render import performances
-from studio.cli.warm_up import compile_first
 from studio.core.errors import StudioError
 from studio.core.project import Project
 from studio.core.solver.performers.performing import Performance
@@ -24,6 +19,11 @@ from studio.io.exported_stage import exported_stage, write_stage
 from studio.io.registry import known_formats
 from studio.io.report_file import write_json
 from studio.io.staged_export import safe_name, take_of_performer
+from studio.jobs.adapt_report import Record, figures, place_record
+from studio.jobs.adaptation import make_folder
+from studio.jobs.bundled_scenes import open_project
+from studio.jobs.performances import performances
+from studio.startup.kernel_warm_up import compile_first
 
 OF_CAPTURES = ("capture", "character", "constraints", "ground", "place")
 """Arguments that a project answers itself."""

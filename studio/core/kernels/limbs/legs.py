@@ -134,7 +134,8 @@ def leg_line(channels, measures, side, comfort, ankle, hip, pelvis):
 
 @small_kernel
 def knee_radius(upper, lower, distance):
-    """How far a knee is from the line of its hip and ankle, which are ``distance`` apart, in metres (METHOD (5))."""
+    """Metres from a knee to the line of its hip and ankle, which are ``distance`` apart (METHOD (5))."""
+    distance = max(distance, 1e-6)
     z = (upper * upper - lower * lower + distance * distance) / (2.0 * distance)
     return math.sqrt(max(0.0, upper * upper - z * z))
 
