@@ -47,13 +47,25 @@ def test_a_jump_of_a_hand_s_breadth_is_told_of_slow_hips_too(walk: Capture) -> N
         assert remark.spans[0][0] == 50
 
 
-def test_a_bone_that_changes_its_length_is_told(walk: Capture) -> None:
+@pytest.mark.parametrize(
+    ("joint", "words"),
+    [
+        (BodyPart.LEFT_FOOT, "left shank changes its length by 21 mm"),
+        (BodyPart.RIGHT_TOE, "right foot changes its length by"),
+        (BodyPart.LEFT_THIGH, "way to the left thigh changes its length by"),
+        (BodyPart.RIGHT_UPPER_ARM, "right clavicle changes its length by"),
+        (BodyPart.HEAD, "neck changes its length by"),
+        (None, "trunk changes its length by"),
+    ],
+    ids=["shank", "foot", "hip", "clavicle", "neck", "trunk"],
+)
+def test_a_bone_that_changes_its_length_is_told(walk: Capture, joint: BodyPart | None, words: str) -> None:
     assert walk.body_map is not None
-    foot = walk.body_map[BodyPart.LEFT_FOOT]
+    end = walk.body_map.spine[-1] if joint is None else walk.body_map[joint]
     moves = walk.poses.local_translations.copy()
-    moves[::3, foot] *= 1.05
+    moves[::3, end] *= 1.05 if joint is BodyPart.LEFT_FOOT else 1.2
     stretched = replace(walk, poses=PoseSequence(walk.poses.local_rotations, moves))
-    assert any("left shank changes its length by 21 mm" in remark.sentence for remark in remarks_on(stretched))
+    assert any(words in remark.sentence for remark in remarks_on(stretched))
 
 
 def test_a_body_whose_angles_are_radians_is_told(walk: Capture) -> None:
@@ -168,3 +180,19 @@ def test_nothing_is_odd_about_bundled_bodies(name: str) -> None:
 def test_how_no_body_is_built_is_told(measure: str, value: object, words: str) -> None:
     body = replace(bundled_characters()["adult_woman"].build, **{measure: value})
     assert any(words in remark.sentence for remark in remarks_on_body(body))
+
+
+@pytest.mark.parametrize("known", [True, False])
+@pytest.mark.parametrize("frames", [slice(None), slice(40, 41)])
+def test_a_bone_of_more_than_a_hundred_metres_is_told_of_any_capture(walk: Capture, known: bool, frames: slice) -> None:
+    capture = _moved(walk, 3, frames, 150.0)
+    capture = capture if known else replace(capture, body_map=None)
+    name = walk.skeleton.names[3]
+    assert any(f"{name} is 150 m away from its parent" in each.sentence for each in remarks_on(capture))
+
+
+def test_a_character_with_a_bone_of_more_than_a_hundred_metres_is_told() -> None:
+    body = bundled_characters()["child"].build
+    foot = body.foot.copy()
+    foot[0, 0] = 150.0
+    assert any("150 m long" in each.sentence for each in remarks_on_body(replace(body, foot=foot)))

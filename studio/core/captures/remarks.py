@@ -11,6 +11,7 @@ from studio.core.body.hand_end import SHORTEST_HAND, could_be_hand, hand_reach
 from studio.core.body.humanoid import LIMBS, BodyMap, BodyPart
 from studio.core.body.kinematics import joint_positions
 from studio.core.body.morphology import Morphology
+from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import spans_of
 from studio.core.markers.jumps import jumps
@@ -37,6 +38,8 @@ STRETCHED, STRETCHES = 0.005, 0.1
 ODD_PAIR = 0.2
 """The difference of left and right bones, as a part of the longer one, from which they are no pair."""
 TALLEST, LEGS_OF_STATURE = 2.3, 0.491
+LONGEST_BONE = 100.0
+"""Metres between a joint and its parent that no body has, whatever it is."""
 MOST_THIGH, FARTHEST_HIP = 2.0, 0.75
 """A thigh in parts of its shank, or the reverse; and how far from the pelvis a hip lies, in parts of the leg."""
 BACKWARDS = -0.3
@@ -63,15 +66,16 @@ class Remark:
 
 
 def remarks_on(capture: Capture) -> tuple[Remark, ...]:
-    """All that is odd about a capture; of one without a body map only its markers, for nobody knows what it is."""
+    """All that is odd about a capture; of one without a body map only its markers and bones that cannot be true."""
     if capture.body_map is None:
-        return tuple(_leaps(capture))
+        return (*_leaps(capture), *_far_joints(capture))
     positions = joint_positions(capture.skeleton, capture.poses)
     found = [
         *_leaps(capture),
+        *_far_joints(capture),
         *_stiff(capture),
         *_odd_build(capture, capture.body_map, positions),
-        *_stretches(capture.body_map, positions[capture.first_frame :]),
+        *_stretches(capture.skeleton, capture.body_map, positions[capture.first_frame :]),
         *_jumps(capture, positions[:, capture.body_map.spine[0]]),
         *_rushes(capture, capture.body_map, positions),
         *_hovers(capture, capture.body_map, positions),
@@ -82,6 +86,9 @@ def remarks_on(capture: Capture) -> tuple[Remark, ...]:
 def remarks_on_body(body: Morphology) -> tuple[Remark, ...]:
     """All that is odd about a body's measures, as a character's file has it."""
     found = []
+    longest = float(np.abs(body.packed).max())
+    if longest > LONGEST_BONE:
+        found.append(Remark(f"It has a bone that is {longest:.0f} m long. Check the unit, or the file."))
     if body.stature > TALLEST:
         found.append(Remark(f"It is {body.stature:.2f} m tall. Check the unit."))
     for name, lengths in (("legs", body.leg), ("arms", body.arm)):
@@ -107,6 +114,22 @@ def _leaps(capture: Capture) -> list[Remark]:
         names = ", ".join(bare_label(label) for label, _ in found[_NAMED:])
         remarks.append(Remark(f"So do {names}.", _frames(np.any([far for _, (far, _) in found[_NAMED:]], axis=0), 0)))
     return remarks
+
+
+def _far_joints(capture: Capture) -> list[Remark]:
+    """Joints farther from their parents than any bone is long, those that are farthest by name."""
+    still = np.linalg.norm(capture.skeleton.offsets[1:], axis=1)
+    moved = np.linalg.norm(capture.poses.local_translations[:, 1:], axis=2).max(axis=0, initial=0.0)
+    lengths = np.maximum(still, moved)
+    order = np.argsort(-lengths, kind="stable")
+    return [
+        Remark(
+            f"The joint {capture.skeleton.names[1 + place]} is {lengths[place]:.0f} m away from its parent. Check the"
+            " unit, or the file."
+        )
+        for place in order[:_NAMED]
+        if lengths[place] > LONGEST_BONE
+    ]
 
 
 def _odd_build(capture: Capture, body: BodyMap, positions: FloatArray) -> list[Remark]:
@@ -150,16 +173,37 @@ def _far_hand(capture: Capture, body: BodyMap, side: str, positions: FloatArray)
     return [f"The {side} hand ends {100.0 * far:.0f} cm from its wrist: a hand of usual length takes its place."]
 
 
-def _stretches(body: BodyMap, positions: FloatArray) -> list[Remark]:
-    """The bone of a limb that changes its length most, where a body of constant bones comes out elsewhere."""
-    bones = [(part, body[part], body[end]) for parts in LIMBS.values() for part, end in pairwise(parts)]
+def _stretches(skeleton: Skeleton, body: BodyMap, positions: FloatArray) -> list[Remark]:
+    """The bone that changes its length most, where a body of constant bones comes out elsewhere."""
+    bones = _mapped_bones(skeleton, body)
     lengths = np.array([np.linalg.norm(positions[:, b] - positions[:, a], axis=1) for _, a, b in bones])
     off = np.quantile(np.abs(lengths - np.median(lengths, axis=1, keepdims=True)), 1.0 - STRETCHES, axis=1)
     worst = int(np.argmax(off))
     if off[worst] < STRETCHED:
         return []
-    words = f"The {bones[worst][0].label.lower()} changes its length by {1000.0 * off[worst]:.0f} mm and more:"
+    words = f"The {bones[worst][0]} changes its length by {1000.0 * off[worst]:.0f} mm and more:"
     return [Remark(f"{words} on bodies, whose bones keep theirs, joints lie elsewhere by as much.")]
+
+
+def _mapped_bones(skeleton: Skeleton, body: BodyMap) -> list[tuple[str, int, int]]:
+    """Words for each bone between mapped joints, and the joints in which it begins and ends.
+
+    Trunk and neck bend at joints between the mapped ones, so only what hangs there directly has a length.
+    """
+    pelvis, thorax, parts = body.spine[0], body.spine[-1], body.parts
+    bones = [("trunk", below, above) for below, above in pairwise(body.spine)]
+    neck = [joint for part in (BodyPart.NECK, BodyPart.HEAD) if (joint := parts.get(part)) is not None]
+    bones += [("neck", below, above) for below, above in pairwise((thorax, *neck))]
+    bones = [bone for bone in bones if skeleton.parents[bone[2]] == bone[1]]
+    for side in ("left", "right"):
+        for carrier, limb in (
+            (thorax, ("clavicle", "upper_arm", "forearm", "hand")),
+            (pelvis, ("thigh", "shank", "foot", "toe")),
+        ):
+            there = [part for name in limb if (part := BodyPart(f"{side}_{name}")) in parts]
+            bones.append((f"way to the {there[0].label.lower()}", carrier, parts[there[0]]))
+            bones += [(part.label.lower(), parts[part], parts[end]) for part, end in pairwise(there)]
+    return bones
 
 
 def _feet_point_back(capture: Capture, body: BodyMap, positions: FloatArray) -> bool:
