@@ -1,4 +1,4 @@
-"""Where props are: fixed, keyed, moving by a rule, or with a performer; on the stage, as arrays over time."""
+"""Tracks of props: fixed, keyed, procedural, or held by a performer; on the stage, as arrays over time."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -25,18 +25,18 @@ from studio.core.stage.timing import Timing
 
 FloatArray = NDArray[np.float64]
 
-HANDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)
+CARRYING_HANDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)
 
 
 HANDING = 0.3
-"""Seconds in which a prop comes to where it is held, from where it was taken, and to where it is put."""
+"""Seconds in which a prop blends into a hand from where it was taken, and to where it is put."""
 
 
 class Hands(Protocol):
-    """Who may hold a prop, at the times that are asked about."""
+    """Hands of a performer that may hold a prop, at given times."""
 
     def track(self, hold: InHand | Carried) -> Track:
-        """Where what it holds so is on the stage; one frame for each time."""
+        """Track of a held prop on the stage; one frame for each time."""
 
     def at(self, time: float) -> "Hands":
         """The same at one second of the stage."""
@@ -44,9 +44,9 @@ class Hands(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Holder:
-    """A performer with whom a prop goes: its motion, which frames (F,) of it, not rounded, and where it stands.
+    """A performer that holds a prop: its motion, fractional frames ``rows`` (F,), and placement.
 
-    ``whole`` are all frames of it, ``timing`` is when they play: of a prop that is picked up or put down.
+    ``whole`` are all its frames, ``timing`` when they play: for a prop that is picked up or put down.
     """
 
     motion: AdaptedMotion
@@ -64,7 +64,7 @@ class Holder:
         return replace(self, motion=whole, rows=rows)
 
     def track(self, hold: InHand | Carried) -> Track:
-        """Where what it holds so is on the stage."""
+        """Track of a held prop on the stage."""
         motion, placement = self.motion, self.placement
         if isinstance(hold, InHand):
             return performer_track(hold.point, hold.turn, motion, self.rows, placement, Placement())
@@ -76,9 +76,9 @@ class Holder:
 
 @dataclass(frozen=True, eq=False)
 class OwnHands:
-    """The hands of a body that stands at ``placement``, as its motion has them in some frames ``rows`` (F,).
+    """Hands of a grounded body at ``placement``, in frames ``rows`` (F,) of its motion.
 
-    Hands that constraints hold on the prop do not move it.
+    Constraints that keep hands on the prop do not move it.
     """
 
     unasked: Unasked
@@ -93,7 +93,7 @@ class OwnHands:
         return replace(self, rows=rows)
 
     def track(self, hold: InHand | Carried) -> Track:
-        """Where what it holds so is on the stage."""
+        """Track of a held prop on the stage."""
         rows = self.rows.clip(0, len(self.unasked.positions) - 1)
         positions, rotations = self.unasked.positions[rows], self.unasked.rotations[rows]
         if isinstance(hold, Carried):
@@ -104,19 +104,18 @@ class OwnHands:
 
 
 def stage_track(prop: Prop, seconds: ArrayLike, hands: Mapping[str, Hands] = MappingProxyType({})) -> Track:
-    """A prop's centre and axes on the stage at ``seconds`` (F,); one frame for all where it stays.
+    """Track of a prop on the stage at ``seconds`` (F,); one frame for all if it is fixed.
 
-    ``hands`` are of those who hold it, at these seconds. Who is not among them does not play yet: it does not hold it.
+    ``hands`` are of its holders, at these seconds; a holder that is missing does not play yet, and does not hold it.
     """
     times = np.atleast_1d(np.asarray(seconds, dtype=np.float64))
     return _left_by([place for place, each in enumerate(prop.holds) if each.performer_id in hands], prop, times, hands)
 
 
 def _left_by(places: Sequence[int], prop: Prop, times: FloatArray, hands: Mapping[str, Hands]) -> Track:
-    """A prop as those leave it who hold it in these ``places`` of their order, as if nobody held it after them.
+    """Track of a prop after its holders ``places`` in order, as if nobody held it later.
 
-    What it is away from the hands as it is taken goes with them and dies away; so is what it is away from its place as
-    it is put there.
+    Its offset from the hands when taken decays, and so does its offset from its position when put down.
     """
     if not places:
         return _unheld(prop, times)
@@ -126,12 +125,14 @@ def _left_by(places: Sequence[int], prop: Prop, times: FloatArray, hands: Mappin
         return theirs.track(hold)
     track = _spread(theirs.track(hold), len(times))
     lasting = np.inf if hold.begin is None or hold.end is None else hold.end - hold.begin
-    for moment, way, before in ((hold.begin, 1.0, places[:-1]), (hold.end if put else None, -1.0, ())):
+    for moment, displacement, before in ((hold.begin, 1.0, places[:-1]), (hold.end if put else None, -1.0, ())):
         if moment is not None:
-            shares = 1.0 - ease(way * (times - moment) / max(min(HANDING, lasting / 2), 1e-6), EaseShape.QUINTIC)
+            fractions = 1.0 - ease(
+                displacement * (times - moment) / max(min(HANDING, lasting / 2), 1e-6), EaseShape.QUINTIC
+            )
             there, here = _at(moment, before, prop, hands), theirs.at(moment).track(hold)
-            track.places[:] += shares[:, None] * (there.places - here.places)
-            track.rotations[:] = _part_of(there.rotations[0] @ here.rotations[0].T, shares) @ track.rotations
+            track.places[:] += fractions[:, None] * (there.places - here.places)
+            track.rotations[:] = _part_of(there.rotations[0] @ here.rotations[0].T, fractions) @ track.rotations
     if hold.begin is not None:
         _put(track, times < hold.begin, _left_by(places[:-1], prop, times, hands))
     if hold.end is not None and (times > hold.end).any():
@@ -145,13 +146,13 @@ def _at(moment: float, places: Sequence[int], prop: Prop, hands: Mapping[str, Ha
 
 
 def _spread(track: Track, count: int) -> Track:
-    """A copy of so many frames."""
+    """Copy of a track with ``count`` frames."""
     places, rotations = np.broadcast_to(track.places, (count, 3)), np.broadcast_to(track.rotations, (count, 3, 3))
     return Track(places.copy(), rotations.copy())
 
 
 def _put(track: Track, chosen: NDArray[np.bool_], other: Track) -> None:
-    """Where another one is in the ``chosen`` (F,) frames, in place."""
+    """Copy another track in the ``chosen`` (F,) frames, in place."""
     other = _spread(other, len(chosen))
     track.places[chosen], track.rotations[chosen] = other.places[chosen], other.rotations[chosen]
 
@@ -164,15 +165,15 @@ def _unheld(prop: Prop, times: FloatArray) -> Track:
     return Track(np.broadcast_to(places, (count, 3)), np.broadcast_to(turned_by(angles), (count, 3, 3)))
 
 
-def _part_of(turn: FloatArray, shares: FloatArray) -> FloatArray:
-    """(F, 3, 3) so much of a turn (3, 3) as ``shares`` (F,) say."""
+def _part_of(turn: FloatArray, fractions: FloatArray) -> FloatArray:
+    """Rotations (F, 3, 3) by ``fractions`` (F,) of a rotation (3, 3)."""
     from scipy.spatial.transform import Rotation  # late: it takes longer than a window
 
-    return np.asarray(Rotation.from_rotvec(shares[:, None] * Rotation.from_matrix(turn).as_rotvec()).as_matrix())
+    return np.asarray(Rotation.from_rotvec(fractions[:, None] * Rotation.from_matrix(turn).as_rotvec()).as_matrix())
 
 
 def seen_from(follow: FollowProp, prop: Prop, track: Track, own: Placement) -> Track:
-    """What is followed of a prop that is at ``track`` on the stage, as who stands at ``own`` sees it."""
+    """Track of the followed point of a prop at ``track`` on the stage, in the space of a performer at ``own``."""
     offset = np.array(follow.offset) + np.array(follow.share) * np.array(prop.size) / 2
     places = track.places + track.rotations @ offset
     return Track(own.to_motion(places), own.rotation.T @ track.rotations @ to_matrix(np.array(follow.turn)))
@@ -184,9 +185,11 @@ def own_hands(unasked: Unasked, body: AnyMorphology, timing: Timing, own: Placem
 
 
 def carried_track(held: Carried, positions: FloatArray, rotations: FloatArray, body: AnyMorphology) -> Track:
-    """What a body carries that has these positions (F, P, 3) and rotations (F, S, 3, 3), in the space of its motion."""
+    """Track of a prop carried by a body with positions (F, P, 3) and rotations (F, S, 3, 3), in the space of its
+    motion.
+    """
     layout = body.still.layout
-    ends = [point_indices(BodyPoint(part, at_end=end), layout)[0] for part in HANDS for end in (False, True)]
+    ends = [point_indices(BodyPoint(part, at_end=end), layout)[0] for part in CARRYING_HANDS for end in (False, True)]
     chest = rotations[:, layout.segment(BodyPart.THORAX), :, 0]
     axes = turned_by(np.arctan2(chest[:, 1], chest[:, 0]))
     middle = positions[:, ends].mean(axis=1)
@@ -194,7 +197,7 @@ def carried_track(held: Carried, positions: FloatArray, rotations: FloatArray, b
 
 
 def turned_by(angles: FloatArray) -> FloatArray:
-    """(F, 3, 3) turns about Z by ``angles`` (F,)."""
+    """Rotations (F, 3, 3) about Z by ``angles`` (F,)."""
     turns = np.zeros((len(angles), 3, 3))
     turns[:, 0, 0] = turns[:, 1, 1] = np.cos(angles)
     turns[:, 1, 0], turns[:, 0, 1], turns[:, 2, 2] = np.sin(angles), -np.sin(angles), 1.0
