@@ -8,7 +8,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pictured.session import example
-from studio.cli.adaptation import MOTION_ID, ReadyCapture, ready_capture
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
 from studio.core.constraints.activation import ActivationCurve, EaseShape, ease
@@ -24,6 +23,7 @@ from studio.core.solver.adapt import hold
 from studio.core.solver.standing.stand import stand
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
+from studio.jobs.adaptation import MOTION_ID, ReadyCapture, ready_capture
 
 BLUE, RED, GREEN, GREY, INK = "#2F6FB3", "#C8553D", "#4B8B3B", "#9AA4AE", "#22272E"
 mpl.rcParams.update({"svg.hashsalt": "morpho-studio", "font.size": 9, "svg.fonttype": "path"})

@@ -12,7 +12,7 @@ from studio.app import exporting, filming
 from studio.app.file_dialogs import ask_folder, ask_new_file
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
-from studio.io.export_options import CARRYING, REST_POSES, ExportOptions
+from studio.io.export_options import REST_POSES, SKELETAL, ExportOptions
 from studio.io.joint_names import joint_namings
 from studio.io.registry import known_formats
 from studio.io.staged_export import file_name, other_joints, safe_name
@@ -42,6 +42,7 @@ SIZES = ((1280, 720), (1920, 1080), (2560, 1440), (3840, 2160), (1080, 1080), (1
 RATES = (24.0, 25.0, 30.0, 60.0)
 HINTS = {
     ".bvh": "Joints and angles: read by nearly every program.",
+    ".fbx": "Joints, skin, materials and animation for Maya, MotionBuilder, Unreal, Unity and Blender.",
     ".s4d": "The motion as it was captured, with its contacts and constraints, for any body.",
     ".glb": "Joints, skin, materials and animation in one file.",
     ".gltf": "The same as GLB, as text.",
@@ -203,7 +204,7 @@ class ExportDialog(QDialog):
         shown = {
             self.names: self._names_matter(kind),
             self.rest: kind.suffix == ".bvh",
-            self.others: kind.what is What.ADAPTED and kind.suffix in CARRYING and bool(self._carried),
+            self.others: kind.what is What.ADAPTED and kind.suffix in SKELETAL and bool(self._carried),
             self.picture_size: kind.what is What.FILM,
             self.rate: kind.what is What.FILM,
         }

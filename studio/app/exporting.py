@@ -4,12 +4,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 from studio.app.workbench import Workbench
-from studio.cli.render import performances
 from studio.core.captures.annotations import Annotations, within
 from studio.core.errors import StudioError
 from studio.io.export import take_of_capture, write_take
 from studio.io.export_options import ExportOptions
 from studio.io.staged_export import take_of_performer
+from studio.jobs.performances import performances
 
 Progress = Callable[[float, str], None]
 ADAPTING_SHARE = 0.3

@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.cli.adaptation import chosen_characters, ready_capture
 from studio.cli.library_options import library_with_clips
 from studio.cli.live_stage import run_live_stage
 from studio.cli.printing import STOPPED
 from studio.core.normalized.pieces import Piece
 from studio.io.importing import GUESS_ALL
+from studio.jobs.adaptation import chosen_characters, ready_capture
 from studio.library.mirroring import with_mirrored
 from studio.live.fight import ANY_STRIKE, ORDERS, Order, fight, orders_every
 from studio.live.fighter import Fighter
@@ -81,7 +81,10 @@ def target_of(arguments: Namespace, inbox: Inbox, stature: float, stack: ExitSta
     """Where the target is: tracked, replayed, or a head that sways by itself."""
     if not arguments.head:
         return lambda now: swaying(now, stature)
-    packets = iter(read_recording(arguments.replay)) if arguments.replay else None
+    recording = read_recording(arguments.replay) if arguments.replay else None
+    if recording is not None and recording.problem:
+        print(recording.problem, file=sys.stderr)
+    packets = iter(recording) if recording else None
     waiting = [next(packets, None)] if packets else [None]
     if packets is None:
         listener = UdpInput(inbox, arguments.port, arguments.listen, arguments.sender)

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from PySide6.QtCore import QCoreApplication, QObject, QTimer, Signal
 
-from studio.cli.warm_up import WarmUp
 from studio.core.body.morphology import Morphology
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
@@ -28,6 +27,7 @@ from studio.engine.solve_cache import SolveCache
 from studio.engine.solver_kernels import SolverKernels
 from studio.engine.standing_solver import StandingSolver
 from studio.engine.wanted import Prepare, Wanted, player_of, wanted_of
+from studio.startup.kernel_warm_up import WarmUp
 
 WINDOW_SECONDS = 0.75
 WINDOW_MILLISECONDS, REST_MILLISECONDS = 120, 150

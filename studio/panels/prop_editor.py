@@ -61,7 +61,7 @@ class PropEditor(Editor):
         self._held_row = section.add_row("Held", self._held, self._always)
         self._position = VectorRow(self, section, "Centre", self._move)
         self._heading = self.bind(NumberField("Heading", "°", -360.0, 360.0, 1.0, 1), self._turn)
-        self._heading_row = section.add_row("Heading", self._heading)
+        section.add_row("Heading", self._heading)
         self._rule = ProceduralRows(self, section, "position")
         self._keys = [press_button("Set key", self._set_key), press_button("Delete key", self._delete_key)]
         self._keys_row = section.add_row("Keys", *self._keys)
@@ -115,7 +115,6 @@ class PropEditor(Editor):
             self._where.show_value(hold.kind)
             self._held.setText(_span_words(hold))
         self._show(isinstance(hold, InHand), self._point_row, self._point)
-        self._show(not isinstance(hold, Carried), self._heading_row, self._heading)
 
     def _refresh_moment(self) -> None:
         self._refresh_hold()

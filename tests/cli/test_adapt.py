@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.cli.adapt_report import residual_record
 from studio.cli.main import main
 from studio.core.body.growth import KeyedProportions
 from studio.core.body.kinematics import joint_world
@@ -21,6 +20,7 @@ from studio.core.constraints.position import PositionConstraint
 from studio.io.export import write_capture
 from studio.io.importing import load_capture
 from studio.io.project.character_file import bundled_characters, write_character
+from studio.jobs.adapt_report import residual_record
 from studio.resources_folder import resources_folder
 from tests.architecture.sources import ROOT
 from tests.builders import make_capture, make_constraint

@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from studio.cli.adaptation import ready_capture
 from studio.cli.bench_cases import clip_of, make_tasks
 from studio.core.body.canonical import BodyPart
 from studio.core.body.joint_limits import limits_of
@@ -33,6 +32,7 @@ from studio.core.solver.solved_window import BOUND, SolvedWindow
 from studio.core.solver.standing.stand import Standing, stand
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
+from studio.jobs.adaptation import ready_capture
 from studio.resources_folder import example_captures_folder
 from tests.core.motions import local_rotations, random_rotations, target, walk
 from tests.core.test_smooth_law import BEFORE, BODIES, CONTACTS, STANDING, Wishes

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studio.cli.render import prepared
 from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.base import BodyPoint
 from studio.core.grounds.ground import Ground
@@ -15,6 +14,7 @@ from studio.core.quality.metrics import acceleration_ratio, contact_quality
 from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.performers.performing import Performance, Prepare, Staged, perform
 from studio.core.stage.placement import Placement
+from studio.jobs.performances import prepared
 from studio.library.scenes import SCENES, acrobatics, changing, choosing, fight, papers
 
 FEW = 5

@@ -10,6 +10,7 @@ from studio.core.body.humanoid import BodyMap
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
+from studio.core.markers.force_plates import PlateLoad
 from studio.core.markers.take import MarkerTake
 from studio.core.plausible import FRAME_RATE, GROUND
 
@@ -51,6 +52,8 @@ class Capture:
     repairs: tuple[str, ...]
     markers: MarkerTake | None = None
     """What a body seen by optical markers was solved from; kept, so that it can be solved anew."""
+    plate_loads: tuple[PlateLoad, ...] = ()
+    """Steps on the force plates that were recorded with its markers."""
     digest: str = ""
     """SHA-256 of the content of the source file in hexadecimal digits, by which it is found again; empty if unknown."""
 

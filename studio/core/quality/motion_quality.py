@@ -57,7 +57,7 @@ class MotionQuality:
     posture: float
     """Greatest difference of elevation of trunk, upper arms, forearms, thighs and shanks."""
     shoulders: float
-    """Least distance of the shoulder joints in parts of their median, less the same of the source."""
+    """Least distance of the shoulder joints in parts of that at rest, less the same of the source."""
     hands: float
     """Mean error of the wrists' distance while the source's are near each other."""
     jump: float
@@ -156,10 +156,10 @@ def rises(motion: AdaptedMotion) -> FloatArray:
 
 
 def _least_shoulders(motion: AdaptedMotion) -> float:
-    layout = motion.morphology.layout
+    body, layout = motion.morphology, motion.morphology.layout
     left, right = (motion.positions[:, layout.collar(side) + 1] for side in (0, 1))
-    apart = np.linalg.norm(left - right, axis=1)
-    return float(apart.min() / np.median(apart))
+    rest = body.collar_base + body.clavicle[:, None] * body.clavicle_rest
+    return float(np.linalg.norm(left - right, axis=1).min() / np.linalg.norm(rest[0] - rest[1]))
 
 
 def _hands(adapted: AdaptedMotion, source: AdaptedMotion) -> float:

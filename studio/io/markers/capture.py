@@ -13,7 +13,7 @@ from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
 from studio.core.errors import StudioError
 from studio.core.markers.body_axes import HEAD
-from studio.core.markers.force_plates import plates_height
+from studio.core.markers.force_plates import plate_loads, plates_height
 from studio.core.markers.label_words import part_of
 from studio.core.markers.marker_map import MarkerMap, seen_labels
 from studio.core.markers.roles import ROLE, SIDES
@@ -112,6 +112,7 @@ def _body(take: MarkerTake, followed: FollowedBody, options: ImportOptions, gues
         first_frame=first,
         guesses=tuple(guesses),
         repairs=(),
+        plate_loads=plate_loads(trial, turn),
     )
 
 

@@ -142,6 +142,7 @@ def leg_frame(channels, measures, side, soft_threshold, ankle, hip, pelvis):
 @small_kernel
 def knee_radius(upper, lower, distance):
     """Distance in metres of a knee from the line of hip and ankle, which are ``distance`` apart (METHOD (5))."""
+    distance = max(distance, 1e-6)
     z = (upper * upper - lower * lower + distance * distance) / (2.0 * distance)
     return math.sqrt(max(0.0, upper * upper - z * z))
 

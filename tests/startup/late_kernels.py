@@ -3,8 +3,8 @@
 from importlib import import_module
 from pkgutil import walk_packages
 
-from studio.cli.process import prepare_process
-from studio.cli.warm_up import WarmUp
+from studio.startup.kernel_warm_up import WarmUp
+from studio.startup.process import prepare_process
 
 
 def called() -> set[tuple[str, str]]:
@@ -19,5 +19,5 @@ if __name__ == "__main__":
     prepare_process()
     WarmUp().follow(lambda _share, _text: None)
     warmed = called()
-    import_module("tests.cli.everything").do_everything()
+    import_module("tests.startup.everything").do_everything()
     print("\n".join(f"{kernel}{types}" for kernel, types in sorted(called() - warmed)))

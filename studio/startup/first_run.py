@@ -1,6 +1,5 @@
 """One small pass through all that a moved slider or target will call, and its parts in the order they are needed."""
 
-from studio.cli import first_picture
 from studio.core.body.character import Character
 from studio.core.mesh.skin import Blending
 from studio.core.normalized.normalize import normalize
@@ -17,6 +16,7 @@ from studio.io.importing import load_capture
 from studio.io.project.character_file import bundled_characters
 from studio.library.warm_up import warm_up as warm_up_search
 from studio.resources_folder import example_captures_folder
+from studio.startup import first_picture
 
 
 def run() -> None:

@@ -9,33 +9,33 @@ from types import SimpleNamespace
 
 import pytest
 
-from studio.cli import first_run, warm_up
-from studio.cli.compile_work import CompileWork, all_kernels, kernels_below
 from studio.core.kernels.body.encode_channels import encode_frames
 from studio.core.kernels.solve_clip import place_frames, solve_frames
+from studio.startup import first_run, kernel_warm_up
+from studio.startup.compile_work import CompileWork, all_kernels, kernels_below
 
-FETCHED = [warm_up.STANDING, "first_run.run", warm_up.REST]
+FETCHED = [kernel_warm_up.STANDING, "first_run.run", kernel_warm_up.REST]
 
 
 def followed(monkeypatch, *steps):
     """What is reported while the shares of both processes are as in ``steps``, a second each."""
     clock, left = [100.0], list(steps)
-    warming = object.__new__(warm_up.WarmUp)
-    warming.cold, warming._pace_from, warming._shares = True, None, dict.fromkeys(warm_up.SOLVER, 0.0)
+    warming = object.__new__(kernel_warm_up.WarmUp)
+    warming.cold, warming._pace_from, warming._shares = True, None, dict.fromkeys(kernel_warm_up.SOLVER, 0.0)
 
     def pass_by(_seconds):
         clock[0] += 1.0
 
     def is_running(_self):
         if left:
-            warming._shares = dict(zip(warm_up.SOLVER, left.pop(0), strict=True))
+            warming._shares = dict(zip(kernel_warm_up.SOLVER, left.pop(0), strict=True))
             return True
         return False
 
-    monkeypatch.setattr(warm_up, "time", SimpleNamespace(monotonic=lambda: clock[0], sleep=pass_by))
-    monkeypatch.setattr(warm_up.WarmUp, "running", property(is_running))
+    monkeypatch.setattr(kernel_warm_up, "time", SimpleNamespace(monotonic=lambda: clock[0], sleep=pass_by))
+    monkeypatch.setattr(kernel_warm_up.WarmUp, "running", property(is_running))
     told = []
-    warming.follow(lambda share, words: told.append((share / warm_up.COMPILED, words)))
+    warming.follow(lambda share, words: told.append((share / kernel_warm_up.COMPILED, words)))
     return told
 
 
@@ -52,8 +52,8 @@ def test_the_time_that_is_left_follows_from_the_time_since_the_first_kernels(mon
 
 
 def test_a_process_that_counts_anew_takes_nothing_back():
-    warming = object.__new__(warm_up.WarmUp)
-    part = warm_up.SOLVER[0]
+    warming = object.__new__(kernel_warm_up.WarmUp)
+    part = kernel_warm_up.SOLVER[0]
     warming._shares, warming._running = {part: 0.0}, {}
     warming._listen(part, [b"first_run.run_standing 0.400\n", b"first_run.run_rest 0.100\n", b"first_run.ru"])
     assert warming._shares == {part: 0.4}
@@ -102,21 +102,21 @@ def test_no_kernel_is_left_out_of_what_is_counted():
 def cold(monkeypatch, tmp_path):
     """A cache that is empty, and what was run in place of compiling."""
     ran = []
-    monkeypatch.setattr(warm_up, "run", ran.append)
+    monkeypatch.setattr(kernel_warm_up, "run", ran.append)
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    monkeypatch.setattr(warm_up, "CHILD", (sys.executable, "-c", "print('first_run.run_standing 0.5')"))
+    monkeypatch.setattr(kernel_warm_up, "CHILD", (sys.executable, "-c", "print('first_run.run_standing 0.5')"))
     return ran
 
 
 def test_a_cold_cache_is_filled_by_two_processes_and_then_fetched(cold):
-    warming = warm_up.WarmUp()
+    warming = kernel_warm_up.WarmUp()
     warming.follow(lambda _share, _text: None)
     warming.join()
     assert cold == FETCHED
 
 
 def test_a_verb_says_what_it_waits_for_and_how_far_that_is(cold, capsys):
-    warm_up.compile_first()
+    kernel_warm_up.compile_first()
     told = capsys.readouterr().err.splitlines()
     assert "The solver is compiled, once on this machine" in told[0]
     assert told[-1] == "100% The solver is ready"
@@ -124,22 +124,22 @@ def test_a_verb_says_what_it_waits_for_and_how_far_that_is(cold, capsys):
 
 
 def test_who_only_reads_says_so_where_that_is_still_to_be_compiled_and_else_nothing(cold, tmp_path, capsys):
-    warm_up.tell_what_reading_waits_for()
+    kernel_warm_up.tell_what_reading_waits_for()
     assert capsys.readouterr().err == "What reads motions is compiled, once on this machine: some ten seconds.\n"
-    (tmp_path / warm_up.LAST_TO_READ.replace("*", "1")).touch()
-    warm_up.tell_what_reading_waits_for()
+    (tmp_path / kernel_warm_up.LAST_TO_READ.replace("*", "1")).touch()
+    kernel_warm_up.tell_what_reading_waits_for()
     assert capsys.readouterr().err == ""
 
 
 def test_what_another_process_fails_in_is_done_and_told_here(cold, monkeypatch):
-    monkeypatch.setattr(warm_up, "CHILD", (sys.executable, "-c", "raise SystemExit(3)"))
-    warm_up.WarmUp().join()
+    monkeypatch.setattr(kernel_warm_up, "CHILD", (sys.executable, "-c", "raise SystemExit(3)"))
+    kernel_warm_up.WarmUp().join()
     assert cold[0] == FETCHED[0]
 
 
 def test_a_window_that_closes_does_not_wait_for_the_other_processes(cold, monkeypatch):
-    monkeypatch.setattr(warm_up, "CHILD", (sys.executable, "-c", "import time; time.sleep(600)"))
-    warming = warm_up.WarmUp()
+    monkeypatch.setattr(kernel_warm_up, "CHILD", (sys.executable, "-c", "import time; time.sleep(600)"))
+    warming = kernel_warm_up.WarmUp()
     warming.stop()
     with pytest.raises(CancelledError):
         warming.join()
@@ -147,25 +147,25 @@ def test_a_window_that_closes_does_not_wait_for_the_other_processes(cold, monkey
 
 
 def test_a_full_cache_needs_no_other_process(cold, capsys):
-    warm_up.compile_first()
+    kernel_warm_up.compile_first()
     capsys.readouterr()
     cold.clear()
-    warm_up.compile_first()
+    kernel_warm_up.compile_first()
     assert cold == []
     assert capsys.readouterr().err == ""
-    warm_up.WarmUp().join()
+    kernel_warm_up.WarmUp().join()
     assert cold[0] == FETCHED[0]
 
 
 def test_a_warm_up_that_was_stopped_is_told_of_the_next_time_too(cold, capsys):
-    warming = warm_up.WarmUp(held=True)
+    warming = kernel_warm_up.WarmUp(held=True)
     warming.stop()
-    warm_up.compile_first()
+    kernel_warm_up.compile_first()
     assert "The solver is compiled" in capsys.readouterr().err
 
 
 def test_while_it_is_held_other_processes_compile_and_this_one_fetches_nothing(cold):
-    warming = warm_up.WarmUp(held=True)
+    warming = kernel_warm_up.WarmUp(held=True)
     warming.join_picture()
     assert cold == []
     warming.go_on()
@@ -174,14 +174,14 @@ def test_while_it_is_held_other_processes_compile_and_this_one_fetches_nothing(c
 
 
 def test_one_that_is_held_can_be_stopped(cold):
-    warming = warm_up.WarmUp(held=True)
+    warming = kernel_warm_up.WarmUp(held=True)
     warming.stop()
     warming.join_picture()
     assert cold == []
 
 
 def test_a_process_whose_listener_is_gone_ends_without_a_word():
-    process = (sys.executable, "-m", "studio.cli.warm_up", warm_up.STANDING)
+    process = (sys.executable, "-m", "studio.startup.kernel_warm_up", kernel_warm_up.STANDING)
     with subprocess.Popen(process, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as child:
         child.stdout.close()
         assert child.wait(60) == 0
@@ -189,7 +189,7 @@ def test_a_process_whose_listener_is_gone_ends_without_a_word():
 
 
 def test_the_name_by_which_a_cache_is_known_to_read_is_that_of_the_kernel():
-    assert encode_frames._cache._impl.filename_base.startswith(warm_up.LAST_TO_READ.removesuffix("*.nbc"))
+    assert encode_frames._cache._impl.filename_base.startswith(kernel_warm_up.LAST_TO_READ.removesuffix("*.nbc"))
 
 
 def test_both_halves_compile_exactly_what_the_whole_needs():
@@ -203,18 +203,18 @@ def test_both_halves_compile_exactly_what_the_whole_needs():
 
 def test_nothing_is_compiled_after_the_warm_up():
     """Whatever is asked then: every kind of constraint, by itself and with others, still and growing bodies, files."""
-    process = (sys.executable, "-m", "tests.cli.late_kernels")
+    process = (sys.executable, "-m", "tests.startup.late_kernels")
     done = subprocess.run(process, cwd=Path(__file__).parents[2], capture_output=True, text=True, check=False)
     assert (done.stdout.strip(), done.returncode) == ("", 0), done.stderr
 
 
 def test_what_was_compiled_before_a_kernel_was_written_is_compiled_again(cold, tmp_path):
     """A checkout made anew at the same place holds the same kernels, which numba takes for others all the same."""
-    mark = tmp_path / warm_up.COMPLETE
+    mark = tmp_path / kernel_warm_up.COMPLETE
     mark.touch()
-    assert not warm_up.is_cold()
+    assert not kernel_warm_up.is_cold()
     os.utime(mark, (1e9, 1e9))
-    assert warm_up.is_cold()
+    assert kernel_warm_up.is_cold()
 
 
 def test_bodies_can_stand_before_the_constraints_are_compiled(cold, monkeypatch):
@@ -222,21 +222,21 @@ def test_bodies_can_stand_before_the_constraints_are_compiled(cold, monkeypatch)
         "import sys, time; constraints = 'run_constraints' in sys.argv[1]\n"
         "print('first_run.run_rest 0.9', flush=True); time.sleep(600 if constraints else 0)"
     )
-    monkeypatch.setattr(warm_up, "CHILD", (sys.executable, "-c", script))
-    warming = warm_up.WarmUp()
+    monkeypatch.setattr(kernel_warm_up, "CHILD", (sys.executable, "-c", script))
+    warming = kernel_warm_up.WarmUp()
     warming.join_grounded()
-    assert cold == [warm_up.STANDING]
+    assert cold == [kernel_warm_up.STANDING]
     assert warming.grounded
     assert not warming.ready
     warming.stop()
 
 
 def test_a_second_start_says_nothing_of_compiling(cold):
-    warm_up.WarmUp().join()
-    first = warm_up.WarmUp()
+    kernel_warm_up.WarmUp().join()
+    first = kernel_warm_up.WarmUp()
     first.stop()
-    Path(os.environ["NUMBA_CACHE_DIR"], warm_up.COMPLETE).touch()
-    second = warm_up.WarmUp(held=True)
+    Path(os.environ["NUMBA_CACHE_DIR"], kernel_warm_up.COMPLETE).touch()
+    second = kernel_warm_up.WarmUp(held=True)
     assert (second.cold, second.words) == (False, "")
     second.stop()
 
@@ -244,10 +244,11 @@ def test_a_second_start_says_nothing_of_compiling(cold):
 def test_the_processes_are_as_urgent_as_the_one_that_waits_for_them(cold, monkeypatch, tmp_path):
     """Of two processors that two others keep busy they get half, and so end in twice their time."""
     script = "import os, sys; print(os.nice(0), file=open(sys.argv[-1].replace('.', '-'), 'w'))"
-    monkeypatch.setattr(warm_up, "CHILD", (sys.executable, "-c", script))
+    monkeypatch.setattr(kernel_warm_up, "CHILD", (sys.executable, "-c", script))
     monkeypatch.setattr("studio.io.child_process.ROOT", tmp_path)
-    warm_up.WarmUp().join()
+    kernel_warm_up.WarmUp().join()
     told = {
-        part[-1]: (tmp_path / part[-1].replace(".", "-")).read_text() for part in (warm_up.PICTURE, *warm_up.SOLVER)
+        part[-1]: (tmp_path / part[-1].replace(".", "-")).read_text()
+        for part in (kernel_warm_up.PICTURE, *kernel_warm_up.SOLVER)
     }
     assert told == dict.fromkeys(told, f"{os.nice(0)}\n")

@@ -1,8 +1,8 @@
 """Kernels are compiled or fetched from their cache in the background while the window opens.
 
-Compiled once a machine, by processes beside the window's: ``python -m studio.cli.warm_up MODULE.FUNCTION ...``, each of
-which tells at what function it is and how far. First what draws a body; then what sets bodies on the ground, and beside
-it the solver of constraints, which takes longest.
+They are compiled once a machine, by child processes, ``python -m studio.startup.kernel_warm_up MODULE.FUNCTION ...``,
+which report their function and progress. Drawing a body comes first; then setting bodies on the ground, and in another
+process the solver of constraints, which takes longest.
 """
 
 import gc
@@ -19,12 +19,12 @@ from pathlib import Path
 from subprocess import PIPE, Popen
 from typing import TYPE_CHECKING
 
-from studio.cli.printing import progress_line
-from studio.cli.process import COLLECTED_AFTER, KERNELS
 from studio.io.child_process import child_process
+from studio.startup.process import COLLECTED_AFTER, KERNELS
+from studio.startup.progress import progress_line
 
 if TYPE_CHECKING:
-    from studio.cli.compile_work import CompileWork
+    from studio.startup.compile_work import CompileWork
 
 LOOKED_AT_EVERY, TOLD_EVERY = 0.1, 0.5
 """Seconds between two looks at the processes, and between two lines of theirs."""
@@ -38,7 +38,7 @@ TOLD_FROM = 0.03
 """Share of the work whose time is known when the time that is left is told."""
 COMPILED = 0.98
 """How far it is when all is compiled: then it is fetched."""
-CHILD = (sys.executable, "-m", "studio.cli.warm_up")
+CHILD = (sys.executable, "-m", "studio.startup.kernel_warm_up")
 COMPLETE, LAST_TO_READ = "complete", "normalize.encode_frames-*.nbc"
 """What stands in a cache that is full, and in one of which a capture has been read."""
 
@@ -224,7 +224,7 @@ def is_cold(last: str = COMPLETE) -> bool:
 def run(function: str) -> None:
     """Run ``MODULE.FUNCTION`` of this package."""
     module, name = function.split(".")
-    getattr(import_module(f"studio.cli.{module}"), name)()
+    getattr(import_module(f"studio.startup.{module}"), name)()
 
 
 def main() -> None:
@@ -240,8 +240,8 @@ def main() -> None:
 
 def _work_of(functions: Sequence[str]) -> "CompileWork":
     """What is compiled for ``CONSTRAINTS``, or for the others."""
-    from studio.cli.compile_work import LINKING, CompileWork, all_kernels, kernels_below
     from studio.core.kernels.solve_clip import solve_frames
+    from studio.startup.compile_work import LINKING, CompileWork, all_kernels, kernels_below
 
     solver = kernels_below([solve_frames])
     if CONSTRAINTS in functions:

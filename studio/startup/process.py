@@ -18,8 +18,8 @@ from pathlib import Path
 
 import platformdirs
 
-from studio.cli.system_libraries import DRAWING, WINDOW, missing, sentence_about
 from studio.core.errors import StudioError
+from studio.startup.system_libraries import DRAWING, WINDOW, missing, sentence_about
 
 LARGEST_KEPT, MOST_KEPT = 32 << 20, 256 << 20
 """Bytes of the largest piece of memory that is kept when it is freed, and of all that is."""

@@ -8,10 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from studio.cli import example, process, system_libraries
+from studio.cli import example
 from studio.cli import main as main_module
-from studio.cli.process import content_digest, has_display, kernel_cache_folder, writable_kernel_cache
 from studio.core.errors import StudioError
+from studio.startup import process, system_libraries
+from studio.startup.process import content_digest, has_display, kernel_cache_folder, writable_kernel_cache
 
 
 def test_the_kernel_cache_changes_with_the_content_of_any_kernel(tmp_path):
@@ -32,9 +33,11 @@ def test_a_checkout_that_is_copied_has_a_kernel_cache_of_its_own(tmp_path, monke
 
 
 def test_a_home_that_cannot_be_written_still_gets_a_kernel_cache(tmp_path, monkeypatch):
-    monkeypatch.setattr("studio.cli.process.platformdirs.user_cache_dir", lambda *_, **__: str(tmp_path / "in_the_way"))
+    monkeypatch.setattr(
+        "studio.startup.process.platformdirs.user_cache_dir", lambda *_, **__: str(tmp_path / "in_the_way")
+    )
     (tmp_path / "in_the_way").write_text("a file where a folder should be")
-    monkeypatch.setattr("studio.cli.process.tempfile.tempdir", str(tmp_path))
+    monkeypatch.setattr("studio.startup.process.tempfile.tempdir", str(tmp_path))
     cache = writable_kernel_cache()
     assert cache.is_dir()
     assert cache != kernel_cache_folder()
@@ -45,7 +48,7 @@ def test_a_home_that_cannot_be_written_still_gets_a_kernel_cache(tmp_path, monke
 @pytest.mark.parametrize("taken", ["open to others", "a link"])
 def test_a_temporary_cache_that_others_may_write_to_is_not_used(tmp_path, monkeypatch, taken):
     """numba runs what it finds there."""
-    monkeypatch.setattr("studio.cli.process.tempfile.tempdir", str(tmp_path))
+    monkeypatch.setattr("studio.startup.process.tempfile.tempdir", str(tmp_path))
     shared = tmp_path / f"morpho-studio-kernels-{os.getuid()}"
     if taken == "a link":
         (tmp_path / "elsewhere").mkdir(mode=0o700)
@@ -61,7 +64,9 @@ def test_a_temporary_cache_that_others_may_write_to_is_not_used(tmp_path, monkey
 
 def test_a_folder_made_for_one_process_is_gone_with_it(tmp_path):
     (tmp_path / f"morpho-studio-kernels-{os.getuid()}").write_text("a file where a folder should be")
-    script = "from studio.cli.process import temporary_kernel_cache; print(temporary_kernel_cache('kernels').is_dir())"
+    script = (
+        "from studio.startup.process import temporary_kernel_cache; print(temporary_kernel_cache('kernels').is_dir())"
+    )
     environment = {**os.environ, "TMPDIR": str(tmp_path)}
     done = subprocess.run((sys.executable, "-c", script), capture_output=True, text=True, check=True, env=environment)
     assert done.stdout.strip() == "True"
@@ -69,7 +74,7 @@ def test_a_folder_made_for_one_process_is_gone_with_it(tmp_path):
 
 
 def test_only_the_caches_that_were_used_last_are_kept(tmp_path, monkeypatch):
-    monkeypatch.setattr("studio.cli.process.platformdirs.user_cache_dir", lambda *_, **__: str(tmp_path))
+    monkeypatch.setattr("studio.startup.process.platformdirs.user_cache_dir", lambda *_, **__: str(tmp_path))
     here = writable_kernel_cache()
     for age in range(process.MOST_CACHES + 4):
         old = here.parent / f"old-{age}"
@@ -111,7 +116,7 @@ def test_the_memory_of_a_solved_clip_serves_the_next_one():
     script = """
 import resource
 import numpy as np
-from studio.cli.process import keep_freed_memory
+from studio.startup.process import keep_freed_memory
 def faults_of_rounds(count):
     before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
     for _ in range(count):
@@ -133,7 +138,7 @@ def test_what_one_thread_has_freed_serves_the_others():
 import os
 import threading
 import numpy as np
-from studio.cli.process import keep_freed_memory
+from studio.startup.process import keep_freed_memory
 def resident():
     return int(open("/proc/self/statm").read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 keep_freed_memory()
@@ -160,7 +165,7 @@ done.wait()
 def test_what_was_freed_between_things_in_use_is_given_back():
     script = """
 import os
-from studio.cli.process import give_back_freed_memory, keep_freed_memory
+from studio.startup.process import give_back_freed_memory, keep_freed_memory
 def resident():
     return int(open("/proc/self/statm").read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 keep_freed_memory()
