@@ -137,6 +137,7 @@ EDIT = (
         lambda bench: bench.document.undo_stack.canRedo(), repeats=True, ends_group=True,
     ),
     Action("delete", "Edit", "Delete", editing.delete, ("Del", "Backspace"), "Remove what is selected", _any_selected),
+    Action("set_key", "Edit", "Set key", editing.set_key, ("S",), "Key the selection at the playhead", _any_selected),
     Action("escape", "Edit", "Deselect", editing.escape, ("Esc",), "Cancel the current action"),
     Action(
         "report", "Edit", "Show import report", editing.select_capture,
@@ -290,6 +291,9 @@ VIEW = (
            lambda bench: _viewing(bench) and bench.viewport.markers_shown),
     Action("marker_names", "View", "Names of markers", view.toggle_marker_names, (), "Every marker with its name",
            _viewing, lambda bench: _viewing(bench) and bench.viewport.recording.named, ends_group=True),
+    Action("dope_sheet", "View", "Dope sheet", view.toggle_dope_sheet, ("Shift+D",),
+           "The timeline shows the keys of the selection, or of all", _keyed,
+           lambda bench: bench.timeline is not None and bench.timeline.dope),
     Action("fold_rows", "View", "Fold timeline rows", view.fold_rows, ("Shift+T",),
            "Show constraints and plot as single lines, or at full height", _keyed),
     Action("arrange", "View", "Arrange panels", view.arrange, tooltip="Show title bars, so that panels can be moved",

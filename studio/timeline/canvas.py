@@ -24,9 +24,11 @@ from studio.timeline import edits
 from studio.timeline.clip_edits import add_clip, try_edit
 from studio.timeline.figures import moment
 from studio.timeline.gestures.begin import cursor_at, gesture_at, items_of
+from studio.timeline.gestures.gesture import Gesture
+from studio.timeline.gestures.keys import BoxSelect, DragKeys
 from studio.timeline.gestures.view import Pan, Scrub
 from studio.timeline.hover import hover_text, is_value
-from studio.timeline.keys import is_wanted, press_key
+from studio.timeline.keyboard import is_wanted, press_key
 from studio.timeline.menus import menu_at
 from studio.timeline.name_field import NameField
 from studio.timeline.shown import LABEL_WIDTH, Hit, Part
@@ -83,7 +85,12 @@ class TrackCanvas(TrackView):
             if hit.part == Part.FOLD:
                 self.fold(hit.kind, hit.id)
                 return
-            self._select(hit, bool(event.modifiers() & Modifier.ControlModifier))
+            add = bool(event.modifiers() & Modifier.ControlModifier)
+            if hit.keys:
+                self.select_keys(hit, add)
+            else:
+                self.document.keys.clear()
+                self._select(hit, add)
             if hit.part == Part.TIME:
                 self.gesture = gesture_at(hit, self.sheet.shown, event.position())
                 self._drag(event)
@@ -101,7 +108,7 @@ class TrackCanvas(TrackView):
             hit, press = self._pending
             if (event.position() - press).manhattanLength() >= DRAG_BEGINS:
                 self._pending = None
-                self.gesture = gesture_at(hit, self.sheet.shown, press)
+                self.gesture = self._gesture_at(hit, press, event.modifiers())
                 if hit.part == Part.BODY:
                     self.setCursor(Qt.CursorShape.ClosedHandCursor)
         if self.gesture is not None:
@@ -117,7 +124,11 @@ class TrackCanvas(TrackView):
         if self.gesture is not None:
             self.gesture.finish()
             self.end_gesture()
-        elif pending is not None and not event.modifiers() & Modifier.ControlModifier and items_of(pending[0]):
+        elif pending is not None and event.modifiers() & Modifier.ControlModifier:
+            return
+        elif pending is not None and pending[0].keys:
+            self.document.keys.set(pending[0].keys)
+        elif pending is not None and items_of(pending[0]):
             self.document.selection.set(*items_of(pending[0]))  # a click, not a drag
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
@@ -210,6 +221,27 @@ class TrackCanvas(TrackView):
         else:
             selection.set(*items)
 
+    def select_keys(self, hit: Hit, add: bool) -> None:
+        """Select the keys of a diamond, with ``add`` beside others; one of several that are selected keeps all."""
+        keys, items = self.document.keys, items_of(hit)
+        if not set(items) <= set(self.document.selection.items):
+            self.document.selection.set(*(self.document.selection.items if add else ()), *items)
+        if add:
+            keys.toggle(hit.keys)
+        elif not keys.items.issuperset(hit.keys):
+            keys.set(hit.keys)
+
+    def _gesture_at(self, hit: Hit, press: QPointF, modifiers: Modifier) -> Gesture | None:
+        """The drag that begins there: of keys, of a thing, or a box."""
+        if self.sheet is None:
+            return None
+        shown, add = self.sheet.shown, bool(modifiers & Modifier.ControlModifier)
+        if hit.keys and self.document.keys.items.issuperset(hit.keys):
+            return DragKeys(shown, hit.keys[0], press, bool(modifiers & Modifier.ShiftModifier))
+        if hit.part == Part.EMPTY and press.x() >= LABEL_WIDTH and self.sheet.viewport.contains(press.toPoint()):
+            return BoxSelect(self.sheet, press, add)
+        return gesture_at(hit, shown, press)
+
     def _drag(self, event: QMouseEvent) -> None:
         if self.gesture is None:
             return
@@ -281,7 +313,7 @@ class TrackCanvas(TrackView):
     def event(self, event: QEvent) -> bool:
         """Keys that mean something here go before the window's shortcuts."""
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
-            if is_wanted(self, event.key()):
+            if is_wanted(self, event.key(), event.modifiers()):
                 event.accept()
                 return True
         elif event.type() == QEvent.Type.ToolTip and isinstance(event, QHelpEvent) and self.sheet:

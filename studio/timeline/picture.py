@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QWidget
 from studio.document import colours
 from studio.timeline.sheet import Sheet
 from studio.timeline.shown import LABEL_WIDTH, Row, Shown, label_area
-from studio.timeline.tracks import clip, constraint, contacts, growth, hold, labels, layer, remarks, ruler
+from studio.timeline.tracks import clip, constraint, contacts, hold, keys, labels, layer, remarks, ruler
 from studio.timeline.tracks.brush import time_area, translucent
 from studio.timeline.tracks.plot import FOLDED, PlotPicture
 
@@ -125,7 +125,9 @@ def _paint_label(painter: QPainter, area: QRect, shown: Shown, row: Row) -> None
         case "layer":
             layer.paint_layer_label(painter, area, row.id)
         case "growth":
-            growth.paint_growth_label(painter, area)
+            keys.paint_growth_label(painter, area)
+        case "summary" | "sheet":
+            keys.paint_sheet_label(painter, row, area, shown)
         case "props":
             hold.paint_hold_label(painter, area, shown, row.id)
         case "lane":
@@ -143,10 +145,16 @@ def _paint_content(painter: QPainter, area: QRect, shown: Shown, row: Row) -> No
         case "layer":
             layer.paint_layers(painter, area, shown, row.id)
         case "growth":
-            growth.paint_growth(painter, area, shown, row.id)
+            performer = shown.project.performers[row.id]
+            keys.paint_keys(painter, shown, row, area, shown.project.characters[performer.character_id].colour)
+        case "summary" | "sheet":
+            keys.paint_sheet(painter, row, area, shown)
         case "props":
             hold.paint_hold(painter, area, shown, row.id)
+            keys.paint_keys(painter, shown, row, area, colours.TEXT)
         case "lane":
             contacts.paint_contacts(painter, area, shown, row.id)
         case "constraints":
             constraint.paint_constraint(painter, area, shown, row.id)
+            keys.paint_keys(painter, shown, row, area, constraint.key_colour(shown, row.id))
+            constraint.paint_handles(painter, area, shown, row.id)

@@ -15,15 +15,17 @@ from studio.timeline import edits, overlay
 from studio.timeline.axis import TimeAxis
 from studio.timeline.curves import Quantity
 from studio.timeline.gestures.gesture import Gesture
+from studio.timeline.gestures.keys import BoxSelect
 from studio.timeline.picture import PLOT, Picture
 from studio.timeline.sheet import FOLDING, RIGHT_MARGIN, Sheet, rows_of
 from studio.timeline.shown import LABEL_WIDTH, Part, Shown
 from studio.timeline.subject import play_apart, stage_extent, subject_of
 from studio.timeline.tracks.constraint import looks_of
+from studio.timeline.tracks.keys import SUMMARY
 
 UNSEEN = ("characters", "grounds", "props")
 """What rows of ``DRAGGED`` alone show while it is dragged, until it is solved."""
-DRAGGED = ("growth", "props")
+DRAGGED = ("growth", "props", "summary", "sheet")
 
 
 class TrackView(QWidget):
@@ -39,6 +41,8 @@ class TrackView(QWidget):
         self.handle: Part | None = None
         self.mouse = QPointF()
         self.folded: frozenset[tuple[str, str]] = frozenset()
+        self.dope = False
+        """Whether the rows are those of the dope sheet."""
         self.apart: bool | None = None
         """Whether every performer has its row of clips; None while the user leaves that to what they play."""
         self._looks: dict[str, object] = {}
@@ -57,6 +61,7 @@ class TrackView(QWidget):
         document.entity_changed.connect(self._show_change)
         document.project_opened.connect(self._show_project)
         document.selection.changed.connect(self._show_selection)
+        document.keys.changed.connect(self._redraw_all)
         playhead.changed.connect(self._move_playhead)
         playhead.range_changed.connect(self.lay_out)
         self.live.told_changed.connect(self._show_results)
@@ -71,6 +76,7 @@ class TrackView(QWidget):
         document.entity_changed.disconnect(self._show_change)
         document.project_opened.disconnect(self._show_project)
         document.selection.changed.disconnect(self._show_selection)
+        document.keys.changed.disconnect(self._redraw_all)
         playhead.changed.disconnect(self._move_playhead)
         playhead.range_changed.disconnect(self.lay_out)
         self.live.told_changed.disconnect(self._show_results)
@@ -104,7 +110,7 @@ class TrackView(QWidget):
             return
         apart = play_apart(self.document.project) if self.apart is None else self.apart
         remarks = self._remarks_on(self.document.project.captures[subject.motion.capture_id])
-        shown = Shown(self.document, self.live, self.axis, subject, self.handle, self.folded, apart, remarks)
+        shown = Shown(self.document, self.live, self.axis, subject, self.handle, self.folded, apart, remarks, self.dope)
         sheet = Sheet(shown, rows_of(shown), self.size())
         hidden = max(sheet.content_height - sheet.viewport.height(), 0)
         with QSignalBlocker(self.scroll_bar):
@@ -155,6 +161,12 @@ class TrackView(QWidget):
             high, low = row.y, row.y + row.height - self.sheet.viewport.height()
             self.scroll_bar.setValue(max(min(self.scroll_bar.value(), high), low))
 
+    def set_dope(self, dope: bool) -> None:
+        """Show the rows of the dope sheet, or the usual ones."""
+        if self.dope != dope:
+            self.dope = dope
+            self.lay_out()
+
     def fold(self, kind: str, row_id: str = "") -> None:
         """Make a row of ``FOLDING``, or the plot, a line high, or as high as it was; rows of performers one, or all."""
         if kind == "clip":
@@ -173,6 +185,10 @@ class TrackView(QWidget):
     def _show_change(self, collection: str, entity_id: str) -> None:
         """Draw the row of a changed constraint or contact; anything else may change which rows there are."""
         if collection == "behaviours":
+            return
+        if self.dope and collection == "constraints" and self.sheet and rows_of(self.sheet.shown) == self.sheet.rows:
+            own = f"{collection}/{entity_id}/"
+            self._redraw(*(row.key for row in self.sheet.rows if row.kind == SUMMARY or row.id.startswith(own)))
             return
         if self.live.interactive and collection in UNSEEN:
             rows = self.sheet.rows if self.sheet else ()
@@ -243,6 +259,8 @@ class TrackView(QWidget):
         painter.drawPixmap(QPointF(), self.picture.pixmap)
         overlay.paint_playhead(painter, sheet.shown, self.height())
         self._playhead_area = overlay.playhead_area(sheet.shown, self.height())  # where it is left from, also by a zoom
+        if isinstance(self.gesture, BoxSelect):
+            overlay.paint_box(painter, self.gesture.box)
         if self.gesture is not None and self.gesture.mark is not None:
             overlay.paint_mark(painter, sheet.shown, self.gesture.mark, self.mouse, self.rect())
 

@@ -13,6 +13,7 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.staging import lined_up, travel_heading
 from studio.document.behaviours import duplicate_states, remove_parts
 from studio.document.clips import name_of, remove_clips
+from studio.document.key_edits import delete_keys, set_keys
 
 PARTS = ("clips", "states", "transitions")
 SMALL_THINGS = ("constraints", "contacts", "labels", "props", "behaviours", *PARTS)
@@ -54,11 +55,14 @@ def duplicate(bench: Workbench) -> None:
 
 
 def delete(bench: Workbench) -> None:
-    """Remove what is selected, and what cannot be without it.
+    """Remove the selected keys, or else what is selected, and what cannot be without it.
 
     A constraint or a clip is selected together with the body it is seen on; the body stays then.
     """
     document = bench.document
+    if document.keys.items:
+        delete_keys(document)
+        return
     selected = [item for item in document.selection.items if item != ("grounds", GROUND_ID)]
     items = [item for item in selected if item[0] in SMALL_THINGS] or selected
     text = f"Delete {_name(bench, *items[0])}" if len(items) == 1 else f"Delete {len(items)} items"
@@ -68,6 +72,12 @@ def delete(bench: Workbench) -> None:
         for collection, key in items:
             if collection not in PARTS and document.project.get(collection, key) is not None:
                 document.remove(collection, key, text)
+
+
+def set_key(bench: Workbench) -> None:
+    """Set a key of what is selected at the playhead. Raises StudioError where nothing of it can be keyed."""
+    if not set_keys(bench.document):
+        raise StudioError("Nothing here can be keyed. Select a constraint with a target, a prop or a character first.")
 
 
 def hide(bench: Workbench) -> None:
