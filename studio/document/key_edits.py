@@ -1,12 +1,13 @@
 """Edits of keys as undo steps: set, delete, move and scale them."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
 from studio.core.body.growth import KeyedProportions
 from studio.core.body.morphology import Proportions
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
+from studio.core.constraints.tangents import Beyond
 from studio.document.editing import EditedProject
 from studio.document.keyed_fields import (
     Keyed,
@@ -64,21 +65,23 @@ class KeyDrag:
             for place in self._places[field]
         ]
 
-    def move(self, seconds: float) -> None:
-        """Show the keys so many seconds of the stage later."""
-        self._show(lambda time: time + seconds, 1.0, "Move")
+    def move(self, seconds: float, changed: Mapping[KeyedField, Keyed] | None = None) -> None:
+        """Show the keys so many seconds of the stage later, in fields that are ``changed`` otherwise too."""
+        self._show(lambda time: time + seconds, 1.0, "Move", changed or {})
 
     def scale(self, factor: float, about: float) -> None:
         """Show the keys ``factor`` times as far from a second of the stage."""
         factor = min(max(factor, SLOWEST), FASTEST)
-        self._show(lambda time: about + (time - about) * factor, 1.0 / factor, "Scale")
+        self._show(lambda time: about + (time - about) * factor, 1.0 / factor, "Scale", {})
 
     def cancel(self) -> None:
         """Put everything back; the step vanishes."""
         self._put(self.before, "Move keys")
         self._document.keys.set(KeyRef(field, place) for field, places in self._places.items() for place in places)
 
-    def _show(self, change: Callable[[float], float], speed: float, verb: str) -> None:
+    def _show(
+        self, change: Callable[[float], float], speed: float, verb: str, changed: Mapping[KeyedField, Keyed]
+    ) -> None:
         project, clip = self._document.project, self._clip
         values, moved = {}, {}
         for field, value in self.before.items():
@@ -86,7 +89,7 @@ class KeyDrag:
                 place: from_stage(project, clip, field, change(to_stage(project, clip, field, value.times[place])))
                 for place in self._places[field]
             }
-            values[field] = with_times(value, moved[field], speed)
+            values[field] = with_times(changed.get(field, value), moved[field], speed)
         self._put(values, f"{verb} {words_for(self.count)}")
         self._document.keys.set(
             KeyRef(field, place) for field, value in values.items() for place in places_at(value, moved[field].values())
@@ -205,3 +208,23 @@ def _first_key(time: float, value: Any) -> Keys | None:
         case float():
             return KeyedNumber((time,), (value,))
     return None
+
+
+def edit_selected(document: EditedProject, edit: Callable[[Keyed, int], Keyed], text: str) -> None:
+    """Change every selected key by ``edit``, as one step."""
+    values: dict[KeyedField, Any] = {}
+    for field, places in document.keys.by_field().items():
+        value = keyed_value(document.shown_project, field)
+        if value is not None:
+            for place in places:
+                value = edit(value, place)
+            values[field] = value
+    replace_fields(document, values, text)
+
+
+def set_beyond(document: EditedProject, fields: Iterable[KeyedField], side: str, beyond: Beyond) -> None:
+    """Set what curves do ``before`` their first key or ``after`` their last one, as one step."""
+    values = {field: keyed_value(document.shown_project, field) for field in fields}
+    changes: dict[str, Any] = {side: beyond}
+    keyed = {field: replace(value, **changes) for field, value in values.items() if isinstance(value, Keys)}
+    replace_fields(document, keyed, f"{beyond.value.capitalize()} {side} keys")

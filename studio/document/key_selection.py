@@ -1,6 +1,6 @@
 """KeySelection: which keys the user works on. Not undoable; never holds a key that is gone."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Signal
@@ -23,6 +23,7 @@ class KeySelection(QObject):
         super().__init__(document)
         self._document = document
         self._items: frozenset[KeyRef] = frozenset()
+        self._by_field: dict[KeyedField, tuple[int, ...]] = {}
         self._times: dict[KeyedField, tuple[float, ...]] = {}
         document.entity_changed.connect(self._follow)
         document.project_opened.connect(self.clear)
@@ -36,12 +37,9 @@ class KeySelection(QObject):
     def __contains__(self, key: object) -> bool:
         return key in self._items
 
-    def by_field(self) -> dict[KeyedField, tuple[int, ...]]:
+    def by_field(self) -> Mapping[KeyedField, tuple[int, ...]]:
         """The places of the selected keys of each field, in order."""
-        found: dict[KeyedField, list[int]] = {}
-        for field, place in sorted(self._items):
-            found.setdefault(field, []).append(place)
-        return {field: tuple(places) for field, places in found.items()}
+        return self._by_field
 
     def set(self, keys: Iterable[KeyRef]) -> None:
         """Select these keys and no others."""
@@ -54,6 +52,10 @@ class KeySelection(QObject):
         }
         items = frozenset(key for key in items if key.place < len(self._times.get(key.field, ())))
         if items != self._items:
+            found: dict[KeyedField, list[int]] = {}
+            for field, place in sorted(items):
+                found.setdefault(field, []).append(place)
+            self._by_field = {field: tuple(places) for field, places in found.items()}
             self._items = items
             self.changed.emit()
 

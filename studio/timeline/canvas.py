@@ -26,6 +26,7 @@ from studio.timeline.figures import moment
 from studio.timeline.gestures.begin import cursor_at, gesture_at, items_of
 from studio.timeline.gestures.gesture import Gesture
 from studio.timeline.gestures.keys import BoxSelect, DragKeys
+from studio.timeline.gestures.value_curves import BoxSelectCurves, DragCurveKeys, DragTangent
 from studio.timeline.gestures.view import Pan, Scrub
 from studio.timeline.hover import hover_text, is_value
 from studio.timeline.keyboard import is_wanted, press_key
@@ -34,6 +35,7 @@ from studio.timeline.name_field import NameField
 from studio.timeline.shown import LABEL_WIDTH, Hit, Part
 from studio.timeline.snapping import snapped
 from studio.timeline.tracks.labels import flag_area
+from studio.timeline.tracks.value_curves import HandleRef, plot_area
 from studio.timeline.view import TrackView
 
 DRAG_BEGINS = 3
@@ -52,6 +54,7 @@ class TrackCanvas(TrackView):
     def __init__(self, document: Document, live: Live, parent: QWidget | None = None) -> None:
         super().__init__(document, live, parent)
         self._pending: tuple[Hit, QPointF] | None = None
+        self._grip: HandleRef | None = None
         self._hovered = ""
         document.entity_changed.connect(self._hover_again)
         document.project_opened.connect(self._hover_again)
@@ -78,7 +81,10 @@ class TrackCanvas(TrackView):
             return
         self.mouse = event.position()
         if event.button() == Qt.MouseButton.MiddleButton:
-            self.gesture = Pan(self.axis, self.scroll_bar, event.position())
+            over_curves = self.sheet.hit(event.position()).kind == "curves"
+            height = plot_area(self.sheet.plot).height()
+            scroll = partial(self._scroll_curves, height) if over_curves else self._scroll_rows
+            self.gesture = Pan(self.axis, scroll, event.position())
             self.setCursor(Qt.CursorShape.ClosedHandCursor)
         elif event.button() == Qt.MouseButton.LeftButton:
             hit = self.sheet.hit(event.position())
@@ -86,7 +92,9 @@ class TrackCanvas(TrackView):
                 self.fold(hit.kind, hit.id)
                 return
             add = bool(event.modifiers() & Modifier.ControlModifier)
-            if hit.keys:
+            if hit.kind == "curves":
+                self._press_curves(event.position(), add)
+            elif hit.keys:
                 self.select_keys(hit, add)
             else:
                 self.document.keys.clear()
@@ -158,6 +166,10 @@ class TrackCanvas(TrackView):
             self.axis.zoom(ZOOM_PER_DEGREE**degrees, max(event.position().x(), LABEL_WIDTH))
         elif event.modifiers() & Modifier.ShiftModifier or not step.y():
             self.axis.scroll(-degrees * SCROLL_PER_DEGREE)
+        elif self.editing and self.sheet is not None and self.sheet.plot.contains(event.position().toPoint()):
+            area = plot_area(self.sheet.plot)
+            self.picture.curves.zoom(ZOOM_PER_DEGREE**degrees, (area.bottom() - event.position().y()) / area.height())
+            self._redraw_all()
         else:
             self.scroll_bar.setValue(round(self.scroll_bar.value() - degrees * SCROLL_PER_DEGREE))
         event.accept()
@@ -221,6 +233,22 @@ class TrackCanvas(TrackView):
         else:
             selection.set(*items)
 
+    def _press_curves(self, position: QPointF, add: bool) -> None:
+        """Take hold of a handle or a key of the curve editor, or of nothing."""
+        curves, keys = self.picture.curves, self.document.keys
+        assert self.sheet is not None
+        grip = self._grip = curves.hit(self.sheet.shown, plot_area(self.sheet.plot), position)
+        if grip is None:
+            if not add:
+                keys.clear()
+            return
+        curves.active = grip.channel
+        if grip.side is None and add:
+            keys.toggle([grip.key])
+        elif grip.side is None and grip.key not in keys:
+            keys.set([grip.key])
+        self._redraw_all()
+
     def select_keys(self, hit: Hit, add: bool) -> None:
         """Select the keys of a diamond, with ``add`` beside others; one of several that are selected keeps all."""
         keys, items = self.document.keys, items_of(hit)
@@ -236,15 +264,32 @@ class TrackCanvas(TrackView):
         if self.sheet is None:
             return None
         shown, add = self.sheet.shown, bool(modifiers & Modifier.ControlModifier)
+        if hit.kind == "curves":
+            curves, plot = self.picture.curves, self.sheet.plot
+            if self._grip is None:
+                return BoxSelectCurves(shown, curves, plot, press, add)
+            if self._grip.side is not None:
+                return DragTangent(shown, curves, plot, self._grip, press)
+            return (
+                DragCurveKeys(shown, curves, plot, self._grip, press) if self._grip.key in self.document.keys else None
+            )
         if hit.keys and self.document.keys.items.issuperset(hit.keys):
             return DragKeys(shown, hit.keys[0], press, bool(modifiers & Modifier.ShiftModifier))
         if hit.part == Part.EMPTY and press.x() >= LABEL_WIDTH and self.sheet.viewport.contains(press.toPoint()):
             return BoxSelect(self.sheet, press, add)
         return gesture_at(hit, shown, press)
 
+    def _scroll_rows(self, pixels: float) -> None:
+        self.scroll_bar.setValue(round(self.scroll_bar.value() + pixels))
+
+    def _scroll_curves(self, height: int, pixels: float) -> None:
+        self.picture.curves.scroll(-pixels / height)
+        self._redraw_all()
+
     def _drag(self, event: QMouseEvent) -> None:
         if self.gesture is None:
             return
+        self.gesture.modifiers = event.modifiers()
         self.gesture.update(event.position(), bool(event.modifiers() & Modifier.AltModifier))
         if self.gesture.mark is not None:
             self.told.emit(self.gesture.mark.text)

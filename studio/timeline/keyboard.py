@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
 Key, Modifier = Qt.Key, Qt.KeyboardModifier
 STEPS = {Key.Key_Left: -1, Key.Key_Right: 1}
+FRAMING = (Key.Key_A, Key.Key_F)
+"""Keys that frame all curves, or the selected keys."""
 JUMPS = {Key.Key_Up: -1, Key.Key_Down: 1}
 
 
@@ -21,6 +23,8 @@ def is_wanted(canvas: "TrackCanvas", key: int, modifiers: Qt.KeyboardModifier) -
     if key == Key.Key_Escape:
         return canvas.gesture is not None or canvas.handle is not None or bool(canvas.document.keys.items)
     if modifiers & Modifier.AltModifier and key in (*STEPS, *JUMPS):
+        return True
+    if canvas.editing and key in FRAMING and modifiers == Modifier.NoModifier:
         return True
     if (key, modifiers) == (Key.Key_A, Modifier.ControlModifier):
         return True
@@ -34,6 +38,8 @@ def press_key(canvas: "TrackCanvas", key: Qt.Key, modifiers: Qt.KeyboardModifier
         return False
     if modifiers & Modifier.AltModifier and key in (*STEPS, *JUMPS):
         _press_with_alt(shown, key, modifiers)
+    elif canvas.editing and key in FRAMING and modifiers == Modifier.NoModifier:
+        canvas.frame_curves(key == Key.Key_F)
     elif (key, modifiers) == (Key.Key_A, Modifier.ControlModifier):
         edits.select_all_keys(shown)
     elif key in STEPS and canvas.handle is not None:

@@ -10,6 +10,7 @@ from studio.core.captures.contacts import CONTACT_POINTS, ContactPoint, Touch, c
 from studio.document.key_edits import delete_keys
 from studio.timeline import edits
 from studio.timeline.clip_edits import offer_clip, offer_motions
+from studio.timeline.curve_menu import offer_curves
 from studio.timeline.curves import Quantity
 from studio.timeline.gestures.begin import items_of
 from studio.timeline.gestures.contact import new_contact
@@ -29,6 +30,8 @@ def menu_at(canvas: "TrackCanvas", position: QPointF) -> QMenu | None:
     menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
     if hit.part == Part.KEY:
         _offer_key(menu, canvas, hit)
+    elif hit.kind == "curves":
+        offer_curves(menu, canvas)
     elif hit.kind == "plot":
         _offer_quantities(menu, canvas, canvas.sheet.shown)
     elif hit.kind == "clips":

@@ -10,8 +10,11 @@ from studio.timeline.shown import LABEL_WIDTH, Row, Shown, label_area
 from studio.timeline.tracks import clip, constraint, contacts, hold, keys, labels, layer, remarks, ruler
 from studio.timeline.tracks.brush import time_area, translucent
 from studio.timeline.tracks.plot import FOLDED, PlotPicture
+from studio.timeline.tracks.value_curves import ValueCurves
 
 PLOT = ("plot", "")
+BEHIND = 0.3
+"""How strong measured curves are behind those that are edited."""
 RULER = ("ruler", "")
 
 
@@ -20,6 +23,7 @@ class Picture:
 
     def __init__(self, parent: QWidget) -> None:
         self.plot = PlotPicture(parent)
+        self.curves = ValueCurves()
         self.pixmap = QPixmap()
         self._stale: set[tuple[str, str]] = set()
         self._stale_lanes: set[tuple[str, str]] = set()
@@ -77,7 +81,11 @@ class Picture:
         _paint_ground(painter, sheet.plot, sheet.shown)
         self.plot.fetch(sheet.shown)
         if sheet.plot.height() > FOLDED:
+            painter.setOpacity(BEHIND if sheet.shown.curves else 1.0)
             self.plot.paint(painter, sheet.plot, sheet.shown)
+            painter.setOpacity(1.0)
+            if sheet.shown.curves:
+                self.curves.paint(painter, sheet.plot, sheet.shown)
         self.plot.paint_label(painter, sheet.plot, sheet.shown)
         painter.fillRect(0, sheet.plot.top(), sheet.size.width(), 1, QColor(colours.EDGE))
         painter.restore()

@@ -9,6 +9,8 @@ from studio.timeline.tracks import clip, constraint, contacts, hold, keys, label
 
 PLAYHEAD_REACH = 4.0
 RIGHT_MARGIN = 12
+CURVES_SHARE, LEAST_CURVES = 0.55, 150
+"""What of the height the curve editor takes at least, and pixels."""
 FOLDING = ("constraints", "lane")
 """Kinds of rows of which each can be folded by itself."""
 
@@ -72,6 +74,10 @@ class Sheet:
         """The plot, at the bottom; it takes what the rows leave."""
         if ("plot", "") in self.shown.folded:
             return QRect(0, self.size.height() - plot.FOLDED, self.size.width(), plot.FOLDED)
+        if self.shown.curves:
+            most = self.size.height() - ruler.HEIGHT
+            height = max(round(CURVES_SHARE * most), min(LEAST_CURVES, most), most - self.content_height)
+            return QRect(0, self.size.height() - height, self.size.width(), height)
         spare = self.size.height() - ruler.HEIGHT - self.content_height
         height = min(max(spare, plot.LEAST_HEIGHT), plot.MOST_HEIGHT)
         return QRect(0, self.size.height() - height, self.size.width(), height)
@@ -110,7 +116,9 @@ class Sheet:
         if self.plot.contains(point) and point.x() < FOLD_WIDTH:
             return Hit("plot", "", Part.FOLD)
         if self.plot.contains(point):
-            return Hit("plot", "", Part.TIME if point.x() >= LABEL_WIDTH else Part.LABEL)
+            if point.x() < LABEL_WIDTH:
+                return Hit("plot", "", Part.LABEL)
+            return Hit("curves", "", Part.EMPTY) if self.shown.curves else Hit("plot", "", Part.TIME)
         row = self.row_at(point)
         return self._hit_row(row, position) if row else Hit("", "", Part.EMPTY)
 

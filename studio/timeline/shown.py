@@ -97,6 +97,8 @@ class Shown:
     """What is odd about the capture of the motion."""
     dope: bool = False
     """Whether the rows are those of the dope sheet."""
+    curves: bool = False
+    """Whether the plot is the curve editor."""
 
     @property
     def project(self) -> Project:

@@ -100,6 +100,13 @@ class ActivationCurve:
         """The same curve ``seconds`` later."""
         return self.with_times(*(time + seconds for time in self.times))
 
+    def with_weight(self, place: int, weight: float) -> "ActivationCurve":
+        """The same curve with another weight of one of its four times."""
+        weights = [*self.weights]
+        weights[place] = weight
+        start, full, full_end, end = weights
+        return replace(self, weights=(start, full, full_end, end))
+
     def with_times(self, start: float, full: float, full_end: float, end: float) -> "ActivationCurve":
         """The same curve with other times."""
         return replace(self, start=start, full=full, full_end=full_end, end=end)

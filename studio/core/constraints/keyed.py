@@ -11,6 +11,7 @@ import math
 from bisect import bisect_left
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import pairwise
 from typing import Any, ClassVar, Self
 
@@ -93,6 +94,13 @@ class Keys:
         PLACE.check(numbers, "The value of a key")
         return tuple(numbers.tolist()) if self.size > 1 else float(numbers[0])
 
+    @cached_property
+    def seconds(self) -> FloatArray:
+        """(K,) the times of the keys."""
+        seconds = np.array(self.times)
+        seconds.setflags(write=False)
+        return seconds
+
     @property
     def keys(self) -> tuple[Key, ...]:
         """The keys in the order of their times."""
@@ -135,8 +143,9 @@ class Keys:
 
         Free tangents of these keys get steeper by ``speed``, so that keys that are brought nearer keep their curve.
         """
-        kept = [key for place, key in enumerate(self.keys) if place not in times]
-        moved = [replace(self.keys[place], time=float(time)) for place, time in times.items()]
+        keys = self.keys
+        kept = [key for place, key in enumerate(keys) if place not in times]
+        moved = [Key(float(time), keys[place].value, keys[place].tangents) for place, time in times.items()]
         if speed != 1.0:
             steeper = lambda rate: rate * speed  # noqa: E731
             moved = [replace(key, tangents=key.tangents.with_rates(steeper)) if key.tangents else key for key in moved]
@@ -169,7 +178,7 @@ class Keys:
 
     def rates(self) -> tuple[FloatArray, FloatArray]:
         """(K, D) a second with which each key is reached, and (K, D) with which it is left."""
-        return rates_of(np.array(self.times), self._steps(), self.tangents, self.before, self.after)
+        return rates_of(self.seconds, self._steps(), self.tangents, self.before, self.after)
 
     def _steps(self) -> FloatArray:
         """(K - 1, D) from each key to the next."""
@@ -195,7 +204,7 @@ class Keys:
         )
 
     def _spans(self, times: ArrayLike) -> "_Spans":
-        keys = np.array(self.times)
+        keys = self.seconds
         asked = self._looped(np.asarray(times, dtype=np.float64))
         t = np.clip(asked, self.times[0], self.times[-1])
         before = np.clip(np.searchsorted(keys, t, "right") - 1, 0, max(len(keys) - 2, 0))
@@ -250,6 +259,19 @@ class _Spans:
 
 class Line(Keys):
     """Values that are points of a space of ``size`` numbers."""
+
+    def _checked_values(self) -> tuple[Any, ...]:
+        """All at once: a take that was recorded has a key in every frame."""
+        if all(type(value) is (float if self.size == 1 else tuple) for value in self.values):
+            try:
+                numbers = np.array(self.values, dtype=np.float64).reshape(len(self.values), -1)
+            except ValueError:
+                return super()._checked_values()
+            if numbers.shape[1] == self.size and np.isfinite(numbers).all():
+                PLACE.check(numbers, "The value of a key")
+                rows = numbers.tolist()
+                return tuple(map(tuple, rows)) if self.size > 1 else tuple(row[0] for row in rows)
+        return super()._checked_values()
 
     def at(self, times: ArrayLike) -> FloatArray:
         """(N, size) at ``times`` (N,) seconds."""

@@ -8,6 +8,7 @@ from PySide6.QtCore import QPointF, QRect, QRectF
 from PySide6.QtGui import QColor, QPainter
 
 from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.keyed import Keys
 from studio.document import colours
 from studio.document.keyed_fields import Keyed, KeyedField, KeyRef, fields_of, keyed_value, selected_fields
 from studio.timeline.shown import Row, Shown, label_area
@@ -84,7 +85,7 @@ def _keys_of(shown: Shown, collection: str, entity_id: str) -> tuple[KeyedField,
 def stage_times(shown: Shown, field: KeyedField) -> FloatArray:
     """(K,) seconds of the stage at which the keys of a field lie."""
     value = keyed_value(shown.project, field)
-    times = np.array(value.times if value is not None else (), dtype=np.float64)
+    times = value.seconds if isinstance(value, Keys) else np.array(value.times if value is not None else ())
     return np.asarray(shown.subject.to_stage(times)) if field.collection == "constraints" else times
 
 
@@ -124,19 +125,21 @@ def paint_keys(painter: QPainter, shown: Shown, row: Row, area: QRect, colour: s
     """Diamonds, with a light edge where they are selected; a bar where they lie closer than they can be told apart."""
     axis = shown.axis
     begin, end = axis.time_at(axis.left - KEY_REACH), axis.time_at(axis.right + 20.0)
-    plain: list[float] = []
-    chosen: list[float] = []
+    plain: list[FloatArray] = [np.empty(0)]
+    chosen: list[FloatArray] = [np.empty(0)]
     selected = shown.document.keys.by_field()
     for field in fields_in(shown, row):
         times = stage_times(shown, field)
         seen = (times >= begin) & (times <= end)
-        picked = np.zeros(len(times), dtype=bool)
-        picked[list(selected.get(field, ()))] = True
-        plain += times[seen & ~picked].tolist()
-        chosen += times[seen & picked].tolist()
+        if field in selected:
+            picked = np.zeros(len(times), dtype=bool)
+            picked[list(selected[field])] = True
+            chosen.append(times[seen & picked])
+            seen &= ~picked
+        plain.append(times[seen])
     y = key_height(row, area)
-    _paint_diamonds(painter, shown, np.array(plain), y, colour, False)
-    _paint_diamonds(painter, shown, np.array(chosen), y, colour, True)
+    _paint_diamonds(painter, shown, np.concatenate(plain), y, colour, False)
+    _paint_diamonds(painter, shown, np.concatenate(chosen), y, colour, True)
 
 
 def _paint_diamonds(painter: QPainter, shown: Shown, times: FloatArray, y: float, colour: str, selected: bool) -> None:
