@@ -137,6 +137,12 @@ EDIT = (
         lambda bench: bench.document.undo_stack.canRedo(), repeats=True, ends_group=True,
     ),
     Action("delete", "Edit", "Delete", editing.delete, ("Del", "Backspace"), "Remove what is selected", _any_selected),
+    Action("copy", "Edit", "Copy", editing.copy, ("Ctrl+C",),
+           "The selected keys, constraints and contacts, as text that other projects take too", _any_selected),
+    Action("paste", "Edit", "Paste", editing.paste_copied, ("Ctrl+V",),
+           "Keys from the playhead on; constraints and contacts on the motion or body that is selected"),
+    Action("paste_mirrored", "Edit", "Paste mirrored", editing.paste_mirrored, ("Ctrl+Shift+V",),
+           "Paste with left for right", ends_group=True),
     Action("set_key", "Edit", "Set key", editing.set_key, ("S",), "Key the selection at the playhead", _any_selected),
     Action("escape", "Edit", "Deselect", editing.escape, ("Esc",), "Cancel the current action"),
     Action(

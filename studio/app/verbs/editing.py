@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 
+from PySide6.QtGui import QGuiApplication
+
 from studio.app.verbs import clips
 from studio.app.workbench import Workbench
 from studio.core.captures.contacts import ContactInterval
@@ -12,6 +14,7 @@ from studio.core.stage.behaviour import Transition
 from studio.core.stage.clip import Clip
 from studio.core.stage.staging import lined_up, travel_heading
 from studio.document.behaviours import duplicate_states, remove_parts
+from studio.document.clipboard import copied, paste
 from studio.document.clips import name_of, remove_clips
 from studio.document.key_edits import delete_keys, set_keys
 
@@ -72,6 +75,24 @@ def delete(bench: Workbench) -> None:
         for collection, key in items:
             if collection not in PARTS and document.project.get(collection, key) is not None:
                 document.remove(collection, key, text)
+
+
+def copy(bench: Workbench) -> None:
+    """Put the selected keys, constraints and contacts on the system's clipboard, as JSON."""
+    text = copied(bench.document)
+    if not text:
+        raise StudioError("Select constraints, contacts or keys to copy first.")
+    QGuiApplication.clipboard().setText(text)
+
+
+def paste_copied(bench: Workbench) -> None:
+    """Paste what was copied, here or in another window."""
+    paste(bench.document, QGuiApplication.clipboard().text())
+
+
+def paste_mirrored(bench: Workbench) -> None:
+    """Paste what was copied with left for right."""
+    paste(bench.document, QGuiApplication.clipboard().text(), mirrored=True)
 
 
 def set_key(bench: Workbench) -> None:
