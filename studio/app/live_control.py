@@ -117,9 +117,13 @@ class LiveControl:
     def replay(self, path: Path) -> None:
         """Play a recording of datagrams, again and again; a sentence when it is none."""
         try:
-            self._add(Source(path.name, Replay(path, Inbox())))
+            replay = Replay(path, Inbox())
         except StudioError as error:
             self.bench.said.emit(str(error))
+            return
+        self._add(Source(path.name, replay))
+        if replay.problem:
+            self.bench.said.emit(replay.problem)
 
     def record(self, path: Path) -> None:
         """Write all that is listened to into a file, and into no other any more, until it is asked to stop."""

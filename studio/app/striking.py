@@ -82,7 +82,7 @@ class Striking:
     def add_folder(self, folder: Path) -> int:
         """Index a folder in the background; returns the task. Cancelled, it leaves what has been read until then."""
 
-        def work(progress: Any) -> "tuple[IndexReport | None, Library]":
+        def work(progress: Any) -> "tuple[IndexReport | None, Library, str]":
             from studio.library.catalogue import Catalogue
             from studio.library.indexing import index
             from studio.library.library import Library
@@ -92,12 +92,13 @@ class Striking:
                     report = index(catalogue, [folder], progress)
                 except CancelledError:
                     report = None
-                return report, Library.of(catalogue)
+                library = Library.of(catalogue)
+                return report, library, catalogue.remarks
 
-        def done(answer: "tuple[IndexReport | None, Library]") -> None:
-            report, library = answer
+        def done(answer: "tuple[IndexReport | None, Library, str]") -> None:
+            report, library, remarks = answer
             self.search_in(library)
-            words = _told(report, folder)
+            words = f"{remarks} {_told(report, folder)}".strip()
             if words:
                 self.bench.said.emit(words)
 
@@ -110,17 +111,24 @@ class Striking:
             self.search_in(self.library)
             return
 
-        def work(progress: Any) -> "Library":
+        def work(progress: Any) -> "tuple[Library, str]":
             from studio.library.catalogue import Catalogue
-            from studio.library.indexing import index
-            from studio.library.library import Library
+            from studio.library.indexing import index, whole_library
 
             with Catalogue(self.folder) as catalogue:
-                if not catalogue.files():  # a new library begins with the strikes that come with the studio
+                is_new = not catalogue.paths() or catalogue.repaired
+                if is_new and not catalogue.read_only:  # it begins with the strikes that come with the studio
                     index(catalogue, [bundled_strikes_folder()], progress)
-                return Library.of(catalogue)
+                library = whole_library(catalogue, progress)
+                return library, catalogue.remarks
 
-        self.bench.runner.run("Opening the motion library", work, self.search_in)
+        def done(answer: "tuple[Library, str]") -> None:
+            library, remarks = answer
+            self.search_in(library)
+            if remarks:
+                self.bench.said.emit(remarks)
+
+        self.bench.runner.run("Opening the motion library", work, done)
 
     def play(self, place: int, performer_id: str | None = None, time: float | None = None) -> None:
         """Let a performer, by default the active one, play what is listed there from ``time`` on, by default the

@@ -26,11 +26,13 @@ def run(arguments: Namespace) -> int:
         refuse_replacing([arguments.target], arguments.source, arguments.overwrite)
         return _convert_character(arguments)
     format_for(arguments.target)
-    export_options(arguments).check(arguments.target)
+    options = export_options(arguments)
+    options.check(arguments.target)
     refuse_replacing([arguments.target], arguments.source, arguments.overwrite)
     read = _take_of(arguments.source, import_options(arguments))
-    capture = read.capture
-    written = write_take(export_options(arguments).applied_to(read, arguments.target), arguments.target)
+    take = options.applied_to(read, arguments.target)
+    capture = take.capture
+    written = write_take(take, arguments.target)
     joints = int(np.count_nonzero(~capture.skeleton.end_sites))
     guesses = _sentences(capture.guesses)
     if arguments.json:
@@ -45,7 +47,7 @@ def run(arguments: Namespace) -> int:
                 "joints": joints,
                 "assumptions": guesses,
                 "repairs": list(capture.repairs),
-                "cleaning": cleaning_records(capture),
+                "cleaning": cleaning_records(read.capture),
             }
         )
         return 0

@@ -4,8 +4,8 @@ from argparse import Namespace
 
 from studio.cli.printing import counted, print_json, print_table
 from studio.library.catalogue import Catalogue
-from studio.library.indexing import index
-from studio.library.library import Library, LibraryClip
+from studio.library.indexing import index, whole_library
+from studio.library.library import LibraryClip
 from studio.resources_folder import bundled_strikes_folder
 from studio.startup.progress import progress_line
 
@@ -15,8 +15,8 @@ def run(arguments: Namespace) -> int:
     with Catalogue(arguments.library) as catalogue:
         folders = [*arguments.folders, *([bundled_strikes_folder()] if arguments.bundled else [])]
         report = index(catalogue, folders, progress_line())
-        library = Library.of(catalogue)
-        problems = {"catalogue": catalogue.repaired} if catalogue.repaired else {}
+        library = whole_library(catalogue, progress_line())
+        problems = {"catalogue": catalogue.remarks} if catalogue.remarks else {}
     problems |= report.problems
     if arguments.json:
         numbers = {"read": report.read, "kept": report.kept, "forgotten": report.forgotten}

@@ -1,10 +1,11 @@
 """The motion library that a verb works with."""
 
+import sys
 from argparse import Namespace
 
 from studio.core.errors import StudioError
 from studio.library.catalogue import Catalogue
-from studio.library.indexing import index
+from studio.library.indexing import index, whole_library
 from studio.library.library import Library
 from studio.resources_folder import bundled_strikes_folder
 from studio.startup.progress import progress_line
@@ -15,7 +16,9 @@ def library_with_clips(arguments: Namespace) -> Library:
     with Catalogue(arguments.library) as catalogue:
         if arguments.bundled:
             index(catalogue, [bundled_strikes_folder()], progress_line())
-        library = Library.of(catalogue)
+        library = whole_library(catalogue, progress_line())
+        if catalogue.remarks:
+            print(catalogue.remarks, file=sys.stderr)
     if not library.clips:
         raise StudioError(
             f"The library in '{arguments.library}' has no clips. Add captures with `index FOLDER`, or the strikes that "

@@ -81,7 +81,10 @@ def target_of(arguments: Namespace, inbox: Inbox, stature: float, stack: ExitSta
     """Where the target is: tracked, replayed, or a head that sways by itself."""
     if not arguments.head:
         return lambda now: swaying(now, stature)
-    packets = iter(read_recording(arguments.replay)) if arguments.replay else None
+    recording = read_recording(arguments.replay) if arguments.replay else None
+    if recording is not None and recording.problem:
+        print(recording.problem, file=sys.stderr)
+    packets = iter(recording) if recording else None
     waiting = [next(packets, None)] if packets else [None]
     if packets is None:
         listener = UdpInput(inbox, arguments.port, arguments.listen, arguments.sender)

@@ -1,15 +1,21 @@
 """Arrays out of ``.npy`` and ``.npz`` files that anybody may have written: no header is believed, none is evaluated."""
 
 import math
+import mmap
 import re
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.io.replacing import replacing
 from studio.io.zipped import unpacked
 
 Array = NDArray[Any]
+Content = bytes | memoryview
 
 _HEADER = re.compile(
     rb"\x93NUMPY\x01\x00..\{'descr': '([^']{1,20})', 'fortran_order': (True|False), "
@@ -18,7 +24,7 @@ _HEADER = re.compile(
 )
 
 
-def array_of(content: bytes) -> Array:
+def array_of(content: Content) -> Array:
     """A read-only array over the bytes of an ``.npy`` file. Raises ValueError when they are not one."""
     header = _HEADER.match(content)
     if header is None:
@@ -37,3 +43,42 @@ def array_of(content: bytes) -> Array:
 def arrays_of(content: bytes, most: int) -> dict[str, Array]:
     """The arrays of an ``.npz`` file by name, which unpack to ``most`` bytes together. Raises ValueError."""
     return {name.removesuffix(".npy"): array_of(member) for name, member in unpacked(content, most).items()}
+
+
+CHECKSUM_BYTES = 4
+
+
+@dataclass(frozen=True, eq=False)
+class StoredArray:
+    """An array that stays on disk until its ``values`` are read."""
+
+    values: Array
+    checksum: int | None
+    """CRC-32 of the content before it; None in a file without one."""
+    content: Content
+
+    def is_whole(self) -> bool:
+        """True unless the content has changed since it was written."""
+        return self.checksum is None or zlib.crc32(self.content) == self.checksum
+
+
+def write_stored(path: Path, values: Array) -> None:
+    """Write an ``.npy`` file with its checksum at the end, whole or not at all. Raises StudioError."""
+    with replacing(path) as part:
+        with open(part, "wb") as file:
+            np.save(file, values, allow_pickle=False)
+        with open(part, "r+b") as file:
+            checksum = zlib.crc32(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ))
+            file.seek(0, 2)
+            file.write(checksum.to_bytes(CHECKSUM_BYTES, "little"))
+
+
+def stored_array(path: Path) -> StoredArray:
+    """The array in a file of ``write_stored``, or in a plain ``.npy`` file. Raises OSError or ValueError."""
+    with open(path, "rb") as file:
+        content = memoryview(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ))
+    try:
+        return StoredArray(array_of(content), None, content)
+    except ValueError:
+        body, checksum = content[:-CHECKSUM_BYTES], int.from_bytes(content[-CHECKSUM_BYTES:], "little")
+        return StoredArray(array_of(body), checksum, body)

@@ -19,6 +19,7 @@ from studio.core.solver.report import CONTACTS, EASED, LIMITS, NOBODY, REACH, Re
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import Standing, standing_of
 from studio.core.solver.warm_up import warm_up
+from studio.core.stage.placement import Placement
 
 Record = dict[str, Any]
 FloatArray = NDArray[np.float64]
@@ -41,6 +42,11 @@ def character_report(
     seconds = time.perf_counter() - start
     record = figures(standing, request, adapted, source, by_frame)
     return adapted, {**record, "microseconds_per_frame": 1e6 * seconds / adapted.frame_count}
+
+
+def place_record(place: Placement) -> Record:
+    """Where a character stands on the stage: metres along X and Y, degrees about Z."""
+    return {"position": list(place.position), "heading_deg": math.degrees(place.heading)}
 
 
 def figures(

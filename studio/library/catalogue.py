@@ -1,16 +1,19 @@
 """The catalogue of a library: what is known of files, actors, takes and clips, in SQLite and arrays beside it.
 
-It lies in a folder of its own, never among the captures, and holds nothing but what indexing finds again and the labels
-that somebody corrected. One that cannot be read is put aside and made anew.
+It lies in a folder of its own, never among the captures. What indexing finds again is computed anew where it is
+damaged. The labels that a person confirmed are in a file beside it too (``confirmed_labels``): either restores the
+other. A catalogue of a newer version is only read, and one that another process holds is waited for.
 """
 
 import json
+import operator
 import sqlite3
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import closing, contextmanager, suppress
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,27 +22,42 @@ from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactInterval
 from studio.core.errors import StudioError
 from studio.core.normalized.motion import NormalizedMotion
-from studio.library.clips import ClipLabel, HitSegment, Kind, Limb
+from studio.core.plausible import FRAME_RATE
+from studio.io.npy import StoredArray, stored_array, write_stored
+from studio.library.clips import ClipLabel
+from studio.library.confirmed_labels import CONFIRMED_LABELS, Labels, NewerLabels, read_labels, write_labels
 from studio.library.hitting import HitPath
 
 FloatArray = NDArray[np.float64]
+T = TypeVar("T")
 
 VERSION = 1
 DATABASE = "catalogue.sqlite"
 PATIENCE = 60.0
-"""Seconds for which one who writes waits for others who read or write."""
-_TABLES = """
-CREATE TABLE files (path TEXT PRIMARY KEY, size INTEGER, changed INTEGER, problem TEXT);
-CREATE TABLE actors (id INTEGER PRIMARY KEY, bones TEXT UNIQUE, name TEXT, body TEXT);
-CREATE TABLE takes (
+"""Seconds to wait for another process that reads or writes."""
+_TABLES = (
+    "CREATE TABLE files (path TEXT PRIMARY KEY, size INTEGER, changed INTEGER, problem TEXT)",
+    "CREATE TABLE actors (id INTEGER PRIMARY KEY, bones TEXT UNIQUE, name TEXT, body TEXT)",
+    """CREATE TABLE takes (
     id INTEGER PRIMARY KEY, path TEXT UNIQUE REFERENCES files (path) ON DELETE CASCADE,
     actor INTEGER REFERENCES actors (id), name TEXT, frame_rate REAL, spine_places TEXT, contacts TEXT
-);
-CREATE TABLE clips (
+)""",
+    """CREATE TABLE clips (
     id INTEGER PRIMARY KEY, take INTEGER REFERENCES takes (id) ON DELETE CASCADE, label TEXT, confirmed INTEGER,
     path_first INTEGER, path TEXT
-);
-"""
+)""",
+    f"PRAGMA user_version = {VERSION}",
+)
+_COLUMNS = {
+    "files": "path, size, changed, problem",
+    "actors": "id, bones, name, body",
+    "takes": "id, path, actor, name, frame_rate, spine_places, contacts",
+    "clips": "id, take, label, confirmed, path_first, path",
+}
+_BAD_VALUES = (ValueError, TypeError, KeyError, ArithmeticError, AttributeError, LookupError, StudioError)
+"""Raised by a row that is not as it was written."""
+_BAD_DATABASE = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_FORMAT, sqlite3.SQLITE_ERROR)
+"""Primary codes of errors that come of the content of the file, not of who else uses it or of the disk."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +69,10 @@ class FileState:
     problem: str = ""
 
 
+TO_BE_READ = FileState(-1, -1)
+"""State of a file whose entries are lost; no file has it."""
+
+
 @dataclass(frozen=True, eq=False)
 class Take:
     """A motion of the library on the body of its actor."""
@@ -60,6 +82,8 @@ class Take:
     actor: int
     motion: NormalizedMotion
     contacts: tuple[ContactInterval, ...]
+    checksum: int | None = None
+    """Of its channels; None in libraries of former versions."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +94,10 @@ class CatalogueClip:
     take: int
     label: ClipLabel
     path: HitPath
+
+    def fits(self, take: Take) -> bool:
+        """True if its frames are frames of its take."""
+        return max(self.label.last, self.path.last) < take.motion.frame_count
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,22 +110,25 @@ class Actor:
 
 
 class Catalogue:
-    """What was indexed, in ``folder``; close it, or use it in a ``with``. One for each thread."""
+    """What was indexed, in ``folder``; close it, or use it in a ``with``. One for each thread.
+
+    Every method raises StudioError where another process holds the file too long, or the disk does not do its work.
+    """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.repaired = ""
-        """What was the matter with a catalogue that had to be made anew."""
+        """Sentences that tell what was damaged and is made anew."""
+        self.read_only = ""
+        """The sentence that tells why nothing can be changed; empty where it can."""
+        self._database: sqlite3.Connection | None = None
         try:
-            folder.mkdir(parents=True, exist_ok=True)
-            try:
+            with self._refusing():
+                folder.mkdir(parents=True, exist_ok=True)
                 self._open()
-            except sqlite3.DatabaseError as error:
-                self._put_aside(str(error))
-                self._open()
-        except (OSError, sqlite3.Error) as error:
-            reason = getattr(error, "strerror", None) or error
-            raise StudioError(f"The library's folder '{folder}' cannot be used: {reason}. Choose another.") from error
+        except StudioError:
+            self.close()
+            raise
 
     def __enter__(self) -> "Catalogue":
         return self
@@ -107,157 +138,392 @@ class Catalogue:
 
     def close(self) -> None:
         """Let go of the file."""
-        self._database.close()
+        if self._database is not None:
+            self._database.close()
+
+    def remark(self, sentence: str) -> None:
+        """Add a sentence to what was repaired."""
+        self.repaired = f"{self.repaired} {sentence}".strip()
+
+    @property
+    def remarks(self) -> str:
+        """What the user has to know of it, in sentences; empty where all is well."""
+        return f"{self.repaired} {self.read_only}".strip()
 
     @contextmanager
     def changing(self) -> Iterator[None]:
-        """All that is written in the block, or nothing of it."""
-        with self._database:
+        """All that is written in the block, or nothing of it. Raises StudioError where nothing can be written."""
+        if self.read_only:
+            raise StudioError(self.read_only)
+        with self._refusing(), self._connection:
+            self._connection.execute("BEGIN IMMEDIATE")
             yield
 
     @contextmanager
     def unchanging(self) -> Iterator[None]:
         """All that is read in the block is of one moment, whoever writes meanwhile."""
-        with self._database:
-            self._database.execute("BEGIN")
+        with self._refusing(), self._connection:
+            self._connection.execute("BEGIN")
             yield
 
+    def paths(self) -> list[str]:
+        """Every file that was looked at."""
+        return sorted(path for (path,) in self._rows("SELECT path FROM files") if isinstance(path, str))
+
     def files(self) -> dict[str, FileState]:
-        """Every file that was looked at, by its path; not those whose channels are lost: they are to be read again."""
-        rows = self._database.execute(
-            "SELECT files.path, takes.id, size, changed, problem FROM files LEFT JOIN takes ON takes.path = files.path"
-            " ORDER BY files.path"
-        )
+        """Every file whose entries are whole, by its path; the others of ``paths`` are to be read again."""
+        takes = {take.path: take for take in self.takes().values()}
+        labels = self._labels()
+        counts = dict(self._rows("SELECT take, count(*) FROM clips GROUP BY take"))
+        clips = defaultdict(list)
+        for clip in self.clips():
+            clips[clip.take].append(clip)
+
+        def is_whole(take: Take) -> bool:
+            known = [clip for clip in clips[take.number] if clip.fits(take)]
+            confirmed = Counter(clip.label for clip in known if clip.label.confirmed)
+            given = Counter(label for label in labels.get(take.path, ()) if label.last < take.motion.frame_count)
+            channels = self._stored(take.number)
+            return (
+                len(known) == counts.get(take.number, 0)
+                and confirmed == given
+                and channels is not None
+                and channels.is_whole()
+            )
+
+        rows = self._rows("SELECT path, size, changed, problem FROM files ORDER BY path")
+        with_take = {path for (path,) in self._rows("SELECT path FROM takes")}
         return {
-            path: FileState(*rest) for path, take, *rest in rows if take is None or self._channels(take) is not None
+            path: FileState(*state)
+            for path, *state in rows
+            if (path in takes and is_whole(takes[path]) and state[2] == "") or (path not in with_take and state[2])
         }
 
     def forget(self, path: str) -> None:
-        """Leave out a file with all that came from it."""
-        for (number,) in self._database.execute("SELECT id FROM takes WHERE path = ?", (path,)).fetchall():
+        """Leave out a file with all that came from it, but for the labels that somebody confirmed."""
+        for (number,) in self._rows("SELECT id FROM takes WHERE path = ?", path):
             self._channels_file(number).unlink(missing_ok=True)
-        self._database.execute("DELETE FROM files WHERE path = ?", (path,))
+        for table in ("takes", "files"):
+            self._connection.execute(f"DELETE FROM {table} WHERE path = ?", (path,))
+        self._connection.execute("DELETE FROM clips WHERE take NOT IN (SELECT id FROM takes)")
 
     def note(self, path: str, state: FileState) -> None:
         """A file was looked at; what came from it before is forgotten."""
         self.forget(path)
-        self._database.execute("INSERT INTO files VALUES (?, ?, ?, ?)", (path, *asdict(state).values()))
+        self._connection.execute("INSERT INTO files VALUES (?, ?, ?, ?)", (path, *asdict(state).values()))
 
     def actor(self, bones: str, name: str, body: Morphology) -> Actor:
         """The actor with these ``bones`` (any text that tells skeletons apart), added when there is none."""
-        found = self._database.execute("SELECT id, name, body FROM actors WHERE bones = ?", (bones,)).fetchone()
-        if found is not None:
-            return Actor(found[0], found[1], Morphology.from_json(json.loads(found[2])))
-        added = self._database.execute(
-            "INSERT INTO actors (bones, name, body) VALUES (?, ?, ?)", (bones, name, json.dumps(body.to_json()))
+        rows = self._rows("SELECT id, name, body FROM actors WHERE bones = ?", bones)
+        for found in _parsed(rows, _actor):
+            return found
+        for number, *_ in rows:  # its body is damaged
+            self._connection.execute("UPDATE actors SET name = ?, body = ? WHERE id = ?", (name, _body(body), number))
+            return Actor(number, name, body)
+        added = self._connection.execute(
+            "INSERT INTO actors (bones, name, body) VALUES (?, ?, ?)", (bones, name, _body(body))
         )
         return Actor(int(added.lastrowid or 0), name, body)
 
     def add_take(self, path: str, actor: Actor, motion: NormalizedMotion, contacts: Sequence[ContactInterval]) -> int:
         """Add a motion and return its number."""
         spans = [(each.point.value, each.first, each.last) for each in contacts]
-        added = self._database.execute(
+        added = self._connection.execute(
             "INSERT INTO takes (path, actor, name, frame_rate, spine_places, contacts) VALUES (?, ?, ?, ?, ?, ?)",
             (path, actor.number, motion.name, motion.frame_rate, _text(motion.spine_places), json.dumps(spans)),
         )
         number = int(added.lastrowid or 0)
-        np.save(self._channels_file(number), motion.channels)
+        write_stored(self._channels_file(number), motion.channels)
         return number
 
     def add_clip(self, take: int, label: ClipLabel, path: HitPath) -> int:
         """Add a clip and return its number."""
-        values = (take, json.dumps(asdict(label)), label.confirmed, path.first, _text(path.places))
-        added = self._database.execute(
+        values = (take, json.dumps(label.to_json()), label.confirmed, path.first, _text(path.places))
+        added = self._connection.execute(
             "INSERT INTO clips (take, label, confirmed, path_first, path) VALUES (?, ?, ?, ?, ?)", values
         )
         return int(added.lastrowid or 0)
 
     def change_clip(self, number: int, label: ClipLabel, path: HitPath) -> None:
-        """Put another label in the place of a clip's own."""
-        self._database.execute(
+        """Put another label in the place of a clip's own; one that is confirmed is stored among those of its file."""
+        rows = self._rows("SELECT takes.path, label FROM clips, takes WHERE takes.id = take AND clips.id = ?", number)
+        labels = self._labels()
+        self._connection.execute(
             "UPDATE clips SET label = ?, confirmed = ?, path_first = ?, path = ? WHERE id = ?",
-            (json.dumps(asdict(label)), label.confirmed, path.first, _text(path.places), number),
+            (json.dumps(label.to_json()), label.confirmed, path.first, _text(path.places), number),
         )
+        if label.confirmed:
+            for file, old in _parsed(rows, lambda row: (row[0], _label(row[1]))):
+                kept = tuple(each for each in labels.get(file, ()) if each != old)
+                write_labels(self.folder, labels | {file: (*kept, label)})
 
     def remove_clip(self, number: int) -> None:
         """Leave out one clip."""
-        self._database.execute("DELETE FROM clips WHERE id = ?", (number,))
+        self._connection.execute("DELETE FROM clips WHERE id = ?", (number,))
 
     def confirmed(self, path: str) -> list[ClipLabel]:
         """The labels of a file's take that somebody gave."""
-        rows = self._database.execute(
-            "SELECT label FROM clips, takes WHERE takes.id = take AND takes.path = ? AND confirmed ORDER BY clips.id",
-            (path,),
-        )
-        return [_label(text) for (text,) in rows]
+        return list(self._labels().get(path, ()))
 
     def actors(self) -> dict[int, Actor]:
         """All actors by their number."""
-        rows = self._database.execute("SELECT id, name, body FROM actors ORDER BY id")
-        return {number: Actor(number, name, Morphology.from_json(json.loads(body))) for number, name, body in rows}
+        rows = self._rows("SELECT id, name, body FROM actors ORDER BY id")
+        return {actor.number: actor for actor in _parsed(rows, _actor)}
 
     def clips(self) -> list[CatalogueClip]:
         """All clips, those of one take together."""
-        rows = self._database.execute("SELECT id, take, label, path_first, path FROM clips ORDER BY take, id")
-        return [CatalogueClip(number, take, _label(text), _path(*rest)) for number, take, text, *rest in rows]
+        return list(_parsed(self._rows("SELECT id, take, label, path_first, path FROM clips ORDER BY take, id"), _clip))
 
     def takes(self) -> dict[int, Take]:
-        """All takes by their number; their channels stay on disk until they are asked for.
+        """All takes by their number; their channels stay on disk until they are read.
 
-        Those whose channels are lost, or are being forgotten by somebody else, are left out.
+        Those whose entries or channels are lost, or are being forgotten by another process, are left out.
         """
-        rows = self._database.execute(
-            "SELECT id, path, actor, name, frame_rate, spine_places, contacts FROM takes ORDER BY id"
+        actors = self.actors()
+        rows = self._rows(
+            "SELECT id, takes.path, actor, name, frame_rate, spine_places, contacts FROM takes, files"
+            " WHERE files.path = takes.path ORDER BY id"
         )
-        found = {}
-        for number, path, actor, name, rate, places, contacts in rows.fetchall():
-            if (channels := self._channels(number)) is None:
-                continue
-            motion = NormalizedMotion(name, rate, channels, np.array(json.loads(places)))
-            spans = [ContactInterval(str(number), *span) for span in json.loads(contacts)]
-            found[number] = Take(number, path, actor, motion, tuple(spans))
-        return found
+        return {take.number: take for take in _parsed(rows, lambda row: self._take(row, actors))}
+
+    def _take(self, row: tuple[Any, ...], actors: dict[int, Actor]) -> Take:
+        """Raises ValueError or its like where the row or the channels are damaged."""
+        number, path, actor, name, rate, places, contacts = row
+        stored = self._stored(number)
+        spine_places = np.array(json.loads(places), dtype=np.float64)
+        if stored is None or not np.isfinite(spine_places).all():
+            raise ValueError("it has no channels")
+        if len(spine_places) != actors[actor].body.layout.spine_count:
+            raise ValueError("it is the motion of another body")
+        if not FRAME_RATE.least <= rate <= FRAME_RATE.most:
+            raise ValueError("it has no frame rate")
+        motion = NormalizedMotion(str(name), rate, stored.values, spine_places)
+        spans = [ContactInterval(str(number), *span) for span in json.loads(contacts)]
+        return Take(number, path, actor, motion, tuple(spans), stored.checksum)
 
     def _channels_file(self, take: int) -> Path:
         return self.folder / f"take_{take}.npy"
 
-    def _channels(self, take: int) -> FloatArray | None:
-        """Those of a take, where they are on the disk; None where they are not, or not whole."""
+    def _stored(self, take: int) -> StoredArray | None:
+        """The channels of a take on the disk; None where they are not there."""
+        with suppress(OSError, ValueError):
+            found = stored_array(self._channels_file(take))
+            if found.values.dtype == np.float64 and len(found.values):
+                return found
+        return None
+
+    @property
+    def _connection(self) -> sqlite3.Connection:
+        if self._database is None:
+            raise StudioError(f"The library in '{self.folder}' is closed.")
+        return self._database
+
+    def _rows(self, question: str, *values: object) -> list[tuple[Any, ...]]:
+        with self._refusing():
+            return self._connection.execute(question, values).fetchall()
+
+    @contextmanager
+    def _refusing(self) -> Iterator[None]:
+        """Raises StudioError for whatever SQLite raises in the block."""
         try:
-            return np.asarray(np.load(self._channels_file(take), mmap_mode="r"))
-        except (OSError, ValueError, EOFError):
-            return None
+            yield
+        except (sqlite3.Error, UnicodeEncodeError, OSError) as error:
+            raise self._refusal(error) from error
+
+    def _refusal(self, error: Exception) -> StudioError:
+        if _code(error) in (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED):
+            return StudioError(
+                f"The library in '{self.folder}' is in use by another process. Wait until that is done, and try again."
+            )
+        if self.read_only:
+            return StudioError(self.read_only)
+        reason = getattr(error, "strerror", None) or error
+        return StudioError(f"The library's folder '{self.folder}' cannot be used: {reason}. Choose another.")
 
     def _open(self) -> None:
-        self._database = sqlite3.connect(self.folder / DATABASE, timeout=PATIENCE)
-        self._database.execute("PRAGMA foreign_keys = ON")
-        (version,) = self._database.execute("PRAGMA user_version").fetchone()
-        if version == 0:
-            with self._database:
-                self._database.executescript(_TABLES)
-                self._database.execute(f"PRAGMA user_version = {VERSION}")
-        elif version != VERSION:
-            raise sqlite3.DatabaseError(f"it is of version {version}, and this studio's of version {VERSION}")
-        self._database.execute("SELECT count(*) FROM clips").fetchone()
+        rescued: Labels = {}
+        try:
+            self._database = self._opened()
+        except sqlite3.DatabaseError as error:
+            if _code(error) not in _BAD_DATABASE or self.read_only:
+                raise
+            aside = self._put_aside(self.folder / DATABASE)
+            self.remark(
+                f"The catalogue could not be read ({error}); a new one is made, the old one is {aside.name}. Add your"
+                " folders again where files are missing."
+            )
+            self._database = self._opened()
+            rescued = _rescued(aside)
+        self._settle_labels(rescued)
 
-    def _put_aside(self, reason: str) -> None:
-        self._database.close()
-        damaged = self.folder / f"{DATABASE}.damaged"
-        (self.folder / DATABASE).replace(damaged)
-        self.repaired = f"The catalogue could not be read ({reason}); a new one is made, the old one is {damaged.name}."
+    def _opened(self) -> sqlite3.Connection:
+        """A connection to tables that are whole. Raises sqlite3.DatabaseError, also where they are not."""
+        file = self.folder / DATABASE
+        if file.exists() and not file.is_file():
+            raise StudioError(f"'{file}' is no ordinary file. Remove it, or choose another library.")
+        database = _connected(file, "mode=rwc")
+        try:
+            (version,) = database.execute("PRAGMA user_version").fetchone()
+            if version > VERSION:
+                self._only_read(f"its catalogue is of version {version}, and this studio's of version {VERSION}")
+                database.close()
+                database = _connected(file, "mode=ro")
+            elif version == 0 and not database.execute("SELECT 1 FROM sqlite_master").fetchone():
+                _make_tables(database)
+            elif version != VERSION:
+                raise _damaged(f"it is of version {version}")
+            (state,) = database.execute("PRAGMA integrity_check(1)").fetchone()
+            if state != "ok":
+                raise _damaged(str(state).splitlines()[-1])
+            for table, columns in _COLUMNS.items():
+                database.execute(f"SELECT {columns} FROM {table} LIMIT 0")
+        except BaseException:
+            database.close()
+            raise
+        return database
+
+    def _only_read(self, reason: str) -> None:
+        self.read_only = (
+            f"The library in '{self.folder}' was written by a newer version of the studio ({reason}). It can be"
+            " searched but not changed. Update the studio, or choose another library."
+        )
+
+    def _put_aside(self, file: Path) -> Path:
+        """Rename a damaged file, and a journal that belongs to it, to a name that is free."""
+        numbers = ("", *(f"-{number}" for number in range(2, 10_000)))
+        aside = next(
+            path for path in (self.folder / f"{file.name}.damaged{each}" for each in numbers) if not path.exists()
+        )
+        file.replace(aside)
+        with suppress(FileNotFoundError):  # else it would be applied to the new file
+            file.with_name(f"{file.name}-journal").replace(aside.with_name(f"{aside.name}-journal"))
+        return aside
+
+    def _settle_labels(self, rescued: Labels) -> None:
+        """Make the file of confirmed labels whole, and enter the files that are known to have been in the catalogue."""
+        known = {path: labels for path, labels in (rescued or self._labels_in_database()).items() if labels}
+        try:
+            labels = read_labels(self.folder)
+        except NewerLabels as error:
+            self._only_read(str(error))
+        except ValueError as error:
+            labels = None
+            if not self.read_only:
+                aside = self._put_aside(self.folder / CONFIRMED_LABELS)
+                self.remark(
+                    f"The confirmed labels could not be read ({error}); those in the catalogue are used, the old file"
+                    f" is {aside.name}."
+                )
+        if self.read_only:
+            return
+        if labels is None:
+            labels = known
+            if known:
+                write_labels(self.folder, known)
+        entered = set(self.paths())
+        if labels and not entered and not self.repaired:
+            self.remark("The catalogue was lost; a new one is made. Add your folders again where files are missing.")
+        missing = (rescued.keys() | labels.keys()) - entered
+        present = [path for path in sorted(missing) if Path(path).is_file()]
+        if present:
+            with self.changing():
+                for path in present:
+                    self.note(path, TO_BE_READ)
+
+    def _labels(self) -> Labels:
+        """The confirmed labels."""
+        with suppress(ValueError, NewerLabels):
+            if (found := read_labels(self.folder)) is not None:
+                return found
+        return self._labels_in_database()
+
+    def _labels_in_database(self) -> Labels:
+        return _grouped(
+            self._rows(
+                "SELECT takes.path, label FROM clips, takes WHERE takes.id = take AND confirmed ORDER BY clips.id"
+            )
+        )
+
+
+def _connected(file: Path, options: str) -> sqlite3.Connection:
+    database = sqlite3.connect(f"{file.absolute().as_uri()}?{options}", timeout=PATIENCE, uri=True)
+    database.text_factory = lambda content: content.decode(errors="replace")
+    database.execute("PRAGMA foreign_keys = ON")
+    return database
+
+
+def _make_tables(database: sqlite3.Connection) -> None:
+    with database:
+        database.execute("BEGIN IMMEDIATE")
+        if not database.execute("SELECT 1 FROM sqlite_master").fetchone():  # nobody else has just made them
+            for statement in _TABLES:
+                database.execute(statement)
+
+
+def _rescued(aside: Path) -> Labels:
+    """Every path that can be read in a damaged catalogue, with the labels that were confirmed there."""
+    with closing(_connected(aside, "immutable=1")) as database:
+        paths = _readable(database, "SELECT path FROM files")
+        labels = _readable(database, "SELECT takes.path, label FROM clips, takes WHERE takes.id = take AND confirmed")
+    return {path: () for (path,) in paths if isinstance(path, str)} | _grouped(labels)
+
+
+def _readable(database: sqlite3.Connection, question: str) -> list[tuple[Any, ...]]:
+    """Rows up to the first that cannot be read."""
+    rows = []
+    with suppress(sqlite3.Error):
+        for row in database.execute(question):
+            rows.append(row)
+    return rows
+
+
+def _code(error: Exception) -> int:
+    """Primary code of an error of SQLite; -1 of another."""
+    code: int = getattr(error, "sqlite_errorcode", -1)
+    return code & 0xFF if code >= 0 else code
+
+
+def _damaged(reason: str) -> sqlite3.DatabaseError:
+    error = sqlite3.DatabaseError(reason)
+    error.sqlite_errorcode = sqlite3.SQLITE_CORRUPT
+    return error
+
+
+def _parsed(rows: Iterable[tuple[Any, ...]], make: Callable[[tuple[Any, ...]], T]) -> Iterator[T]:
+    """What ``make`` makes of the rows, without those that are damaged."""
+    for row in rows:
+        with suppress(*_BAD_VALUES):
+            yield make(row)
+
+
+def _grouped(rows: Iterable[tuple[Any, ...]]) -> Labels:
+    """Confirmed labels by path, of rows of path and label."""
+    found: Labels = {}
+    for path, label in _parsed(rows, lambda row: (str(row[0]), _label(row[1]))):
+        found[path] = (*found.get(path, ()), replace(label, confirmed=True))
+    return found
 
 
 def _text(values: Any) -> str:
     return json.dumps(np.asarray(values).tolist())
 
 
+def _body(body: Morphology) -> str:
+    return json.dumps(body.to_json())
+
+
+def _actor(row: tuple[Any, ...]) -> Actor:
+    number, name, body = row
+    return Actor(number, str(name), Morphology.from_json(json.loads(body)))
+
+
 def _label(text: str) -> ClipLabel:
-    record = json.loads(text)
-    kinds = Limb(record["limb"]), Kind(record["kind"]), HitSegment(record["segment"])
-    frames = record["first"], record["last"], record["hit"]
-    return ClipLabel(*frames, *kinds, tuple(record["tags"]), record["confirmed"])
+    return ClipLabel.from_json(json.loads(text))
 
 
-def _path(first: int, text: str) -> HitPath:
+def _clip(row: tuple[Any, ...]) -> CatalogueClip:
+    number, take, label, first, text = row
     places = np.array(json.loads(text), dtype=np.float64).reshape(-1, 3)
-    return HitPath(first, first + len(places) - 1, places)
+    if not len(places) or not np.isfinite(places).all() or operator.index(first) < 0:
+        raise ValueError("it has no path")
+    return CatalogueClip(number, take, _label(label), HitPath(first, first + len(places) - 1, places))

@@ -1,7 +1,10 @@
 """What the library knows of a clip: a stretch of a take in which a limb does something."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
 from enum import IntEnum, StrEnum
+from operator import index
+from typing import Any, Self
 
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
@@ -98,3 +101,16 @@ class ClipLabel:
             raise ValueError(f"A clip hits between its frames: {self.first}, {self.hit}, {self.last} are not in order.")
         if self.segment not in SEGMENTS[self.limb.is_arm]:
             raise ValueError(f"The {self.limb.words} has no {self.segment}.")
+
+    def to_json(self) -> dict[str, Any]:
+        """A record for JSON."""
+        return asdict(self)
+
+    @classmethod
+    def from_json(cls, record: Mapping[str, Any]) -> Self:
+        """Inverse of ``to_json``. Raises KeyError, TypeError or ValueError where it is no record of a label."""
+        first, last, hit, limb = (index(record[name]) for name in ("first", "last", "hit", "limb"))
+        kind, segment = Kind(record["kind"]), HitSegment(record["segment"])
+        return cls(
+            first, last, hit, Limb(limb), kind, segment, tuple(map(str, record["tags"])), record["confirmed"] is True
+        )

@@ -52,10 +52,11 @@ def index(catalogue: Catalogue, folders: Iterable[Path], progress: Progress = la
     present = [root for root in roots if root.is_dir()]
     paths = sorted({path for root in present for path in captures_in(root)})
     known, read = catalogue.files(), 0
-    gone = [name for name in known if _below(name, present) and not Path(name).exists()]
-    with catalogue.changing():
-        for name in gone:
-            catalogue.forget(name)
+    gone = [name for name in catalogue.paths() if _below(name, present) and not Path(name).exists()]
+    if gone:
+        with catalogue.changing():
+            for name in gone:
+                catalogue.forget(name)
     for place, path in enumerate(paths):
         progress(place / len(paths), path.name)
         state, before = _state(path), known.get(str(path))
@@ -65,6 +66,17 @@ def index(catalogue: Catalogue, folders: Iterable[Path], progress: Progress = la
             problems[str(path)] = before.problem
     progress(1.0, "")
     return IndexReport(read, len(paths) - read, len(gone), problems)
+
+
+def whole_library(catalogue: Catalogue, progress: Progress = lambda share, text: None) -> Library:
+    """The library of a catalogue; files whose entries are damaged are read again first, where they are still there."""
+    if not catalogue.read_only:
+        whole = catalogue.files()
+        damaged = [path for path in map(Path, catalogue.paths()) if str(path) not in whole and path.is_file()]
+        for place, path in enumerate(damaged):
+            progress(place / len(damaged), path.name)
+            _read(catalogue, path, _state(path))
+    return Library.of(catalogue)
 
 
 def bundled_library() -> Library:
@@ -85,7 +97,11 @@ def corrected(catalogue: Catalogue, clip_number: int, label: ClipLabel) -> None:
     clip = next((each for each in catalogue.clips() if each.number == clip_number), None)
     if clip is None:
         raise StudioError("That clip is no longer in the library: its file went or was read again. Search again.")
-    take = catalogue.takes()[clip.take]
+    take = catalogue.takes().get(clip.take)
+    if take is None or label.last >= take.motion.frame_count:
+        raise StudioError(
+            "The motion of that clip cannot be read any more. Search again, and it is read from its file."
+        )
     path = _path_of(take.motion, catalogue.actors()[take.actor].body, label)
     with catalogue.changing():
         catalogue.change_clip(clip_number, replace(label, confirmed=True), path)

@@ -1,17 +1,20 @@
 """A library in use: actors, clips and the table that is searched, as values that any thread may hold."""
 
 import json
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.kernels import retrieval as at
+from studio.core.errors import StudioError
+from studio.core.kernels import pose_search as at
 from studio.core.normalized.realize import realize
 from studio.core.retrieval import SearchTable, pose_rows
-from studio.io.replacing import replacing_all
+from studio.io.beside import read_bytes
+from studio.io.npy import stored_array, write_stored
+from studio.io.replacing import write_whole
 from studio.library.catalogue import Actor, Catalogue, CatalogueClip, Take
 from studio.library.clips import ClipLabel, Kind
 from studio.library.copies import takes_once
@@ -61,9 +64,13 @@ class Library:
         with catalogue.unchanging():
             takes, actors, known = catalogue.takes(), catalogue.actors(), catalogue.clips()
         kept = takes_once(takes.values(), known)
-        strikes = [clip for clip in known if clip.label.kind is not Kind.NONE and clip.take in kept]
+        strikes = [
+            clip
+            for clip in known
+            if clip.label.kind is not Kind.NONE and clip.take in kept and clip.fits(takes[clip.take])
+        ]
         clips = [_with_take(clip, takes[clip.take], actors) for clip in strikes]
-        return cls.of_clips(clips, _poses_on_disk(catalogue.folder, clips))
+        return cls.of_clips(clips, _stored_poses(catalogue, clips))
 
     @classmethod
     def of_clips(cls, clips: list[LibraryClip], poses: NDArray[np.float32] | None = None) -> "Library":
@@ -99,7 +106,7 @@ def _with_take(clip: CatalogueClip, take: Take, actors: dict[int, Actor]) -> Lib
 
 def _poses_of(clips: list[LibraryClip]) -> NDArray[np.float32]:
     """(F, 64) the searched poses of all clips, each take posed once."""
-    rows = [np.empty((0, at.WIDTH), dtype=np.float32)]
+    rows = [np.empty((0, at.POSE_WIDTH), dtype=np.float32)]
     posed: tuple[int, FloatArray] | None = None
     for clip in clips:
         body = clip.actor.body
@@ -109,12 +116,30 @@ def _poses_of(clips: list[LibraryClip]) -> NDArray[np.float32]:
     return np.concatenate(rows)
 
 
-def _poses_on_disk(folder: Path, clips: list[LibraryClip]) -> NDArray[np.float32]:
-    stamp = json.dumps([[clip.number, clip.take.number, clip.searched.start, clip.searched.stop] for clip in clips])
+def _stored_poses(catalogue: Catalogue, clips: list[LibraryClip]) -> NDArray[np.float32]:
+    """(F, 64) the poses of all clips, on disk: computed where those there are of other clips or damaged."""
+    folder = catalogue.folder
     poses, said = folder / POSES, folder / STAMP
-    if not (poses.exists() and said.exists() and said.read_text(encoding="utf-8") == stamp):
-        with replacing_all(poses, said) as (poses_part, stamp_part):
-            with poses_part.open("wb") as file:
-                np.save(file, _poses_of(clips))
-            stamp_part.write_text(stamp, encoding="utf-8")
-    return np.asarray(np.load(poses, mmap_mode="r"))
+    stamp = json.dumps(
+        [[each.number, each.take.number, each.take.checksum, each.searched.start, each.searched.stop] for each in clips]
+    )
+    count = sum(len(clip.searched) for clip in clips)
+    with suppress(OSError, ValueError, StudioError):
+        stored = stored_array(poses) if read_bytes(said) == stamp.encode() else None
+        if (
+            stored
+            and stored.values.dtype == np.float32
+            and stored.values.shape == (count, at.POSE_WIDTH)
+            and stored.is_whole()
+        ):
+            return stored.values
+    computed = _poses_of(clips)
+    if not catalogue.read_only:
+        try:
+            said.unlink(missing_ok=True)
+            write_stored(poses, computed)
+            write_whole(said, stamp.encode())
+            return np.asarray(stored_array(poses).values)
+        except (OSError, ValueError, StudioError) as error:
+            catalogue.remark(f"The poses of the library are computed at each start. {error}")
+    return computed

@@ -29,6 +29,8 @@ SPINE = ("Spine", "Chest", "UpperChest")
 ARM, LEG = ("Shoulder", "UpperArm", "LowerArm", "Hand"), ("UpperLeg", "LowerLeg", "Foot", "Toes")
 TOES_ABOVE = 0.037
 """Leg lengths from the sole up to the joint of the toes, which no packet tells."""
+SHORTEST = 1e-3
+"""Metres that a received bone has at least; a shorter one has no direction, and the usual one is taken."""
 FORWARD = np.array([1.0, 0.0, 0.0])
 NEEDED = ("Hips", "Spine", "Head", *(f"{side}{bone}" for side in ("Left", "Right") for bone in (*ARM[1:], *LEG[:3])))
 """Bones without which there is no body."""
@@ -113,8 +115,12 @@ def bones_of(positions: FloatArray, rotations: FloatArray, body: Morphology) -> 
 
 
 def posed(bones: dict[str, Bone]) -> tuple[FloatArray, FloatArray, Morphology] | None:
-    """Positions (K+23, 3), rotations (K+18, 3, 3) and body of received bones; None while one is missing."""
+    """Positions (K+23, 3), rotations (K+18, 3, 3) and body of received bones; None while one is missing or the trunk
+    has no length.
+    """
     if any(name not in bones for name in NEEDED):
+        return None
+    if sum(float(np.linalg.norm(bones[name].place)) for name in SPINE if name in bones) < SHORTEST:
         return None
     # Where a bone is in its parent does not change while somebody moves, but for the hips: it is one body all the time.
     body = _body(tuple((name, *bone.place.tolist()) for name, bone in bones.items() if name != "Hips"))
@@ -138,7 +144,7 @@ def _body(known: tuple[tuple[str, float, float, float], ...]) -> Morphology:
         return bones.get(name, np.array(usual))
 
     def length(name: str) -> float:
-        return max(float(np.linalg.norm(bones[name])), 1e-3)
+        return max(float(np.linalg.norm(bones[name])), SHORTEST)
 
     spine = [name for name in SPINE if name in bones]
     neck = place("Neck", (0.0, 0.0, 0.25))
@@ -148,14 +154,16 @@ def _body(known: tuple[tuple[str, float, float, float], ...]) -> Morphology:
     size = float(leg.sum(axis=1).mean())
     shoulders = [place(f"{side}Shoulder", (0.0, 0.03 * (1 - 2 * k), 0.2)) for k, side in enumerate(sides)]
     outward = np.array([bones[f"{side}UpperArm"] for side in sides])
+    clavicle = np.linalg.norm(outward, axis=1)
+    outward[clavicle < SHORTEST] = np.array([[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])[clavicle < SHORTEST]
     head = bones["Head"]
     foot = np.array([place(f"{side}Toes", (0.16 * size, 0.0, -0.05 * size)) for side in sides])
     return Morphology(
         spine=np.array([*(bones[name] for name in spine), neck]),
-        neck=max(float(np.linalg.norm(head)), 1e-3),
+        neck=max(float(np.linalg.norm(head)), SHORTEST),
         head=0.22 * size,
         collar_base=np.array(shoulders) - neck,
-        clavicle=np.maximum(np.linalg.norm(outward, axis=1), 1e-3),
+        clavicle=np.maximum(clavicle, SHORTEST),
         arm=arm,
         hand=np.stack([[0.0, 0.0, 0.7 * forearm] for forearm in arm[:, 1]]),
         hip_offset=np.array([bones[f"{side}UpperLeg"] for side in sides]),
@@ -165,6 +173,6 @@ def _body(known: tuple[tuple[str, float, float, float], ...]) -> Morphology:
         ankle_height=np.maximum(-foot[:, 2], 0.0) + TOES_ABOVE * size,
         toe_height=np.full(2, TOES_ABOVE * size),
         heel_length=np.full(2, 0.077 * size),
-        neck_rest=head if np.linalg.norm(head) > 1e-3 else np.array([0.0, 0.0, 1.0]),
+        neck_rest=head if np.linalg.norm(head) > SHORTEST else np.array([0.0, 0.0, 1.0]),
         clavicle_rest=outward,
     )

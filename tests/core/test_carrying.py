@@ -17,8 +17,8 @@ from studio.core.grounds import Bumps, Slope, Steps
 from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
 from studio.core.kernels.limbs.legs import place_leg
-from studio.core.kernels.records import Arms, Legs, Links, Pose
-from studio.core.kernels.support import carrying as kernel
+from studio.core.kernels.records import ArmTargets, LegTargets, Pose, SupportLinks
+from studio.core.kernels.support import body_settling as kernel
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.realize import realize
@@ -260,7 +260,7 @@ class _Links:
 
     def settled(self, stiffness: float) -> np.ndarray:
         moves = np.zeros((1, 6))
-        links = Links(self.starts, self.ends, self.least, self.most)
+        links = SupportLinks(self.starts, self.ends, self.least, self.most)
         kernel.settle_frames(self.roots, links, self.seats, np.zeros((1, 6)), stiffness, moves)
         return moves[0]
 
@@ -278,10 +278,10 @@ def test_a_body_settles_where_all_that_stands_is_nearly_or_wholly_in_reach(seed:
 
 def test_it_misses_hardly_more_than_an_optimum_does() -> None:
     stiffness, excesses = 1e-2, []
-    weights = np.sqrt(stiffness) * np.array([1.0, 1.0, 1.0, *[kernel.LEAN] * 3])
+    weights = np.sqrt(stiffness) * np.array([1.0, 1.0, 1.0, *[kernel.METRES_PER_RADIAN] * 3])
     for seed in range(200):
         links = _Links(seed)
-        links.least[0] = links.most[0]
+        links.min_lengths[0] = links.max_lengths[0]
 
         def costs(move: np.ndarray, links: _Links = links) -> np.ndarray:
             return np.concatenate([links.misses(move), weights * move])
@@ -307,7 +307,7 @@ def test_an_arm_is_placed_as_its_twin(seed: int) -> None:
     hand = random_rotations(random)
     comfort = random.uniform(0.9, 1.0)
     ours = (np.stack([[each]] * 2) for each in (comfort, wrist, hand, 1.0))
-    kernel.place_arm(0, side, BODY.packed, Arms(row[None], *ours), Pose(positions, rotations))
+    kernel.place_arm(0, side, BODY.packed, ArmTargets(row[None], *ours), Pose(positions, rotations))
 
     clavicle = rotations[layout.spine_count - 1] @ from_quaternion(row[at.CLAVICLE + 4 * side :][:4])
     frame = clavicle @ from_quaternion(row[at.LIMB_FRAME + 4 * side :][:4])
@@ -354,7 +354,7 @@ def test_a_held_knee_is_where_it_is_to_be_and_its_ankle_too(seed: int) -> None:
     assume(0.5 * (upper + lower) < span < 0.9 * (upper + lower))
     row, foot, toe = WALK.channels[0], random_rotations(random), random_rotations(random)
     target = np.array([*ankle, *knee, 1.0])
-    legs = Legs(row, *(np.stack([each] * 2) for each in (0.97, target, foot, toe)))
+    legs = LegTargets(row, *(np.stack([each] * 2) for each in (0.97, target, foot, toe)))
     place_leg(side, BODY.packed, legs, Pose(positions, rotations))
     assert np.allclose(positions[layout.ankle(side)], ankle, atol=1e-9)
     assert np.allclose(positions[layout.hip(side) + 1], knee, atol=1e-9)

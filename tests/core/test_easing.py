@@ -16,8 +16,8 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.follow import FollowTracked
 from studio.core.grounds.ground import Ground
-from studio.core.kernels.tasks.goals import TURN_ARM as LEVER
-from studio.core.kernels.time.jolts import WHOLE
+from studio.core.kernels.tasks.goals import RADIAN_LENGTH as LEVER
+from studio.core.kernels.time.acceleration_peaks import TOTAL_PEAK
 from studio.core.quality.metrics import QUIET, angular_acceleration, contact_quality
 from studio.core.rotations import angle_between, from_matrix
 from studio.core.solver.adapt import adapt, hold, place_of
@@ -117,7 +117,7 @@ def test_frames_jolt_as_much_when_they_are_solved_as_when_they_are_eased() -> No
     assert 3 < looked.sum() < 88
     assert solve.sharp[:, :2] == pytest.approx(measured[:, :2])
     assert solve.sharp[looked, 2] == pytest.approx(measured[looked, 2])
-    assert measured[~looked, 2].max() < WHOLE * STANDING[4].peaks.max()
+    assert measured[~looked, 2].max() < TOTAL_PEAK * STANDING[4].peaks.max()
 
 
 def test_nothing_is_eased_where_nothing_acts() -> None:

@@ -8,10 +8,10 @@ from hypothesis.extra.numpy import arrays
 
 from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.grounds.ground import Ground
-from studio.core.kernels.adapt import place_frames
-from studio.core.kernels.limbs.legs import hip_heights, place_leg
-from studio.core.kernels.limbs.limb import COMFORT, OWN_COMFORT
-from studio.core.kernels.records import Legs, Pose
+from studio.core.kernels.limbs.legs import place_leg, required_root_lowering
+from studio.core.kernels.limbs.limb import SOFT_IK_THRESHOLD, SOLE_SOFT_IK_THRESHOLD
+from studio.core.kernels.records import LegTargets, Pose
+from studio.core.kernels.solve_clip import place_frames
 from studio.core.normalized.realize import realize
 from studio.core.solver.standing.blends import freedom, smooth_drops
 from studio.core.solver.standing.footing import find_footing, followed, foot_states, leg_stretches
@@ -71,9 +71,9 @@ def test_a_standing_leg_stretches_as_far_as_the_motions_own_or_nearly_straight()
     states = foot_states(CONTACTS, WALK.frame_count)
     comforts, _ = leg_stretches(WALK, states)
     standing = states != 0
-    assert (comforts[standing] >= OWN_COMFORT - 1e-12).all()
+    assert (comforts[standing] >= SOLE_SOFT_IK_THRESHOLD - 1e-12).all()
     assert (comforts < 1.0).all()
-    assert comforts.min() == pytest.approx(COMFORT, abs=0.02)
+    assert comforts.min() == pytest.approx(SOFT_IK_THRESHOLD, abs=0.02)
 
 
 @given(seeds)
@@ -84,7 +84,7 @@ def test_how_far_the_root_comes_down_is_what_the_twin_says(seed: int) -> None:
     ankles = random.normal(size=(2, frames, 3)) * 0.4 + [0.0, 0.0, -0.9]
     comforts, states = random.uniform(0.9, 1.0, (2, frames)), random.integers(0, 4, (2, frames))
     found = np.empty(frames)
-    hip_heights(WALK.channels[:frames], BODY.packed[None], rotations, ankles, comforts, states, found)
+    required_root_lowering(WALK.channels[:frames], BODY.packed[None], rotations, ankles, comforts, states, found)
     expected = [
         twin.drop(BODY, rotations[frame, 0], ankles[:, frame], comforts[:, frame], states[:, frame])
         for frame in range(frames)
@@ -108,7 +108,7 @@ class _Leg:
         self.foot, self.toe = random_rotations(random), random_rotations(random)
         self.before = self.positions.copy(), self.rotations.copy()
         ours = (np.stack([each] * 2) for each in (self.comfort, self.ankle, self.foot, self.toe))
-        place_leg(self.side, BODY.packed, Legs(self.row, *ours), Pose(self.positions, self.rotations))
+        place_leg(self.side, BODY.packed, LegTargets(self.row, *ours), Pose(self.positions, self.rotations))
         first, upper = BODY.layout.hip(self.side), BODY.layout.spine_count + 10 + 4 * self.side
         self.points, self.segments = slice(first, first + 5), slice(upper, upper + 4)
 
@@ -146,8 +146,8 @@ def test_a_clip_is_placed_frame_by_frame() -> None:
     positions, rotations = realize(WALK, BODY)
     footing = find_footing(WALK, BODY, CONTACTS, Ground(), positions, rotations)
     placed, turned = positions.copy(), rotations.copy()
-    stance = (footing.comforts, footing.ankles, footing.feet, footing.toes)
-    place_frames(BODY.packed[None], footing.drops, Legs(WALK.channels, *stance), placed, turned)
+    stance = (footing.soft_thresholds, footing.ankles, footing.feet, footing.toes)
+    place_frames(BODY.packed[None], footing.drops, LegTargets(WALK.channels, *stance), placed, turned)
     for frame in (0, 33, 119):
         root = positions[frame, 0] - [0.0, 0.0, footing.drops[frame]]
         assert np.allclose(placed[frame, 0], root)

@@ -20,18 +20,18 @@ from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
-from studio.core.kernels.adapt import make_search
 from studio.core.kernels.limbs.reach import aim_at
-from studio.core.kernels.records import Body, Legs, Pose, Problem
-from studio.core.kernels.search.joints import ROOT
-from studio.core.kernels.search.placing import carry_body
-from studio.core.kernels.support.swing import FREED_AFTER
+from studio.core.kernels.records import FrameBody, FrameProblem, LegTargets, Pose
+from studio.core.kernels.search.body_placement import pose_body
+from studio.core.kernels.search.joints import ROOT_TRANSLATION
+from studio.core.kernels.solve_clip import make_search
+from studio.core.kernels.support.swing_foot_clearance import SWING_FADE
 from studio.core.kernels.tasks.balance import (
-    add_leg_answer,
+    accumulate_masses,
+    add_arm_jacobian,
+    add_leg_jacobian,
     centre_of_mass,
-    let_arm_reach,
-    set_balance_rows,
-    sum_masses,
+    write_balance_jacobian,
 )
 from studio.core.kernels.tasks.task import TASK
 from studio.core.normalized.motion import NormalizedMotion
@@ -201,7 +201,7 @@ def test_an_arm_is_back_in_the_motion_before_a_wish_above_begins_and_helps_again
     solved = hold(standing, (balance, asked))
     turned = _turned(solved, standing)[:, body.layout.segment(BodyPart.LEFT_UPPER_ARM)]
     begin, end = round(times.start * RATE), round(times.end * RATE)
-    soon = round(FREED_AFTER * RATE) + 2
+    soon = round(SWING_FADE * RATE) + 2
     assert turned[[begin, end]].max() < 0.02
     assert turned[[begin - soon, end + soon]].min() > 0.1
     peak = angular_acceleration(local_rotations(solved), RATE).max(axis=-1)
@@ -313,32 +313,32 @@ class _Posed:
         chain = replace(chain, clavicle=1.0)
         self.chain = free_joints((chain,), (0,), body.layout).chain
         self.start = Pose(standing.positions[frame], standing.rotations[frame])
-        parts = footing.comforts, footing.ankles, footing.feet, footing.toes
-        legs = Legs(KICK.channels[frame], *(np.ascontiguousarray(part[:, frame]) for part in parts))
+        parts = footing.soft_thresholds, footing.ankles, footing.feet, footing.toes
+        legs = LegTargets(KICK.channels[frame], *(np.ascontiguousarray(part[:, frame]) for part in parts))
         self.masses, self.shares = segment_masses(body.layout), point_masses(body.layout)
-        self.body = Body(body.rows[0], self.masses, np.full(2, np.inf), legs, limits_of(body)[:0], self.shares)
+        self.body = FrameBody(body.rows[0], self.masses, np.full(2, np.inf), legs, limits_of(body)[:0], self.shares)
         self.search = make_search(1, len(self.chain.joints), len(self.start.positions))
 
     def pose(self, joint: int, turn: np.ndarray) -> Pose:
         """The pose with a joint turned by a rotation vector, or the root moved."""
         state = self.search.state
         state[:] = 0.0
-        state[joint] = turn if self.chain.joints["segment"][joint] == ROOT else np.tan(0.5 * turn)
+        state[joint] = turn if self.chain.joints["segment"][joint] == ROOT_TRANSLATION else np.tan(0.5 * turn)
         pose = Pose(self.start.positions.copy(), self.start.rotations.copy())
         nothing = np.zeros(0, dtype=TASK), np.zeros((0, 10))
-        carry_body(Problem(*nothing, self.chain, self.body, self.search, self.start, pose))
+        pose_body(FrameProblem(*nothing, self.chain, self.body, self.search, self.start, pose))
         return pose
 
     def mass(self, joint: int, turn: np.ndarray) -> np.ndarray:
         """(3,) the centre of mass then."""
         sums = np.empty((len(self.masses) + 1, 4))
-        sum_masses(self.masses, self.pose(joint, turn).positions, sums)
+        accumulate_masses(self.masses, self.pose(joint, turn).positions, sums)
         return sums[-1, :3]
 
     def rows(self) -> np.ndarray:
         sums, rows = np.empty((len(self.masses) + 1, 4)), np.empty((3, len(self.chain.joints), 3))
-        sum_masses(self.masses, self.start.positions, sums)
-        set_balance_rows(3, self.masses, sums, self.chain.joints, self.start.positions, rows)
+        accumulate_masses(self.masses, self.start.positions, sums)
+        write_balance_jacobian(3, self.masses, sums, self.chain.joints, self.start.positions, rows)
         return rows
 
 
@@ -351,7 +351,7 @@ def test_balance_rows_are_the_derivatives_of_the_posed_body_with_legs_free_and_p
         for axis in range(3):
             turn = step * np.eye(3)[axis]
             slope = (posed.mass(joint, turn) - posed.mass(joint, -turn)) / (2.0 * step)
-            if segment == ROOT:
+            if segment == ROOT_TRANSLATION:
                 if axis < 2:  # what is lowered bends its knees, which are taken to be a little bent
                     assert slope[:2] == pytest.approx(rows[:2, joint, axis], abs=0.1)
             elif segment == 0:  # the hips, too, take the legs along a little
@@ -363,11 +363,11 @@ def test_balance_rows_are_the_derivatives_of_the_posed_body_with_legs_free_and_p
 @pytest.mark.parametrize("name", BODIES)
 def test_a_leg_answers_the_root_as_its_knee_does_while_its_ankle_stays(name: str) -> None:
     posed, step = _Posed(STANDING[name], 30), 1e-6
-    root = int(np.flatnonzero(posed.chain.joints["segment"] == ROOT)[0])
+    root = int(np.flatnonzero(posed.chain.joints["segment"] == ROOT_TRANSLATION)[0])
     posed.masses = posed.masses.copy()
     posed.masses[: STANDING[name].morphology.layout.segment(BodyPart.RIGHT_THIGH), 0] = 0.0
     levers = np.zeros((3, 3))
-    add_leg_answer(1, 3, 0.0, posed.masses, posed.start.positions, levers)
+    add_leg_jacobian(1, 3, 0.0, posed.masses, posed.start.positions, levers)
     for axis, way in enumerate(np.eye(3)):
         slope = (posed.mass(root, step * way) - posed.mass(root, -step * way)) / (2.0 * step)
         assert slope == pytest.approx(levers[:, axis], abs=1e-3 * np.abs(levers).max())
@@ -378,7 +378,7 @@ def test_the_centre_of_mass_is_the_same_by_segments_and_by_points(name: str) -> 
     posed = _Posed(STANDING[name], MIDDLE)
     sums = np.empty((len(posed.masses) + 1, 4))
     point = centre_of_mass(posed.shares, posed.start.positions)
-    sum_masses(posed.masses, posed.start.positions, sums)
+    accumulate_masses(posed.masses, posed.start.positions, sums)
     assert sums[-1] == pytest.approx([*point, 1.0], abs=1e-3)
     assert sums[-1, :3] == pytest.approx(point, abs=1e-12)
 
@@ -401,12 +401,12 @@ def test_an_arm_that_points_at_a_far_place_answers_the_trunk_as_it_does(side: in
 
     first = aimed(0, np.zeros(3))[1]
     sums, rows = np.empty((len(masses) + 1, 4)), np.empty((2, len(joints), 3))
-    sum_masses(masses, first, sums)
-    set_balance_rows(2, masses, sums, joints, first, rows)
+    accumulate_masses(masses, first, sums)
+    write_balance_jacobian(2, masses, sums, joints, first, rows)
     reach = float(np.linalg.norm(first[root + 2] - first[root]))
-    let_arm_reach(side, 2, goal, reach, sums, joints, first, rows)
+    add_arm_jacobian(side, 2, goal, reach, sums, joints, first, rows)
     for joint, segment in enumerate(joints["segment"]):
-        if segment in (0, ROOT) or (segment >= layout.spine_count + 2 and segment != upper - 1):
+        if segment in (0, ROOT_TRANSLATION) or (segment >= layout.spine_count + 2 and segment != upper - 1):
             continue
         for axis in range(3):
             turn = step * np.eye(3)[axis]

@@ -180,3 +180,19 @@ def test_nothing_is_odd_about_bundled_bodies(name: str) -> None:
 def test_how_no_body_is_built_is_told(measure: str, value: object, words: str) -> None:
     body = replace(bundled_characters()["adult_woman"].build, **{measure: value})
     assert any(words in remark.sentence for remark in remarks_on_body(body))
+
+
+@pytest.mark.parametrize("known", [True, False])
+@pytest.mark.parametrize("frames", [slice(None), slice(40, 41)])
+def test_a_bone_of_more_than_a_hundred_metres_is_told_of_any_capture(walk: Capture, known: bool, frames: slice) -> None:
+    capture = _moved(walk, 3, frames, 150.0)
+    capture = capture if known else replace(capture, body_map=None)
+    name = walk.skeleton.names[3]
+    assert any(f"{name} is 150 m away from its parent" in each.sentence for each in remarks_on(capture))
+
+
+def test_a_character_with_a_bone_of_more_than_a_hundred_metres_is_told() -> None:
+    body = bundled_characters()["child"].build
+    foot = body.foot.copy()
+    foot[0, 0] = 150.0
+    assert any("150 m long" in each.sentence for each in remarks_on_body(replace(body, foot=foot)))

@@ -1,5 +1,6 @@
 """FBX: the same body as it was, by a reader that may crash without harm."""
 
+import json
 import subprocess
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pytest
 from studio.core.body.kinematics import joint_world
 from studio.core.errors import StudioError
 from studio.io.fbx import reading
+from studio.io.fbx.capture import fbx_file
 from studio.io.importing import ImportOptions, load_capture
 from tests.builders import BODY_MAP
 from tests.io.fbx_text import ORDERS, body, fbx_text
@@ -142,3 +144,26 @@ def test_without_its_package_the_sentence_says_what_to_export(tmp_path: Path, mo
     monkeypatch.setattr(reading, "find_spec", lambda _name: None)
     with pytest.raises(StudioError, match=rf"read with the package 'ufbx'.*{INSTEAD}"):
         load_capture(tmp_path / "take.fbx")
+
+
+@pytest.mark.parametrize("scale", [-1.0, 0.0, -0.001])
+def test_a_scale_that_mirrors_or_flattens_a_joint_for_a_while_is_repaired_and_told(scale: float) -> None:
+    frames = np.tile([0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0], (9, 4, 1))
+    rest = frames[0].copy()
+    frames[2:5, 1, 7] = scale
+    about = {"names": list("abcd"), "parents": [-1, 0, 1, 2], "frame_rate": 30.0, "unit_metres": 1.0, "up_axis": "Z"}
+    arrays = {"frames": frames, "rest": rest, "about": np.frombuffer(json.dumps(about).encode(), dtype=np.uint8)}
+    file = fbx_file(arrays, Path("take.fbx"))
+    assert np.isfinite(file.local_rotations).all()
+    [repair] = file.repairs
+    assert repair.startswith("In 3 frames scales mirror or flatten b, c, d")
+    rest[1:, 7] = frames[:, 1:, 7] = -1.0
+    assert fbx_file({**arrays, "frames": frames, "rest": rest}, Path("take.fbx")).repairs == ()
+
+
+def test_joints_beyond_all_numbers_are_refused_in_a_sentence() -> None:
+    frames = np.tile([1e200, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1e200, 1e200, 1e200], (2, 4, 1))
+    about = {"names": list("abcd"), "parents": [-1, 0, 1, 2], "frame_rate": 30.0, "unit_metres": 1.0, "up_axis": "Z"}
+    arrays = {"frames": frames, "rest": frames[0], "about": np.frombuffer(json.dumps(about).encode(), dtype=np.uint8)}
+    with pytest.raises(StudioError, match="farther away"):
+        fbx_file(arrays, Path("take.fbx"))

@@ -1,5 +1,7 @@
 """What comes in live: a body on another one with what is asked of it, senders, floods, recordings, and the way out."""
 
+import resource
+import signal
 import socket
 import threading
 import time
@@ -20,11 +22,12 @@ from studio.live import tracker
 from studio.live.driving import ReceivedPose, driven
 from studio.live.osc import encode_message
 from studio.live.planting import Planted
-from studio.live.recording import Recorder, Replay, read_recording
+from studio.live.recording import Recorder, Replay, read_recording, write_recording
 from studio.live.streamer import Broadcast, Shown, packets_of
 from studio.live.tracker import LOOPBACK, Inbox, UdpInput
-from studio.live.vmc import TRACKER
+from studio.live.vmc import BONE, TRACKER
 from tests.core.motions import walk
+from tests.live.hostile_bones import play
 from tests.patience import SECONDS, eventually
 
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}
@@ -136,6 +139,70 @@ def test_an_empty_or_damaged_recording_is_refused_before_anything_is_fed(tmp_pat
         Replay(path, inbox)
     with pytest.raises(StudioError, match="Choose another place"):
         Recorder(tmp_path / "no such folder" / "session.osc")
+
+
+@pytest.mark.parametrize("cut", [1, 11, 12, 40, 60])
+def test_of_a_recording_that_is_cut_off_what_is_whole_is_replayed_and_the_rest_is_told(tmp_path, cut):
+    path = tmp_path / "session.osc"
+    write_recording(path, [(0.01 * k, marker(float(k))) for k in range(5)])
+    path.write_bytes(path.read_bytes()[:-cut])
+    recording = read_recording(path)
+    assert [packet for _, packet in recording] == [marker(float(k)) for k in range(len(recording.packets))]
+    assert len(recording.packets) == 4
+    assert "4 packets before it" in recording.problem
+    replay = Replay(path, inbox := Inbox())
+    try:
+        assert replay.problem == recording.problem
+        assert eventually(lambda: inbox.counts.taken >= 4)
+    finally:
+        replay.close()
+
+
+@pytest.mark.parametrize("room", [8, 20, 61, 63, 100, 150])
+def test_a_full_disk_ends_a_recording_after_the_last_whole_packet_and_is_told(tmp_path, room):
+    path, packets = tmp_path / "session.osc", [marker(float(k)) for k in range(5)]
+    recorder = Recorder(path)
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (room, before[1]))
+    try:
+        for k, packet in enumerate(packets):
+            recorder.keep(0.1 * k, packet)  # as the thread that receives does: nothing may be raised
+        recorder.close()
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        signal.signal(signal.SIGXFSZ, handler)
+    recording = read_recording(path)
+    assert recording.problem == ""
+    assert [packet for _, packet in recording] == packets[: recorder.count]
+    assert f"ends after {recorder.count} packets" in recorder.problem
+    assert recorder.count == (room - 8) // (12 + len(packets[0]))
+
+
+def test_a_replay_of_many_packets_of_one_time_closes_at_once_and_feeds_no_flood(tmp_path):
+    path, inbox = tmp_path / "session.osc", Inbox()
+    write_recording(path, [(0.0, marker(float(k % 7))) for k in range(200_000)])
+    replay = Replay(path, inbox)
+    try:
+        assert eventually(lambda: inbox.counts.taken >= 2)
+    finally:
+        begun = time.process_time()
+        replay.close()
+    assert time.process_time() - begun < 1.0
+    assert inbox.counts.taken < 100_000
+
+
+def test_hostile_bodies_drive_a_performer_or_are_none():
+    assert {play(seed) for seed in range(60)} == {True, False}
+
+
+def test_a_body_whose_shoulders_have_no_breadth_is_a_body():
+    inbox = child_inbox()
+    for side in ("Left", "Right"):
+        inbox.feed(encode_message(BONE, [f"{side}UpperArm", 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]))
+    pose = ReceivedPose(inbox)()
+    shown = driven(AdaptRequest(WALK, GIANT), 13, pose, Planted(), 0.0)
+    assert np.isfinite(shown.positions).all()
 
 
 def test_several_bodies_go_out_each_to_its_own_port_and_who_cannot_be_reached_is_told():

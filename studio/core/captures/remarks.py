@@ -38,6 +38,8 @@ STRETCHED, STRETCHES = 0.005, 0.1
 ODD_PAIR = 0.2
 """The difference of left and right bones, as a part of the longer one, from which they are no pair."""
 TALLEST, LEGS_OF_STATURE = 2.3, 0.491
+LONGEST_BONE = 100.0
+"""Metres between a joint and its parent that no body has, whatever it is."""
 MOST_THIGH, FARTHEST_HIP = 2.0, 0.75
 """A thigh in parts of its shank, or the reverse; and how far from the pelvis a hip lies, in parts of the leg."""
 BACKWARDS = -0.3
@@ -64,12 +66,13 @@ class Remark:
 
 
 def remarks_on(capture: Capture) -> tuple[Remark, ...]:
-    """All that is odd about a capture; of one without a body map only its markers, for nobody knows what it is."""
+    """All that is odd about a capture; of one without a body map only its markers and bones that cannot be true."""
     if capture.body_map is None:
-        return tuple(_leaps(capture))
+        return (*_leaps(capture), *_far_joints(capture))
     positions = joint_positions(capture.skeleton, capture.poses)
     found = [
         *_leaps(capture),
+        *_far_joints(capture),
         *_stiff(capture),
         *_odd_build(capture, capture.body_map, positions),
         *_stretches(capture.skeleton, capture.body_map, positions[capture.first_frame :]),
@@ -83,6 +86,9 @@ def remarks_on(capture: Capture) -> tuple[Remark, ...]:
 def remarks_on_body(body: Morphology) -> tuple[Remark, ...]:
     """All that is odd about a body's measures, as a character's file has it."""
     found = []
+    longest = float(np.abs(body.packed).max())
+    if longest > LONGEST_BONE:
+        found.append(Remark(f"It has a bone that is {longest:.0f} m long. Check the unit, or the file."))
     if body.stature > TALLEST:
         found.append(Remark(f"It is {body.stature:.2f} m tall. Check the unit."))
     for name, lengths in (("legs", body.leg), ("arms", body.arm)):
@@ -108,6 +114,22 @@ def _leaps(capture: Capture) -> list[Remark]:
         names = ", ".join(bare_label(label) for label, _ in found[_NAMED:])
         remarks.append(Remark(f"So do {names}.", _frames(np.any([far for _, (far, _) in found[_NAMED:]], axis=0), 0)))
     return remarks
+
+
+def _far_joints(capture: Capture) -> list[Remark]:
+    """Joints farther from their parents than any bone is long, those that are farthest by name."""
+    still = np.linalg.norm(capture.skeleton.offsets[1:], axis=1)
+    moved = np.linalg.norm(capture.poses.local_translations[:, 1:], axis=2).max(axis=0, initial=0.0)
+    lengths = np.maximum(still, moved)
+    order = np.argsort(-lengths, kind="stable")
+    return [
+        Remark(
+            f"The joint {capture.skeleton.names[1 + place]} is {lengths[place]:.0f} m away from its parent. Check the"
+            " unit, or the file."
+        )
+        for place in order[:_NAMED]
+        if lengths[place] > LONGEST_BONE
+    ]
 
 
 def _odd_build(capture: Capture, body: BodyMap, positions: FloatArray) -> list[Remark]:

@@ -18,6 +18,10 @@ class EaseShape(StrEnum):
     QUINTIC = "quintic"
 
 
+EASE_PEAK = 1.875
+"""Highest slope of a quintic ease."""
+
+
 def ease(progress: ArrayLike, shape: EaseShape) -> NDArray[np.float64]:
     """Rise from 0 to 1 over ``progress`` in [0, 1] (clipped): 3t^2-2t^3 for smooth, 6t^5-15t^4+10t^3 for quintic."""
     t = np.minimum(np.maximum(np.asarray(progress, dtype=np.float64), 0.0), 1.0)

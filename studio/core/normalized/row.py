@@ -56,7 +56,12 @@ class Row:
         source = PieceSource(piece, self.spine_places, self.timing)
         if self.played:
             self.hold(first)  # where nothing plays between them
-            first = self._follow(source, min(max(first, 1), self.end), last)
+            first = min(max(first, 1), self.end)
+            last = max(first, last)
+            if first <= self.timing.last:
+                first = self._follow(source, first, last)
+            else:  # clips of less than a frame leave none in which it would be seen
+                last = first - 1
         else:
             self._begin(source, first, last)
         self.played.append(Played(piece, first, last, self.placement))

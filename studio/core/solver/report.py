@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.constraints.base import Constraint
-from studio.core.kernels.tasks.task import STRICT
+from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 from studio.core.quality.contact_tracks import contact_tracks
 from studio.core.quality.metrics import centre_of_mass, knee_speeds
 from studio.core.solver.asking.measured import misses
@@ -32,7 +32,7 @@ Mask = NDArray[np.bool_]
 NOBODY, CONTACTS, LIMITS, REACH, EASED = -1, -2, -3, -4, -5
 """Who kept a constraint from being met, beside the row of another one: nobody (it is met, or not asked), the feet that
 stand, how far joints turn, the measures of the body and the chain that may move, a moment that was eased in time."""
-MET = {"m": STRICT, "rad": float(np.radians(0.1))}
+MET = {"m": PRIORITY_TOLERANCE, "rad": float(np.radians(0.1))}
 """What counts as met, by unit."""
 EVERY = 0.2
 """Seconds between samples: a third of the cost of asking every frame, 5 % of which are then named otherwise."""

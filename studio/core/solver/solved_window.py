@@ -16,8 +16,8 @@ from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.target import follows_of, own_places_of
 from studio.core.errors import StudioError
 from studio.core.kernels import records
-from studio.core.kernels.adapt import solve_frames
-from studio.core.kernels.records import Asked, BodyFrames, Motion, Recruits
+from studio.core.kernels.records import BodyFrames, ConstraintSet, MotionArrays, RedundancyGroups
+from studio.core.kernels.solve_clip import solve_frames
 from studio.core.runs import runs_of
 from studio.core.solver.asking.chains import carrying_chain, free_joints, point_masses, segment_masses
 from studio.core.solver.asking.clearance import down_to_tiers, lowest_first, pack_clearance
@@ -103,7 +103,7 @@ class SolvedWindow:
         measures = at_frames(body.rows, window)
         self._body = BodyFrames(measures, masses, self._root_reach, self._legs, limits, shares)
 
-    def _lead(self, asked: Sequence[Constraint]) -> tuple[FloatArray, records.Targets]:
+    def _lead(self, asked: Sequence[Constraint]) -> tuple[FloatArray, records.TargetArrays]:
         """(C, F) how far targets that are led are on their way, 1 for others, and all targets as they are then."""
         shares, free = np.ones(self._activations.shape), limb_shares(asked, self.standing, self.window)
         places = list(self._rows.places)
@@ -119,7 +119,7 @@ class SolvedWindow:
             return np.zeros((0, 0, 1))
         standing, tasks, bound = self.standing, self._rows.asked[self._held :], self._asked[-1]
         contacts, limbs = standing.contacts if bound.by_contacts else (), tasks["limbs"]
-        free = limb_freedoms(limbs, tasks["rank"], activations, contacts, standing.motion.frame_rate)
+        free = limb_freedoms(limbs, tasks["level"], activations, contacts, standing.motion.frame_rate)
         free = free[:, :, self.window]
         free[:, :2] *= arm_lever(standing.morphology, standing.positions, self.window)
         free[:, 2:] *= leg_room(standing.morphology, standing.ground, standing.positions, self.window)
@@ -147,7 +147,7 @@ class SolvedWindow:
         leave them.
         """
         tasks = self._rows.asked[self._held :]
-        several = len(tasks) and tasks["rank"][0] < tasks["rank"][-1]
+        several = len(tasks) and tasks["level"][0] < tasks["level"][-1]
         return bool(self._clear or (several and np.isin(tasks["kind"], ENTERING).any()))
 
     @cached_property
@@ -161,35 +161,35 @@ class SolvedWindow:
     def _levels(self) -> int:
         return int(self._ranks.max()) + 1
 
-    def _pose(self, level: int | None, easing: records.Easing) -> None:
+    def _pose(self, level: int | None, easing: records.SmoothingRun) -> None:
         """Solve, or pose as eased, with the constraints down to a ``level``, or with all."""
         rows, joints, acts, clearance = self._rows, self._joints, self._activations, self._clearance
-        chain, usual = joints.chain, joints.usual
+        chain, usual = joints.chain, joints.nominal_weights
         if level is not None:
             stands, count = self._ranks <= level, len(rows.asked)
             acts = np.where(stands[:count, None], acts, 0.0)
             down = count + self._rank_of(level + 1)  # what only levels below may move stays where it is
-            chain = chain._replace(mobilities=chain.mobilities[:down])
+            chain = chain._replace(weights=chain.weights[:down])
             usual = np.concatenate([usual[:down], usual[-1:]])
             if self._clear:
                 shares = np.where(stands[count:, None], clearance.activations, 0.0)
                 clearance = clearance._replace(activations=shares)
         tiered = down_to_tiers(acts, self._clearance) if self._clear else acts[None]
-        recruits = Recruits(joints.recruited, usual, self._freedoms)
-        asked = Asked(rows.asked, rows.areas, chain, recruits, self._targets, tiered)
-        motion = Motion(*self._unsolved, self._positions, self._rotations)
+        recruits = RedundancyGroups(joints.recruited, usual, self._freedoms)
+        asked = ConstraintSet(rows.asked, rows.areas, chain, recruits, self._targets, tiered)
+        motion = MotionArrays(*self._unsolved, self._positions, self._rotations)
         solve_frames(asked, self._body, motion, clearance, easing, self._missed[: len(rows.asked)])
 
     def _rank_of(self, level: int) -> int:
         """How many levels stand above one, but for those that only keep clear."""
-        ranks = self._rows.asked["rank"]
+        ranks = self._rows.asked["level"]
         return int(ranks[self._ranks[: len(ranks)] < level].max(initial=-1)) + 1
 
     def _solve_of(self, level: int | None = None) -> Solve:
         """To note what is solved down to a ``level``, or of all."""
         ends, joints = self._rows.asked["limbs"], self._joints
         level = self._levels - 1 if level is None else level
-        mobilities = joints.mobilities[: len(ends) + self._rank_of(level + 1)]
+        mobilities = joints.weights[: len(ends) + self._rank_of(level + 1)]
         moved, ends = np.asarray(mobilities[len(ends) :].any(axis=0)), ends[self._ranks[: len(ends)] <= level]
         return Solve.of(self.standing, len(self._positions), joints.joints, moved, ends, int(self._held > 0))
 

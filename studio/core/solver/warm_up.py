@@ -15,7 +15,7 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.grounds.surface_mesh import SurfaceMesh
 from studio.core.kernels import layout as at
-from studio.core.kernels.records import JOINT
+from studio.core.kernels.records import SEARCH_JOINT
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.adapt import adapt, hold
@@ -53,7 +53,7 @@ def warm_up_easing(morphology: Morphology) -> None:
     """What only frames that jolt are given to."""
     charts = LimbCharts(morphology.layout, np.stack([rest_pose(morphology)[1]] * FRAMES), limits_of(morphology))
     turns = charts.turns(charts.within(np.zeros((FRAMES, 16, 3))))
-    joints, states = np.zeros(1, JOINT), np.zeros((FRAMES, 1, 3))
+    joints, states = np.zeros(1, SEARCH_JOINT), np.zeros((FRAMES, 1, 3))
     moved, ends = np.ones(len(joints), dtype=bool), np.zeros((1, 2), np.int64)
     Solve.of(_placed(morphology), FRAMES, joints, moved, ends, 0).jolts_of(states, turns)
 
@@ -96,7 +96,7 @@ def warm_up_seldom(morphology: Morphology) -> None:
 def _still_motion() -> NormalizedMotion:
     channels = np.zeros((FRAMES, at.SPINE + 4))
     channels[:, at.HIPS + 2] = 0.9
-    for column in at.TURNS:
+    for column in at.QUATERNION_COLUMNS:
         channels[:, column + 3] = 1.0
     channels[:, at.SPINE + 3] = 1.0
     channels[:, at.LIMB_SLACK : at.LIMB_SLACK + 4] = 0.05

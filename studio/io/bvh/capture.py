@@ -16,7 +16,7 @@ from studio.core.body.rehanging import over_feet, rehang, rehung
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.confidence import Confidence
-from studio.core.kernels.body.channels import turn_axes
+from studio.core.kernels.body.file_channels import change_axes
 from studio.core.pieces import over_frames
 from studio.core.rotations import IDENTITY, normalized
 from studio.io.bvh.reader import read_bvh
@@ -147,7 +147,7 @@ def to_world(
     translations = np.empty((frame_count, skeleton.joint_count, 3))
 
     def turn(run: slice) -> None:
-        turn_axes(*file.transforms(run), file_to_world, metres, rotations[run], translations[run])
+        change_axes(*file.transforms(run), file_to_world, metres, rotations[run], translations[run])
 
     for done in over_frames(turn, frame_count):
         progress(done)

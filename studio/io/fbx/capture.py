@@ -23,6 +23,9 @@ FloatArray = NDArray[np.float64]
 _DIGIT = 1e-6
 """Seconds to which programs round the time of a frame."""
 _SMALLEST_SCALE = 1e-9
+_FLAT = 1e-6
+"""Determinant of a matrix of unit columns below which it flattens, or mirrors."""
+_NAMED = 3
 _TURN = slice(3, 7)
 _PARTS = slice(0, 3), _TURN, slice(7, 10)
 """Place, turn and scale among the ten numbers of a joint."""
@@ -71,7 +74,7 @@ def fbx_file(arrays: Arrays, path: Path) -> FbxFile:
     repairs = _fill(path.name, frames)
     if not (np.isfinite(frames).all() and np.isfinite(rest).all()):
         raise StudioError(f"{path.name}: its joints lie at places that are not numbers. {INSTEAD}")
-    return _rigid(about, frames, rest, repairs)
+    return _rigid(about, frames, rest, path, repairs)
 
 
 def _fill(name: str, frames: FloatArray) -> tuple[str, ...]:
@@ -96,16 +99,21 @@ def _fill(name: str, frames: FloatArray) -> tuple[str, ...]:
     return (f"{name}, frame {lacking[0]}: {count} numbers; what is missing was filled from the frames around.",)
 
 
-def _rigid(about: dict[str, object], frames: FloatArray, rest: FloatArray, repairs: tuple[str, ...]) -> FbxFile:
+def _rigid(
+    about: dict[str, object], frames: FloatArray, rest: FloatArray, path: Path, repairs: tuple[str, ...]
+) -> FbxFile:
     """Scales worked into the places, and turns counted from the rest pose."""
     names, parents = _one_root(list(about["names"]), list(about["parents"]))  # type: ignore[call-overload]
     added = len(names) - frames.shape[1]
     still = np.array([0.0] * 6 + [1.0] * 4)
     frames = np.concatenate([np.broadcast_to(still, (len(frames), added, 10)), frames], axis=1)
     rest = np.concatenate([np.broadcast_to(still, (added, 10)), rest])
-    rest_places, rest_turns = _world(parents, rest[None])
-    places, turns = _world(parents, frames)
-    turns = turns @ np.swapaxes(rest_turns, -1, -2)
+    with np.errstate(over="ignore", invalid="ignore"):
+        rest_places, rest_turns = _world(parents, rest[None])
+        places, turns = _world(parents, frames)
+    if not all(np.isfinite(numbers).all() for numbers in (rest_places, rest_turns, places, turns)):
+        raise StudioError(f"{path.name}: its joints lie farther away than can be told. {INSTEAD}")
+    turns, mirrored = _upright(names, turns @ np.swapaxes(rest_turns, -1, -2))
     above = np.maximum(parents, 0)
     carrier = np.where((parents < 0)[:, None, None], np.eye(3), turns[:, above])
     offsets = rest_places[0] - np.where((parents < 0)[:, None], 0.0, rest_places[0, above])
@@ -122,8 +130,20 @@ def _rigid(about: dict[str, object], frames: FloatArray, rest: FloatArray, repai
         1.0 / rate,
         said_unit(metres),
         str(about["up_axis"]),
-        repairs,
+        (*repairs, *mirrored),
     )
+
+
+def _upright(names: list[str], turns: FloatArray) -> tuple[FloatArray, tuple[str, ...]]:
+    """Matrices (F, J, 3, 3) that turn, against the rest pose, and what was repaired: none mirrors or flattens."""
+    wrong = np.linalg.det(turns) < _FLAT
+    if not wrong.any():
+        return turns, ()
+    turns = np.where(wrong[..., None, None], np.eye(3), turns)
+    joints = [name for name, is_wrong in zip(names, wrong.any(axis=0), strict=True) if is_wrong]
+    shown = ", ".join(joints[:_NAMED]) + (f" and {len(joints) - _NAMED} more" if len(joints) > _NAMED else "")
+    frames = int(wrong.any(axis=1).sum())
+    return turns, (f"In {frames} frames scales mirror or flatten {shown}; there the joint is turned as at rest.",)
 
 
 def _one_root(names: list[str], parents: list[int]) -> tuple[list[str], NDArray[np.int64]]:

@@ -11,7 +11,7 @@ from studio.core.constraints.base import CLAVICLES, THIGHS, UPPER_ARMS, Chain, C
 from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.position import PositionConstraint
 from studio.core.kernels import records
-from studio.core.kernels.search.joints import ROOT, joint_table
+from studio.core.kernels.search.joints import ROOT_TRANSLATION, joint_table
 from studio.core.solver.asking.points import limb_of
 
 FloatArray = NDArray[np.float64]
@@ -35,22 +35,22 @@ class FreeJoints:
     ``limbs`` (n,).
     """
 
-    mobilities: FloatArray
+    weights: FloatArray
     joints: NDArray[np.void]
-    slots: NDArray[np.int64]
+    joint_of_segment: NDArray[np.int64]
     limits: FloatArray
     recruited: NDArray[np.int64]
     limbs: NDArray[np.int64]
 
     @cached_property
-    def usual(self) -> FloatArray:
+    def nominal_weights(self) -> FloatArray:
         """(C + L + 1, n) mobilities and, last, limits of those that are recruited, however free they are."""
-        return np.ascontiguousarray(np.vstack([self.mobilities, np.nan_to_num(self.limits)])[:, self.recruited])
+        return np.ascontiguousarray(np.vstack([self.weights, np.nan_to_num(self.limits)])[:, self.recruited])
 
     @property
-    def chain(self) -> records.Chain:
+    def chain(self) -> records.JointWeights:
         """Kernels write in mobilities and limits how free limbs are at a frame: these are the caller's own."""
-        return records.Chain(self.mobilities.copy(), self.joints, self.slots, self.limits.copy())
+        return records.JointWeights(self.weights.copy(), self.joints, self.joint_of_segment, self.limits.copy())
 
     @property
     def without_limits(self) -> "FreeJoints":
@@ -80,7 +80,7 @@ def free_joints(chains: tuple[Chain, ...], ranks: tuple[int, ...], layout: BodyL
     ``ranks`` (C,) is the level of each chain's constraint.
     """
     k = layout.spine_count
-    segments = np.array([*range(k), k + 2, k + 6, k, k + 1, k + 3, k + 7, k + 10, k + 14, ROOT])
+    segments = np.array([*range(k), k + 2, k + 6, k, k + 1, k + 3, k + 7, k + 10, k + 14, ROOT_TRANSLATION])
     trunk = [*[VERTEBRA_LIMIT] * k, *[CLAVICLE_LIMIT] * 2, *[NECK_LIMIT] * 2]
     limits = [*trunk, *[SHOULDER_LIMIT] * 2, *[HIP_LIMIT] * 2, np.pi / 2]
     parts = [layout.part(segment) for segment in segments[:-1]]

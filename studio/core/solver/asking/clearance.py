@@ -1,4 +1,4 @@
-"""What keeps arms out of their own body, as arrays for ``kernels.limits.clearance``."""
+"""What keeps arms out of their own body, as arrays for ``kernels.limits.arm_clearance``."""
 
 from collections.abc import Sequence
 from functools import cache, lru_cache
@@ -11,9 +11,9 @@ from studio.core.body.morphology import AnyMorphology, Morphology
 from studio.core.body.rest_pose import rest_pose
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.clear import ClearConstraint
-from studio.core.kernels.limits import clearance as kernel
-from studio.core.kernels.limits.clearing import ABOVE, BELOW, BESIDE, CONTACT
-from studio.core.kernels.records import Clearance, Volume
+from studio.core.kernels.limits import arm_clearance as kernel
+from studio.core.kernels.limits.self_collision import TASK_ABOVE, TASK_BELOW, TASK_BESIDE, TASK_IS_CONTACT
+from studio.core.kernels.records import CapsuleArrays, ClearanceArrays
 from studio.core.mesh.volume import PROBES, BodyVolume, usual_volume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
@@ -40,7 +40,7 @@ def pack_clearance(
     misses: FloatArray,
     standing: "Standing",
     window: slice,
-) -> Clearance:
+) -> ClearanceArrays:
     """What the kernels take of Q constraints, which write what is missed into ``misses`` (Q, F).
 
     ``activations`` (Q, F) in the ``window`` of frames. Above a clear constraint stand the first ``held`` of the
@@ -56,14 +56,14 @@ def pack_clearance(
         own, ways = (np.ascontiguousarray(each[window]) for each in actor_has)
     asked = [each for each in clears if isinstance(each, ClearConstraint)]
     wanted = np.empty((len(asked), *shape))
-    above = np.full((len(asked), len(others)), CONTACT)
+    above = np.full((len(asked), len(others)), TASK_IS_CONTACT)
     priorities = np.array([each.priority for each in others[held:]], dtype=np.int64)
     for row, each in enumerate(asked):
-        kernel.wanted_rooms(own, each.margin, wanted[row])
-        beside = np.where(priorities == each.priority, BESIDE, BELOW)
-        above[row, held:] = np.where(priorities < each.priority, ABOVE, beside)
+        kernel.required_distances(own, each.margin, wanted[row])
+        beside = np.where(priorities == each.priority, TASK_BESIDE, TASK_BELOW)
+        above[row, held:] = np.where(priorities < each.priority, TASK_ABOVE, beside)
     body = standing.morphology.still
-    return Clearance(
+    return ClearanceArrays(
         packed(standing.volume or usual_volume(body)),
         np.array(body.layout.proximal_points()),
         wanted,
@@ -84,7 +84,7 @@ def _tiers(clears: list[int], others: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.asarray(np.searchsorted(np.unique(priorities), priorities), dtype=np.int64)
 
 
-def down_to_tiers(activations: FloatArray, clearance: Clearance) -> FloatArray:
+def down_to_tiers(activations: FloatArray, clearance: ClearanceArrays) -> FloatArray:
     """``activations`` (C, F) as the kernels take them, (K, C, F): of what stands down to each of K tiers."""
     tiers = clearance.tiers
     others = tiers[len(tiers) - len(activations) :]
@@ -92,14 +92,14 @@ def down_to_tiers(activations: FloatArray, clearance: Clearance) -> FloatArray:
 
 
 @cache
-def _nothing(others: int) -> Clearance:
+def _nothing(others: int) -> ClearanceArrays:
     """What the kernels take where nothing is asked to be clear of anything."""
     volume = BodyVolume(np.empty((0, 2), np.int64), np.empty((0, 2, 3)), np.empty((0, 2)), np.empty(0))
     none, rooms = np.empty((0, 0)), np.empty((0, 2, len(PROBES)))
     above = np.empty((0, others), np.int64)
     wanted, ways, tiers = np.empty((0, *rooms.shape)), np.empty((*rooms.shape, 3)), np.zeros(others, np.int64)
     arms, freedoms = np.empty((0, 2)), np.empty(0)
-    return Clearance(packed(volume), tiers[:0], wanted, none, arms, freedoms, above, none, rooms, ways, tiers)
+    return ClearanceArrays(packed(volume), tiers[:0], wanted, none, arms, freedoms, above, none, rooms, ways, tiers)
 
 
 def rooms(adapted: AdaptedMotion) -> FloatArray:
@@ -128,10 +128,12 @@ def rooms_of(
     """``rooms`` of posed frames (F, P, 3), (F, S, 3, 3), and the ways out of the body (F, 2, 5, 3)."""
     found = np.empty((len(positions), 2, len(PROBES)))
     ways = np.empty((*found.shape, 3))
-    kernel.room_frames(packed(volume), np.array(body.layout.proximal_points()), positions, rotations, found, ways)
+    kernel.measure_clip_distances(
+        packed(volume), np.array(body.layout.proximal_points()), positions, rotations, found, ways
+    )
     return found, ways
 
 
-def packed(volume: BodyVolume) -> Volume:
+def packed(volume: BodyVolume) -> CapsuleArrays:
     """A volume as the kernels take it."""
-    return Volume(volume.segments, volume.places, volume.radii, volume.girths)
+    return CapsuleArrays(volume.segments, volume.places, volume.radii, volume.girths)

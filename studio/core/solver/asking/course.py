@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.morphology import Morphology
-from studio.core.kernels.tasks.goals import TURN_ARM
+from studio.core.kernels.tasks.goals import RADIAN_LENGTH
 from studio.core.solver.asking.rows import Rows
 
 FloatArray = NDArray[np.float64]
@@ -64,7 +64,7 @@ class Unsolved:
 def course_to(wanted: FloatArray, begin: FloatArray) -> Course:
     """From a place (F, 3) to the one that is wanted, or nowhere where that is NaN."""
     way = np.where(np.isnan(wanted), 0.0, wanted - begin)
-    return way / np.sqrt(1.0 + (np.linalg.norm(way, axis=1, keepdims=True) / FARTHEST) ** 2), TURN_ARM
+    return way / np.sqrt(1.0 + (np.linalg.norm(way, axis=1, keepdims=True) / FARTHEST) ** 2), RADIAN_LENGTH
 
 
 def course_of_point(unsolved: Unsolved) -> Course:

@@ -16,7 +16,7 @@ from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.kernels import layout as at
 from studio.core.kernels import records
-from studio.core.kernels.support.carrying import place_arms
+from studio.core.kernels.support.body_settling import place_arms
 from studio.core.single import PoseArray
 from studio.core.solver.asking.rows import Rows
 from studio.core.solver.standing.blends import freedom
@@ -103,19 +103,19 @@ def release_hands(
     """
     layout = body.layout
     wrists, hands = arms.wrists[:, window].copy(), arms.hands[:, window].copy()
-    comforts = np.zeros(wrists.shape[:2])
+    soft_thresholds = np.zeros(wrists.shape[:2])
     for hold in holds:
         if hold.point.member != "hand":
             continue
         side = hold.point.side
         firm = (1.0 - freedom(hold.standing, frame_rate))[window]
         leaving = (firm > 0.0) & (firm < 1.0)
-        comforts[side, leaving] = arms.comforts[side, window][leaving]
+        soft_thresholds[side, leaving] = arms.soft_thresholds[side, window][leaving]
         own = positions[:, layout.wrist(side)]
         wrists[side] = own + firm[:, None] * (wrists[side] - own)
         turned = rotations[:, layout.spine_count + 5 + 4 * side]
         apart = Rotation.from_matrix(hands[side] @ np.swapaxes(turned, 1, 2)).as_rotvec()
         hands[side] = Rotation.from_rotvec(firm[:, None] * apart).as_matrix() @ turned
     bends = np.ascontiguousarray(arms.bends[:, window])
-    stance = records.Arms(channels, comforts, wrists, hands, bends)
+    stance = records.ArmTargets(channels, soft_thresholds, wrists, hands, bends)
     place_arms(at_frames(body.rows, window), stance, positions, rotations)

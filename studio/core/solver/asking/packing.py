@@ -46,7 +46,7 @@ def pack(constraints: Sequence[Constraint], layout: BodyLayout, targets: Targets
         turns=[NO_TURN] * count,
         distances=[NO_DISTANCE] * count,
     )
-    rows.asked["rank"], rows.asked["weight"] = ranks, [constraint.weight for constraint in constraints]
+    rows.asked["level"], rows.asked["weight"] = ranks, [constraint.weight for constraint in constraints]
     for c, constraint in enumerate(constraints):
         kind = KINDS.get(type(constraint))
         if kind is None:
@@ -69,5 +69,5 @@ def _levels(constraints: Sequence[Constraint], contacts: int) -> tuple[int, ...]
 def _blend_what_takes_limbs(rows: Rows, c: int, chain: Chain) -> None:
     """Blend whatever is asked below a balance of a limb that it turns: that is not in the motion's own pose."""
     recruited = [limb for limb, part in enumerate((*UPPER_ARMS, *THIGHS)) if chain.recruited(part) > 0.0]
-    below = rows.asked["rank"] > rows.asked["rank"][c]
+    below = rows.asked["level"] > rows.asked["level"][c]
     rows.asked["blends"] |= below & np.isin(rows.asked["limbs"], recruited).any(axis=1)

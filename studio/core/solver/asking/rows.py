@@ -55,9 +55,9 @@ class Rows:
         return True
 
     @property
-    def stacked_targets(self) -> records.Targets:
-        """As ``kernels.adapt.solve_frames`` takes them."""
-        return records.Targets(_stacked(self.places, 3), _stacked(self.turns, 3, 3), _stacked(self.distances))
+    def stacked_targets(self) -> records.TargetArrays:
+        """As ``kernels.solve_clip.solve_frames`` takes them."""
+        return records.TargetArrays(_stacked(self.places, 3), _stacked(self.turns, 3, 3), _stacked(self.distances))
 
 
 def _stacked(targets: Sequence[FloatArray], *shape: int) -> FloatArray:
@@ -83,8 +83,8 @@ def put_end(row: np.void, end: int, point: BodyPoint, chain: Chain, layout: Body
     row["limbs"][end] = limb
     row["offsets"][end] = point.offset
     helped, parts, freedom = freedoms_of(point.part, chain)
-    row["freedoms"][end] = freedom, chain.end_segment
+    row["limb_weights"][end] = freedom, chain.end_segment
     if limb >= 0:
-        row["helped"] |= helped
-        row["parts"][end] = parts
+        row["assisted"] |= helped
+        row["segment_weights"][end] = parts
         row["stiff"] |= freedom > 0.0 and min(parts) < 1.0

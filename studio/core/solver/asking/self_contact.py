@@ -16,10 +16,15 @@ from studio.core.body.morphology import AnyMorphology, Morphology
 from studio.core.captures.contacts import ContactInterval, Touch, contact_mask
 from studio.core.captures.touching import Spots, spots
 from studio.core.kernels import layout as at
-from studio.core.kernels.limits import clearance as clearing
-from studio.core.kernels.limits.clearance import HAND, STEP, SWIVEL
-from studio.core.kernels.limits.hands import find_ways_out, join_hands, move_arms, rest_hands
-from studio.core.kernels.records import ActorRooms
+from studio.core.kernels.limits import arm_clearance as clearing
+from studio.core.kernels.limits.arm_clearance import ARM_STEP_SIZE, ELBOW_SWIVEL, HAND_ROTATION
+from studio.core.kernels.limits.hand_contact import (
+    apply_arm_steps,
+    push_out_steps,
+    solve_hand_body_contact,
+    solve_hand_hand_contact,
+)
+from studio.core.kernels.records import ActorClearance
 from studio.core.mesh.volume import CAPSULES_OF, BodyVolume, usual_volume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
@@ -155,7 +160,7 @@ class SelfContact:
         for _ in range(looks):
             led = self._clear(window, free, lying, 0.0 * firm, led, positions, rotations)
         for each in self.resting:
-            rest_hands(
+            solve_hand_body_contact(
                 each.side, each.capsules, each.spots[window], each.firm[window] * free[:, each.side, 0], volume,
                 proximal, positions, rotations,
             )  # fmt: skip
@@ -171,7 +176,7 @@ class SelfContact:
     def _join(self, window: slice, shares: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
         """Bring hands together, each by its part of the way, ``shares`` (F, 2)."""
         if shares.any():
-            join_hands(self.gaps[window], shares, positions, rotations)
+            solve_hand_hand_contact(self.gaps[window], shares, positions, rotations)
 
     def _clear(
         self,
@@ -193,21 +198,21 @@ class SelfContact:
         proximal = np.array(self.body.layout.proximal_points())
         wanted, own, ways = (each[window] for each in self.rooms)
         wanted = wanted - lying[:, :, None] * np.maximum(wanted, 0.0) if lying.any() else wanted
-        moves = np.empty((len(positions), 2, STEP))
+        moves = np.empty((len(positions), 2, ARM_STEP_SIZE))
         able = free * looked[:, None, None]
-        actor = ActorRooms(packed(self.volume), own, ways)
-        find_ways_out(wanted, actor, able, proximal, positions, rotations, moves)
+        actor = ActorClearance(packed(self.volume), own, ways)
+        push_out_steps(wanted, actor, able, proximal, positions, rotations, moves)
         if not moves.any():
             return np.zeros_like(looked)
         self._ease(moves, free, firm, rotations[:, self.body.layout.spine_count - 1])
-        move_arms(moves, positions, rotations)
+        apply_arm_steps(moves, positions, rotations)
         return np.asarray(moves.any(axis=(1, 2)))
 
     def _ease(self, moves: FloatArray, free: FloatArray, firm: FloatArray, chest: FloatArray) -> None:
         """Steps of both arms (F, 2, 7) that go on in time, in place, and no farther than arms may: as they are seen
         from the ``chest`` (F, 3, 3). Hands that are ``firm`` (F,) together go the same way, and do not turn.
         """
-        vectors = moves[:, :, :SWIVEL].reshape(len(moves), 4, 3)
+        vectors = moves[:, :, :ELBOW_SWIVEL].reshape(len(moves), 4, 3)
         out = np.einsum("fij,fvi->fvj", chest, vectors)
         wrists = out[:, ::2]
         lengths = np.linalg.norm(wrists, axis=2, keepdims=True)
@@ -215,12 +220,12 @@ class SelfContact:
         wrists += firm[:, None, None] * (both - wrists)
         least = free[:, :, 0].min(axis=1, keepdims=True)
         able = (free[:, :, 0] + firm[:, None] * (least - free[:, :, 0]))[:, :, None]
-        eased = np.einsum("fij,fvj->fvi", chest, eased_ways(out, self.frame_rate)).reshape(len(moves), 2, SWIVEL)
+        eased = np.einsum("fij,fvj->fvi", chest, eased_ways(out, self.frame_rate)).reshape(len(moves), 2, ELBOW_SWIVEL)
         farthest = FARTHEST * self.body.rows[:, at.M_ARM : at.M_ARM + 2].sum(axis=1).max()
-        far = np.linalg.norm(eased[:, :, :HAND], axis=2, keepdims=True) / farthest
-        moves[:, :, :HAND] = able * eased[:, :, :HAND] / (1.0 + far**4) ** 0.25
-        moves[:, :, HAND:SWIVEL] = able * (1.0 - firm)[:, None, None] * eased[:, :, HAND:]
-        moves[:, :, SWIVEL:] = eased_ways(moves[:, :, SWIVEL:], self.frame_rate) * free[:, :, 1:]
+        far = np.linalg.norm(eased[:, :, :HAND_ROTATION], axis=2, keepdims=True) / farthest
+        moves[:, :, :HAND_ROTATION] = able * eased[:, :, :HAND_ROTATION] / (1.0 + far**4) ** 0.25
+        moves[:, :, HAND_ROTATION:ELBOW_SWIVEL] = able * (1.0 - firm)[:, None, None] * eased[:, :, HAND_ROTATION:]
+        moves[:, :, ELBOW_SWIVEL:] = eased_ways(moves[:, :, ELBOW_SWIVEL:], self.frame_rate) * free[:, :, 1:]
 
 
 def _eased_over(frame_rate: float) -> int:
@@ -266,7 +271,7 @@ def self_contact_of(
     if clears:
         own, ways = actor_rooms(motion, actor)
         wanted = np.empty_like(own)
-        clearing.wanted_rooms(own, 0.0, wanted)
+        clearing.required_distances(own, 0.0, wanted)
         # What the actor has inside is left inside, and what the body itself has at rest.
         rooms = np.minimum(np.minimum(wanted, own), rest_rooms(body.still, known)), own, ways
     arms = [rows[:, at.M_ARM : at.M_ARM + 4].sum(axis=1)[:, None] for rows in (body.rows, actor.rows)]
@@ -309,7 +314,7 @@ def _told(near: Sequence[Spots], contact: ContactInterval) -> FloatArray:
     """(F, M, 6) for the kernel: a hand that rests lies on the surface, however deep the actor seems to sink in."""
     rooms = np.stack([each.rooms for each in near], axis=1)
     least = rooms.min(axis=1)
-    shares = np.exp((least[:, None] - rooms) / clearing.BLEND)
+    shares = np.exp((least[:, None] - rooms) / clearing.SMOOTH_MINIMUM_WIDTH)
     shares /= shares.sum(axis=1, keepdims=True)
     above = rooms - np.median(least[contact.first : contact.last + 1])
     lifted = np.where(above >= SKIN, above, np.maximum(above + SKIN, 0.0) ** 2 / (4.0 * SKIN))

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from studio.core.constraints.follow import FollowPerformer, FollowProp
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.target import follows_of
-from studio.core.kernels.tasks.task import STRICT
+from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 from studio.core.normalized.compose import Composite
 from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.performers.awaiting import awaited, expected_at
@@ -101,7 +101,7 @@ def solve_circle(
         for meeting in meetings:
             _meet(meeting, players, results, before, tracks)
         moved = _moved(players, before, tracks) if before else math.inf
-        if moved < STRICT:
+        if moved < PRIORITY_TOLERANCE:
             return Circle(results, requests, before, sweep)
         if sweep > 1 and moved > CALMING * last:
             tracks = {key: _halfway(before[key], track) for key, track in tracks.items()}

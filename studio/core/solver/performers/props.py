@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import AnyMorphology
-from studio.core.constraints.activation import EaseShape, ease
+from studio.core.constraints.activation import EASE_PEAK, EaseShape, ease
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowProp
 from studio.core.constraints.keyed import KeyedNumber
@@ -26,10 +26,8 @@ from studio.core.stage.timing import Timing
 FloatArray = NDArray[np.float64]
 
 HANDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)
-
-
-HANDING = 0.3
-"""Seconds in which a prop comes to where it is held, from where it was taken, and to where it is put."""
+HANDING, LIFTING = 0.3, 1.2
+"""Least seconds in which a prop comes to where it is held and to where it is put, and highest speed then, m/s."""
 
 
 class Hands(Protocol):
@@ -115,8 +113,8 @@ def stage_track(prop: Prop, seconds: ArrayLike, hands: Mapping[str, Hands] = Map
 def _left_by(places: Sequence[int], prop: Prop, times: FloatArray, hands: Mapping[str, Hands]) -> Track:
     """A prop as those leave it who hold it in these ``places`` of their order, as if nobody held it after them.
 
-    What it is away from the hands as it is taken goes with them and dies away; so is what it is away from its place as
-    it is put there.
+    As it is taken, it goes on from where it lies, or from the hands of the giver, to where it is held; as it is put
+    down, from there to its place.
     """
     if not places:
         return _unheld(prop, times)
@@ -126,17 +124,29 @@ def _left_by(places: Sequence[int], prop: Prop, times: FloatArray, hands: Mappin
         return theirs.track(hold)
     track = _spread(theirs.track(hold), len(times))
     lasting = np.inf if hold.begin is None or hold.end is None else hold.end - hold.begin
-    for moment, way, before in ((hold.begin, 1.0, places[:-1]), (hold.end if put else None, -1.0, ())):
-        if moment is not None:
-            shares = 1.0 - ease(way * (times - moment) / max(min(HANDING, lasting / 2), 1e-6), EaseShape.QUINTIC)
-            there, here = _at(moment, before, prop, hands), theirs.at(moment).track(hold)
-            track.places[:] += shares[:, None] * (there.places - here.places)
-            track.rotations[:] = _part_of(there.rotations[0] @ here.rotations[0].T, shares) @ track.rotations
+    for moment, sign, before in ((hold.begin, 1.0, places[:-1]), (hold.end if put else None, -1.0, ())):
+        if moment is None:
+            continue
+        there, here = _at(moment, before, prop, hands), theirs.at(moment).track(hold)
+        far = float(np.linalg.norm(there.places[0] - here.places[0]))
+        seconds = min(handing_time(far), lasting / 2)
+        weights = ease(sign * (times - moment) / max(seconds, 1e-6), EaseShape.QUINTIC)
+        giver = prop.holds[before[-1]] if before else None
+        gone_on = hands[giver.performer_id].track(giver) if giver is not None and giver.end == moment else there
+        other = _spread(gone_on, len(times))
+        track.places[:] = other.places + weights[:, None] * (track.places - other.places)
+        turns = _part_of(other.rotations.transpose(0, 2, 1) @ track.rotations, weights)
+        track.rotations[:] = other.rotations @ turns
     if hold.begin is not None:
         _put(track, times < hold.begin, _left_by(places[:-1], prop, times, hands))
     if hold.end is not None and (times > hold.end).any():
         _put(track, times > hold.end, _unheld(prop, times) if put else _at(hold.end, places, prop, hands))
     return track
+
+
+def handing_time(distance: float) -> float:
+    """Seconds in which a prop is brought ``distance`` metres into the hands."""
+    return max(HANDING, EASE_PEAK * distance / LIFTING)
 
 
 def _at(moment: float, places: Sequence[int], prop: Prop, hands: Mapping[str, Hands]) -> Track:
@@ -164,11 +174,12 @@ def _unheld(prop: Prop, times: FloatArray) -> Track:
     return Track(np.broadcast_to(places, (count, 3)), np.broadcast_to(turned_by(angles), (count, 3, 3)))
 
 
-def _part_of(turn: FloatArray, shares: FloatArray) -> FloatArray:
-    """(F, 3, 3) so much of a turn (3, 3) as ``shares`` (F,) say."""
+def _part_of(rotations: FloatArray, weights: FloatArray) -> FloatArray:
+    """Fractions ``weights`` (F,) of the rotations (F, 3, 3), as matrices (F, 3, 3)."""
     from scipy.spatial.transform import Rotation  # late: it takes longer than a window
 
-    return np.asarray(Rotation.from_rotvec(shares[:, None] * Rotation.from_matrix(turn).as_rotvec()).as_matrix())
+    vectors = Rotation.from_matrix(rotations).as_rotvec()
+    return np.asarray(Rotation.from_rotvec(weights[:, None] * vectors).as_matrix())
 
 
 def seen_from(follow: FollowProp, prop: Prop, track: Track, own: Placement) -> Track:
@@ -188,9 +199,10 @@ def carried_track(held: Carried, positions: FloatArray, rotations: FloatArray, b
     layout = body.still.layout
     ends = [point_indices(BodyPoint(part, at_end=end), layout)[0] for part in HANDS for end in (False, True)]
     chest = rotations[:, layout.segment(BodyPart.THORAX), :, 0]
-    axes = turned_by(np.arctan2(chest[:, 1], chest[:, 0]))
+    heading = np.arctan2(chest[:, 1], chest[:, 0])
     middle = positions[:, ends].mean(axis=1)
-    return Track(middle + body.leg_length * axes @ np.array(held.offset), axes)
+    places = middle + body.leg_length * turned_by(heading) @ np.array(held.offset)
+    return Track(places, turned_by(heading + held.heading))
 
 
 def turned_by(angles: FloatArray) -> FloatArray:

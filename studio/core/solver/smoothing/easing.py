@@ -18,10 +18,10 @@ from scipy.ndimage import convolve1d, maximum_filter1d, minimum_filter1d
 
 from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.kernels import records
-from studio.core.kernels.records import EASED_LEVEL, Above
-from studio.core.kernels.search.joints import ROOT
-from studio.core.kernels.time.easing import HELD
-from studio.core.kernels.time.jolts import ADDED, WHOLE, note_eased_jolts
+from studio.core.kernels.records import SMOOTHED_LEVEL, HigherLevelPoses
+from studio.core.kernels.search.joints import ROOT_TRANSLATION
+from studio.core.kernels.time.acceleration_peaks import ADDED_PEAK, TOTAL_PEAK, write_smoothed_peaks
+from studio.core.kernels.time.smoothed_frames import SMOOTHING_VIOLATION
 from studio.core.quality.metrics import QUIET
 from studio.core.runs import runs_of
 from studio.core.solver.smoothing.limb_charts import LimbCharts
@@ -31,7 +31,7 @@ from studio.core.solver.standing.stand import Standing
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-Run = Callable[[int, records.Easing], None]
+Run = Callable[[int, records.SmoothingRun], None]
 
 
 class Ramp(NamedTuple):
@@ -80,7 +80,7 @@ class Rank(NamedTuple):
     clears: int
 
 
-EASED = Ramp(np.array([ADDED, ADDED, WHOLE]), np.array([1.8, 1.8, 2.6]))
+EASED = Ramp(np.array([ADDED_PEAK, ADDED_PEAK, TOTAL_PEAK]), np.array([1.8, 1.8, 2.6]))
 """Parts of the allowed peak at which what root and joints add, and what limbs turn with in all, is eased."""
 DROPPED = Ramp(3.5 * EASED.begins, 3.5 * EASED.whole)
 """Parts of the allowed peak at which a level is dropped in favour of those above it, since even its average pops.
@@ -97,7 +97,7 @@ AROUND = 0.35
 """Seconds on either side of a jolt in which a level is left wholly as averaged, or for those above it; in as many again
 that fades.
 """
-CHANGED = Ramp(np.array(0.93 * HELD), np.array(1.07 * HELD))
+CHANGED = Ramp(np.array(0.93 * SMOOTHING_VIOLATION), np.array(1.07 * SMOOTHING_VIOLATION))
 """Metres by which a level's easing may change those above it for it to be left for them."""
 SEEN = 0.6
 """Seconds on either side of what jolts when solved in which anything may be eased; in as many again that ends."""
@@ -110,16 +110,16 @@ LEGS = BodyPart.LEFT_THIGH, BodyPart.RIGHT_THIGH, BodyPart.LEFT_SHANK, BodyPart.
 _NO_TURNS, _NO_MISSES, _NO_POSE = (
     np.empty((0, 16, 3, 3)),
     np.empty((0, 0)),
-    Above(np.empty((0, 0, 3)), np.empty((0, 0, 3, 3)), np.empty((0, 0, 3)), np.empty(0)),
+    HigherLevelPoses(np.empty((0, 0, 3)), np.empty((0, 0, 3, 3)), np.empty((0, 0, 3)), np.empty(0)),
 )
 
 
 @dataclass(eq=False)
 class Solve:
-    """What ``kernels.adapt.solve_frames`` notes of F frames, and is given to pose some of them anew.
+    """What ``kernels.solve_clip.solve_frames`` notes of F frames, and is given to pose some of them anew.
 
     ``joints`` (N,) of the search, ``limbs`` (4,) that constraints are about, ``states`` (F, N, 3) of the search, and as
-    in ``kernels.time.jolts`` the ``sharp`` jolts (F, 3) and the ``peaks`` (3,) of the same in the unsolved motion;
+    in ``kernels.time.acceleration_peaks`` the ``sharp`` peaks (F, 3) and the ``peaks`` (3,) of the unsolved motion;
     ``changes`` (F,) is by how much easing changes what stands above.
     """
 
@@ -162,12 +162,12 @@ class Solve:
         meets: bool,
         holds: bool,
         misses: FloatArray,
-        above: Above,
-    ) -> records.Easing:
-        """As ``kernels.time.easing`` takes it."""
+        above: HigherLevelPoses,
+    ) -> records.SmoothingRun:
+        """As ``kernels.time.smoothed_frames`` takes it."""
         noted = self.limbs, self.peaks[2:], np.array([self.rate]), self.sharp, self.changes
-        eased = np.array([(rank.solved, meets, self.held, holds, rank.clears)], dtype=EASED_LEVEL)
-        return records.Easing(frames, self.states, turns, eased, misses, above, *noted)
+        eased = np.array([(rank.solved, meets, self.held, holds, rank.clears)], dtype=SMOOTHED_LEVEL)
+        return records.SmoothingRun(frames, self.states, turns, eased, misses, above, *noted)
 
     def within(self, frames: slice) -> "Solve":
         """What it noted of some frames."""
@@ -175,7 +175,7 @@ class Solve:
         return replace(self, **arrays)
 
     @property
-    def noting(self) -> records.Easing:
+    def noting(self) -> records.SmoothingRun:
         """For a first run over all frames."""
         return self.easing(np.arange(len(self.states)), _NO_TURNS, Rank(0, 0), False, False, _NO_MISSES, _NO_POSE)
 
@@ -186,10 +186,10 @@ class Solve:
     def jolts_of(self, states: FloatArray, turns: FloatArray) -> FloatArray:
         """(F, 3) of the root, of other joints of the search by their states, and of turns (F, 16, 3, 3) of the limbs.
 
-        As ``kernels.time.jolts`` has them, radians a second squared.
+        As ``kernels.time.acceleration_peaks`` has them, radians a second squared.
         """
         sharp = np.zeros((len(turns), 3))
-        note_eased_jolts(self.joints, states, self.limbs, turns, self.rate, sharp)
+        write_smoothed_peaks(self.joints, states, self.limbs, turns, self.rate, sharp)
         return sharp
 
 
@@ -201,7 +201,7 @@ def own_peaks(standing: Standing, searched: IntArray, legs_asked: bool) -> Float
     """
     layout = standing.morphology.layout
     peaks = standing.peaks if legs_asked else standing.peaks[: layout.spine_count + 10]
-    joints = peaks[searched[(searched != ROOT) & (searched < len(peaks))]]
+    joints = peaks[searched[(searched != ROOT_TRANSLATION) & (searched < len(peaks))]]
     leg = max(QUIET, *(peaks[layout.segment(part)] for part in LEGS)) if legs_asked else QUIET
     most = peaks.max(initial=QUIET)
     return np.array([min(max(leg, standing.root_peak), most), joints.max(initial=leg), most])
@@ -261,7 +261,9 @@ class Easing:
         self._told = levels[0].solved.misses
         self._touched, self._jolts = np.zeros(frames), np.zeros((frames, 3))
         first = levels[0].solved
-        self._kept = Above(first.positions.copy(), first.rotations.copy(), self._eased.states, np.zeros(frames))
+        self._kept = HigherLevelPoses(
+            first.positions.copy(), first.rotations.copy(), self._eased.states, np.zeros(frames)
+        )
 
     def ease(self) -> None:
         """Ease all levels but those of contacts."""
@@ -277,7 +279,7 @@ class Easing:
                 self._eased = Posed(level.solve.states.copy(), self._posed_limbs())
             self._told = np.where(level.above, self._told, now.misses)
             states, back = self._eased.states.copy(), np.zeros(len(now.positions))
-            self._kept = Above(now.positions.copy(), now.rotations.copy(), states, back)
+            self._kept = HigherLevelPoses(now.positions.copy(), now.rotations.copy(), states, back)
 
     def _ease_level(self, number: int) -> None:
         """Meet it again from its average; where that jolts leave it as averaged, or else for those above it."""
@@ -301,8 +303,8 @@ class Easing:
             if not bump.any():
                 break
             back = np.maximum(back, bump)
-            self._kept.back[:] = np.round(back, 9)
-            now = self._posed_anew(number, posed, self._eased, self._kept.back, False, last)
+            self._kept.return_fractions[:] = np.round(back, 9)
+            now = self._posed_anew(number, posed, self._eased, self._kept.return_fractions, False, last)
         return now
 
     def _to_ease(self, number: int, now: Posed, limits: Ramp = EASED) -> FloatArray:
@@ -354,7 +356,7 @@ class Easing:
         joints = level.solve.joints
         back = self._root_reach.pulled(states, joints, round(LOOK_AHEAD * level.solve.rate)) * (room > 0.0)[:, None]
         self._touched = np.maximum(self._touched, back.any(axis=1))
-        states[:, joints["segment"] == ROOT] += back[:, None]
+        states[:, joints["segment"] == ROOT_TRANSLATION] += back[:, None]
         return Posed(states, values)
 
     def _bump(self, number: int, poses: Posed, around: float, limits: Ramp = EASED) -> FloatArray:

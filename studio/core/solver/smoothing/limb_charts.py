@@ -1,15 +1,20 @@
-"""Turns of the limbs' joints as numbers whose means are turns again, and within the joints' limits (METHOD (37)).
+"""Swing-twist coordinates of limb joints: their means are rotations again, within the joints' limits (METHOD (37)).
 
-A joint with limits is charted by its angles about their middles (``kernels.limits.limb_charts``). What limits allow is
-convex there, and so the way from one side of a shoulder to the other leads through the front of it. Free joints are
-charted by quaternions.
+A joint with limits has its angles about the middles of the limits (``kernels.limits.swing_twist_coordinates``). The
+limits are convex there, so that the path from one side of a shoulder to the other leads through its front. Joints
+without limits have quaternions.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyLayout
-from studio.core.kernels.limits.limb_charts import keep_within, note_angles, note_limb_turns, note_turns
+from studio.core.kernels.limits.swing_twist_coordinates import (
+    clamp_limb_angles,
+    write_limb_angles,
+    write_limb_rotations,
+    write_rotations_from_angles,
+)
 from studio.core.rotations import from_matrix, sign_continuous, to_matrix
 
 FloatArray = NDArray[np.float64]
@@ -26,7 +31,7 @@ class LimbCharts:
     def __init__(
         self, layout: BodyLayout, unsolved: FloatArray, limits: NDArray[np.void], limbs: IntArray = ALL
     ) -> None:
-        """``unsolved`` rotations (F, S, 3, 3); ``limits`` (4,) of ``kernels.limits.joint_limits``, or none.
+        """``unsolved`` rotations (F, S, 3, 3); ``limits`` (4,) of ``kernels.limits.limb_joint_limits``, or none.
 
         Of others than ``limbs`` (4,) nothing changes.
         """
@@ -44,7 +49,7 @@ class LimbCharts:
     def turns_of(self, rotations: FloatArray) -> FloatArray:
         """(F, 16, 3, 3) turns of poses' joints."""
         turns = np.empty((len(rotations), 16, 3, 3))
-        note_limb_turns(self._carriers, self._segments, rotations, turns)
+        write_limb_rotations(self._carriers, self._segments, rotations, turns)
         return turns
 
     def values(self, turns: FloatArray, beside: FloatArray | None = None) -> FloatArray:
@@ -64,7 +69,7 @@ class LimbCharts:
             length = np.linalg.norm(values, axis=-1, keepdims=True)
             return np.ascontiguousarray(self._unsolved @ to_matrix(values / length))
         turns = self._unsolved.copy()
-        note_turns(self._limbs, self._own + values, self._limits, turns)
+        write_rotations_from_angles(self._limbs, self._own + values, self._limits, turns)
         return turns
 
     def within(self, values: FloatArray) -> FloatArray:
@@ -72,12 +77,12 @@ class LimbCharts:
         if not len(self._limits):
             return np.asarray(values / np.linalg.norm(values, axis=-1, keepdims=True))
         angles = self._own + values
-        keep_within(self._limbs, self._own, self._limits, angles)
+        clamp_limb_angles(self._limbs, self._own, self._limits, angles)
         return angles - self._own
 
     def _angles(self, turns: FloatArray) -> FloatArray:
         """(F, 16, 3) radians beside the middles of limits, nought where there are none."""
         angles = np.zeros(turns.shape[:-1])
         if len(self._limits):
-            note_angles(self._limbs, turns, self._limits, angles)
+            write_limb_angles(self._limbs, turns, self._limits, angles)
         return angles

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from studio.core.body.canonical import BodyLayout
 from studio.core.kernels import layout as at
-from studio.core.kernels.search.joints import ROOT
+from studio.core.kernels.search.joints import ROOT_TRANSLATION
 from studio.core.solver.standing.blends import hann_window
 
 FloatArray = NDArray[np.float64]
@@ -47,7 +47,7 @@ class RootReach:
         What is missing is taken at its greatest over ``width`` frames on either side, and averaged over as many.
         """
         back = np.zeros_like(self.places)
-        found = np.flatnonzero(joints["segment"] == ROOT)
+        found = np.flatnonzero(joints["segment"] == ROOT_TRANSLATION)
         if not len(found):
             return back
         pelvis, hips = np.flatnonzero(joints["segment"] == 0), self.hips

@@ -54,7 +54,7 @@ def _aim_arm(
 ) -> None:
     """Aim an arm that has gone along with its trunk back to where it pointed ``before``, its hand as it lay, in place.
 
-    By the shortest way, as arms are placed whose hands stand (``kernels.support.carrying.place_arm``).
+    By the shortest way, as arms are placed whose hands stand (``kernels.support.body_settling.place_arm``).
     """
     wrist, upper = body.layout.wrist(side), body.layout.spine_count + 3 + 4 * side
     shoulder, arm, hand = wrist - 2, slice(wrist - 1, wrist + 1), upper + 2

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import convolve1d
 
-from studio.core.kernels.limbs.legs import lower_smoothly
-from studio.core.kernels.support.gaps import fill_gaps, free_feet
-from studio.core.kernels.support.swing import FREED_AFTER
+from studio.core.kernels.limbs.legs import smooth_lowering
+from studio.core.kernels.support.gap_interpolation import interpolate_gaps, release_weights
+from studio.core.kernels.support.swing_foot_clearance import SWING_FADE
 
 FloatArray = NDArray[np.float64]
 
@@ -20,7 +20,7 @@ GOES_ALONG = 0.4
 """Seconds in which what is displaced comes back to the motion's own: what has left the ground, and a body that leans
 with it.
 """
-LOOK_AHEAD = FREED_AFTER
+LOOK_AHEAD = SWING_FADE
 """Seconds over which the root comes down before it must, and stays down after."""
 AVERAGED = 0.1
 """Seconds to each side over which the root's moves are averaged, and which foot it goes along with."""
@@ -44,10 +44,10 @@ def averaged(values: FloatArray, reach: float, frame_rate: float) -> FloatArray:
     return np.asarray(convolve1d(values, hann_window(half), axis=0, mode="nearest"))
 
 
-def freedom(planted: NDArray[np.bool_], frame_rate: float, after: float = FREED_AFTER) -> FloatArray:
+def freedom(planted: NDArray[np.bool_], frame_rate: float, after: float = SWING_FADE) -> FloatArray:
     """(F,) 0 while a foot stands, eased to 1 within ``after`` seconds of the nearest frame that does."""
     free = np.empty(len(planted))
-    free_feet(planted, after * frame_rate, free)
+    release_weights(planted, after * frame_rate, free)
     return free
 
 
@@ -57,7 +57,7 @@ def eased(corrections: FloatArray, known: NDArray[np.bool_], frame_rate: float) 
     What is let go has the motion's own speed from there on: a hand that kept its rest would have less time for its way.
     """
     filled = corrections.copy()
-    fill_gaps(filled, known | (_frames_to_nearest(known) >= max(round(GOES_ALONG * frame_rate), 1)))
+    interpolate_gaps(filled, known | (_frames_to_nearest(known) >= max(round(GOES_ALONG * frame_rate), 1)))
     return filled
 
 
@@ -77,7 +77,7 @@ def smooth_drops(drops: FloatArray, frame_rate: float) -> FloatArray:
     if not (drops > 0.0).any():
         return np.zeros(len(drops))
     peaks, smooth = np.empty_like(drops), np.empty_like(drops)
-    lower_smoothly(drops, hann_window(max(1, round(LOOK_AHEAD * frame_rate))), peaks, smooth)
+    smooth_lowering(drops, hann_window(max(1, round(LOOK_AHEAD * frame_rate))), peaks, smooth)
     return smooth
 
 

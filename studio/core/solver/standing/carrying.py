@@ -25,9 +25,9 @@ from studio.core.captures.contacts import (
 from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
 from studio.core.kernels.algebra.medians import geometric_median
-from studio.core.kernels.limbs.limb import OWN_COMFORT
-from studio.core.kernels.support.gaps import fill_gaps
-from studio.core.kernels.support.planting import SMALLEST
+from studio.core.kernels.limbs.limb import SOLE_SOFT_IK_THRESHOLD
+from studio.core.kernels.support.foot_anchoring import SMALLEST_SIZE
+from studio.core.kernels.support.gap_interpolation import interpolate_gaps
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.rotations import normalized, shortest_arc
@@ -156,7 +156,7 @@ def find_carrying(
     shift = np.zeros((motion.frame_count, 3))
     for hold, share in zip(holds, shares[1:], strict=True):
         away = np.where(hold.standing[:, None], hold.places - tracks[hold.point], 0.0)
-        fill_gaps(away, hold.standing)
+        interpolate_gaps(away, hold.standing)
         shift += share[:, None] * away
     shift = averaged(shift, AVERAGED, motion.frame_rate)
     if ground.is_level:
@@ -268,7 +268,7 @@ def _hold(
     heights = np.full(len(track), clearance(body, point))
     for first, last in spans:
         span = slice(first, last + 1)
-        small = legs[span] <= SMALLEST * legs[span].min()
+        small = legs[span] <= SMALLEST_SIZE * legs[span].min()
         middle = middle_of(track[span][small])
         standing[span] = True
         if point.member == "hand":
@@ -342,7 +342,7 @@ def swung(wrists: FloatArray, shoulders: FloatArray, raises: FloatArray) -> Floa
 
 def reach_of(motion: NormalizedMotion, body: AnyMorphology, side: int) -> FloatArray:
     """(F,) metres to which a standing arm stretches freely: as far as the motion's own does, or nearly straight."""
-    own = np.clip(1.0 - motion.channels[:, at.LIMB_SLACK + side], OWN_COMFORT, 1.0 - 1e-9)
+    own = np.clip(1.0 - motion.channels[:, at.LIMB_SLACK + side], SOLE_SOFT_IK_THRESHOLD, 1.0 - 1e-9)
     return np.asarray(own * arm_rows(body, side).sum(axis=1))
 
 

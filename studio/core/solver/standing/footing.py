@@ -10,16 +10,16 @@ from studio.core.body.morphology import AnyMorphology, leg_rows, sole_rows
 from studio.core.captures.contacts import FOOT_POINTS, ContactInterval, ContactPoint, spans_of
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.layout import LIMB_SLACK
-from studio.core.kernels.limbs.legs import hip_heights
-from studio.core.kernels.limbs.limb import COMFORT, OWN_COMFORT
-from studio.core.kernels.limits.root_reach import HALF_FREE_REACH
-from studio.core.kernels.records import Legs
-from studio.core.kernels.support.footing import FootPlan, plan_foot
-from studio.core.kernels.support.gaps import fill_gaps
-from studio.core.kernels.support.heels import roll_feet
-from studio.core.kernels.support.leg_lengths import keep_lengths
-from studio.core.kernels.support.sole import FLAT, HEEL, TOE
-from studio.core.kernels.support.swing import keep_above
+from studio.core.kernels.limbs.legs import required_root_lowering
+from studio.core.kernels.limbs.limb import SOFT_IK_THRESHOLD, SOLE_SOFT_IK_THRESHOLD
+from studio.core.kernels.limits.root_reach_limit import HALF_FREE_REACH
+from studio.core.kernels.records import LegTargets
+from studio.core.kernels.support.foot_plan import FootPlan, plan_foot
+from studio.core.kernels.support.gap_interpolation import interpolate_gaps
+from studio.core.kernels.support.heel_roll import roll_feet
+from studio.core.kernels.support.leg_lengths import keep_leg_lengths
+from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS, TOE_STANDS
+from studio.core.kernels.support.swing_foot_clearance import raise_swing_foot
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.single import PoseArray
 from studio.core.solver.standing.blends import AVERAGED, GOES_ALONG, LET_GO, averaged, freedom, smooth_drops
@@ -51,7 +51,7 @@ class Footing:
     """
 
     states: NDArray[np.int64]
-    comforts: FloatArray
+    soft_thresholds: FloatArray
     runs: FloatArray
     ankles: FloatArray
     feet: PoseArray
@@ -64,12 +64,12 @@ class Footing:
 
         A standing foot holds the root within the leg's comfort; on the way there and away its reach grows smoothly.
         """
-        return self.comforts + self.runs
+        return self.soft_thresholds + self.runs
 
-    def legs(self, motion: NormalizedMotion, window: slice = slice(None)) -> Legs:
+    def legs(self, motion: NormalizedMotion, window: slice = slice(None)) -> LegTargets:
         """How legs stand in a stretch of frames, as kernels want it: contiguous."""
-        stance = self.comforts, self.ankles, self.feet, self.toes
-        return Legs(motion.channels[window], *(np.ascontiguousarray(each[:, window]) for each in stance))
+        stance = self.soft_thresholds, self.ankles, self.feet, self.toes
+        return LegTargets(motion.channels[window], *(np.ascontiguousarray(each[:, window]) for each in stance))
 
 
 def foot_states(contacts: Sequence[ContactInterval], frame_count: int) -> NDArray[np.int64]:
@@ -78,7 +78,7 @@ def foot_states(contacts: Sequence[ContactInterval], frame_count: int) -> NDArra
     for contact in contacts:
         point = contact.point
         if isinstance(point, ContactPoint) and point.is_foot:
-            bit, bits = (HEEL, heels) if point.is_heel else (TOE, toes)
+            bit, bits = (HEEL_STANDS, heels) if point.is_heel else (TOE_STANDS, toes)
             bits[point.side, contact.first : contact.last + 1] = bit
     return np.asarray(toes | heels)
 
@@ -88,7 +88,7 @@ def foot_contacts(states: NDArray[np.int64]) -> tuple[ContactInterval, ...]:
     return tuple(
         ContactInterval("", point, first, last)
         for point in FOOT_POINTS
-        for first, last in spans_of(states[point.side] & (HEEL if point.is_heel else TOE) != 0)
+        for first, last in spans_of(states[point.side] & (HEEL_STANDS if point.is_heel else TOE_STANDS) != 0)
     )
 
 
@@ -115,7 +115,7 @@ def find_footing(
     count = motion.frame_count
     ankles, feet, toes = np.empty((2, count, 3)), np.empty((2, count, 3, 3)), np.empty((2, count, 3, 3))
     plans = [FootPlan(ankles[side], feet[side], toes[side]) for side in range(2)]
-    comforts, runs = leg_stretches(motion, states)
+    soft_thresholds, runs = leg_stretches(motion, states)
     standing = [
         _Foot(side, morphology, ground, motion.frame_rate, states[side], sole_rows(morphology, side))
         for side in range(2)
@@ -133,13 +133,13 @@ def find_footing(
         for side, planted in enumerate(states != 0):
             free = freedom(planted, motion.frame_rate, GOES_ALONG)[:, None]
             ankles[side] += free * (goes + dips[side] - off[side])
-        for foot, comfort, plan in zip(standing, comforts, plans, strict=True):
-            foot.roll(comfort, positions, plan)
+        for foot, soft_threshold, plan in zip(standing, soft_thresholds, plans, strict=True):
+            foot.roll(soft_threshold, positions, plan)
         drops = np.zeros(count)
         if carried is None and np.count_nonzero(states):
-            drops = _drops(motion, morphology, rotations, ankles - positions[:, 0], comforts, states)
+            drops = _drops(motion, morphology, rotations, ankles - positions[:, 0], soft_thresholds, states)
             drops = smooth_drops(drops, motion.frame_rate)
-        return Footing(states, comforts, runs, ankles, feet, toes, drops)
+        return Footing(states, soft_thresholds, runs, ankles, feet, toes, drops)
     draped = [foot.drape(*pose, plan) for foot, plan in zip(standing, plans, strict=True)]
     return _draped_footing(motion, morphology, positions, rotations, states, draped, carried)
 
@@ -158,16 +158,16 @@ def _draped_footing(
     ankles, feet, toes = _stacked([each.foot for each in draped])
     climb = np.mean([each.heights for each in draped], axis=0)
     climb = feet_share * smoothed(climb, CLIMB_SMOOTHING * motion.frame_rate)
-    comforts, runs = leg_stretches(motion, states)  # draping has put down heels that would hang
+    soft_thresholds, runs = leg_stretches(motion, states)  # draping has put down heels that would hang
     relative = ankles - positions[:, 0]
     relative[..., 2] -= climb
     on_level = np.array([each.level_ankles for each in draped]) - positions[:, 0]
     drops, all_feet, level = (
-        _drops(motion, morphology, rotations, places, comforts, stands)
+        _drops(motion, morphology, rotations, places, soft_thresholds, stands)
         for places, stands in (
             (relative, states),
-            (relative, np.full_like(states, FLAT)),
-            (on_level, np.full_like(states, FLAT)),
+            (relative, np.full_like(states, SOLE_STANDS)),
+            (on_level, np.full_like(states, SOLE_STANDS)),
         )
     )
     # A foot in the air that reaches far down, as on the way down a flight of steps, brings the root down early.
@@ -175,7 +175,7 @@ def _draped_footing(
     drops = np.maximum(drops, early) if carried is None else feet_share * early
     drops = smooth_drops(drops, motion.frame_rate) - climb
     _keep_below_hips(ankles, drops, states, motion.frame_rate, morphology, positions)
-    return Footing(states, comforts, runs, ankles, feet, toes, drops)
+    return Footing(states, soft_thresholds, runs, ankles, feet, toes, drops)
 
 
 def _keep_below_hips(
@@ -210,12 +210,12 @@ def _drops(
     morphology: AnyMorphology,
     rotations: FloatArray,
     ankles: FloatArray,
-    comforts: FloatArray,
+    soft_thresholds: FloatArray,
     states: NDArray[np.int64],
 ) -> FloatArray:
     """(F,) metres by which the root must come down for standing legs to reach; ``ankles`` from the root."""
     drops = np.empty(motion.frame_count)
-    hip_heights(motion.channels, morphology.rows, rotations, ankles, comforts, states, drops)
+    required_root_lowering(motion.channels, morphology.rows, rotations, ankles, soft_thresholds, states, drops)
     return drops
 
 
@@ -254,17 +254,17 @@ class _Foot:
         if not self.ground.is_level:
             self._keep_above(plan)
 
-    def roll(self, comforts: FloatArray, positions: FloatArray, plan: FootPlan) -> None:
+    def roll(self, soft_thresholds: FloatArray, positions: FloatArray, plan: FootPlan) -> None:
         """Roll it on the level floor to where its leg reaches it, and keep it above the floor; ``plan`` is written."""
         bones = leg_rows(self.body, self.side)
         # Contiguous, which a single frame is by itself: kernels are compiled for one layout.
         hips = np.ascontiguousarray(positions[:, self.body.layout.hip(self.side)])
-        reaches = comforts * bones.sum(axis=1)
+        reaches = soft_thresholds * bones.sum(axis=1)
         roll_feet(self.soles, self.states, hips, reaches, LET_GO * self.frame_rate, plan.ankles, plan.feet)
         self._keep_above(plan)
 
     def _keep_above(self, plan: FootPlan) -> None:
-        keep_above(self.soles, self.states, self.ground.height, self.frame_rate, *plan)
+        raise_swing_foot(self.soles, self.states, self.ground.height, self.frame_rate, *plan)
 
     def drape(self, positions: FloatArray, rotations: FloatArray, plan: FootPlan) -> _DrapedFoot:
         """Set it, planned level, on ground that is not.
@@ -275,7 +275,7 @@ class _Foot:
         prints = find_footprints(states, plan.ankles, plan.feet, self.soles, self.ground)
         if prints.hanging.any():
             for first, last in zip(prints.first[prints.hanging], prints.last[prints.hanging], strict=True):
-                states[first : last + 1][states[first : last + 1] == HEEL] = FLAT
+                states[first : last + 1][states[first : last + 1] == HEEL_STANDS] = SOLE_STANDS
             self.plan(positions, rotations, plan)
             prints = find_footprints(states, plan.ankles, plan.feet, self.soles, self.ground)
         draped = drape(prints, *plan, self.ground, self.frame_rate)
@@ -297,12 +297,12 @@ def followed(
         return np.zeros(off.shape[1:])
     off = np.where(stands[..., None], off, 0.0)
     for side in range(2):
-        fill_gaps(off[side], stands[side])
+        interpolate_gaps(off[side], stands[side])
     frames, carried = np.arange(stands.shape[1]), np.flatnonzero(stands.any(axis=0))
     share = np.interp(frames, carried, (stands[0] / np.maximum(stands.sum(axis=0), 1))[carried])
-    weights = averaged(np.column_stack([share, *(states == FLAT)]), AVERAGED, frame_rate)
+    weights = averaged(np.column_stack([share, *(states == SOLE_STANDS)]), AVERAGED, frame_rate)
     way = off[1] + weights[:, :1] * (off[0] - off[1])
-    keep_lengths(off, weights, (body.layout.hip(0), body.layout.hip(1)), positions, way)
+    keep_leg_lengths(off, weights, (body.layout.hip(0), body.layout.hip(1)), positions, way)
     return smoothed(way, FOLLOWED * frame_rate)
 
 
@@ -311,11 +311,11 @@ def leg_stretches(motion: NormalizedMotion, states: NDArray[np.int64]) -> tuple[
     ``runs``: a knee that is nearly straight gives way sooner than hips ride lower.
     """
     if not np.count_nonzero(states):
-        return np.full(states.shape, COMFORT), np.full(states.shape, np.inf)
+        return np.full(states.shape, SOFT_IK_THRESHOLD), np.full(states.shape, np.inf)
     free = np.array([freedom(planted, motion.frame_rate) for planted in states != 0])
     own = np.subtract(1.0, motion.channels[:, LIMB_SLACK + 2 : LIMB_SLACK + 4].T, order="C")
-    standing = (0.5 * (1.0 + own)).clip(OWN_COMFORT, 1.0 - 1e-9)
-    return standing + free * (COMFORT - standing), run_out(free)
+    standing = (0.5 * (1.0 + own)).clip(SOLE_SOFT_IK_THRESHOLD, 1.0 - 1e-9)
+    return standing + free * (SOFT_IK_THRESHOLD - standing), run_out(free)
 
 
 def run_out(free: FloatArray) -> FloatArray:

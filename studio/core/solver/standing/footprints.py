@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from studio.core.body.morphology import at_frames
 from studio.core.captures.contacts import spans_of
 from studio.core.grounds.ground import Ground
-from studio.core.kernels.support.sole import FLAT, HEEL
+from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS
 from studio.core.solver.standing.blends import smoothstep
 
 FloatArray = NDArray[np.float64]
@@ -170,10 +170,10 @@ def _spans(states: NDArray[np.int64]) -> list[tuple[int, int, int, int]]:
     """
     found: list[tuple[int, int, int, int]] = []
     for begin, end in spans_of(states != 0):
-        heels = [(begin + a, begin + b) for a, b in spans_of((states[begin : end + 1] & HEEL) != 0)]
+        heels = [(begin + a, begin + b) for a, b in spans_of((states[begin : end + 1] & HEEL_STANDS) != 0)]
         leader = len(found)
         for place, (first, last) in enumerate(heels or [(begin, end)]):
-            flat = [(first + a, first + b) for a, b in spans_of(states[first : last + 1] == FLAT)]
+            flat = [(first + a, first + b) for a, b in spans_of(states[first : last + 1] == SOLE_STANDS)]
             longest = max(flat or [(first, last)], key=lambda run: run[1] - run[0])
             found.append(
                 (

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from studio.core.kernels.support.sole import HEEL
+from studio.core.kernels.support.sole import HEEL_STANDS
 from studio.core.normalized.differences import rotation_vectors
 from studio.core.normalized.transition import LONGEST, halts_of, pace_left, place_left
 from studio.core.rotations import from_matrix, sign_continuous
@@ -71,7 +71,7 @@ class HeldFoot:
     @property
     def pivot(self) -> FloatArray:
         """(3,) what it turns about: its heel where that alone stands, else its ball."""
-        return self.heel if self.states[self.rest] & self.state == HEEL else self.ball
+        return self.heel if self.states[self.rest] & self.state == HEEL_STANDS else self.ball
 
     @cached_property
     def aside(self) -> FloatArray:

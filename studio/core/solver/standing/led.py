@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from studio.core.body.morphology import AnimatedMorphology, sole_rows
 from studio.core.captures.contacts import FOOT_POINTS
 from studio.core.kernels import layout as at
-from studio.core.kernels.adapt import place_frames
-from studio.core.kernels.limbs.legs import hip_heights
+from studio.core.kernels.limbs.legs import required_root_lowering
+from studio.core.kernels.solve_clip import place_frames
 from studio.core.normalized.differences import rotation_vectors
 from studio.core.normalized.encode import encode
 from studio.core.normalized.motion import NormalizedMotion
@@ -51,7 +51,7 @@ class Stance:
     feet: FloatArray
     toes: FloatArray
     states: NDArray[np.int64]
-    comforts: FloatArray
+    soft_thresholds: FloatArray
     peaks: FloatArray
     root_peak: float
 
@@ -61,7 +61,7 @@ class Stance:
         rows, footing = frames[-2:], standing.footing
         legs = footing.ankles[:, rows, :3], footing.feet[:, rows], footing.toes[:, rows]
         stood = footing.states[:, rows[0]] & footing.states[:, rows[-1]]  # what comes down only now still moves
-        known = stood, footing.comforts[:, rows[-1]], standing.peaks
+        known = stood, footing.soft_thresholds[:, rows[-1]], standing.peaks
         return cls(standing.positions[rows], standing.rotations[rows], *legs, *known, standing.root_peak)
 
     @classmethod
@@ -78,7 +78,7 @@ class Stance:
         turns = standing.rotations[rows], *footing.feet[:, rows], *footing.toes[:, rows]
         positions, *ankles = (np.stack([3.0 * now - 2.0 * then, 2.0 * now - then]) for now, then in places)
         rotations, *legs = (_turned_back(*each) for each in turns)
-        known = footing.states[:, first], footing.comforts[:, first], standing.peaks
+        known = footing.states[:, first], footing.soft_thresholds[:, first], standing.peaks
         stance = np.array(ankles), np.array(legs[:2]), np.array(legs[2:])
         return cls(positions, rotations, *stance, *known, standing.root_peak)
 
@@ -234,16 +234,20 @@ class _Change:
     ) -> Footing:
         """Where the feet of a led body are: in the air as the joints of its legs have them, else at their ``bases``."""
         own, on = self.standing.footing, slice(self.first, None)
-        states, comforts, ankles = own.states.copy(), own.comforts.copy(), own.ankles.copy()
+        states, soft_thresholds, ankles = own.states.copy(), own.soft_thresholds.copy(), own.ankles.copy()
         feet, toes = own.feet[:].copy(), own.toes[:].copy()
         for side, flight in enumerate(self.flights):
             states[side, : self.first], states[side, on] = self.seen.states[side], self.states(side, flight)
             swung = self.swung_foot(side, flight, bases[side].path, positions, rotations)
             foot = self.above_ground(side, swung, states[side, on])
             ankles[side, on, :3], feet[side, on], toes[side, on] = foot.ankles, foot.feet, foot.toes
-        comforts[:, on] += place_left(self.times, self.seconds) * (self.seen.comforts[:, None] - comforts[:, on])
+        soft_thresholds[:, on] += place_left(self.times, self.seconds) * (
+            self.seen.soft_thresholds[:, None] - soft_thresholds[:, on]
+        )
         _, runs = leg_stretches(motion, states)
-        return replace(own, states=states, comforts=comforts, runs=runs, ankles=ankles, feet=feet, toes=toes)
+        return replace(
+            own, states=states, soft_thresholds=soft_thresholds, runs=runs, ankles=ankles, feet=feet, toes=toes
+        )
 
     def states(self, side: int, flight: Flight) -> NDArray[np.int64]:
         """(F,) how a foot stands from the change on."""
@@ -282,9 +286,9 @@ class _Change:
         """
         aside, own = (np.sum(each[:, :2] ** 2, axis=1) for each in (off, led))
         whole, length = self.standing.morphology.still.leg[side].sum(), np.sum(led**2, axis=1)
-        comfort = np.maximum(self.standing.footing.comforts[side, self.first :], np.sqrt(length) / whole)
-        needed, more = np.sqrt(length + np.maximum(aside - own, 0.0)) / whole, np.maximum(1.0 - comfort, 1e-3)
-        soft = np.minimum(needed, comfort + more * -np.expm1(np.minimum(comfort - needed, 0.0) / more))
+        soft_threshold = np.maximum(self.standing.footing.soft_thresholds[side, self.first :], np.sqrt(length) / whole)
+        needed, more = np.sqrt(length + np.maximum(aside - own, 0.0)) / whole, np.maximum(1.0 - soft_threshold, 1e-3)
+        soft = np.minimum(needed, soft_threshold + more * -np.expm1(np.minimum(soft_threshold - needed, 0.0) / more))
         return np.asarray(whole * soft)
 
     def drops(
@@ -294,9 +298,9 @@ class _Change:
         on = slice(self.first, None)
         rows, needed = self.standing.morphology.rows, np.empty(len(self.times))
         ankles = footing.ankles[:, on, :3] - positions[on, 0]
-        hip_heights(
+        required_root_lowering(
             motion.channels[on], rows if len(rows) == 1 else rows[on], rotations[on], ankles,
-            np.ascontiguousarray(footing.comforts[:, on]), np.ascontiguousarray(footing.states[:, on]), needed,
+            np.ascontiguousarray(footing.soft_thresholds[:, on]), np.ascontiguousarray(footing.states[:, on]), needed,
         )  # fmt: skip
         return smooth_drops(needed, self.rate) * (1.0 - place_left(self.times, SHORTEST))
 

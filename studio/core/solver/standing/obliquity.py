@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.morphology import AnyMorphology
-from studio.core.kernels.support.gaps import fill_gaps
-from studio.core.kernels.support.obliquity import turn_pelvis
+from studio.core.kernels.support.gap_interpolation import interpolate_gaps
+from studio.core.kernels.support.pelvic_obliquity import tilt_pelvis
 from studio.core.solver.standing.blends import AVERAGED, GOES_ALONG, averaged, freedom
 
 FloatArray = NDArray[np.float64]
@@ -32,10 +32,10 @@ def dip_pelvis(
         return moved
     wanted = off.copy()
     for side in range(2):
-        fill_gaps(wanted[side], stands[side])
+        interpolate_gaps(wanted[side], stands[side])
     apart = averaged(wanted[0, :, 2:] - wanted[1, :, 2:], AVERAGED, frame_rate)[:, 0]
     for each in stands:
         apart *= 1.0 - freedom(each, frame_rate, GOES_ALONG)
     hips = body.layout.hip(0), body.layout.hip(1)
-    turn_pelvis(hips, apart, MOST, positions, rotations, moved)
+    tilt_pelvis(hips, apart, MOST, positions, rotations, moved)
     return moved

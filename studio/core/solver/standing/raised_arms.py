@@ -9,8 +9,8 @@ from scipy.spatial.transform import Rotation
 from studio.core.body.joint_limits import WRIST
 from studio.core.body.morphology import AnyMorphology
 from studio.core.grounds.ground import Ground
-from studio.core.kernels.limbs.limb import STRETCHED
-from studio.core.kernels.support.heels import SHALLOWEST
+from studio.core.kernels.limbs.limb import MAX_EXTENSION
+from studio.core.kernels.support.heel_roll import LEAST_ROLL_GAIN
 from studio.core.rotations import normalized, shortest_arc
 from studio.core.solver.standing.blends import LET_GO, SLOWLY_LET_GO, freedom, lacking, smooth_drops, smoothstep
 from studio.core.solver.standing.carrying import swung
@@ -99,7 +99,7 @@ def _bend_hand(side: int, free: FloatArray, posed: _Posed) -> None:
     own = np.arctan2(-np.sum(forearm * back, axis=1), np.sum(forearm * ahead, axis=1))
     most = np.maximum(np.minimum(np.radians(WRIST.radii[0]) - own, np.arctan2(-ahead[:, 2], back[:, 2])), 1e-3)
     rises = smooth_drops(lacking(heights, room), frame_rate) / lengths
-    bends = most * np.tanh(rises / np.maximum(back[:, 2], SHALLOWEST) / most)
+    bends = most * np.tanh(rises / np.maximum(back[:, 2], LEAST_ROLL_GAIN) / most)
     bends *= free * smoothstep(np.clip(1.0 + 2.0 * back[:, 2], 0.0, 1.0))
     bent = np.flatnonzero(bends > 0.0)
     turns = Rotation.from_rotvec(bends[bent, None] * np.cross(ahead, back)[bent]).as_matrix()
@@ -122,7 +122,7 @@ def _raise_hand(side: int, free: FloatArray, posed: _Posed) -> None:
     lengths = np.linalg.norm([upper, lower], axis=2)
     line, way = normalized(wrists - shoulders), normalized(goals - shoulders)
     span = np.linalg.norm(goals - shoulders, axis=1)
-    span = np.clip(span, np.abs(lengths[0] - lengths[1]) + 1e-3, STRETCHED * lengths.sum(axis=0))
+    span = np.clip(span, np.abs(lengths[0] - lengths[1]) + 1e-3, MAX_EXTENSION * lengths.sum(axis=0))
     hinge = np.minimum(raises, SLIGHT)[:, None] * np.cross(line, rotations[:, arm, :, 0])
     aim = shortest_arc(line, way)
     out = normalized(_across(np.einsum("fij,fj->fi", aim, _across(upper, line) + hinge), way))

@@ -11,11 +11,11 @@ from studio.core.captures.contacts import ContactPoint
 from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
 from studio.core.kernels import records
-from studio.core.kernels.limbs.legs import face_knees, knee_swivels
-from studio.core.kernels.limbs.limb import COMFORT, STRETCHED
-from studio.core.kernels.support.carrying import move_bodies, settle_frames
-from studio.core.kernels.support.sole import HEEL, TOE
-from studio.core.kernels.support.swing import keep_above
+from studio.core.kernels.limbs.legs import knee_swivels, write_knee_targets
+from studio.core.kernels.limbs.limb import MAX_EXTENSION, SOFT_IK_THRESHOLD
+from studio.core.kernels.support.body_settling import move_bodies, settle_frames
+from studio.core.kernels.support.sole import HEEL_STANDS, TOE_STANDS
+from studio.core.kernels.support.swing_foot_clearance import raise_swing_foot
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import normalized, shortest_arc
 from studio.core.runs import runs_of
@@ -60,7 +60,7 @@ class Arms:
     wrists: FloatArray
     hands: FloatArray
     bends: FloatArray
-    comforts: FloatArray
+    soft_thresholds: FloatArray
     standing: NDArray[np.bool_]
 
 
@@ -70,14 +70,14 @@ class _Links:
 
     starts: list[FloatArray]
     ends: list[FloatArray]
-    least: list[FloatArray]
-    most: list[FloatArray]
+    min_lengths: list[FloatArray]
+    max_lengths: list[FloatArray]
 
     def add(self, start: FloatArray, end: FloatArray, least: FloatArray | float, most: FloatArray) -> None:
         self.starts.append(start)
         self.ends.append(end)
-        self.least.append(np.broadcast_to(least, most.shape))
-        self.most.append(most)
+        self.min_lengths.append(np.broadcast_to(least, most.shape))
+        self.max_lengths.append(most)
 
 
 def settle(
@@ -127,7 +127,7 @@ def _settled(
     roots = np.ascontiguousarray(positions[:, 0])
     if ContactPoint.SEAT in holds:
         seated = 1.0 - freedom(holds[ContactPoint.SEAT].standing, rate)
-        footing = replace(footing, comforts=_eased_off(footing.comforts, seated))
+        footing = replace(footing, soft_thresholds=_eased_off(footing.soft_thresholds, seated))
     kneeling = _kneeling_of(holds)
     if kneeling:
         footing = _kneeling(kneeling, footing, motion, body, ground, positions)
@@ -194,7 +194,7 @@ def _knees_miss(hold: Hold, footing: Footing, body: AnyMorphology, positions: Fl
     both = np.column_stack([legs[:, 1] + 0.0 * length, length + 0.0 * legs[:, 1]])
     most = (1.0 - FOLDED_ROOM) * both.sum(axis=1)
     shin = _too_far(hold.places, toes, _shortest(both), most)
-    return miss + np.where(footing.states[side][:, None] == TOE, shin, 0.0)
+    return miss + np.where(footing.states[side][:, None] == TOE_STANDS, shin, 0.0)
 
 
 def _too_far(ends: FloatArray, starts: FloatArray, least: FloatArray, most: FloatArray) -> FloatArray:
@@ -208,7 +208,9 @@ def _too_far(ends: FloatArray, starts: FloatArray, least: FloatArray, most: Floa
 def _moves(roots: FloatArray, links: _Links, seats: FloatArray, frame_rate: float) -> FloatArray:
     """(F, 6) travels and turns of the body: what is needed, averaged over time again and again, then the exact rest."""
     moves, centres = np.zeros((len(roots), 6)), np.zeros((len(roots), 6))
-    known = records.Links(*(np.ascontiguousarray(each) for each in (links.starts, links.ends, links.least, links.most)))
+    known = records.SupportLinks(
+        *(np.ascontiguousarray(each) for each in (links.starts, links.ends, links.min_lengths, links.max_lengths))
+    )
     for _ in range(ROUNDS):
         settle_frames(roots, known, seats, centres, SOFT, moves)
         centres = averaged(moves, AVERAGED, frame_rate)
@@ -240,7 +242,7 @@ def _kneeling(
     """
     frame_rate = motion.frame_rate
     ankles = np.concatenate([footing.ankles, np.zeros((*footing.ankles.shape[:2], 4))], axis=2)
-    feet, toes, comforts = footing.feet.copy(), footing.toes.copy(), footing.comforts.copy()
+    feet, toes, soft_thresholds = footing.feet.copy(), footing.toes.copy(), footing.soft_thresholds.copy()
     for hold in holds:
         side = hold.point.side
         firm = (1.0 - freedom(hold.standing, frame_rate, LET_GO))[:, None]
@@ -249,7 +251,9 @@ def _kneeling(
         to_toe = np.einsum(
             "fij,fj->fi", feet[side], np.broadcast_to(body.rows[:, at.M_FOOT + 3 * side :][:, :3], knees.shape)
         )
-        heel, toe = (1.0 - freedom((footing.states[side] & bit) != 0, frame_rate)[:, None] for bit in (HEEL, TOE))
+        heel, toe = (
+            1.0 - freedom((footing.states[side] & bit) != 0, frame_rate)[:, None] for bit in (HEEL_STANDS, TOE_STANDS)
+        )
         soles, states = sole_rows(body, side), footing.states[side]
         ankle = footing.ankles[side] + _off_its_instep(footing.ankles[side], feet[side], toes[side], soles, ground)
         tip, length = ankle + to_toe, np.linalg.norm(to_toe, axis=1, keepdims=True)
@@ -265,8 +269,8 @@ def _kneeling(
         swung = shank * (normalized(raised - knees) - normalized(placed - knees))
         placed = raised + firm * (placed + swung - raised)
         ankles[side] = np.concatenate([placed, knees, firm], axis=1)
-        comforts[side] = _eased_off(comforts[side], firm[:, 0])
-    return replace(footing, ankles=ankles, feet=feet, toes=toes, comforts=comforts)
+        soft_thresholds[side] = _eased_off(soft_thresholds[side], firm[:, 0])
+    return replace(footing, ankles=ankles, feet=feet, toes=toes, soft_thresholds=soft_thresholds)
 
 
 def _let_go_of_knees(
@@ -279,9 +283,9 @@ def _let_go_of_knees(
 ) -> None:
     """Knees of a settled body face their places while they stand, and ease there and back, in place."""
     side = hold.point.side
-    ankles, comforts = footing.ankles[side], footing.comforts[side]
+    ankles, soft_thresholds = footing.ankles[side], footing.soft_thresholds[side]
     hips, pelvises = np.ascontiguousarray(positions[:, body.layout.hip(side)]), rotations[:, 0]
-    leg = motion.channels, body.rows, side, comforts
+    leg = motion.channels, body.rows, side, soft_thresholds
     angles = np.zeros((motion.frame_count, 3))
     knee_swivels(*leg, ankles, hips, pelvises, angles[:, 0])
     for first, past in runs_of(hold.standing):
@@ -289,7 +293,7 @@ def _let_go_of_knees(
         angles[first:past, 0] = whole - 2.0 * np.pi * np.round(np.median(whole) / (2.0 * np.pi))
     free = eased(np.where(hold.standing[:, None], angles, 0.0), hold.standing, motion.frame_rate)[:, 0]
     standing = ankles[hold.standing]
-    face_knees(*leg, free, hips, pelvises, ankles)
+    write_knee_targets(*leg, free, hips, pelvises, ankles)
     ankles[hold.standing] = standing
 
 
@@ -308,7 +312,7 @@ def _kept_above(
     turns = Rotation.from_rotvec(tilts).as_matrix()
     back = np.swapaxes(turns, 1, 2)
     places, bent = np.einsum("fij,fj->fi", back, ankles - under), back @ toes
-    keep_above(soles, states, 0.0, frame_rate, places, back @ feet, bent)
+    raise_swing_foot(soles, states, 0.0, frame_rate, places, back @ feet, bent)
     toes[:] = turns @ bent
     raised = under + np.einsum("fij,fj->fi", turns, places)
     flying = states[:, None] == 0
@@ -331,9 +335,9 @@ def _off_its_instep(
     return np.asarray((upside * lacking(above, PLAY))[:, None] * normals)
 
 
-def _eased_off(comforts: FloatArray, share: FloatArray) -> FloatArray:
+def _eased_off(soft_thresholds: FloatArray, share: FloatArray) -> FloatArray:
     """Legs' comforts where a ``share`` of ease lets them stretch further: they bear no weight."""
-    return np.asarray(comforts + share * np.maximum(STRETCHED - comforts, 0.0))
+    return np.asarray(soft_thresholds + share * np.maximum(MAX_EXTENSION - soft_thresholds, 0.0))
 
 
 def _on_both(
@@ -360,7 +364,7 @@ def _arms(
 ) -> Arms:
     """Where the arms of a settled body go."""
     layout, count = body.layout, len(positions)
-    comforts, standing = np.zeros((2, count)), np.zeros((2, count), dtype=np.bool_)
+    soft_thresholds, standing = np.zeros((2, count)), np.zeros((2, count), dtype=np.bool_)
     wrists = np.stack([positions[:, layout.wrist(side)] for side in range(2)])
     hands = np.stack([rotations[:, layout.spine_count + 5 + 4 * side] for side in range(2)])
     bends = np.ones((2, count))
@@ -374,7 +378,7 @@ def _arms(
         placed = hold.standing | (wrists[side] != own).any(axis=1)
         free = freedom(hold.standing, motion.frame_rate) * freedom(~placed, motion.frame_rate)
         stretch = reach_of(motion, body, side) / arm_rows(body, side).sum(axis=1)
-        comforts[side] = np.where(placed, stretch - free * np.maximum(stretch - COMFORT, 0.0), 0.0)
+        soft_thresholds[side] = np.where(placed, stretch - free * np.maximum(stretch - SOFT_IK_THRESHOLD, 0.0), 0.0)
         for first, past in runs_of(placed):
             bends[side, first:past] = 1.0 if motion.channels[first:past, at.LIMB_BEND + side].sum() >= 0.0 else -1.0
-    return Arms(wrists, hands, bends, comforts, standing)
+    return Arms(wrists, hands, bends, soft_thresholds, standing)

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from studio.core.body.morphology import AnyMorphology, sole_rows
 from studio.core.captures.contacts import ContactInterval
-from studio.core.kernels.support.gaps import fill_gaps
-from studio.core.kernels.support.sole import FLAT
+from studio.core.kernels.support.gap_interpolation import interpolate_gaps
+from studio.core.kernels.support.sole import SOLE_STANDS
 from studio.core.solver.standing.blends import freedom
 from studio.core.solver.standing.footing import foot_states
 from studio.core.windows import smoothed
@@ -29,7 +29,7 @@ def shown_floor(
     Under each foot it is where the sole is while the heel stands, and passes on to the next footprint in between; the
     body's floor is that of the feet that stand, low-passed. 0 where no heel ever stands.
     """
-    flat = foot_states(contacts, len(positions)) == FLAT
+    flat = foot_states(contacts, len(positions)) == SOLE_STANDS
     soles = np.array([positions[:, body.layout.ankle(side), 2] - sole_rows(body, side)[:, 3] for side in range(2)])
     if not flat.any():
         return np.zeros(len(positions))
@@ -44,5 +44,5 @@ def shown_floor(
 def _passed_on(heights: FloatArray, known: NDArray[np.bool_]) -> FloatArray:
     """(F,) ``heights`` where ``known``, eased from one known one to the next."""
     filled = np.repeat(heights[:, None], 3, axis=1)
-    fill_gaps(filled, known)
+    interpolate_gaps(filled, known)
     return filled[:, 0]

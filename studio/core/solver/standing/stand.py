@@ -12,10 +12,10 @@ from studio.core.body.morphology import AnyMorphology, Morphology
 from studio.core.captures.contacts import ContactInterval, on_ground
 from studio.core.grounds.ground import Ground
 from studio.core.kernels import records
-from studio.core.kernels.adapt import place_frames
-from studio.core.kernels.support.carrying import place_arms
-from studio.core.kernels.tasks.goals import TURN_ARM
-from studio.core.kernels.time.jolts import note_peaks
+from studio.core.kernels.solve_clip import place_frames
+from studio.core.kernels.support.body_settling import place_arms
+from studio.core.kernels.tasks.goals import RADIAN_LENGTH
+from studio.core.kernels.time.acceleration_peaks import segment_peaks
 from studio.core.mesh.volume import BodyVolume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
@@ -100,14 +100,14 @@ class Standing:
         """(S,) radians a second squared: the greatest angular acceleration of each segment in its carrier."""
         carriers = np.array(self.morphology.layout.parent_segments())
         peaks = np.empty((len(carriers), 2))
-        note_peaks(carriers, self.rotations[:], self.motion.frame_rate, peaks)
+        segment_peaks(carriers, self.rotations[:], self.motion.frame_rate, peaks)
         return peaks[:, 1]
 
     @cached_property
     def root_peak(self) -> float:
-        """The same of a bone that the root's travel turns (``kernels.time.jolts``)."""
+        """The same of a bone that the root's travel turns (``kernels.time.acceleration_peaks``)."""
         pushes = np.linalg.norm(np.diff(self.positions[:, 0], 2, axis=0), axis=1)
-        return float(pushes.max(initial=0.0)) * self.motion.frame_rate**2 / TURN_ARM
+        return float(pushes.max(initial=0.0)) * self.motion.frame_rate**2 / RADIAN_LENGTH
 
 
 def standing_of(request: AdaptRequest, windows: Sequence[slice] | None = None) -> Standing:
@@ -175,7 +175,7 @@ def _stand_alone(request: AdaptRequest) -> Standing:
     measures = morphology.rows
     place_frames(measures, footing.drops, footing.legs(motion), positions, rotations)
     if arms is not None:
-        stance = records.Arms(motion.channels, arms.comforts, arms.wrists, arms.hands, arms.bends)
+        stance = records.ArmTargets(motion.channels, arms.soft_thresholds, arms.wrists, arms.hands, arms.bends)
         place_arms(measures, stance, positions, rotations)
     raise_arms(morphology, ground, arms, motion.frame_rate, positions, rotations)
     known = contacts, ground

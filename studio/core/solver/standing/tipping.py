@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from studio.core.grounds.ground import Ground
-from studio.core.kernels.support.swing import EARLY, bend_early
+from studio.core.kernels.support.swing_foot_clearance import TOE_BEND_LEAD, smooth_toe_bends
 from studio.core.solver.standing.held_foot import FootPath
 from studio.core.solver.standing.swing import PLAY
 
@@ -55,7 +55,7 @@ def seen_coming(depths: FloatArray, stands: NDArray[np.bool_], frame_rate: float
     surely = stands | (np.arange(len(stands)) == 0)
     raised, early = depths - PLAY * (1.0 - np.exp(-depths / PLAY)), np.empty_like(depths)
     for each, out in zip(raised, early, strict=True):
-        bend_early(surely, round(EARLY * frame_rate), each, out)
+        smooth_toe_bends(surely, round(TOE_BEND_LEAD * frame_rate), each, out)
     return early
 
 

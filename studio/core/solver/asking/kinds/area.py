@@ -24,4 +24,4 @@ def put(rows: Rows, c: int, constraint: AreaConstraint) -> None:
     rows.areas[c, : len(row)] = row
 
 
-AREA = Kind(goals.AREA, put, course_of_point, enters=True)
+AREA = Kind(goals.AREA_TASK, put, course_of_point, enters=True)

@@ -45,4 +45,4 @@ def course(unsolved: Unsolved) -> Course:
     return course_to(unsolved.wanted, mass_path(unsolved.positions, unsolved.body))
 
 
-BALANCE = Kind(goals.BALANCE, put, course, missed)
+BALANCE = Kind(goals.BALANCE_TASK, put, course, missed)

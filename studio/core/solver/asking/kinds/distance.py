@@ -24,11 +24,11 @@ def put(rows: Rows, c: int, constraint: DistanceConstraint) -> None:
         put_end(row, 1, constraint.other, constraint.chain, rows.layout)
         # A leg comes to meet a hand only when it is asked for itself: the own thigh stays where it is.
         if row["limbs"][0] < 2 <= row["limbs"][1]:
-            row["freedoms"][1] = 0.0
+            row["limb_weights"][1] = 0.0
     else:
         rows.places[c] = rows.targets.places(constraint.other)
-    free = np.array([row["limbs"][end] >= 0 and row["freedoms"][end, 0] > 0.0 for end in range(2)], dtype=float)
-    row["shares"] = free / max(free.sum(), 1.0)
+    free = np.array([row["limbs"][end] >= 0 and row["limb_weights"][end, 0] > 0.0 for end in range(2)], dtype=float)
+    row["end_fractions"] = free / max(free.sum(), 1.0)
 
 
 def missed(constraint: DistanceConstraint, targets: Targets, adapted: AdaptedMotion) -> FloatArray:
@@ -40,7 +40,7 @@ def missed(constraint: DistanceConstraint, targets: Targets, adapted: AdaptedMot
 def course(unsolved: Unsolved) -> Course:
     """How much farther apart both ends are to be."""
     now = np.linalg.norm(unsolved.place - unsolved.wanted, axis=1, keepdims=True)
-    return unsolved.rows.distances[unsolved.c][:, None] - now, goals.TURN_ARM
+    return unsolved.rows.distances[unsolved.c][:, None] - now, goals.RADIAN_LENGTH
 
 
-DISTANCE = Kind(goals.DISTANCE, put, course, missed)
+DISTANCE = Kind(goals.DISTANCE_TASK, put, course, missed)

@@ -38,4 +38,4 @@ def course(unsolved: Unsolved) -> Course:
     return way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-9) - unsolved.segment[..., 0], 1.0
 
 
-LOOK_AT = Kind(goals.LOOK_AT, put, course, missed)
+LOOK_AT = Kind(goals.LOOK_AT_TASK, put, course, missed)

@@ -50,4 +50,4 @@ def course(unsolved: Unsolved) -> Course:
     return np.asarray(Rotation.from_matrix(errors).as_rotvec()), 1.0
 
 
-ORIENTATION = Kind(goals.ORIENTATION, put, course, missed)
+ORIENTATION = Kind(goals.ORIENTATION_TASK, put, course, missed)

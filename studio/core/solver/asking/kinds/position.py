@@ -23,9 +23,9 @@ def put(rows: Rows, c: int, constraint: PositionConstraint) -> None:
     target = constraint.target
     if isinstance(target, FollowBody) and _is_pair(constraint):
         # Nought metres from where the other point comes to be, by moving this one alone.
-        rows.asked["kind"][c], rows.asked["shares"][c, 0] = goals.DISTANCE, 1.0
+        rows.asked["kind"][c], rows.asked["end_fractions"][c, 0] = goals.DISTANCE_TASK, 1.0
         put_end(rows.asked[c], 1, target.point, constraint.chain, rows.layout)
-        rows.asked["freedoms"][c, 1] = 0.0
+        rows.asked["limb_weights"][c, 1] = 0.0
         return
     if not rows.put_followed(c, target):
         rows.asked["blends"][c], rows.places[c] = 1, rows.targets.places(target)
@@ -48,4 +48,4 @@ def missed(constraint: PositionConstraint, targets: Targets, adapted: AdaptedMot
     return np.asarray(np.linalg.norm(away, axis=1))
 
 
-POSITION = Kind(goals.POSITION, put, course_of_point, missed)
+POSITION = Kind(goals.POSITION_TASK, put, course_of_point, missed)

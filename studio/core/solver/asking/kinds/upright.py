@@ -35,4 +35,4 @@ def course(unsolved: Unsolved) -> Course:
     return (direction - axes) * np.maximum(lean - cone, 0.0) / np.maximum(lean, 1e-9), 1.0
 
 
-UPRIGHT = Kind(goals.UPRIGHT, put, course, missed)
+UPRIGHT = Kind(goals.UPRIGHT_TASK, put, course, missed)

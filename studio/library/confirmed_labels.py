@@ -1,0 +1,55 @@
+"""The labels that a person confirmed, in a file of their own beside the catalogue: what nothing can compute again."""
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from studio.core.errors import StudioError
+from studio.io.beside import read_bytes
+from studio.io.json_text import json_of
+from studio.io.replacing import write_whole
+from studio.library.clips import ClipLabel
+
+CONFIRMED_LABELS = "labels.json"
+LABELS_VERSION = 1
+
+Labels = dict[str, tuple[ClipLabel, ...]]
+"""Labels by the path of their file."""
+
+
+class NewerLabels(StudioError):  # noqa: N818 - it names the matter
+    """The file is of a newer version."""
+
+
+def read_labels(folder: Path) -> Labels | None:
+    """The confirmed labels in ``folder``; None where there is no such file.
+
+    Raises StudioError where it cannot be read, NewerLabels where a newer version wrote it, and ValueError where it
+    is damaged: its digest is that of its content.
+    """
+    path = folder / CONFIRMED_LABELS
+    if not path.exists():
+        return None
+    record = json_of(read_bytes(path))
+    try:
+        version, text, digest = record["version"], json.dumps(record["labels"], sort_keys=True), record["digest"]
+        if _digest(text) != digest:
+            raise ValueError("its digest is wrong")
+        if version > LABELS_VERSION:
+            raise NewerLabels(f"its labels are of version {version}")
+        return {path: tuple(map(ClipLabel.from_json, labels)) for path, labels in record["labels"].items()}
+    except (KeyError, TypeError, AttributeError) as error:
+        raise ValueError("it is not a record of labels") from error
+
+
+def write_labels(folder: Path, labels: Mapping[str, Sequence[ClipLabel]]) -> None:
+    """Put ``labels`` in the place of those in ``folder``, whole or not at all. Raises StudioError."""
+    records = {path: [label.to_json() for label in found] for path, found in labels.items() if found}
+    digest = _digest(json.dumps(records, sort_keys=True))
+    content = {"version": LABELS_VERSION, "digest": digest, "labels": records}
+    write_whole(folder / CONFIRMED_LABELS, json.dumps(content, sort_keys=True, indent=1).encode())
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
