@@ -223,7 +223,9 @@ def guess_floor(skeleton: Skeleton, positions: FloatArray, body_map: BodyMap, fr
         height -= _SOLE
     if len(levels) > 1:
         over = ", ".join(f"{level - levels[0]:.2f}" for level in levels[1 : _SHOWN + 1])
-        reason += f" The take also stands {over} m above it, as on steps: give the stage a ground with them."
+        reason += (
+            f" The take also stands {over} m above it, as on steps; its feet keep those heights over level ground."
+        )
     standing = [rest for rest in rests if rest < levels[0] + _STEP]
     scatter = float(np.ptp(np.percentile(standing, [10, 90]))) if len(standing) > 1 else np.inf
     confidence = Confidence.of(-scatter, *(-most for most in _SCATTERED))

@@ -39,8 +39,8 @@ _LEAST_TILT, _AGREED = np.radians(12.0), np.radians(10.0)
 square to the floor."""
 _WALKS, _CARRIED = 0.3, 0.25
 """Leg lengths of a path that tells the floor, and of the body over what carries it where it stands."""
-_FEWEST = 24
-"""Frames that tell a lean from a pose."""
+_FEWEST, _SWAY = 24, np.radians(7.0)
+"""Frames that tell a lean from a pose, and the median sway about it of one who leans no more than a camera does."""
 _FLOOR_NOISE = 0.03
 """Leg lengths by which standing feet lie off one plane."""
 _DOUBTFUL = 0.3
@@ -170,10 +170,15 @@ def _supported(body: BodyPoints) -> FloatArray | None:
 
 
 def _tilted(body: BodyPoints, along: FloatArray, straight: NDArray[np.bool_]) -> FloatArray | None:
-    """(3,) direction that is up where no axis is: that in which the body stands, square to where it goes and rests."""
+    """(3,) direction that is up where no axis is: that in which the body stands, square to where it goes and rests.
+
+    A camera's tilt stays the same through the take; one who leans over does not.
+    """
     if straight.mean() < 0.5 or len(along) < _FEWEST:
         return None
     lean = normalized(np.median(along[straight], axis=0))
+    if np.median(np.arccos(np.clip(along[straight] @ lean, -1.0, 1.0))) > _SWAY:
+        return None
     level = [body.hips[0].mean(axis=1)[straight]]
     if np.linalg.norm(level[0].std(axis=0)) < _WALKS * body.leg:
         level = []
