@@ -13,7 +13,7 @@ from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.project import Performer, Project
-from studio.core.solver.performers.circles import solve_circle
+from studio.core.solver.performers.circles import solve_cycle
 from studio.core.solver.performers.rows import forget_rows, frame_count_of, timing_of
 from studio.core.solver.performers.stage import in_order, leaders_of
 from studio.core.solver.request import AdaptedMotion
@@ -403,7 +403,7 @@ class LiveAdaptation(QObject):
             [(key, player)] = players.items()
             answers: Mapping[str, AdaptedMotion] = {key: self._solve(player.request, first, last)}
         else:
-            answers = solve_circle(players, lambda _, request: self._solve(request, 0, None)).results
+            answers = solve_cycle(players, lambda _, request: self._solve(request, 0, None)).results
         adapted = {key: replace(answer, composite=players[key].composite) for key, answer in answers.items()}
         return Solved(adapted, wanted, asked_at, last is None)
 

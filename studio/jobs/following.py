@@ -14,7 +14,7 @@ from studio.core.normalized.compose import Composite, compose
 from studio.core.normalized.pieces import Piece
 from studio.core.solver.adapt import adapt
 from studio.core.solver.asking.tracks import Track
-from studio.core.solver.performers.circles import Player, solve_circle
+from studio.core.solver.performers.circles import Player, solve_cycle
 from studio.core.solver.performers.following import tracked_track
 from studio.core.solver.performers.props import seen_from, stage_track
 from studio.core.solver.performers.stage import concerning
@@ -50,7 +50,7 @@ def with_tracks(
         for key, request in asked.items()
         if leads[key] or key in followed
     }
-    return asked | dict(solve_circle(players, lambda _, request: adapt(request)).requests)
+    return asked | dict(solve_cycle(players, lambda _, request: adapt(request)).requests)
 
 
 def _played(request: AdaptRequest) -> Composite:

@@ -240,7 +240,7 @@ def main() -> None:
 
 def _work_of(functions: Sequence[str]) -> "CompileWork":
     """What is compiled for ``CONSTRAINTS``, or for the others."""
-    from studio.core.kernels.adapt import solve_frames
+    from studio.core.kernels.solve_clip import solve_frames
     from studio.startup.compile_work import LINKING, CompileWork, all_kernels, kernels_below
 
     solver = kernels_below([solve_frames])

@@ -21,7 +21,7 @@ from studio.io.export import write_capture
 from studio.io.importing import load_capture
 from studio.io.project.character_file import bundled_characters, write_character
 from studio.jobs.adapt_report import residual_record
-from studio.resources_folder import resources_folder
+from studio.resources_folder import example_captures_folder, resources_folder
 from tests.architecture.sources import ROOT
 from tests.builders import make_capture, make_constraint
 from tests.io.bvh_exports import EXTRAS, with_extras
@@ -290,11 +290,12 @@ def test_frames_in_which_a_limb_stands_are_counted_and_misses_are_those_of_the_f
     assert set(record["constraints"][0]["kept_by"]) == {"contacts"}
 
 
-def test_feet_stand_on_the_ground_of_a_file_where_the_character_is_placed(capsys, walk, tmp_path):
+def test_feet_stand_on_the_ground_of_a_file_where_the_character_is_placed(capsys, tmp_path):
+    standing = example_captures_folder() / "front_kick.bvh"
     (tmp_path / "ground.json").write_text('{"kind": "slope", "angle": 0.1}')
     arguments = ("--character", "child", "--ground", tmp_path / "ground.json")
     for place, rise in (((), 0.0), (("--place", "child", "2", "0", "0"), 2.0 * np.tan(0.1))):
-        _, report = adapt(capsys, walk, tmp_path / "out", *arguments, *place)
+        _, report = adapt(capsys, standing, tmp_path / "out", *arguments, *place)
         [record] = report["characters"]
         assert record["penetration_mm"] < 2.0
         assert record["float_mm"] < 2.0

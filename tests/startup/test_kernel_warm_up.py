@@ -9,8 +9,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from studio.core.kernels.adapt import place_frames, solve_frames
-from studio.core.kernels.body.normalize import encode_frames
+from studio.core.kernels.body.encode_channels import encode_frames
+from studio.core.kernels.solve_clip import place_frames, solve_frames
 from studio.startup import first_run, kernel_warm_up
 from studio.startup.compile_work import CompileWork, all_kernels, kernels_below
 

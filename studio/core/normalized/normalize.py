@@ -32,7 +32,7 @@ from studio.core.captures.plate_steps import fit_to_plates
 from studio.core.captures.rising_heels import rising_heels
 from studio.core.errors import StudioError
 from studio.core.kernels import layout as at
-from studio.core.kernels.body.normalize import continue_turns, encode_frames
+from studio.core.kernels.body.encode_channels import encode_frames, unwrap_channels
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.alignment import find_alignments, level_soles
 from studio.core.normalized.encode import actor_sizes
@@ -242,7 +242,7 @@ def _channels(body: Morphology, points: FloatArray, rotations: FloatArray, frame
     yaw = heading(rotations[:, 0], frame_rate)
     channels = np.zeros((len(points), at.SPINE + 4 * (layout.spine_count - 1)))
     do_over_frames(lambda run: encode_frames(points[run], rotations[run], yaw[run], actor, channels[run]), len(points))
-    continue_turns(np.array([*at.TURNS, *range(at.SPINE, channels.shape[1], 4)]), channels)
+    unwrap_channels(np.array([*at.QUATERNION_COLUMNS, *range(at.SPINE, channels.shape[1], 4)]), channels)
     return channels
 
 
