@@ -94,10 +94,11 @@ class ExportOptions:
             take = placed(take)
         take = self._from_rest_pose(take, path)
         if self.root == "floor":
-            bound = skin_of(take).with_joint_above() if take.character else None
-            rest = take.rest_rotations
-            rest = None if rest is None else np.concatenate([IDENTITY[None], rest])
-            take = replace(take, capture=with_root_joint(take.capture), bound=bound, rest_rotations=rest)
+            capture, bound, rest = with_root_joint(take.capture), take.bound, take.rest_rotations
+            if capture.skeleton.joint_count > take.skeleton.joint_count:
+                bound = skin_of(take).with_joint_above() if take.character else None
+                rest = None if rest is None else np.concatenate([IDENTITY[None], rest])
+            take = replace(take, capture=capture, bound=bound, rest_rotations=rest)
         elif self.root == "in-place":
             take = replace(take, capture=in_place(take.capture))
         if self.joint_names:

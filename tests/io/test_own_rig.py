@@ -143,6 +143,20 @@ def test_its_file_read_back_has_the_same_motion_on_the_same_joints(original, tmp
     assert np.abs(places - joint_world(take.skeleton, take.poses)[0]).max() < 2e-5
 
 
+def test_its_own_root_goes_on_the_floor_below_the_hips_and_nothing_else_moves(original):
+    adapted = take_on(load_character(original).character, make_capture())
+    usual = ExportOptions().applied_to(adapted, original)
+    take = ExportOptions(root="floor").applied_to(adapted, original)
+    assert take.skeleton.names == usual.skeleton.names
+    (before, turned), (after, turns) = (joint_world(each.skeleton, each.poses) for each in (usual, take))
+    root, hips = (take.skeleton.names.index(name) for name in ("root", "Hips"))
+    assert np.abs(np.delete(after - before, root, axis=1)).max() < 1e-9
+    assert np.abs(np.delete(turns - turned, root, axis=1)).max() < 1e-9
+    assert np.abs(after[:, root, :2] - after[:, hips, :2]).max() < 1e-9
+    assert np.abs(after[:, root, 2]).max() < 1e-9
+    assert np.ptp(after[:, root, 0]) > 0.5
+
+
 def test_a_character_file_and_a_project_keep_the_rig(original, tmp_path):
     character = load_character(original).character
     write_character(character, tmp_path / "hero.json")
