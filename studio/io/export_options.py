@@ -16,7 +16,7 @@ from studio.core.rotations import IDENTITY, from_matrix, multiply
 from studio.core.stage.placement import Placement
 from studio.io.export import Take, skin_of
 from studio.io.joint_names import with_joint_names
-from studio.io.own_rig import has_own_rig, on_own_rig
+from studio.io.takes.own_rig import has_own_rig, on_own_rig
 
 FloatArray = NDArray[np.float64]
 

@@ -14,10 +14,10 @@ from studio import __version__
 from studio.core.mesh.appearance import Material
 from studio.core.mesh.joint_skin import JointSkin
 from studio.io.export import Take, plain_material, skin_of
-from studio.io.exported_stage import ExportedProp, ExportedStage
 from studio.io.gltf.buffers import TRIANGLES, VERTICES, Buffers
 from studio.io.registry import Progress
 from studio.io.replacing import write_pieces
+from studio.io.takes.exported_stage import ExportedProp, ExportedStage
 
 FloatArray = NDArray[np.float64]
 

@@ -17,9 +17,9 @@ from studio.core.errors import StudioError
 from studio.core.mesh.joint_skin import JointSkin
 from studio.core.rotations import to_matrix
 from studio.io.export import Take, plain_material, skin_of
-from studio.io.exported_stage import ExportedProp, ExportedStage
 from studio.io.registry import Progress
 from studio.io.replacing import replacing_all
+from studio.io.takes.exported_stage import ExportedProp, ExportedStage
 from studio.io.usd.materials import bind_materials, identifiers
 from studio.io.zipped import write_zip
 
