@@ -44,6 +44,7 @@ RATES = (24.0, 25.0, 30.0, 60.0)
 MOTION_RATES = (*RATES, 120.0)
 BODIES = (What.ADAPTED, What.STAGE)
 """What has bodies with skeletons, of which options hold."""
+OWN_NAMES = "Character's own"
 HINTS = {
     ".bvh": "Joints and angles: read by nearly every program.",
     ".fbx": "Joints, skin, materials and animation for Maya, MotionBuilder, Unreal, Unity and Blender.",
@@ -94,7 +95,9 @@ class ExportDialog(QDialog):
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.what = Choice("What", [(what, self._said(what)) for what in self._offered()])
         self.kind = Choice("As", ())
-        self.names = Choice("Joint naming", [(key, each.name) for key, each in joint_namings().items()])
+        self.names = Choice(
+            "Joint naming", [("", OWN_NAMES), *((key, each.name) for key, each in joint_namings().items())]
+        )
         self.rest = Choice("Rest pose", list(REST_POSES.items()))
         self._carried = self._carriable()
         first, more = self._carried[:1], len(self._carried) - 1
@@ -182,7 +185,7 @@ class ExportDialog(QDialog):
             self.frame_rate: None,
             self.root: "",
             self.position: "stage",
-            self.names: "humanik",
+            self.names: "",
             self.rest: "t",
             self.others: "carry",
             self.picture_size: SIZES[0],

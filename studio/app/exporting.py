@@ -8,8 +8,8 @@ from studio.core.captures.annotations import Annotations, within
 from studio.core.errors import StudioError
 from studio.io.export import take_of_capture, write_take
 from studio.io.export_options import ExportOptions
-from studio.io.exported_stage import exported_stage, write_stage
 from studio.io.staged_export import take_of_performer
+from studio.io.takes.exported_stage import exported_stage, write_stage
 from studio.jobs.performances import performances
 
 Progress = Callable[[float, str], None]

@@ -20,6 +20,7 @@ from studio.core.errors import StudioError
 from studio.core.mannequin.tailoring import tailored
 from studio.core.mesh.appearance import Appearance, Material
 from studio.core.mesh.hand_shapes import HandShapes
+from studio.core.mesh.rig import Rig
 from studio.core.mesh.skin import Blending, SkinnedMesh
 from studio.io.beside import path_beside, read_bytes
 from studio.io.figure.textures import checked_picture
@@ -37,6 +38,7 @@ _LIMIT = 200_000_000
 _DAMAGE = (KeyError, ValueError, TypeError, ArithmeticError)
 """What comes of arrays that are no mesh."""
 _MEMBERS = ("vertices", "normals", "centres", "triangles", "segments", "weights")
+_RIG = ("parents", "positions", "rotations", "segments", "joints", "weights")
 _LOOK = ("triangle_materials", "coordinates")
 
 
@@ -144,6 +146,9 @@ def mesh_bytes(mesh: SkinnedMesh) -> bytes:
         arrays["stance"] = mesh.stance
     if mesh.hands is not None:
         arrays |= {"hand_vertices": mesh.hands.vertices, "hand_normals": mesh.hands.normals}
+    if mesh.rig is not None:
+        arrays |= {f"rig_{name}": getattr(mesh.rig, name) for name in _RIG}
+        arrays["rig_names"] = np.frombuffer(json.dumps(mesh.rig.names).encode(), dtype=np.uint8)
     if mesh.appearance is not None:
         arrays |= {name: getattr(mesh.appearance, name) for name in _LOOK}
         arrays |= {f"texture_{place}": picture for place, picture in enumerate(_pictures(mesh.appearance))}
@@ -168,9 +173,16 @@ def read_mesh(content: bytes, source: str, materials: Sequence[Any] = ()) -> Ski
         look = _appearance(file, materials) if len(materials) else None
         hands = HandShapes(file["hand_vertices"], file["hand_normals"]) if "hand_vertices" in file else None
         members = {name: file[name] for name in _MEMBERS}
-        return SkinnedMesh(**members, stance=file.get("stance"), appearance=look, hands=hands)
+        return SkinnedMesh(**members, stance=file.get("stance"), appearance=look, hands=hands, rig=_rig(file))
     except _DAMAGE as error:
         raise StudioError(f"{source}: the mesh is damaged. {error}") from error
+
+
+def _rig(file: Mapping[str, Any]) -> Rig | None:
+    if "rig_names" not in file:
+        return None
+    names = json_of(file["rig_names"].astype(np.uint8).tobytes())
+    return Rig(tuple(map(str, names)), **{name: file[f"rig_{name}"] for name in _RIG})
 
 
 def _pictures(look: Appearance) -> list[NDArray[np.uint8]]:
