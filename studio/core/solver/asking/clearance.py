@@ -1,7 +1,7 @@
 """What keeps arms out of their own body, as arrays for ``kernels.limits.clearance``."""
 
 from collections.abc import Sequence
-from functools import cache, lru_cache
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +17,7 @@ from studio.core.kernels.records import Clearance, Volume
 from studio.core.mesh.volume import PROBES, BodyVolume, usual_volume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
+from studio.core.project_cache import project_cache
 from studio.core.solver.request import AdaptedMotion
 
 if TYPE_CHECKING:
@@ -108,13 +109,13 @@ def rooms(adapted: AdaptedMotion) -> FloatArray:
     return rooms_of(adapted.morphology, volume, adapted.positions[:], adapted.rotations[:])[0]
 
 
-@lru_cache(maxsize=8)
+@project_cache(maxsize=8)
 def actor_rooms(motion: NormalizedMotion, actor: Morphology) -> tuple[FloatArray, FloatArray]:
     """``rooms`` of the actor that a motion was captured from, and the ways out of its body (F, 2, 5, 3)."""
     return rooms_of(actor, usual_volume(actor), *realize(motion, actor, play=True))
 
 
-@lru_cache(maxsize=64)
+@project_cache(maxsize=64)
 def rest_rooms(body: Morphology, volume: BodyVolume) -> FloatArray:
     """``rooms`` of a body in its rest pose, (2, 5): a thick arm may have none there."""
     positions, rotations = rest_pose(body)

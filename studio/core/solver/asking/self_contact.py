@@ -6,7 +6,6 @@ then, and the body. Only a hand of which something is asked, or that stands on t
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +22,7 @@ from studio.core.kernels.records import ActorRooms
 from studio.core.mesh.volume import CAPSULES_OF, BodyVolume, usual_volume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
+from studio.core.project_cache import project_cache
 from studio.core.solver.asking.clearance import actor_rooms, packed, rest_rooms, rooms_of
 from studio.core.solver.standing.blends import LET_GO, SLOWLY_LET_GO, freedom, hann_window
 from studio.core.solver.standing.carrying import limb_freedom
@@ -278,7 +278,7 @@ def self_contact_of(
     )
 
 
-@lru_cache(maxsize=8)
+@project_cache(maxsize=8)
 def touching_of(motion: NormalizedMotion, actor: Morphology, touches: tuple[ContactInterval, ...]) -> Touching:
     """``touches`` as the actor has them."""
     positions, rotations = realize(motion, actor, play=True)
