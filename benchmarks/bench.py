@@ -21,13 +21,13 @@ from benchmarks.quality import Quality, quality
 from benchmarks.report import fill, tables
 from benchmarks.stages import fight_live, played_live, with_performers
 from benchmarks.start_up import start_up
-from studio.cli.adaptation import ReadyCapture
 from studio.cli.bench import frame_cases
 from studio.cli.bench_cases import clip_of, make_tasks
 from studio.cli.bench_timing import time_jobs
 from studio.core.body.character import Character
 from studio.core.solver.source import source_motion
 from studio.io.project.character_file import bundled_characters
+from studio.jobs.adaptation import ReadyCapture
 
 DOCS = ROOT / "docs"
 ROUNDS, QUICK_ROUNDS = 9, 3

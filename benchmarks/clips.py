@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from studio.cli.adaptation import ReadyCapture, ready_capture
 from studio.io.importing import GUESS_ALL
+from studio.jobs.adaptation import ReadyCapture, ready_capture
 from studio.resources_folder import example_captures_folder
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -50,7 +50,7 @@ def main() -> int:
         costs, compiler = Costs(), import_module("studio.core.kernels.compiling.linked").Compiler
         compiler._make_part = costs.measured("translate", compiler._make_part)
         compiler._compile_core = costs.measured("link", compiler._compile_core)
-        first_run = import_module("studio.cli.first_run")
+        first_run = import_module("studio.startup.first_run")
         for part in (first_run.run_constraints, first_run.run_standing, first_run.run_rest, first_run.run):
             part()
     total = sum(costs.seconds.values())

@@ -16,18 +16,18 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from studio.cli.process import prepare_process  # noqa: E402
+from studio.startup.process import prepare_process  # noqa: E402
 
 prepare_process()
 
 from benchmarks.read_back import places_in  # noqa: E402
-from studio.cli.adaptation import ReadyCapture, made_ready  # noqa: E402
 from studio.core.body.kinematics import joint_world  # noqa: E402
 from studio.core.rotations import angle_between, from_matrix  # noqa: E402
 from studio.core.solver.adapt import adapt  # noqa: E402
 from studio.core.solver.request import AdaptRequest  # noqa: E402
 from studio.io.export import Take, take_of_actor, take_of_capture, write_take  # noqa: E402
 from studio.io.importing import load_capture  # noqa: E402
+from studio.jobs.adaptation import ReadyCapture, made_ready  # noqa: E402
 
 CAPTURES = ROOT.parent / "shared" / "captures" / "bvh"
 DOCS = ROOT / "docs"

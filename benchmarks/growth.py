@@ -8,7 +8,6 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.cli.adaptation import MOTION_ID
 from studio.cli.bench_cases import ALWAYS, LIMB, ROOT, WITH_TRUNK, make_tasks
 from studio.cli.bench_timing import Job, time_jobs
 from studio.core.body.canonical import BodyPart
@@ -23,6 +22,7 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import from_matrix
 from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.jobs.adaptation import MOTION_ID
 
 MOST_CONSTRAINTS = 16
 ORDERS, SEED = 8, 0

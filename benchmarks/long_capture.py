@@ -21,7 +21,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
-from studio.cli.process import prepare_process  # noqa: E402
+from studio.startup.process import prepare_process  # noqa: E402
 
 prepare_process()
 
@@ -33,7 +33,6 @@ from studio.app.application import import_views, make_application, make_window, 
 from studio.app.main_window import MainWindow  # noqa: E402
 from studio.app.sample import empty_project  # noqa: E402
 from studio.app.settings import Settings  # noqa: E402
-from studio.cli import first_run  # noqa: E402
 from studio.core.body.canonical import BodyPart  # noqa: E402
 from studio.core.captures.annotations import Annotations  # noqa: E402
 from studio.core.captures.capture import Capture  # noqa: E402
@@ -49,6 +48,7 @@ from studio.engine.standing_solver import StandingSolver  # noqa: E402
 from studio.io.bvh.reader import read_bvh  # noqa: E402
 from studio.io.importing import known_of_motion, load_capture  # noqa: E402
 from studio.io.project.character_file import bundled_characters  # noqa: E402
+from studio.startup import first_run  # noqa: E402
 from studio.timeline.curves import Quantity  # noqa: E402
 
 BYTES = 60_000_000

@@ -16,8 +16,8 @@ from studio.cli.bench_cases import Task, places_of
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.kernels.search.joints import ROOT
-from studio.core.solver.asking.chains import carrying_chain, free_joints, segment_masses
+from studio.core.kernels.search.joints import ROOT_TRANSLATION
+from studio.core.solver.asking.chains import joints_of_chains, relevant_chain, segment_masses
 from studio.core.solver.standing.stand import Standing
 
 FloatArray = NDArray[np.float64]
@@ -51,18 +51,18 @@ class _Frame:
         self.points = standing.positions[frame]
         wrists = [each for each in constraints if isinstance(each, PositionConstraint)]
         ranks = np.zeros(len(constraints), dtype=np.int64)
-        joints = free_joints(tuple(map(carrying_chain, constraints)), tuple(ranks.tolist()), self.layout)
+        joints = joints_of_chains(tuple(map(relevant_chain, constraints)), tuple(ranks.tolist()), self.layout)
         trunk = {*range(self.layout.spine_count), self.layout.spine_count + 2, self.layout.spine_count + 6}
         free = dict(zip(joints.joints["segment"].tolist(), 2.0 * np.arctan(joints.limits), strict=True))
         self.segments = sorted(trunk & free.keys())
         self.limits = np.array([free[segment] for segment in self.segments])
-        self.root_is_free = ROOT in free
+        self.root_is_free = ROOT_TRANSLATION in free
         self.sides = [int(each.point.part.startswith("right")) for each in wrists]
         self.targets = np.array([places_of(task, each)[frame] for each in wrists])
         self.reaches = self.body.arm.sum(axis=1)[self.sides]
         self.ankles = standing.footing.ankles[:, frame]
         planted = standing.footing.states[:, frame] != 0
-        comforts = np.where(planted, standing.footing.comforts[:, frame], np.inf)
+        comforts = np.where(planted, standing.footing.soft_thresholds[:, frame], np.inf)
         self.root_reaches = comforts * self.body.leg.sum(axis=1)
         self.balances = any(isinstance(each, BalanceConstraint) for each in constraints)
         self.shares, self.along = segment_masses(self.layout).T

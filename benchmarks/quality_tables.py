@@ -17,12 +17,10 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from studio.cli.process import prepare_process  # noqa: E402
+from studio.startup.process import prepare_process  # noqa: E402
 
 prepare_process()
 
-from studio.cli.adapt_report import Record, figures  # noqa: E402
-from studio.cli.adaptation import ReadyCapture, chosen_characters, made_ready  # noqa: E402
 from studio.cli.printing import print_table  # noqa: E402
 from studio.core.body.character import Character  # noqa: E402
 from studio.core.errors import StudioError  # noqa: E402
@@ -33,6 +31,8 @@ from studio.core.solver.adapt import hold  # noqa: E402
 from studio.core.solver.request import AdaptRequest  # noqa: E402
 from studio.core.solver.standing.stand import standing_of  # noqa: E402
 from studio.io.importing import load_capture  # noqa: E402
+from studio.jobs.adapt_report import Record, figures  # noqa: E402
+from studio.jobs.adaptation import ReadyCapture, chosen_characters, made_ready  # noqa: E402
 
 CAPTURES = ROOT.parent / "shared" / "captures" / "bvh"
 FOREIGN = [str(ROOT.parent / "shared" / "captures" / "characters" / name) for name in (

@@ -53,7 +53,8 @@ def _of_gltf(path: Path) -> Places:
 
 
 def _of_capture(path: Path) -> Places:
-    units = {".bvh": ImportOptions(unit="cm", up_axis="Y"), ".s4d": ImportOptions()}
+    centimetres = ImportOptions(unit="cm", up_axis="Y")
+    units = {".bvh": centimetres, ".fbx": centimetres, ".s4d": ImportOptions()}
     capture = load_capture(path, units[path.suffix])
     return _named(capture.skeleton.names, joint_world(capture.skeleton, capture.poses)[0])
 
@@ -95,6 +96,7 @@ def _named(names: tuple[str, ...], positions: FloatArray) -> Places:
 
 _READERS: Mapping[str, Callable[[Path], Places]] = {
     ".bvh": _of_capture,
+    ".fbx": _of_capture,
     ".s4d": _of_capture,
     ".glb": _of_gltf,
     ".gltf": _of_gltf,

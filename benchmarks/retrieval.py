@@ -22,7 +22,7 @@ from benchmarks.fighting import fights
 from benchmarks.hits import draw_hits
 from benchmarks.machine import machine
 from benchmarks.report import table as markdown
-from studio.core.kernels import retrieval as at
+from studio.core.kernels import pose_search as at
 from studio.core.retrieval import BYTES_A_FRAME, Query, SearchTable, pose_distances, search
 from studio.library.catalogue import Catalogue
 from studio.library.clusters import map_of, unturned
@@ -68,7 +68,7 @@ def main(arguments: list[str]) -> None:
     queries, large = (20, 100_000) if quick else (200, 1_000_000)
     poses, paths = real_poses()
     small = made_table(poses, paths, 75)
-    parts = [HEADER, machine(), f"; {BYTES_A_FRAME} bytes a frame, of which {4 * at.WIDTH} stay on disk.\n\n"]
+    parts = [HEADER, machine(), f"; {BYTES_A_FRAME} bytes a frame, of which {4 * at.POSE_WIDTH} stay on disk.\n\n"]
     parts += ["## Number of motions\n\n", motions(poses, paths, queries), "\n"]
     parts += ["## Number of clusters\n\n", clusters(small, queries), "\n"]
     parts += ["## The bundled fighter, 60 s against a head that moves\n\n", fights(), "\n"]
@@ -141,7 +141,7 @@ def every_frame(table: SearchTable) -> Searcher:
         for actor, rows in enumerate(by_actor):
             posture, turns = pose_distances(query.poses[actor], table.rows[rows])
             away = paths[clips[rows]].copy()
-            away[..., :2] -= table.rows[rows, None, at.MIDDLE : at.MIDDLE + 2]
+            away[..., :2] -= table.rows[rows, None, at.POSE_CENTRE : at.POSE_CENTRE + 2]
             c, s = np.cos(turns)[:, None], np.sin(turns)[:, None]
             x, y = c * away[..., 0] - s * away[..., 1], s * away[..., 0] + c * away[..., 1]
             target = query.targets[actor][limbs[rows]][:, None]

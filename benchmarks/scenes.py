@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.clips import BUNDLED, REAL
-from studio.cli.adaptation import MOTION_ID, ReadyCapture, ready_capture
 from studio.cli.bench_cases import ROOT, WHOLE, clip_of, make_tasks
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
@@ -30,6 +29,7 @@ from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.stand import Standing, stand
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
+from studio.jobs.adaptation import MOTION_ID, ReadyCapture, ready_capture
 from studio.resources_folder import example_captures_folder
 
 FloatArray = NDArray[np.float64]

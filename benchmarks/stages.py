@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 
 from benchmarks.growth import CHARACTERS, Growth, fitted
-from studio.cli.render import prepared
 from studio.core.body.canonical import BodyPart
 from studio.core.body.character import Character
 from studio.core.body.morphology import Morphology
@@ -22,6 +21,7 @@ from studio.core.solver.adapt import adapt
 from studio.core.solver.performers.performing import Prepare, perform
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.clip import Clip
+from studio.jobs.performances import prepared
 from studio.library.scenes.fight import fight_training
 from studio.library.scenes.stagehand import RATE, bodies, material
 from studio.live.stage import LiveStage

@@ -12,7 +12,7 @@ from benchmarks.clips import ROOT
 _COLD = """
 import json, resource, time
 start = time.perf_counter()
-from studio.cli.warm_up import WarmUp
+from studio.startup.kernel_warm_up import WarmUp
 WarmUp().join()
 by_the_clock = time.perf_counter() - start
 used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
@@ -21,7 +21,7 @@ print(json.dumps([by_the_clock, sum(each.ru_utime + each.ru_stime for each in us
 _WARM = """
 import json, time
 start = time.perf_counter()
-from studio.cli import first_run
+from studio.startup import first_run
 imported, spent = time.perf_counter(), time.process_time()
 first_run.run()
 print(json.dumps([time.perf_counter() - imported, time.process_time() - spent, imported - start]))

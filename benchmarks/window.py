@@ -11,7 +11,7 @@ import sys
 
 def main() -> int:
     """Set the process up before anything else is imported."""
-    from studio.cli.process import prepare_process
+    from studio.startup.process import prepare_process
 
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
     prepare_process()

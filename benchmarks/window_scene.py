@@ -8,8 +8,6 @@ from benchmarks.listening import run_window
 from studio.app.application import import_views, make_application, make_window, settle, show_views
 from studio.app.main_window import MainWindow
 from studio.app.settings import Settings
-from studio.cli import first_run
-from studio.cli.adaptation import MOTION_ID, ReadyCapture, ready_capture
 from studio.cli.bench_cases import ROOT
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
@@ -21,8 +19,10 @@ from studio.core.project import Project
 from studio.core.stage.staging import staged
 from studio.document.document import Document
 from studio.io.importing import GUESS_ALL
+from studio.jobs.adaptation import MOTION_ID, ReadyCapture, ready_capture
 from studio.library.scenes.stagehand import bodies
 from studio.resources_folder import example_captures_folder
+from studio.startup import first_run
 
 SIZE = 1400, 900
 DRAGGED = "right wrist"

@@ -10,7 +10,7 @@ from pictured.kick_film import FRAME_RATE, KickFilm
 from pictured.scenes import fight, handstand
 from pictured.shots import behaviour, constrain, import_report, markers, sliders, timeline, window
 
-from studio.cli import first_run
+from studio.startup import first_run
 
 FILM_WIDTH = 840
 STILLS = {

@@ -6,12 +6,11 @@ The first bundled capture, read, and as the bundled characters perform it.
 import sys
 from pathlib import Path
 
-from studio.cli.process import prepare_process
+from studio.startup.process import prepare_process
 
 prepare_process()
 
 from studio.app import sample  # noqa: E402
-from studio.cli.render import adapted_performers  # noqa: E402
 from studio.core.normalized.normalize import detected_contacts  # noqa: E402
 from studio.core.project import Motion, Project  # noqa: E402
 from studio.core.stage.staging import staged  # noqa: E402
@@ -19,6 +18,7 @@ from studio.io.adapted_file import write_adapted  # noqa: E402
 from studio.io.importing import load_capture  # noqa: E402
 from studio.io.project.character_file import bundled_characters  # noqa: E402
 from studio.io.project.project_file import write_project  # noqa: E402
+from studio.jobs.performances import adapted_performers  # noqa: E402
 
 
 def main(arguments: list[str]) -> None:

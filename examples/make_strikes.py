@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from studio.cli.process import prepare_process
+from studio.startup.process import prepare_process
 
 prepare_process()
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from studio.cli.process import has_display, prepare_process
+from studio.startup.process import has_display, prepare_process
 from tests.captures import CAPTURES, missing
 
 # A cold compile takes many seconds, so kernels outlive the run: their folder is named before the others move.
@@ -38,7 +38,7 @@ def pytest_sessionstart() -> None:
 
     In this process, where the parts of kernels then serve the tests that call them by themselves.
     """
-    first_run = import_module("studio.cli.first_run")
+    first_run = import_module("studio.startup.first_run")
     first_run.run()
     first_run.run_seldom()
 

@@ -22,7 +22,7 @@ from multiprocessing.sharedctypes import Synchronized
 from pathlib import Path
 from random import Random
 
-from studio.cli.process import prepare_process
+from studio.startup.process import prepare_process
 
 COUNT, COUNTS = 100_000, {".fbx": 5_000}  # FBX takes a process for each
 SECONDS, STILL, START = 5.0, 60.0, 600.0

@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from studio.core.body.pose import PoseSequence
 from studio.core.kernels.limbs.limb import place_limb
-from studio.core.kernels.records import Limb, Pose
+from studio.core.kernels.records import LimbShape, Pose
 from studio.core.rotations import from_matrix
 
 from .curves import FloatArray
@@ -171,7 +171,7 @@ class _Body:
         frames = np.stack([x, np.cross(z, x), z], axis=2)
         lower_twist = np.broadcast_to(twist, distance.shape)
         for frame in range(len(distance)):
-            limb = Limb(tuple(lengths), distance[frame], 0.0, 1.0, (0.0, lower_twist[frame]))
+            limb = LimbShape(tuple(lengths), distance[frame], 0.0, 1.0, (0.0, lower_twist[frame]))
             pose = Pose(np.stack([start[frame]] * 3), self.world[frame])
             place_limb(0, segment, tuple(frames[frame].ravel()), limb, pose)
 

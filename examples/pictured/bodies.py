@@ -13,7 +13,6 @@ from PySide6.QtGui import QImage
 from scipy.spatial.transform import Rotation
 
 from pictured.session import example
-from studio.cli.adaptation import MOTION_ID, ready_capture
 from studio.core.body.canonical import BodyPart
 from studio.core.body.character import Character
 from studio.core.constraints.activation import ActivationCurve
@@ -27,6 +26,7 @@ from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.stand import stand
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
+from studio.jobs.adaptation import MOTION_ID, ready_capture
 
 FloatArray = NDArray[np.float64]
 

@@ -8,7 +8,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pictured.session import example
-from studio.cli.adaptation import MOTION_ID, ReadyCapture, ready_capture
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
 from studio.core.constraints.activation import ActivationCurve, EaseShape, ease
@@ -16,14 +15,15 @@ from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.grounds.steps import Steps
-from studio.core.kernels.limbs.legs import hip_heights
-from studio.core.kernels.limbs.limb import COMFORT, OWN_COMFORT, place_limb, soft_reach
-from studio.core.kernels.records import Limb, Pose
+from studio.core.kernels.limbs.legs import required_root_lowering
+from studio.core.kernels.limbs.limb import SOFT_IK_THRESHOLD, SOLE_SOFT_IK_THRESHOLD, place_limb, soft_extension
+from studio.core.kernels.records import LimbShape, Pose
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import hold
 from studio.core.solver.standing.stand import stand
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
+from studio.jobs.adaptation import MOTION_ID, ReadyCapture, ready_capture
 
 BLUE, RED, GREEN, GREY, INK = "#2F6FB3", "#C8553D", "#4B8B3B", "#9AA4AE", "#22272E"
 mpl.rcParams.update({"svg.hashsalt": "morpho-studio", "font.size": 9, "svg.fonttype": "path"})
@@ -33,7 +33,7 @@ def limb_frame() -> Figure:
     """An arm in its own frame, from the side and along the line from shoulder to wrist."""
     upper, lower, distance, aside = 0.30, 0.26, 0.47, 0.06
     pose = Pose(np.zeros((3, 3)), np.empty((2, 3, 3)))
-    place_limb(0, 0, tuple(np.eye(3).ravel()), Limb((upper, lower), distance, aside, 1.0, (0.0, 0.0)), pose)
+    place_limb(0, 0, tuple(np.eye(3).ravel()), LimbShape((upper, lower), distance, aside, 1.0, (0.0, 0.0)), pose)
     (x, y, z), radius = pose.positions[1], float(np.hypot(pose.positions[1, 0], pose.positions[1, 1]))
     figure = Figure(figsize=(9.0, 3.4), layout="constrained")
     side, front = figure.subplots(1, 2, width_ratios=[1.6, 1.0])
@@ -76,8 +76,11 @@ def reach_sharing() -> Figure:
     hard = np.minimum(asked, 1.0)
     left.plot(asked, hard, color=GREY, linestyle="--", label="as far as it goes")
     right.plot(asked[1:], np.diff(_opening(hard)) / np.diff(asked), color=GREY, linestyle="--")
-    for comfort, colour, who in ((COMFORT, RED, "leg in the air"), (OWN_COMFORT, BLUE, "leg that stands")):
-        soft = np.array([soft_reach(each, comfort) for each in asked])
+    for comfort, colour, who in (
+        (SOFT_IK_THRESHOLD, RED, "leg in the air"),
+        (SOLE_SOFT_IK_THRESHOLD, BLUE, "leg that stands"),
+    ):
+        soft = np.array([soft_extension(each, comfort) for each in asked])
         left.plot(asked, soft, color=colour, label=f"{who}, a = {comfort}")
         right.plot(asked[1:], np.diff(_opening(soft)) / np.diff(asked), color=colour)
     left.set(xlabel="asked, parts of the limb's length", ylabel="stretched to", ylim=(0.85, 1.02))
@@ -140,8 +143,10 @@ def _literal_drops(ready: ReadyCapture, body: Morphology, ankles: np.ndarray) ->
     relative = ankles - standing.positions[:, 0]
     relative[..., 2] -= lift
     states = np.full(ankles.shape[:2], 3)
-    comforts = np.full(ankles.shape[:2], OWN_COMFORT)
-    hip_heights(ready.motion.channels, body.packed[None], standing.rotations, relative, comforts, states, drops)
+    comforts = np.full(ankles.shape[:2], SOLE_SOFT_IK_THRESHOLD)
+    required_root_lowering(
+        ready.motion.channels, body.packed[None], standing.rotations, relative, comforts, states, drops
+    )
     return np.maximum(drops, 0.0) - lift
 
 

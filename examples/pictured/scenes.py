@@ -7,7 +7,7 @@ os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
 import numpy as np
 from PySide6.QtGui import QImage
 
-from studio.cli.render import adapted_performers
+from studio.jobs.performances import adapted_performers
 from studio.library.scenes import SCENES
 from studio.viewport.offscreen import render_frame
 

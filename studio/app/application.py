@@ -19,11 +19,11 @@ from studio.app.problems import ProblemHooks, start_log
 from studio.app.settings import Settings
 from studio.app.theme import apply_theme
 from studio.app.workbench import Workbench
-from studio.cli.warm_up import WarmUp
 from studio.document.document import Document
 from studio.document.file_lock import journal_folder
 from studio.engine.live_adaptation import LiveAdaptation
 from studio.engine.tasks import TaskRunner
+from studio.startup.kernel_warm_up import WarmUp
 
 
 def main(argv: Sequence[str] | None = None, warm_up: WarmUp | None = None) -> NoReturn:
@@ -131,7 +131,7 @@ def import_viewport(warm_up: WarmUp | None = None) -> None:
     import_module("studio.viewport.scene")  # VTK, which the first picture would load otherwise
     if warm_up is not None:
         warm_up.join_picture()
-    import_module("studio.cli.first_picture").run()
+    import_module("studio.startup.first_picture").run()
 
 
 def import_timeline() -> None:

@@ -5,7 +5,7 @@ import gc
 from PySide6.QtCore import QObject, QTimer
 
 from studio.app.main_window import MainWindow
-from studio.cli.process import give_back_freed_memory
+from studio.startup.process import give_back_freed_memory
 
 INTERVAL = 1000
 """Milliseconds between two looks at whether there is enough to look for."""

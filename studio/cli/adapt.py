@@ -6,23 +6,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from studio.cli.adapt_report import Record, character_report
-from studio.cli.adaptation import (
-    MOTION_ID,
-    ReadyCapture,
-    chosen_characters,
-    cleaning_records,
-    make_folder,
-    ready_capture,
-)
 from studio.cli.batch_summary import rows_of, write_rows
 from studio.cli.export_options import export_options
-from studio.cli.following import with_tracks
 from studio.cli.import_options import import_options
 from studio.cli.outputs import refuse_replacing
 from studio.cli.printing import print_json, print_table
 from studio.cli.stage import run_stage
-from studio.cli.warm_up import compile_first
 from studio.core.body.character import Character
 from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
@@ -36,6 +25,17 @@ from studio.io.project.constraint_file import ConstraintFile, read_constraints
 from studio.io.project.ground_file import read_ground
 from studio.io.registry import known_formats
 from studio.io.report_file import write_json
+from studio.jobs.adapt_report import Record, character_report, place_record
+from studio.jobs.adaptation import (
+    MOTION_ID,
+    ReadyCapture,
+    chosen_characters,
+    cleaning_records,
+    make_folder,
+    ready_capture,
+)
+from studio.jobs.following import with_tracks
+from studio.startup.kernel_warm_up import compile_first
 
 ACTOR = "actor"
 
@@ -44,6 +44,8 @@ def run(arguments: Namespace) -> int:
     """Adapt, export, report."""
     if arguments.stage is not None:
         return run_stage(arguments)
+    if arguments.one_file:
+        raise StudioError("--one-file holds a whole stage: name a project or a scene with --stage.")
     if arguments.capture is None:
         raise StudioError("Name a capture to adapt, or a project with --stage.")
     asked = asked_by(arguments)
@@ -90,12 +92,12 @@ def asked_by(arguments: Namespace) -> Asked:
     known = known_formats().suffixes("motion_writer")
     if suffix not in known:
         raise StudioError(f"'{arguments.format}' is not a kind of file for motions: choose {', '.join(known)}.")
-    export_options(arguments).check(Path(f"motion{suffix}"))
     others = [name for name in arguments.character if name != ACTOR]
     characters: dict[str, Character | None] = {ACTOR: None} if ACTOR in arguments.character else {}
     if others or not characters:
         characters |= chosen_characters(others)
-    options = replace(export_options(arguments), body_only=arguments.body_only)
+    options = export_options(arguments)
+    options.check(Path(f"motion{suffix}"))
     return Asked(
         characters,
         placed(arguments.place, characters),
@@ -187,14 +189,16 @@ def adapt_to(
     character: Character | None, key: str, ready: ReadyCapture, request: AdaptRequest, asked: Asked, path: Path
 ) -> Record:
     """One character's file, or the actor's own for None, and its part of the report."""
+    place = asked.places[key]
     adapted, record = character_report(request, ready.source, ready.capture.first_frame, by_frame=asked.by_frame)
     if character is None:
-        take = take_of_actor(adapted, ready.actor, ready.capture, request)
+        take = take_of_actor(adapted, ready.actor, ready.capture, request, place)
     else:
         along = (ready.capture, ready.actor) if asked.options.carries(path) else None
-        take = take_of_adapted(character.name, adapted, character, request, along)
+        take = replace(take_of_adapted(character.name, adapted, character, request, along), place=place)
     write_take(asked.options.applied_to(take, path), path)
-    return {"name": key, "file": str(path), "carried_joints": sorted(take.carried), **record}
+    about = {"name": key, "file": str(path), "place": place_record(place), "carried_joints": sorted(take.carried)}
+    return {**about, **record}
 
 
 def check_frames(asked: ConstraintFile, ready: ReadyCapture, path: Path) -> None:

@@ -1,6 +1,6 @@
 """The arguments of every verb: what `VERB --help` shows, without what the verbs compute with."""
 
-from argparse import ArgumentParser, RawDescriptionHelpFormatter
+from argparse import REMAINDER, ArgumentParser, RawDescriptionHelpFormatter
 from collections.abc import Callable
 from pathlib import Path
 
@@ -8,6 +8,7 @@ import platformdirs
 
 from studio.cli.ranges import LONGEST, key_press, number, size, whole
 from studio.core.plausible import FRAME_RATE, PLACE
+from studio.io.export_options import REST_POSES, ROOTS
 from studio.io.joint_names import joint_namings
 from studio.library.clips import Kind, Limb
 from studio.live.tracker import LOOPBACK, PORT
@@ -51,6 +52,9 @@ def add_adapt_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("capture", type=Path, nargs="?", metavar="CAPTURE", help="a motion of a human body")
     parser.add_argument(
         "--stage", type=Path, metavar="PROJECT|SCENE", help="all performers of a project or scene instead"
+    )
+    parser.add_argument(
+        "--one-file", action="store_true", help="of a stage: all performers and props in one file (glTF, USD, FBX)"
     )
     add_adaptation_options(parser)
 
@@ -225,6 +229,11 @@ def add_adaptation_options(parser: ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the files; made if missing")
     parser.add_argument("--format", default="bvh", metavar="SUFFIX", help="kind of the files; bvh by default")
     parser.add_argument(
+        "--at-origin",
+        action="store_true",
+        help="write each character where its own motion begins, not where it stands on the stage",
+    )
+    parser.add_argument(
         "--body-only",
         action="store_true",
         help="characters do not carry the capture's fingers, props and the like along",
@@ -274,11 +283,28 @@ def add_import_options(parser: ArgumentParser) -> None:
 
 
 def add_export_options(parser: ArgumentParser) -> None:
-    """Names of the joints, and the pose in which every angle is zero."""
+    """Names of the joints, the pose in which every angle is zero, which frames, and where the root is."""
     group = parser.add_argument_group("writing")
     group.add_argument("--joint-names", choices=tuple(joint_namings()), default="", help="as which program names them")
     group.add_argument(
-        "--rest-pose", choices=("t", "own"), default="", help="of BVH: T-pose, or the body's own; T for characters"
+        "--rest-pose",
+        choices=tuple(REST_POSES),
+        default="",
+        help="pose in which every angle is zero: T-pose, or the one in which the skin is bound; T for characters",
+    )
+    group.add_argument(
+        "--range",
+        type=seconds,
+        nargs=2,
+        metavar=("BEGIN", "END"),
+        help="seconds that are written, of the motion or of the stage; all by default",
+    )
+    group.add_argument("--rate", type=frame_rate, metavar="HZ", help="frames a second; those of the motion by default")
+    group.add_argument(
+        "--root",
+        choices=tuple(filter(None, ROOTS)),
+        default="",
+        help="add a root joint on the floor below the hips, or keep the hips in place; by default the hips travel",
     )
 
 
@@ -304,6 +330,12 @@ def library_folder() -> Path:
     return Path(platformdirs.user_data_path("morpho-studio", appauthor=False)) / "library"
 
 
+def add_script_arguments(parser: ArgumentParser) -> None:
+    """The script, and what is left for it."""
+    parser.add_argument("file", type=Path, metavar="FILE.py", help="a Python script that uses studio.api")
+    parser.add_argument("arguments", nargs=REMAINDER, metavar="ARGUMENT", help="arguments of the script itself")
+
+
 ADD_ARGUMENTS: dict[str, Callable[[ArgumentParser], None]] = {
     "info": add_info_arguments,
     "convert": add_convert_arguments,
@@ -315,4 +347,5 @@ ADD_ARGUMENTS: dict[str, Callable[[ArgumentParser], None]] = {
     "formats": add_formats_arguments,
     "render": add_render_arguments,
     "bench": add_bench_arguments,
+    "script": add_script_arguments,
 }

@@ -9,14 +9,14 @@ from contextlib import closing
 from pathlib import Path
 
 from studio.cli import adapt
-from studio.cli.adaptation import make_folder
 from studio.cli.batch_cluster import run_there
 from studio.cli.batch_jobs import FILES_ASKED_FOR, REPORTS, Job, Record, done_before, find_jobs
 from studio.cli.batch_summary import rows_of, write_summary
 from studio.cli.batch_workers import run_here
 from studio.cli.printing import counted, print_json
-from studio.cli.warm_up import compile_first
 from studio.core.errors import Stopped, StudioError
+from studio.jobs.adaptation import make_folder
+from studio.startup.kernel_warm_up import compile_first
 
 _OWN = ("folder", "out", "overwrite", "json", "scheduler", "workers", "capture")
 """Arguments on which no result depends."""

@@ -11,10 +11,10 @@ from time import perf_counter
 from typing import Any
 
 from studio import __version__
-from studio.cli.process import prepare_process
 from studio.core.errors import StudioError
 from studio.io.beside import read_bytes
 from studio.io.registry import known_formats
+from studio.startup.process import prepare_process
 
 Record = dict[str, Any]
 REPORTS = "reports"

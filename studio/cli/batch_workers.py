@@ -11,14 +11,16 @@ from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 
-from studio.cli.adapt_report import character_report
-from studio.cli.adaptation import ready_capture
 from studio.cli.batch_jobs import Job, Record, died, work
 from studio.core.solver.request import AdaptRequest
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
+from studio.jobs.adapt_report import character_report
+from studio.jobs.adaptation import ready_capture
 from studio.resources_folder import example_captures_folder
 
+FORK = sys.platform == "linux"
+"""Workers are forks: each has all that is imported and every kernel that is loaded; a new process takes seconds."""
 ATTEMPTS = 2
 """Workers that may die of a job before it counts as failed."""
 PATIENCE = 5.0
@@ -29,11 +31,7 @@ class Worker:
     """A process and the job that it is at."""
 
     def __init__(self) -> None:
-        # A fork has all that is imported and every kernel that is loaded already; a new process takes seconds for it.
-        if sys.platform == "linux":
-            context = multiprocessing.get_context("fork")
-        else:
-            context = multiprocessing.get_context("spawn")
+        context = _context()
         self.pipe, theirs = context.Pipe()
         self.process: BaseProcess = context.Process(target=serve, args=(theirs,), daemon=True)
         self.process.start()
@@ -53,6 +51,10 @@ class Worker:
         self.process.kill()
         self.process.join()
         self.pipe.close()
+
+
+def _context() -> "multiprocessing.context.ForkContext | multiprocessing.context.SpawnContext":
+    return multiprocessing.get_context("fork") if FORK else multiprocessing.get_context("spawn")
 
 
 def serve(pipe: Connection) -> None:
@@ -83,7 +85,7 @@ def run_here(jobs: Sequence[Job], count: int | None) -> Iterator[Record]:
     """
     waiting = deque(sorted(jobs, key=lambda job: job.size, reverse=True))
     count = min(count or os.cpu_count() or 1, len(jobs))
-    if sys.platform == "linux" and count > 1:
+    if FORK and count > 1:
         load_kernels()
     gc.freeze()  # a fork that looked among all that is loaded for what is lost would copy it
     workers, deaths = [Worker() for _ in range(count)], Counter[str]()

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from studio.cli.adaptation import ReadyCapture, chosen_characters, ready_capture
 from studio.cli.bench_cases import clip_of, make_tasks
 from studio.cli.bench_timing import Job, Timing, time_jobs
 from studio.cli.printing import print_json, print_table
@@ -20,6 +19,7 @@ from studio.core.normalized.realize import realize
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.io.importing import GUESS_ALL, load_capture
+from studio.jobs.adaptation import ReadyCapture, chosen_characters, ready_capture
 from studio.resources_folder import example_captures_folder
 
 Record = dict[str, Any]

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.cli.adaptation import MOTION_ID, ReadyCapture
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactInterval
@@ -26,6 +25,7 @@ from studio.core.solver.adapt import hold
 from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import Standing, stand
+from studio.jobs.adaptation import MOTION_ID, ReadyCapture
 
 FloatArray = NDArray[np.float64]
 

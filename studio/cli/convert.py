@@ -7,17 +7,17 @@ from pathlib import Path
 
 import numpy as np
 
-from studio.cli.adaptation import MOTION_ID, cleaning_records, ready_read
 from studio.cli.export_options import export_options
 from studio.cli.import_options import import_options
 from studio.cli.outputs import refuse_replacing
 from studio.cli.printing import counted, print_json
-from studio.cli.warm_up import tell_what_reading_waits_for
 from studio.core.captures.capture import Guess
 from studio.io.export import Take, format_for, take_of_capture, take_of_standing, write_take
 from studio.io.importing import ImportOptions, known_of_motion, load_character, read_capture, read_file
 from studio.io.project.character_file import actor_character
 from studio.io.registry import ReadCharacter, format_of, known_formats
+from studio.jobs.adaptation import MOTION_ID, cleaning_records, ready_read
+from studio.startup.kernel_warm_up import tell_what_reading_waits_for
 
 
 def run(arguments: Namespace) -> int:
@@ -26,11 +26,13 @@ def run(arguments: Namespace) -> int:
         refuse_replacing([arguments.target], arguments.source, arguments.overwrite)
         return _convert_character(arguments)
     format_for(arguments.target)
-    export_options(arguments).check(arguments.target)
+    options = export_options(arguments)
+    options.check(arguments.target)
     refuse_replacing([arguments.target], arguments.source, arguments.overwrite)
     read = _take_of(arguments.source, import_options(arguments))
-    capture = read.capture
-    written = write_take(export_options(arguments).applied_to(read, arguments.target), arguments.target)
+    take = options.applied_to(read, arguments.target)
+    capture = take.capture
+    written = write_take(take, arguments.target)
     joints = int(np.count_nonzero(~capture.skeleton.end_sites))
     guesses = _sentences(capture.guesses)
     if arguments.json:
@@ -45,7 +47,7 @@ def run(arguments: Namespace) -> int:
                 "joints": joints,
                 "assumptions": guesses,
                 "repairs": list(capture.repairs),
-                "cleaning": cleaning_records(capture),
+                "cleaning": cleaning_records(read.capture),
             }
         )
         return 0
@@ -59,7 +61,7 @@ def run(arguments: Namespace) -> int:
 
 
 def _sentences(guesses: Iterable[Guess]) -> list[str]:
-    return [f"{guess.subject}: {guess.value}. {guess.reason}" for guess in guesses]
+    return [f"{guess.title}. {guess.reason}" for guess in guesses]
 
 
 def _print_changes(guesses: Iterable[str], repairs: Iterable[str]) -> None:

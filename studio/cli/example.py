@@ -3,9 +3,9 @@
 from pathlib import Path
 
 from studio.cli.main import main
-from studio.cli.process import check_libraries
 from studio.core.errors import StudioError
 from studio.resources_folder import example_captures_folder
+from studio.startup.process import check_libraries
 
 EXAMPLE = "front_kick.bvh"
 OUT = Path("morpho-studio-example")

@@ -2,11 +2,12 @@
 
 from argparse import Namespace
 
-from studio.cli.printing import counted, print_json, print_table, progress_line
+from studio.cli.printing import counted, print_json, print_table
 from studio.library.catalogue import Catalogue
 from studio.library.indexing import index, whole_library
 from studio.library.library import LibraryClip
 from studio.resources_folder import bundled_strikes_folder
+from studio.startup.progress import progress_line
 
 
 def run(arguments: Namespace) -> int:

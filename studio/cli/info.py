@@ -10,10 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from studio.cli.adaptation import MOTION_ID, cleaning_records, spans_by_foot
 from studio.cli.import_options import import_options
 from studio.cli.printing import counted, print_json
-from studio.cli.warm_up import tell_what_reading_waits_for
 from studio.core.body.character_skeleton import character_body_map, character_skeleton
 from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.remarks import remarks_on, remarks_on_body
@@ -26,6 +24,8 @@ from studio.core.project import COLLECTIONS
 from studio.io.importing import ImportOptions, known_of_motion, read_file
 from studio.io.project.project_file import read_project
 from studio.io.registry import ReadCapture, ReadCharacter
+from studio.jobs.adaptation import MOTION_ID, cleaning_records, spans_by_foot
+from studio.startup.kernel_warm_up import tell_what_reading_waits_for
 
 Record = dict[str, Any]
 
@@ -119,7 +119,7 @@ def _markers(take: MarkerTake, capture: Capture) -> Record:
 
 
 def _sentences(guesses: Iterable[Guess]) -> list[str]:
-    return [f"{guess.subject}: {guess.value}. {guess.reason}" for guess in guesses]
+    return [f"{guess.title}. {guess.reason}" for guess in guesses]
 
 
 def _round_trip(capture: Capture) -> Record | None:

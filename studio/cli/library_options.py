@@ -3,12 +3,12 @@
 import sys
 from argparse import Namespace
 
-from studio.cli.printing import progress_line
 from studio.core.errors import StudioError
 from studio.library.catalogue import Catalogue
 from studio.library.indexing import index, whole_library
 from studio.library.library import Library
 from studio.resources_folder import bundled_strikes_folder
+from studio.startup.progress import progress_line
 
 
 def library_with_clips(arguments: Namespace) -> Library:

@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.cli.adaptation import chosen_characters, ready_capture
 from studio.cli.library_options import library_with_clips
 from studio.cli.live_stage import run_live_stage
 from studio.cli.printing import STOPPED
 from studio.core.normalized.pieces import Piece
 from studio.io.importing import GUESS_ALL
+from studio.jobs.adaptation import chosen_characters, ready_capture
 from studio.library.mirroring import with_mirrored
 from studio.live.fight import ANY_STRIKE, ORDERS, Order, fight, orders_every
 from studio.live.fighter import Fighter

@@ -8,15 +8,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from studio.cli.adapt_report import REACHED_DEG, REACHED_MM, Record, residual_record
-from studio.cli.bundled_scenes import open_project
 from studio.cli.printing import STOPPED, print_json, print_table
-from studio.cli.render import prepared
-from studio.cli.warm_up import compile_first
 from studio.core.constraints.base import Constraint
 from studio.core.errors import StudioError
 from studio.core.project import Project
+from studio.jobs.adapt_report import REACHED_DEG, REACHED_MM, Record, residual_record
+from studio.jobs.bundled_scenes import open_project
+from studio.jobs.performances import prepared
 from studio.live.stage import LiveStage
+from studio.startup.kernel_warm_up import compile_first
 
 STEP = 1.0 / 60.0
 FULLY = 1.0 - 1e-9

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 
 from studio import __version__
 from studio.cli.printing import STOPPED
-from studio.cli.process import check_libraries, has_display, prepare_process
 from studio.core.errors import Stopped, StudioError
 from studio.io.registry import known_formats
+from studio.startup.process import check_libraries, has_display, prepare_process
 
 if TYPE_CHECKING:
-    from studio.cli.warm_up import WarmUp
+    from studio.startup.kernel_warm_up import WarmUp
 
 VERBS = {
     "info": "say what was read from a file, what was guessed, and how well it round-trips",
@@ -29,6 +29,7 @@ VERBS = {
     "formats": "list the kinds of files that can be read and written",
     "render": "draw a project or a capture as a picture or a film",
     "bench": "measure how long the studio's jobs take on this machine",
+    "script": "run a Python script that uses studio.api",
 }
 WORK_FAILED, NOBODY_READS = 1, 141
 """Exit codes; the second is that of a tool which a closed pipe ends."""
@@ -117,7 +118,8 @@ def open_window(files: Sequence[str] | None = None) -> int:
     found = entry_points(group="morpho_studio.window", name="main")
     if not found:
         raise StudioError("No window is installed. Install Morpho Studio with `pip install -e .` first.")
-    warm_up = import_module("studio.cli.warm_up").WarmUp(held=True)  # compiles beside, while the window is imported
+    # It compiles while the window is imported.
+    warm_up = import_module("studio.startup.kernel_warm_up").WarmUp(held=True)
     window: Callable[[Sequence[str] | None, WarmUp], int] = next(iter(found)).load()
     return window(files, warm_up)
 

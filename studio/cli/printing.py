@@ -1,10 +1,8 @@
 """What verbs print: tables for people, one JSON document for machines, progress beside both."""
 
 import json
-import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
-Progress = Callable[[float, str], None]
 STOPPED = 130
 """Exit code of a verb that Ctrl-C ends, as of any tool that a signal ends."""
 
@@ -28,17 +26,3 @@ def print_table(titles: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
 def counted(number: int, thing: str) -> str:
     """``1 character``, ``3 characters``."""
     return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
-
-
-def progress_line() -> Progress:
-    """Shows a share and a text on standard error, in place on a terminal, else a line every quarter."""
-    told = [-1]
-
-    def report(share: float, text: str) -> None:
-        if sys.stderr.isatty():
-            print(f"\r{share:4.0%} {text}\033[K", end="\n" if share >= 1.0 else "", file=sys.stderr, flush=True)
-        elif int(4 * share) > told[0]:
-            told[0] = int(4 * share)
-            print(f"{share:4.0%} {text}", file=sys.stderr)
-
-    return report

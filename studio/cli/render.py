@@ -8,26 +8,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.cli.adaptation import MOTION_ID, chosen_characters, make_folder, ready_capture
-from studio.cli.bundled_scenes import is_project, open_project
 from studio.cli.import_options import import_options
 from studio.cli.outputs import refuse_replacing
-from studio.cli.printing import Progress, counted, print_json, progress_line
-from studio.cli.process import check_libraries
-from studio.cli.warm_up import compile_first
-from studio.core.body.morphology import Morphology
-from studio.core.captures.capture import Capture
+from studio.cli.printing import counted, print_json
 from studio.core.errors import StudioError
-from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.normalize import normalize
 from studio.core.project import Project
-from studio.core.solver.adapt import adapt
-from studio.core.solver.performers.performing import Staged, perform
-from studio.core.solver.performers.rows import timing_of
-from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.staging import staged
 from studio.io.film import write_moving
 from studio.io.png import write_png
+from studio.jobs.adaptation import MOTION_ID, chosen_characters, make_folder, ready_capture
+from studio.jobs.bundled_scenes import is_project, open_project
+from studio.jobs.performances import performances, stage_duration
+from studio.startup.kernel_warm_up import compile_first
+from studio.startup.process import check_libraries
+from studio.startup.progress import Progress, progress_line
 
 Pixels = NDArray[np.uint8]
 
@@ -79,32 +73,6 @@ def staged_project(arguments: Namespace) -> Project:
     characters = chosen_characters(arguments.character)
     ready = ready_capture(arguments.source, import_options(arguments))
     return staged(ready.capture, ready.contacts, characters, MOTION_ID)
-
-
-def adapted_performers(project: Project) -> dict[str, AdaptedMotion]:
-    """The adapted motion of every visible performer that plays human motions."""
-    return {key: each.adapted for key, each in performances(project).performances.items()}
-
-
-def performances(project: Project) -> Staged:
-    """What is asked and what comes of it, of every visible performer that has a clip, and why some fail."""
-    shown = [key for key, each in project.performers.items() if each.visible and each.clips]
-    made = perform(project, shown, prepared, adapt)
-    return Staged(
-        {key: made.performances[key] for key in shown if key in made.performances},
-        {key: made.failures[key] for key in shown if key in made.failures},
-    )
-
-
-def prepared(capture: Capture) -> tuple[NormalizedMotion, Morphology]:
-    """A capture's motion, and the measures of its actor."""
-    motion, actor = normalize(capture)
-    return motion, actor.morphology
-
-
-def stage_duration(project: Project, performer_id: str) -> float:
-    """Seconds on the stage until a performer's last clip has ended."""
-    return timing_of(project, project.performers[performer_id]).end
 
 
 def renderer(kind: str) -> Callable[..., Any]:

@@ -3,13 +3,13 @@
 from argparse import Namespace
 from dataclasses import replace
 
-from studio.cli.adaptation import chosen_characters, ready_capture
 from studio.cli.arguments import KINDS, LIMBS
 from studio.cli.index import clip_record
 from studio.cli.library_options import library_with_clips
 from studio.cli.printing import print_json, print_table
 from studio.core.errors import StudioError
 from studio.io.importing import GUESS_ALL
+from studio.jobs.adaptation import chosen_characters, ready_capture
 from studio.library.searching import Asked, Result, find, place_before
 
 

@@ -5,24 +5,25 @@ from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
-from studio.cli.adapt_report import Record, figures
-from studio.cli.adaptation import make_folder
-from studio.cli.bundled_scenes import open_project
 from studio.cli.export_options import export_options
 from studio.cli.outputs import refuse_replacing
 from studio.cli.printing import print_json, print_table
-from studio.cli.render import performances
-from studio.cli.warm_up import compile_first
 from studio.core.errors import StudioError
 from studio.core.project import Project
 from studio.core.solver.performers.performing import Performance
 from studio.core.solver.source import played_on
 from studio.core.solver.standing.stand import standing_of
+from studio.core.stage.placement import Placement
 from studio.io.export import write_take
-from studio.io.export_options import ExportOptions
+from studio.io.exported_stage import exported_stage, write_stage
 from studio.io.registry import known_formats
 from studio.io.report_file import write_json
 from studio.io.staged_export import safe_name, take_of_performer
+from studio.jobs.adapt_report import Record, figures, place_record
+from studio.jobs.adaptation import make_folder
+from studio.jobs.bundled_scenes import open_project
+from studio.jobs.performances import performances
+from studio.startup.kernel_warm_up import compile_first
 
 OF_CAPTURES = ("capture", "character", "constraints", "ground", "place")
 """Arguments that a project answers itself."""
@@ -36,13 +37,16 @@ def run_stage(arguments: Namespace) -> int:
         what = "another motion" if given[0] == "capture" else f"--{given[0]}"
         raise StudioError(f"--stage adapts a project, which has all of its own: leave out {what}.")
     suffix = f".{arguments.format.lower().lstrip('.')}"
-    known = known_formats().suffixes("motion_writer")
+    known = known_formats().suffixes("stage_writer" if arguments.one_file else "motion_writer")
     if suffix not in known:
-        raise StudioError(f"'{arguments.format}' is not a kind of file for motions: choose {', '.join(known)}.")
-    options = replace(export_options(arguments), body_only=arguments.body_only)
+        what = "a whole stage" if arguments.one_file else "motions"
+        raise StudioError(f"'{arguments.format}' is not a kind of file for {what}: choose {', '.join(known)}.")
+    options = export_options(arguments)
     options.check(Path(f"motion{suffix}"))
     project = told(open_project(arguments.stage), arguments)
     paths = {key: arguments.out / name for key, name in file_names(project, suffix).items()}
+    if arguments.one_file:
+        paths = dict.fromkeys(paths, arguments.out / f"{arguments.stage.stem}{suffix}")
     if not paths:
         raise StudioError(f"Nobody who is shown in {arguments.stage.name} plays anything: there is nothing to adapt.")
     written = arguments.out / "report.json"
@@ -50,8 +54,15 @@ def run_stage(arguments: Namespace) -> int:
     compile_first()
     made = performances(project)
     make_folder(arguments.out)
+    if arguments.one_file:
+        path = next(iter(paths.values()))
+        write_stage(exported_stage(project, made.performances, options, path), path)
+    else:
+        for key, performance in made.performances.items():
+            take = take_of_performer(project, key, performance, along=options.carries(paths[key]))
+            write_take(options.applied_to(take, paths[key]), paths[key])
     records = [
-        performer_record(project, key, performance, paths[key], options, by_frame=arguments.by_frame)
+        performer_record(project, key, performance, paths[key], by_frame=arguments.by_frame)
         for key, performance in made.performances.items()
     ]
     failed = [{"name": project.performers[key].name, "error": reason} for key, reason in made.failures.items()]
@@ -61,7 +72,7 @@ def run_stage(arguments: Namespace) -> int:
         print_json(report)
     else:
         print_stage(report)
-        print("\nWritten:", *(paths[key] for key in made.performances), written, sep="\n  ")
+        print("\nWritten:", *dict.fromkeys(paths[key] for key in made.performances), written, sep="\n  ")
     return 1 if failed else 0
 
 
@@ -96,18 +107,15 @@ def _free(stem: str, taken: Iterable[str], suffix: str) -> str:
     return name
 
 
-def performer_record(
-    project: Project, key: str, performance: Performance, path: Path, options: ExportOptions, *, by_frame: bool
-) -> Record:
-    """A performer's file, and its part of the report."""
-    take = take_of_performer(project, key, performance, along=options.carries(path))
-    write_take(options.applied_to(take, path), path)
+def performer_record(project: Project, key: str, performance: Performance, path: Path, *, by_frame: bool) -> Record:
+    """A performer's part of the report."""
     request, composite = performance.request, performance.composite
     source = played_on(composite.motion, request.actor or request.morphology.still)
     performer = project.performers[key]
     return {
         "name": performer.name,
         "file": str(path),
+        "place": place_record(Placement.of(performer)),
         "clips": [project.motions[clip.motion_id].name for clip in performer.clips],
         "begin": composite.timing.start,
         "frame_rate": composite.timing.frame_rate,

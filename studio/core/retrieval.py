@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from studio.core.body.canonical import BodyLayout
-from studio.core.kernels import retrieval as at
+from studio.core.kernels import pose_search as at
 
 FloatArray = NDArray[np.float64]
 Rows = NDArray[np.float32]
@@ -19,7 +19,7 @@ IntArray = NDArray[np.int64]
 
 BLOCK = 8
 """Frames that are judged together by the one in their middle."""
-BYTES_A_FRAME = 4 * at.WIDTH + (4 * at.WIDTH + 8 * (1 + 4 + 3 + 1)) // BLOCK
+BYTES_A_FRAME = 4 * at.POSE_WIDTH + (4 * at.POSE_WIDTH + 8 * (1 + 4 + 3 + 1)) // BLOCK
 """In the table of poses (on disk, as far as nobody asks for them), and of the blocks (in memory)."""
 
 
@@ -33,10 +33,10 @@ def searched_points(layout: BodyLayout) -> IntArray:
 def pose_rows(positions: FloatArray, layout: BodyLayout) -> Rows:
     """(F, 64) the rows that are searched, of bodies (F, P, 3) above the ground; all points weigh the same."""
     points = positions[:, searched_points(layout)]
-    rows = np.zeros((len(points), at.WIDTH), dtype=np.float32)
+    rows = np.zeros((len(points), at.POSE_WIDTH), dtype=np.float32)
     middle = points[..., :2].mean(axis=1)
-    rows[:, at.MIDDLE : at.MIDDLE + 2] = middle
-    weight = np.sqrt(1.0 / at.JOINTS)
+    rows[:, at.POSE_CENTRE : at.POSE_CENTRE + 2] = middle
+    weight = np.sqrt(1.0 / at.POSE_JOINTS)
     rows[:, : at.Y] = weight * (points[..., 0] - middle[:, :1])
     rows[:, at.Y : at.Z] = weight * (points[..., 1] - middle[:, 1:])
     rows[:, at.Z : at.SQUARE] = weight * points[..., 2]
@@ -46,7 +46,7 @@ def pose_rows(positions: FloatArray, layout: BodyLayout) -> Rows:
 
 def row_points(rows: ArrayLike) -> FloatArray:
     """(..., 20, 3) metres of the searched points of pose rows (..., 64), about their middle and above the ground."""
-    poses = np.asarray(rows, dtype=np.float64) / np.sqrt(1.0 / at.JOINTS)
+    poses = np.asarray(rows, dtype=np.float64) / np.sqrt(1.0 / at.POSE_JOINTS)
     return np.stack([poses[..., : at.Y], poses[..., at.Y : at.Z], poses[..., at.Z : at.SQUARE]], axis=-1)
 
 
@@ -109,10 +109,12 @@ class SearchTable:
         return Blocks.of(self)
 
     @cached_property
-    def searched(self) -> at.Table:
+    def searched(self) -> at.SearchTable:
         """As the kernels take it."""
         blocks = self.blocks
-        return at.Table(self.rows, self.paths, self.clips, blocks.spans, blocks.middles, blocks.radii, blocks.rings)
+        return at.SearchTable(
+            self.rows, self.paths, self.clips, blocks.spans, blocks.middles, blocks.radii, blocks.rings
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,13 +184,13 @@ def search(table: SearchTable, query: Query, count: int = 8, allowed: ArrayLike 
     """
     among = np.ones(table.clip_count, dtype=np.bool_) if allowed is None else np.asarray(allowed, dtype=np.bool_)
     bounds = np.empty(len(table.blocks.spans))
-    asked = at.Query(query.poses, query.targets, float(query.posture_weight), float(query.reach_weight))
+    asked = at.SearchQuery(query.poses, query.targets, float(query.posture_weight), float(query.reach_weight))
     if not len(bounds) or count < 1:
         return []
     at.bound_blocks(table.searched, among, asked, bounds)
     begin = min(2 * count, len(bounds))
     first = np.argpartition(bounds, begin - 1)[:begin]
-    found = at.Found(np.empty((count, 4)), np.empty((count, 3), dtype=np.int64))
+    found = at.SearchHits(np.empty((count, 4)), np.empty((count, 3), dtype=np.int64))
     at.search_blocks(first[np.argsort(bounds[first])], bounds, table.searched, asked, found)
     begins = table.first_rows
     return [

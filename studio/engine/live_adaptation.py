@@ -8,14 +8,13 @@ from typing import Any
 import numpy as np
 from PySide6.QtCore import QCoreApplication, QObject, QTimer, Signal
 
-from studio.cli.warm_up import WarmUp
 from studio.core.body.morphology import Morphology
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.project import Performer, Project
 from studio.core.project_cache import forget_project
-from studio.core.solver.performers.circles import solve_circle
+from studio.core.solver.performers.circles import solve_cycle
 from studio.core.solver.performers.rows import frame_count_of, timing_of
 from studio.core.solver.performers.stage import in_order, leaders_of
 from studio.core.solver.request import AdaptedMotion
@@ -29,6 +28,7 @@ from studio.engine.solve_cache import SolveCache
 from studio.engine.solver_kernels import SolverKernels
 from studio.engine.standing_solver import StandingSolver
 from studio.engine.wanted import Prepare, Wanted, player_of, wanted_of
+from studio.startup.kernel_warm_up import WarmUp
 
 WINDOW_SECONDS = 0.75
 WINDOW_MILLISECONDS, REST_MILLISECONDS = 120, 150
@@ -406,7 +406,7 @@ class LiveAdaptation(QObject):
             [(key, player)] = players.items()
             answers: Mapping[str, AdaptedMotion] = {key: self._solve(player.request, first, last)}
         else:
-            answers = solve_circle(players, lambda _, request: self._solve(request, 0, None)).results
+            answers = solve_cycle(players, lambda _, request: self._solve(request, 0, None)).results
         adapted = {key: replace(answer, composite=players[key].composite) for key, answer in answers.items()}
         return Solved(adapted, wanted, asked_at, last is None)
 

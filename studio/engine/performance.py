@@ -1,5 +1,6 @@
 """What a performer does at a moment of the stage: its clip's frame, its pose, its place."""
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -8,11 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.rest_pose import rest_pose
+from studio.core.constraints.activation import EaseShape, ease
 from studio.core.normalized.pieces import Played
 from studio.core.project import Performer, Project
 from studio.core.solver.performers.rows import timing_of
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.clip import Clip
+from studio.core.stage.holding import grip_on
 from studio.core.stage.placement import Placement
 from studio.core.stage.timing import Timing
 from studio.document.document import Document
@@ -54,6 +57,11 @@ class Posed:
     """Whether it only stands and waits for its motion."""
     around: AdaptedMotion | None = None
     """The newest motion over time, where ``motion`` is only the frame that is shown."""
+
+    holding: float = 0.0
+    """From 0 to 1, as its hands come to a prop and leave it."""
+    holding_grip: float = 0.0
+    """Grip of hands that hold that prop."""
 
     @property
     def frame(self) -> int:
@@ -103,7 +111,8 @@ class Posed:
         return clips[min(place, len(clips) - 1)] if clips else None
 
     def grip(self, own: float) -> float:
-        """From -1, open, to 1, fists: how the clips that play about now hold the hands, else its ``own`` way."""
+        """From -1, open, to 1, fists: as the clips that play about now say, else as props need it, else its ``own``."""
+        own += self.holding * (self.holding_grip - own)
         clips, composite = self.performer.clips, self.motion.composite
         if composite is None or all(clip.grip is None for clip in clips):
             return own
@@ -143,8 +152,28 @@ def posed_performers(
         motion = result_of(performer_id) if character is not None else None
         # A result may still be of the body that the performer had before.
         if motion is not None and character is not None and motion.morphology.layout == character.build.layout:
-            posed[performer_id] = replace(pose_of(project, performer, motion, time), around=around(performer_id))
+            weight, grip = _holding(project, performer_id, time)
+            posed[performer_id] = replace(
+                pose_of(project, performer, motion, time),
+                around=around(performer_id),
+                holding=weight,
+                holding_grip=grip,
+            )
     return posed
+
+
+def _holding(project: Project, performer_id: str, time: float) -> tuple[float, float]:
+    """Weight from 0 to 1 with which a performer's hands hold a prop at a second of the stage, and their grip on it."""
+    found = (0.0, 0.0)
+    for prop in project.props.values():
+        for hold in prop.holds:
+            grip = grip_on(prop, hold) if hold.performer_id == performer_id else None
+            if grip is not None:
+                since = math.inf if hold.begin is None else time - hold.begin
+                left = math.inf if hold.end is None else hold.end - time
+                weight = float(ease(1.0 + min(since, left) / CLOSING, EaseShape.QUINTIC))
+                found = max(found, (weight, grip))
+    return found
 
 
 def seen_now(document: Document, live: Live) -> tuple[Project, float, dict[str, Posed]]:

@@ -1,5 +1,6 @@
 """Where props are at a moment of the stage, for every view."""
 
+import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -14,12 +15,16 @@ from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.project import Project
 from studio.core.rotations import from_matrix, multiply, to_matrix
 from studio.core.solver.performers.rows import timing_of
+from studio.core.stage.holding import quarters
 from studio.core.stage.prop import Carried, InHand, Prop
+from studio.engine.grasps import chest_heading
 from studio.engine.performance import Posed
 
 FloatArray = NDArray[np.float64]
 
 HANDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)
+NEAR = 0.3
+"""Metres from a point of a body to the surface of a prop that is held beside it, where it is."""
 CLEAR, RAISED = 0.28, 0.2
 """Leg lengths from the root forward to a prop that is carried before the body, and up to its middle, at least."""
 
@@ -61,10 +66,10 @@ def props_at(project: Project, posed: Mapping[str, Posed], time: float) -> dict[
 
 def moved_prop(pose: PropPose, place: FloatArray) -> Prop:
     """The prop with its centre at ``place`` (3,) then: there for good, by a key or another centre, or in another
-    place of the hands.
+    place of the hands. At the moment at which it is picked up, it is picked up there.
     """
     prop, way = pose.prop, place - pose.place
-    match prop.held_at(pose.time):
+    match None if prop.lies_at(pose.time) else prop.held_at(pose.time):
         case InHand() as held:
             x, y, z = (np.array(held.point.offset) + to_matrix(np.array(held.turn)) @ pose.axes.T @ way).tolist()
             return prop.with_hold(held, replace(held, point=replace(held.point, offset=(x, y, z))))
@@ -82,7 +87,9 @@ def moved_prop(pose: PropPose, place: FloatArray) -> Prop:
 def turned_prop(pose: PropPose, angle: float) -> Prop:
     """The prop turned by ``angle`` radians about Z through its centre."""
     prop = pose.prop
-    held = prop.held_at(pose.time)
+    held = None if prop.lies_at(pose.time) else prop.held_at(pose.time)
+    if isinstance(held, Carried):
+        return prop.with_hold(held, replace(held, heading=wrapped(held.heading + angle)))
     if isinstance(held, InHand):
         about = np.array([0.0, 0.0, math.sin(angle / 2), math.cos(angle / 2)])
         turn = multiply(np.array(held.turn), from_matrix(pose.axes.T @ to_matrix(about) @ pose.axes))
@@ -113,29 +120,65 @@ def unheld(pose: PropPose, *, keyed: bool) -> Prop:
 
 
 def in_hand(pose: PropPose, performer_id: str, point: BodyPoint, holder: Posed) -> InHand:
-    """How the prop is fixed to a point of a body, at the middle of the palm where that is a hand, turned as it is."""
+    """How the prop is fixed to a point of a body, turned as it is: at the middle of the palm where that is a hand.
+
+    On a foot, the seat or another part it stays where it is beside the point, or comes to it from farther off.
+    """
     motion, row, layout = holder.motion, holder.row, holder.motion.morphology.layout
     from studio.core.solver.asking.points import point_indices  # loads kernels
 
     origin, segment = point_indices(point, layout)
     axes = motion.rotations[row, segment]
-    far, _ = point_indices(replace(point, at_end=not point.at_end), layout)
-    middle = (motion.positions[row, far] - motion.positions[row, origin]) / 2 if point.part in HANDS else np.zeros(3)
-    x, y, z = (axes.T @ middle).tolist()
+    if point.part in HANDS:
+        far, _ = point_indices(replace(point, at_end=not point.at_end), layout)
+        offset = (motion.positions[row, far] - motion.positions[row, origin]) / 2
+    else:
+        offset = holder.placement.to_motion(pose.place) - motion.positions[row, origin]
+        if np.linalg.norm(offset) > NEAR + max(pose.prop.size) / 2:
+            offset = np.zeros(3)
+    x, y, z = (axes.T @ offset).tolist()
     turn = from_matrix((holder.placement.rotation @ axes).T @ pose.axes)
     return InHand(performer_id, replace(point, offset=(x, y, z)), tuple(turn.tolist()))
 
 
-def between_hands(prop: Prop, performer_id: str, holder: Posed) -> Carried:
-    """How a prop is carried in both hands: between them where the motion has them before the body, else there."""
+def between_hands(
+    prop: Prop, performer_id: str, holder: Posed, *, heading: float | None = None, lift: float | None = None
+) -> Carried:
+    """How a prop is carried in both hands: between them where the motion has them before the body, else there.
+
+    Where it is to keep a ``heading`` on the stage, that is the nearest by quarter turns from the chest's. With a
+    ``lift`` it is where the motion has the hands, so many metres above their middle.
+    """
     from studio.core.solver.performers.props import carried_track  # loads kernels
 
     motion, held = holder.over_time, Carried(performer_id)
     known, body = motion.unasked or motion, motion.body
-    track = carried_track(held, known.positions[:], known.rotations[:], body)
-    ways = np.einsum("fji,fj->fi", track.rotations, track.places - known.positions[:, 0]) / body.leg_length
-    ahead, aside, up = ways.mean(axis=0).tolist()
-    needed = CLEAR + prop.size[0] / 2 / body.leg_length
-    if ahead >= needed:
-        return held
-    return replace(held, offset=(needed - ahead, -aside, max(RAISED - up, 0.0)))
+    turned = 0 if heading is None else quarters(heading - chest_heading(holder))
+    if lift is not None:
+        held = replace(held, offset=(0.0, 0.0, lift / body.leg_length))
+    else:
+        track = carried_track(held, known.positions[:], known.rotations[:], body)
+        ways = np.einsum("fji,fj->fi", track.rotations, track.places - known.positions[:, 0]) / body.leg_length
+        ahead, aside, up = ways.mean(axis=0).tolist()
+        needed = CLEAR + prop.size[turned % 2] / 2 / body.leg_length
+        if ahead < needed:
+            held = replace(held, offset=(needed - ahead, -aside, max(RAISED - up, 0.0)))
+    return replace(held, heading=wrapped(turned * math.pi / 2))
+
+
+def takes_lower(prop: Prop, giver: Carried, taker: Carried) -> bool:
+    """True if a receiver's hands come to the sides that the giver's hold, so that they have to go below them.
+
+    Who has taken it so itself gives it to hands in the middle.
+    """
+    giving, taking = (quarters(each.heading) for each in (giver, taker))
+    handed = sum(one.end == after.begin for one, after in itertools.pairwise(prop.holds))
+    return giving % 2 == taking % 2 and handed % 2 == 0
+
+
+def wrists_from(pose: PropPose, holder: Posed) -> float:
+    """Metres from a body's wrists to a prop's surface, of the farther one."""
+    layout = holder.motion.morphology.layout
+    wrists = np.stack([holder.points[layout.wrist(side)] for side in range(2)])
+    inside = np.abs((wrists - pose.place) @ pose.axes) - np.array(pose.prop.size) / 2
+    return float(np.linalg.norm(np.maximum(inside, 0.0), axis=1).max())

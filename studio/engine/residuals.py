@@ -88,7 +88,7 @@ def missed_by(project: Project, performer_id: str, motion: AdaptedMotion | None,
         return None
     composite = motion.composite
     if composite is None or composite.is_plain:
-        return Missed(motion.first_frame, motion.frame_rate, motion.residuals[rows[0]])
+        return Missed(motion.first_frame, motion.frame_rate, np.fmax.reduce(motion.residuals[rows], axis=0))
     clip = performer.clips[asked[rows[0]].clip]
     capture = project.captures[project.motions[clip.motion_id].capture_id]
     amounts = np.full(capture.frame_count, np.nan)
@@ -149,6 +149,6 @@ def _activation(
 @project_cache(maxsize=64)
 def _freedom(contacts: tuple[ContactInterval, ...], part: BodyPart, frame_count: int, frame_rate: float) -> FloatArray:
     from studio.core.solver.asking.points import limb_of
-    from studio.core.solver.standing.carrying import limb_freedom  # not before a result is there: it loads kernels
+    from studio.core.solver.standing.body_support import limb_freedom  # not before a result is there: it loads kernels
 
     return limb_freedom(contacts, limb_of(part), frame_count, frame_rate)

@@ -4,10 +4,10 @@ from collections.abc import Iterable
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
-from studio.cli.warm_up import WarmUp
 from studio.core.project import Project
 from studio.core.solver.performers.stage import asked_of
 from studio.engine.tasks import PATIENCE
+from studio.startup.kernel_warm_up import WarmUp
 
 LOOKED_AT_MILLISECONDS = 100
 

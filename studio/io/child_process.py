@@ -3,7 +3,6 @@
 import os
 import queue
 import subprocess
-import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -14,6 +13,8 @@ ROOT = Path(__file__).resolve().parents[2]
 """Where ``python -m studio...`` finds this studio."""
 BEHIND = 5
 """How much nicer than this process a child is by default: of two that want a processor, it gets a quarter."""
+POSIX = os.name == "posix"
+"""Process groups and niceness exist; Windows has neither."""
 LEAST = 19
 """The nicest that a process can be."""
 POLL = 0.05
@@ -35,10 +36,10 @@ def child_process(
     Where processors are scarce it is ``behind`` this one, which may have a window to keep alive. Ctrl-C in a terminal
     ends this one alone, and so both.
     """
-    apart = None if sys.platform == "win32" else 0
-    process = subprocess.Popen(command, stdin=stdin, stdout=stdout, stderr=stderr, cwd=ROOT, process_group=apart)
+    group = 0 if POSIX else None
+    process = subprocess.Popen(command, stdin=stdin, stdout=stdout, stderr=stderr, cwd=ROOT, process_group=group)
     try:
-        if sys.platform != "win32":
+        if POSIX:
             own = os.getpriority(os.PRIO_PROCESS, 0)  # which only root may go below
             os.setpriority(os.PRIO_PROCESS, process.pid, min(own + behind, LEAST))
         yield process

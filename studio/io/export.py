@@ -15,13 +15,19 @@ from studio.core.captures.annotations import Annotations
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import Touch
 from studio.core.errors import StudioError
+from studio.core.mesh.appearance import Material
+from studio.core.mesh.joint_skin import JointSkin, bone_skin, character_skin
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.realize import own_poses
 from studio.core.rotations import IDENTITY
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.stage.placement import Placement
 from studio.io.registry import Format, Progress, known_formats
 
 _STILL_RATE = 30.0
+NOWHERE = Placement()
+"""The place of who stands on no stage."""
+_BONES = "#C8CDD2"
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +44,12 @@ class Take:
     adapted: AdaptedMotion | None = None
     request: AdaptRequest | None = None
     """What ``adapted`` answers: the normalised motion, contacts, constraints."""
+    bound: JointSkin | None = None
+    """The skin on the joints as they are written, where options have changed these; else ``skin_of`` makes it."""
+    place: Placement = Placement()
+    """Where the space of its poses stands on the stage."""
+    begin: float = 0.0
+    """Seconds on the stage at which it begins."""
 
     @property
     def name(self) -> str:
@@ -67,6 +79,18 @@ class Take:
     def frame_rate(self) -> float:
         """Hz."""
         return self.capture.frame_rate
+
+
+def skin_of(take: Take) -> JointSkin:
+    """The character's skin on the joints of ``take``, or a figure of bones where there is none."""
+    if take.bound is not None:
+        return take.bound
+    return character_skin(take.character, take.skeleton) if take.character else bone_skin(take.skeleton)
+
+
+def plain_material(take: Take) -> Material:
+    """The one material of a skin that has no appearance."""
+    return Material(take.name, take.character.colour if take.character else _BONES)
 
 
 def take_of_capture(capture: Capture, annotations: Annotations | None = None) -> Take:
@@ -117,15 +141,27 @@ def take_of_adapted(
     return Take(capture, _met(request, adapted), character, adapted, request)
 
 
-def take_of_actor(adapted: AdaptedMotion, actor: Actor, capture: Capture, request: AdaptRequest | None = None) -> Take:
+def take_of_actor(
+    adapted: AdaptedMotion,
+    actor: Actor,
+    capture: Capture,
+    request: AdaptRequest | None = None,
+    place: Placement = NOWHERE,
+) -> Take:
     """A motion adapted to the actor of its own capture, on the capture's joints: fingers, eyes, props and all others
     that play no part of the body move as they were captured.
+
+    It stays where it was captured, or stands at ``place`` on the stage where one is chosen.
     """
     try:
         poses = own_poses(actor, adapted.positions[:], adapted.rotations[:], adapted.first_frame)
     except StudioError as error:
         raise StudioError(f"The motion of {capture.name} cannot be exported: {error}") from error
-    return Take(replace(capture, poses=poses, first_frame=0), _met(request, adapted), None, adapted, request)
+    take = Take(replace(capture, poses=poses, first_frame=0), _met(request, adapted), None, adapted, request)
+    if place == NOWHERE:
+        return take
+    x, y, _ = (-actor.origin).tolist()
+    return replace(take, place=place.around(Placement((x, y))))
 
 
 def _met(request: AdaptRequest | None, adapted: AdaptedMotion) -> Annotations:

@@ -1,19 +1,34 @@
-"""What the user chooses of a file that is written, beside its kind."""
+"""What the user chooses of a file that is written, beside its kind: the same for all kinds and all doors."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.pose import PoseSequence
+from studio.core.body.pose_sampling import poses_at
+from studio.core.body.root_motion import in_place, with_root_joint
 from studio.core.body.zero_pose import t_pose, with_zero_pose
+from studio.core.captures.annotations import Annotations
 from studio.core.errors import StudioError
-from studio.core.mesh.joint_skin import character_skin
-from studio.io.export import Take
+from studio.core.rotations import from_matrix, multiply
+from studio.core.stage.placement import Placement
+from studio.io.export import Take, skin_of
 from studio.io.joint_names import with_joint_names
 
-REST_POSES = {"t": "T-pose", "own": "the body's own"}
-"""In which pose every angle of a file is zero, by key."""
+FloatArray = NDArray[np.float64]
 
-CARRYING = (".bvh", ".glb", ".gltf", ".usd", ".usda", ".usdc")
-"""Kinds of files in which a character carries the capture's fingers, props and other joints along."""
+REST_POSES = {"t": "T-pose", "own": "Bind pose"}
+"""In which pose every angle of a file is zero, by key."""
+ROOTS = {"": "Hips travel", "floor": "Root joint on floor", "in-place": "In place"}
+"""Where the travel of a body is kept, by key."""
+
+SKELETAL = (".bvh", ".fbx", ".glb", ".gltf", ".usd", ".usda", ".usdc", ".usdz")
+"""Kinds of files that hold a skeleton: a character carries the capture's fingers, props and other joints along in them,
+and they have a zero pose."""
+_ENDS = 1e-6
+"""A part of a frame by which a range may be too short for it."""
 
 
 @dataclass(frozen=True)
@@ -23,29 +38,145 @@ class ExportOptions:
     joint_names: str = ""
     """A key of ``joint_names.joint_namings``."""
     rest_pose: str = ""
-    """A key of ``REST_POSES``, for BVH: ``own`` is the pose in which a character's skin is bound, or the file's own."""
+    """A key of ``REST_POSES``: ``own`` is the pose in which a character's skin is bound, or the file's own."""
     body_only: bool = False
     """Leave out what a capture has beside the body: fingers, eyes, twist bones, props."""
+    begin: float | None = None
+    """The first second that is written: of the motion, or of the stage for who plays on one."""
+    end: float | None = None
+    """The last one."""
+    frame_rate: float | None = None
+    """Hz; frames between those of the motion are interpolated."""
+    root: str = ""
+    """A key of ``ROOTS``."""
+    at_origin: bool = False
+    """Leave a body where its own motion begins, instead of where it stands on the stage."""
 
     def carries(self, path: Path) -> bool:
         """Whether a character's file is to have the capture's other joints as well: skeletons have them, tables not."""
-        return not self.body_only and path.suffix.lower() in CARRYING
+        return not self.body_only and path.suffix.lower() in SKELETAL
 
     def check(self, path: Path) -> None:
         """Raise StudioError where a choice does not fit the kind of file that ``path`` is."""
-        if self.rest_pose and path.suffix.lower() != ".bvh":
-            raise StudioError(f"{path.name}: only BVH has a rest pose to choose; others keep the skin's own.")
-        if self.rest_pose and self.rest_pose not in REST_POSES:
-            raise StudioError(f"There is no rest pose '{self.rest_pose}'. Choose {', '.join(REST_POSES)}.")
+        if self.rest_pose and path.suffix.lower() not in SKELETAL:
+            raise StudioError(f"{path.name} has no rest pose to choose. Skeletons have: {', '.join(SKELETAL)}.")
+        for name, value, known in (("rest pose", self.rest_pose, REST_POSES), ("root", self.root, ROOTS)):
+            if value and value not in known:
+                raise StudioError(f"There is no {name} '{value}'. Choose {', '.join(filter(None, known))}.")
+        if self.begin is not None and self.end is not None and self.begin > self.end:
+            raise StudioError(f"A range runs from a second to a later one, not from {self.begin:g} to {self.end:g}.")
 
     def applied_to(self, take: Take, path: Path) -> Take:
         """``take`` as it shall be written to ``path``. Raises StudioError where a choice does not fit."""
         self.check(path)
-        capture = take.capture
-        if self.rest_pose == "t" and take.character is None:
-            capture = with_zero_pose(capture, t_pose(capture))
-        elif self.rest_pose == "own" and take.character is not None:
-            capture = with_zero_pose(capture, character_skin(take.character, capture.skeleton).bind_rotations)
+        if path.suffix.lower() == ".s4d" and take.annotations.constraints and self._is_timed(take):
+            raise StudioError(
+                f"{path.name}: the constraints of '{take.name}' count from its first frame. Write all of it at its own"
+                " frame rate, or another kind of file."
+            )
+        return self._shaped(self._timed(take) if self._is_timed(take) else take)
+
+    def applied_over(self, take: Take, seconds: FloatArray, frame_rate: float, path: Path) -> Take:
+        """``applied_to`` in frames at ``seconds`` (N,) of the stage, whatever the range is; outside its own the take
+        holds still.
+        """
+        self.check(path)
+        return self._shaped(sampled(take, seconds - take.begin, frame_rate))
+
+    def _shaped(self, take: Take) -> Take:
+        """The take in its place, with the joints, the zero pose and the names that are chosen."""
+        if not self.at_origin:
+            take = placed(take)
+        take = self._from_rest_pose(take)
+        if self.root == "floor":
+            bound = skin_of(take).with_joint_above() if take.character else None
+            take = replace(take, capture=with_root_joint(take.capture), bound=bound)
+        elif self.root == "in-place":
+            take = replace(take, capture=in_place(take.capture))
         if self.joint_names:
-            capture = with_joint_names(capture, self.joint_names)
-        return take if capture is take.capture else replace(take, capture=capture)
+            take = replace(take, capture=with_joint_names(take.capture, self.joint_names))
+        return take
+
+    def _is_timed(self, take: Take) -> bool:
+        """Whether other frames are written than those of the take."""
+        others = self.frame_rate not in (None, take.frame_rate)
+        return others or self.begin is not None or self.end is not None
+
+    def _timed(self, take: Take) -> Take:
+        """The take in the frames that are chosen."""
+        own, rate = take.frame_rate, self.frame_rate or take.frame_rate
+        last = (take.poses.frame_count - 1) / own
+        start = 0.0 if self.begin is None else max(self.begin - take.begin, 0.0)
+        stop = last if self.end is None else min(self.end - take.begin, last)
+        if start > stop + _ENDS / rate:
+            raise StudioError(
+                f"'{take.name}' plays from second {take.begin:.2f} to {take.begin + last:.2f}: none of it lies in the"
+                " range. Choose another range."
+            )
+        if rate == own:
+            start = round(start * own) / own
+        count = int((stop - start) * rate + _ENDS) + 1
+        return sampled(take, start + np.arange(count) / rate, rate)
+
+    def _from_rest_pose(self, take: Take) -> Take:
+        """The take with its angles counted from the pose that is chosen."""
+        if self.rest_pose == "t" and take.character is None:
+            return replace(take, capture=with_zero_pose(take.capture, t_pose(take.capture)))
+        if self.rest_pose == "own" and take.character is not None:
+            skin = skin_of(take)
+            capture = with_zero_pose(take.capture, skin.bind_rotations)
+            return replace(take, capture=capture, bound=skin.counted_from(skin.bind_rotations))
+        return take
+
+
+def sampled(take: Take, seconds: FloatArray, frame_rate: float) -> Take:
+    """The take at ``seconds`` (N,) from its own first frame, as N frames at ``frame_rate``."""
+    frames = seconds * take.frame_rate
+    first, last = frames[0], frames[-1]
+
+    def moved(frame: int) -> int:
+        return round(float(min(max(frame, first), last) - first) / take.frame_rate * frame_rate)
+
+    capture = replace(
+        take.capture,
+        poses=poses_at(take.poses, frames),
+        frame_rate=frame_rate,
+        first_frame=min(moved(take.capture.first_frame), len(frames) - 1),
+        markers=None,
+    )
+    spans = take.annotations
+    kept = {
+        name: tuple(
+            replace(each, first=moved(each.first), last=moved(each.last))
+            for each in getattr(spans, name)
+            if each.first <= last and each.last >= first
+        )
+        for name in ("contacts", "labels")
+        if getattr(spans, name) is not None
+    }
+    adapted = take.adapted
+    if adapted is not None:
+        rows = np.clip(np.rint(frames), 0, adapted.frame_count - 1).astype(np.int64)
+        adapted = replace(
+            adapted,
+            frame_rate=frame_rate,
+            positions=adapted.positions[rows],
+            rotations=adapted.rotations[rows],
+            residuals=adapted.residuals[:, rows],
+        )
+    annotations = Annotations(kept.get("contacts"), spans.constraints, kept["labels"])
+    return replace(
+        take, capture=capture, annotations=annotations, adapted=adapted, begin=take.begin + float(seconds[0])
+    )
+
+
+def placed(take: Take) -> Take:
+    """The take where it stands on the stage."""
+    capture, place = take.capture, take.place
+    if place.position == (0.0, 0.0) and place.heading == 0.0:
+        return take
+    turn = from_matrix(place.rotation)
+    rotations, translations = np.array(capture.poses.local_rotations), np.array(capture.poses.local_translations)
+    rotations[:, 0] = multiply(turn, rotations[:, 0])
+    translations[:, 0] = place.to_stage(translations[:, 0])
+    return replace(take, capture=replace(capture, poses=PoseSequence(rotations, translations)), place=Placement())

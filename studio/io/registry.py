@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from studio.core.body.character import Character
     from studio.core.captures.capture import Capture, Guess
     from studio.io.export import Take
+    from studio.io.exported_stage import ExportedStage
     from studio.io.importing import ImportOptions
 
 Progress = Callable[[float, str], None]
@@ -91,6 +92,8 @@ class Format:
     holds decides. Without it every file of such a kind is a character."""
     motion_writer: str = ""
     """``(path, take: Take, progress: Progress) -> None``."""
+    stage_writer: str = ""
+    """``(path, stage: ExportedStage, progress: Progress) -> None``: all performers and props in one file."""
     character_writer: str = ""
     """``(path, character: Character, progress: Progress) -> None``."""
 
@@ -101,8 +104,8 @@ class Format:
 
     @property
     def writes(self) -> list[str]:
-        """What can be written to it: ``motion``, ``character``."""
-        return [what for what in ("motion", "character") if getattr(self, f"{what}_writer")]
+        """What can be written to it: ``motion``, ``stage``, ``character``."""
+        return [what for what in ("motion", "stage", "character") if getattr(self, f"{what}_writer")]
 
     def recognises(self, head: bytes) -> bool:
         """Whether a file that begins with ``head`` is one of this kind."""
@@ -144,6 +147,10 @@ class Format:
         """The whole file or none of it; raises StudioError."""
         self._function("motion_writer")(path, take, progress)
 
+    def write_stage(self, path: Path, stage: "ExportedStage", progress: Progress) -> None:
+        """The whole file or none of it; raises StudioError."""
+        self._function("stage_writer")(path, stage, progress)
+
     def write_character(self, path: Path, character: "Character", progress: Progress) -> None:
         """The whole file or none of it; raises StudioError."""
         self._function("character_writer")(path, character, progress)
@@ -174,6 +181,8 @@ OWN_FORMATS = (
         capture_reader="studio.io.fbx.format:load_capture",
         character_reader="studio.io.fbx.format:load_character",
         reader="studio.io.fbx.format:load_either",
+        motion_writer="studio.io.fbx.take_writer:write_take",
+        stage_writer="studio.io.fbx.stage_writer:write_stage",
     ),
     Format(
         name="S4D",
@@ -190,6 +199,7 @@ OWN_FORMATS = (
         character_reader="studio.io.gltf.character:load_character",
         reader="studio.io.gltf.format:load_either",
         motion_writer="studio.io.gltf.take_writer:write_take",
+        stage_writer="studio.io.gltf.take_writer:write_stage",
     ),
     Format(
         name="VRM",
@@ -207,6 +217,7 @@ OWN_FORMATS = (
         name="USD",
         suffixes=(".usd", ".usda", ".usdc", ".usdz"),
         motion_writer="studio.io.usd.writer:write_take",
+        stage_writer="studio.io.usd.writer:write_stage",
     ),
     Format(
         name="Table of joints",

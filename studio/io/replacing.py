@@ -125,7 +125,7 @@ def _see_onto_disk(part: Path) -> None:
 
 
 def _see_folder_onto_disk(folder: Path) -> None:
-    if os.name == "nt":
+    if not hasattr(os, "O_DIRECTORY"):  # Windows opens no folder
         return
     handle = os.open(folder, os.O_RDONLY)
     try:

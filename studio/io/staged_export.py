@@ -11,6 +11,7 @@ from studio.core.normalized.normalize import normalize
 from studio.core.project import Project
 from studio.core.solver.performers.performing import Performance
 from studio.core.solver.performers.rows import is_plain, timing_of
+from studio.core.stage.placement import Placement
 from studio.io.export import Take, take_of_adapted
 
 
@@ -35,7 +36,12 @@ def take_of_performer(project: Project, performer_id: str, performance: Performa
     alone = len(clips) == 1 and is_plain(clips[0])
     carried = (capture, normalize(capture)[1]) if along and alone and other_joints(capture) else None
     take = take_of_adapted(performer.name, performance.played, character, performance.request, carried)
-    return replace(take, annotations=replace(take.annotations, labels=labels_played(project, performer_id)))
+    return replace(
+        take,
+        annotations=replace(take.annotations, labels=labels_played(project, performer_id)),
+        place=Placement.of(performer),
+        begin=performance.composite.timing.start,
+    )
 
 
 def labels_played(project: Project, performer_id: str) -> tuple[Label, ...]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.cluster.vq import kmeans2
 
-from studio.core.kernels import retrieval as at
+from studio.core.kernels import pose_search as at
 from studio.core.retrieval import SearchTable, pose_distances
 
 FloatArray = NDArray[np.float64]
@@ -65,7 +65,7 @@ def map_of(table: SearchTable, count: int, seed: int = 0) -> PoseMap:
     count = min(count, len(features))
     if count == 0:
         none = np.empty(0, dtype=np.int64)
-        return PoseMap(none, np.empty((0, 2 * at.JOINTS)), none, np.empty((0, 0), dtype=np.int64))
+        return PoseMap(none, np.empty((0, 2 * at.POSE_JOINTS)), none, np.empty((0, 0), dtype=np.int64))
     starts = features[np.random.default_rng(seed).choice(len(features), count, replace=False)]
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "One of the clusters is empty")  # where poses are alike; it is left out below

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.core.kernels import retrieval as at
+from studio.core.kernels import pose_search as at
 from studio.core.normalized.realize import realize
 from studio.core.retrieval import SearchTable, pose_rows
 from studio.io.beside import read_bytes
@@ -106,7 +106,7 @@ def _with_take(clip: CatalogueClip, take: Take, actors: dict[int, Actor]) -> Lib
 
 def _poses_of(clips: list[LibraryClip]) -> NDArray[np.float32]:
     """(F, 64) the searched poses of all clips, each take posed once."""
-    rows = [np.empty((0, at.WIDTH), dtype=np.float32)]
+    rows = [np.empty((0, at.POSE_WIDTH), dtype=np.float32)]
     posed: tuple[int, FloatArray] | None = None
     for clip in clips:
         body = clip.actor.body
@@ -129,7 +129,7 @@ def _stored_poses(catalogue: Catalogue, clips: list[LibraryClip]) -> NDArray[np.
         if (
             stored
             and stored.values.dtype == np.float32
-            and stored.values.shape == (count, at.WIDTH)
+            and stored.values.shape == (count, at.POSE_WIDTH)
             and stored.is_whole()
         ):
             return stored.values

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from studio.core.body.morphology import Morphology
 from studio.core.kernels import layout as at_channel
-from studio.core.kernels import retrieval as at
+from studio.core.kernels import pose_search as at
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.retrieval import Found, Query, pose_distances, pose_rows, search
@@ -91,12 +91,12 @@ def query_of(library: Library, asked: Asked) -> Query:
     """The performer's pose on every actor, and the place scaled to each."""
     place = np.asarray(asked.place, dtype=np.float64)
     away = place - realize(asked.pose, asked.body)[0][0, 0]
-    poses = np.empty((len(library.actors), at.WIDTH), dtype=np.float32)
+    poses = np.empty((len(library.actors), at.POSE_WIDTH), dtype=np.float32)
     targets = np.empty((len(library.actors), len(Limb), 3))
     for row, actor in enumerate(library.actors):
         points = realize(asked.pose, actor.body)[0]
         poses[row] = pose_rows(points, actor.body.layout)[0]
-        middle = np.array([*poses[row, at.MIDDLE : at.MIDDLE + 2], 0.0])
+        middle = np.array([*poses[row, at.POSE_CENTRE : at.POSE_CENTRE + 2], 0.0])
         for limb in Limb:
             scale = limb_size(actor.body, limb) / limb_size(asked.body, limb)
             targets[row, limb] = points[0, 0] + scale * away - middle
@@ -154,8 +154,8 @@ def outline(found: Result, asked: Asked) -> FloatArray:
     """
     motion, body = found.clip.take.motion, asked.body
     points = realize(replace(motion, channels=motion.channels[found.start : found.hit + 1]), body)[0]
-    now = pose_rows(realize(asked.pose, body)[0], body.layout)[0, at.MIDDLE : at.MIDDLE + 2]
-    then = pose_rows(points[:1], body.layout)[0, at.MIDDLE : at.MIDDLE + 2]
+    now = pose_rows(realize(asked.pose, body)[0], body.layout)[0, at.POSE_CENTRE : at.POSE_CENTRE + 2]
+    then = pose_rows(points[:1], body.layout)[0, at.POSE_CENTRE : at.POSE_CENTRE + 2]
     c, s = np.cos(found.turn), np.sin(found.turn)
     points[..., :2] = (points[..., :2] - then) @ np.array([[c, s], [-s, c]]) + now
     return points

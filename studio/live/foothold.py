@@ -15,8 +15,8 @@ from scipy.spatial.transform import Rotation
 from studio.core.body.morphology import Morphology, sole_rows
 from studio.core.captures.contacts import HEIGHT_MARGIN, STILL_SPEED
 from studio.core.grounds.ground import Ground
-from studio.core.kernels.support.sole import FLAT, HEEL, TOE
-from studio.core.kernels.support.swing import FREED_AFTER, keep_above
+from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS, TOE_STANDS
+from studio.core.kernels.support.swing_foot_clearance import SWING_FADE, raise_swing_foot
 from studio.core.normalized.transition import pace_left, place_left
 from studio.core.solver.standing.blends import GOES_ALONG
 from studio.core.solver.standing.footprints import planes_under, soles_of, tilts_of
@@ -108,7 +108,7 @@ class Foothold:
         state = self._found(own, low, dt)
         if state != self.state:
             self._change(state, own, dt)
-        grows = dt / FREED_AFTER if self._shown else 1.0
+        grows = dt / SWING_FADE if self._shown else 1.0
         self.weight = min(max(self.weight + (grows if state else -grows), 0.0), 1.0)
         self._own = [*self._own[-1:], own]
         aimed = self._led(self._aimed(own))
@@ -136,7 +136,7 @@ class Foothold:
         if self._own and dt > 0.0:
             speeds = np.linalg.norm(points - self.points_of(self._own[-1]), axis=1) / (size * dt)
         state = 0
-        for bit, height, speed in zip((HEEL, TOE), (points[:, 2] - low) / size, speeds, strict=True):
+        for bit, height, speed in zip((HEEL_STANDS, TOE_STANDS), (points[:, 2] - low) / size, speeds, strict=True):
             highest, fastest = (LIFTED, HURRYING) if self.state & bit else (HEIGHT_MARGIN, STILL_SPEED)
             state |= bit if height < highest and speed < fastest else 0
         return state
@@ -147,13 +147,13 @@ class Foothold:
     def _change(self, state: int, own: FootPose, dt: float) -> None:
         """Another state begins: what is different between it and the last two frames shown will die away."""
         seen, held = self._shown[-1] if self._shown else own, self._printed
-        if state == FLAT:
+        if state == SOLE_STANDS:
             self._heading = seen.foot[:2, 0]
         self.state = state
         if not state:
             self._printed = None
         elif held is None or not held.pivot & state:
-            self._printed = self._print(HEEL if state & HEEL else TOE, seen, held)
+            self._printed = self._print(HEEL_STANDS if state & HEEL_STANDS else TOE_STANDS, seen, held)
         if len(self._shown) < 2:
             return
         self._gaps = np.array([self._gap(*pair) for pair in zip(self._shown, map(self._aimed, self._own), strict=True)])
@@ -180,15 +180,15 @@ class Foothold:
         printed = self._printed
         if printed is None:
             return own._replace(ankle=own.ankle + np.array([0.0, 0.0, self.climb.value]))
-        turn = printed.tilt @ (_level(self._heading) if self.state == FLAT else own.foot)
-        toe = printed.tilt @ _level(turn[:2, 0]) if self.state & TOE else turn @ own.foot.T @ own.toe
+        turn = printed.tilt @ (_level(self._heading) if self.state == SOLE_STANDS else own.foot)
+        toe = printed.tilt @ _level(turn[:2, 0]) if self.state & TOE_STANDS else turn @ own.foot.T @ own.toe
         return FootPose(printed.place - turn @ self._lever(printed.pivot), turn, toe)
 
     def _above_ground(self, pose: FootPose) -> FootPose:
         """A foot in the air raised, and its toes bent up, where it would be in the ground."""
         ankles, feet, toes = (np.stack([each] * 2) for each in pose)
         height = float(self.ground.height_at(self.points_of(pose)).max())
-        keep_above(sole_rows(self.body, self.side), np.zeros(2, np.int64), height, 1.0, ankles, feet, toes)
+        raise_swing_foot(sole_rows(self.body, self.side), np.zeros(2, np.int64), height, 1.0, ankles, feet, toes)
         return FootPose(ankles[0], feet[0], toes[0])
 
     def _out_of_ground(self, pose: FootPose) -> FootPose:
@@ -223,11 +223,11 @@ class Foothold:
 
     @property
     def _pivot(self) -> FloatArray:
-        return self._lever(self._printed.pivot if self._printed else TOE)
+        return self._lever(self._printed.pivot if self._printed else TOE_STANDS)
 
     def _lever(self, pivot: int) -> FloatArray:
         """(3,) from the ankle to heel or ball, in the foot's axes."""
-        return self._heel if pivot == HEEL else np.asarray(self.body.foot[self.side])
+        return self._heel if pivot == HEEL_STANDS else np.asarray(self.body.foot[self.side])
 
     @property
     def _heel(self) -> FloatArray:
@@ -235,12 +235,12 @@ class Foothold:
 
     def _thickness(self, pivot: int) -> float:
         """Metres from the ground to a pivot: heels are on it, the joint of the toes is not."""
-        return 0.0 if pivot == HEEL else float(self.body.ankle_height[self.side] + self.body.foot[self.side, 2])
+        return 0.0 if pivot == HEEL_STANDS else float(self.body.ankle_height[self.side] + self.body.foot[self.side, 2])
 
     def points_of(self, pose: FootPose) -> FloatArray:
         """(2, 3) the soles of heel and ball."""
-        ball = pose.ankle + pose.foot @ self._lever(TOE)
-        return np.array([pose.ankle + pose.foot @ self._heel, ball - [0.0, 0.0, self._thickness(TOE)]])
+        ball = pose.ankle + pose.foot @ self._lever(TOE_STANDS)
+        return np.array([pose.ankle + pose.foot @ self._heel, ball - [0.0, 0.0, self._thickness(TOE_STANDS)]])
 
 
 def _level(heading: FloatArray) -> FloatArray:

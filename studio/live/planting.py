@@ -6,13 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.captures.contacts import FOOT_POINTS, GREATEST_DRIFT, ContactInterval
-from studio.core.kernels.adapt import place_frames
-from studio.core.kernels.limbs.limb import COMFORT
-from studio.core.kernels.support.sole import FLAT, HEEL, TOE
+from studio.core.kernels.limbs.limb import SOFT_IK_THRESHOLD
+from studio.core.kernels.solve_clip import place_frames
+from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS, TOE_STANDS
 from studio.core.normalized.realize import realize
 from studio.core.solver.asking.self_contact import self_contact_of
 from studio.core.solver.request import AdaptRequest
-from studio.core.solver.standing.footing import Footing, leg_stretches, run_out
+from studio.core.solver.standing.footing import Footing, leg_extensions, reach_relaxation
 from studio.core.solver.standing.raised_arms import raise_arms
 from studio.core.solver.standing.stand import Standing
 from studio.live.foothold import Follower, Foothold, FootPose
@@ -23,7 +23,7 @@ FLOOR_RISES = 0.01
 """Metres a second by which what counts as low comes up towards feet that are never lower."""
 LOST = 0.5
 """Seconds without a pose after which a body begins anew where it is."""
-BITS = {point: HEEL if point.is_heel else TOE for point in FOOT_POINTS}
+BITS = {point: HEEL_STANDS if point.is_heel else TOE_STANDS for point in FOOT_POINTS}
 
 
 class Planted:
@@ -83,7 +83,7 @@ class Planted:
     def _floor_under(self, feet: list[FootPose], dt: float) -> float:
         """Metres of the floor that the sender stands on, as feet that stand flat show it."""
         pairs = zip(self._feet, feet, strict=True)
-        flat = [foot.points_of(pose)[:, 2].mean() for foot, pose in pairs if foot.state == FLAT]
+        flat = [foot.points_of(pose)[:, 2].mean() for foot, pose in pairs if foot.state == SOLE_STANDS]
         return self._floor.follow(float(np.mean(flat)), dt) if flat else self._floor.value
 
     def _footing(self, request: AdaptRequest, aimed: list[FootPose], positions: FloatArray) -> Footing:
@@ -94,13 +94,13 @@ class Planted:
         ankles, feet, toes = (
             np.stack([np.stack([part] * count) for part in parts]) for parts in zip(*aimed, strict=True)
         )
-        standing, _ = leg_stretches(motion, np.full_like(states, FLAT))
-        comforts = COMFORT + weights * (standing - COMFORT)
+        standing, _ = leg_extensions(motion, np.full_like(states, SOLE_STANDS))
+        soft_thresholds = SOFT_IK_THRESHOLD + weights * (standing - SOFT_IK_THRESHOLD)
         hips = np.stack([positions[:, body.layout.hip(side)] for side in range(2)])
-        off, reaches = ankles - hips, comforts * body.leg.sum(axis=1)[:, None]
+        off, reaches = ankles - hips, soft_thresholds * body.leg.sum(axis=1)[:, None]
         below = np.sqrt(np.maximum(reaches**2 - np.sum(off[..., :2] ** 2, axis=2), 0.0))
         drops = (weights * np.maximum(-off[..., 2] - below, 0.0)).max(axis=0)
-        return Footing(states, comforts, run_out(1.0 - weights), ankles, feet, toes, drops)
+        return Footing(states, soft_thresholds, reach_relaxation(1.0 - weights), ankles, feet, toes, drops)
 
     @property
     def _weights(self) -> tuple[float, ...]:

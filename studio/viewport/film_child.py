@@ -9,8 +9,8 @@ import os
 import sys
 from contextlib import closing, suppress
 
-from studio.cli.process import prepare_process
 from studio.core.errors import StudioError
+from studio.startup.process import prepare_process
 
 
 def main() -> None:

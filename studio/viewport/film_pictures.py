@@ -5,7 +5,6 @@ from dataclasses import replace
 
 from PySide6.QtGui import QImage, QPainter
 
-from studio.cli.render import performances
 from studio.core.body.sticks import bone_pairs
 from studio.core.errors import StudioError
 from studio.core.project import Project
@@ -13,6 +12,7 @@ from studio.core.solver.request import AdaptedMotion
 from studio.engine.live_adaptation import as_recorded
 from studio.engine.performance import Posed, pose_of, posed_performers, resting_performers
 from studio.engine.props import props_at
+from studio.jobs.performances import performances
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.following import gone_on, way_place
 from studio.viewport.overlay import Overlay

@@ -13,7 +13,7 @@ from studio.core.constraints.keyed import KeyedPlace
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.project import Performer
 from studio.core.stage.placement import Placement
-from studio.core.stage.prop import Carried, Prop
+from studio.core.stage.prop import Prop
 from studio.document.document import Document
 from studio.document.mirrored import mirrored_change
 from studio.engine.moments import Moment
@@ -113,16 +113,12 @@ class PlacedProp:
     """A prop where it is now: a drag moves it, sets a key, or gives it another place in the hands that hold it."""
 
     flat = yields = False
+    turns = True
 
     def __init__(self, document: Document, prop_id: str, posed: Mapping[str, Posed]) -> None:
         self._document, self._id = document, prop_id
         self.placement, self._begin = Placement(), document.project.props[prop_id]
         self._pose = prop_at(document.project, posed, prop_id, document.playhead.time)
-
-    @property
-    def turns(self) -> bool:
-        """Carried between two hands, it faces as the chest does."""
-        return not isinstance(self._begin.held_at(self._pose.time), Carried)
 
     @property
     def place(self) -> FloatArray:
@@ -132,9 +128,7 @@ class PlacedProp:
     def move(self, place: FloatArray, gesture: int) -> None:
         """Put its centre at ``place``."""
         verb = (
-            "Key"
-            if isinstance(self._begin.position, KeyedPlace) and not self._begin.held_at(self._pose.time)
-            else "Move"
+            "Key" if isinstance(self._begin.position, KeyedPlace) and self._begin.lies_at(self._pose.time) else "Move"
         )
         self._put(moved_prop(self._pose, place), verb, gesture)
 

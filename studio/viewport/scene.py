@@ -12,6 +12,7 @@ from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 
 from studio.core.body.character import Character
 from studio.core.grounds.ground import Ground
+from studio.core.mesh.prop_shapes import PROP_COLOUR
 from studio.core.project import Project
 from studio.engine.performance import Posed
 from studio.engine.props import PropPose
@@ -26,7 +27,6 @@ from studio.viewport.paths import StagePath
 from studio.viewport.prop_figures import unit_mesh
 
 Pixels = NDArray[np.uint8]
-PROP_COLOUR = "#8a8f96"
 
 
 class StageScene:

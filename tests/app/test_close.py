@@ -14,7 +14,7 @@ AT_MOST, TRIES = 1.0, 3
 """Seconds; a busy machine takes longer now and then, the program always."""
 CHILD = """
 import sys, time
-from studio.cli.process import prepare_process
+from studio.startup.process import prepare_process
 prepare_process()
 from PySide6.QtCore import QTimer
 from studio.app import application

@@ -3,13 +3,13 @@
 import numpy as np
 
 from studio.app import sample
-from studio.cli.render import adapted_performers
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.normalized.normalize import detected_contacts
 from studio.engine.moments import Moment
 from studio.engine.performance import posed_performers
 from studio.io.adapted_file import read_adapted, write_adapted
 from studio.io.importing import load_capture
+from studio.jobs.performances import adapted_performers
 from studio.viewport.body_points import body_joints
 from studio.viewport.constraining import Here, constraint_here
 from tests.architecture.sources import ROOT

@@ -4,12 +4,12 @@ import pytest
 
 from benchmarks.clips import BUNDLED
 from benchmarks.scenes import COUNTS, LONGEST, measure
-from studio.cli.adaptation import ready_capture
 from studio.cli.bench_cases import clip_of
 from studio.core.grounds.ground import Ground
 from studio.core.solver.standing.stand import stand
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
+from studio.jobs.adaptation import ready_capture
 from studio.resources_folder import example_captures_folder
 
 LAW = 0.2

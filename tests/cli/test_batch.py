@@ -19,6 +19,7 @@ from distributed import Client, LocalCluster
 from studio.cli import batch
 from studio.cli.arguments import ADD_ARGUMENTS
 from studio.cli.batch_jobs import Job, done_before, find_jobs, work
+from studio.cli.batch_workers import FORK
 from studio.cli.main import main
 from studio.io.export import write_capture
 from tests.architecture.sources import ROOT
@@ -201,7 +202,14 @@ def test_without_a_scheduler_it_starts_workers_of_its_own_and_ends_them(folder, 
     assert set(multiprocessing.active_children()) <= before
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere workers do not inherit what is replaced here")
+def test_workers_that_are_new_processes_do_what_forks_do(folder, monkeypatch, capsys):
+    """As on Windows and macOS."""
+    monkeypatch.setattr("studio.cli.batch_workers.FORK", False)
+    assert main(["batch", str(folder), "--out", str(folder.parent / "out"), "--character", "child", "--workers=2"]) == 0
+    assert "3 adapted, 0 unchanged, 0 failed" in capsys.readouterr().out
+
+
+@pytest.mark.skipif(not FORK, reason="elsewhere workers do not inherit what is replaced here")
 def test_a_capture_of_which_workers_die_is_a_row_with_its_error_and_the_others_are_done(folder, monkeypatch, capsys):
     monkeypatch.setattr(
         "studio.cli.batch_workers.work", lambda job: work(job) if "run" not in job.name else os._exit(9)

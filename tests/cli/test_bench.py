@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studio.cli.adaptation import chosen_characters, ready_capture
 from studio.cli.bench import bundled_capture
 from studio.cli.bench_cases import ASIDE, BEYOND, FRAMES, LIMB, clip_of, make_tasks
 from studio.cli.bench_timing import Job, time_jobs
 from studio.cli.main import main
 from studio.core.solver.adapt import adapt
 from studio.io.importing import GUESS_ALL
+from studio.jobs.adaptation import chosen_characters, ready_capture
 
 
 @pytest.fixture(scope="module")

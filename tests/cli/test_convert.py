@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from benchmarks.read_back import places_in
 from studio.cli.main import main
 from studio.core.body.canonical import BodyPart
 from studio.core.body.kinematics import joint_world
@@ -44,8 +45,8 @@ def test_an_unknown_format_is_refused_before_anything_is_read(capsys, tmp_path):
 
 
 def test_a_rest_pose_that_a_format_has_not_is_refused_before_anything_is_read(capsys, tmp_path):
-    assert main(["convert", str(tmp_path / "missing.bvh"), str(tmp_path / "out.glb"), "--rest-pose", "t"]) == 1
-    assert "only BVH has a rest pose" in capsys.readouterr().err
+    assert main(["convert", str(tmp_path / "missing.bvh"), str(tmp_path / "out.csv"), "--rest-pose", "t"]) == 1
+    assert "has no rest pose" in capsys.readouterr().err
 
 
 def test_joints_get_the_names_of_another_program(tmp_path):
@@ -53,6 +54,18 @@ def test_joints_get_the_names_of_another_program(tmp_path):
     asked = ["--joint-names", "blender", "--rest-pose", "t"]
     assert main(["convert", str(tmp_path / "walk.bvh"), str(tmp_path / "out.bvh"), *asked]) == 0
     assert "upper_arm.L" in load_capture(tmp_path / "out.bvh").skeleton.names
+
+
+@pytest.mark.parametrize("suffix", [".bvh", ".fbx", ".glb"])
+def test_a_range_a_rate_and_a_root_are_chosen_on_the_command_line(tmp_path, suffix):
+    write_capture(make_capture(frames=60), tmp_path / "walk.bvh")
+    target = tmp_path / f"out{suffix}"
+    asked = ["--range", "0.25", "0.75", "--rate", "30", "--root", "floor"]
+    assert main(["convert", str(tmp_path / "walk.bvh"), str(target), *asked]) == 0
+    back = places_in(target)
+    assert back["root"].shape == (16, 3)
+    assert np.ptp(back["root"][:, 2]) < 1e-6
+    assert np.abs(back["root"][:, :2] - back["Hips"][:, :2]).max() < 1e-5
 
 
 def test_a_damaged_file_leaves_the_target_as_it_was(capsys, tmp_path):
@@ -68,7 +81,7 @@ def test_a_damaged_file_leaves_the_target_as_it_was(capsys, tmp_path):
 def test_a_character_in_a_file_that_holds_no_motion_stands_for_one_frame(capsys, captures, tmp_path, name, suffix):
     source, target = captures / "characters" / name, tmp_path / f"out{suffix}"
     assert main(["convert", str(source), str(target)]) == 0
-    assert "1 frames" in capsys.readouterr().out
+    assert "1 frame of" in capsys.readouterr().out
     character, capture = load_character(source).character, load_capture(target)
     assert capture.frame_count == 1
     standing = joint_world(capture.skeleton, capture.poses)[0][0]

@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 
 from studio.cli.arguments import ADD_ARGUMENTS
-from studio.cli.bundled_scenes import BUNDLED_SCENES
 from studio.cli.main import VERBS, main
 from studio.io.markers.maps import read_map
 from studio.io.registry import known_formats
+from studio.jobs.bundled_scenes import BUNDLED_SCENES
 from studio.resources_folder import bundled_strikes_folder
 from tests.architecture.sources import ROOT
 

@@ -90,7 +90,7 @@ def test_help_names_every_verb(capsys):
 def test_without_a_verb_the_window_opens_where_there_is_a_display(monkeypatch):
     monkeypatch.setenv("DISPLAY", ":0")
     begun = []
-    monkeypatch.setattr("studio.cli.warm_up.WarmUp", lambda held: begun.append(held))
+    monkeypatch.setattr("studio.startup.kernel_warm_up.WarmUp", lambda held: begun.append(held))
     window = SimpleNamespace(load=lambda: lambda _files, _warm_up: 7 if begun == [True] else 0)
     monkeypatch.setattr(command_line, "entry_points", lambda **_wanted: [window])
     assert command_line.main([]) == 7

@@ -6,11 +6,11 @@ import struct
 import pytest
 
 from studio.cli.main import main
-from studio.cli.render import adapted_performers
 from studio.core.solver.adapt import place_of
 from studio.core.stage.placement import Placement
 from studio.io.export import write_capture
 from studio.io.project.project_file import new_document_id, write_project
+from studio.jobs.performances import adapted_performers
 from tests.builders import make_capture, make_project
 from tests.engine.test_following import RIGHT, stage
 

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from studio.cli.main import main
-from studio.cli.render import performances
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
@@ -15,6 +14,7 @@ from studio.core.project import Performer
 from studio.core.stage.clip import Clip
 from studio.io.importing import load_capture
 from studio.io.project.project_file import new_document_id, read_project, write_project
+from studio.jobs.performances import performances
 from tests.builders import make_capture, make_project
 from tests.core.motions import ALWAYS
 

@@ -7,7 +7,6 @@ from itertools import count
 import numpy as np
 import pytest
 
-from studio.cli.render import prepared
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
@@ -19,6 +18,7 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.clip_row import split
 from studio.core.stage.scope import Scope
 from studio.engine.residuals import missed_by
+from studio.jobs.performances import prepared
 from studio.library.scenes.stagehand import bodies, material
 
 WRIST = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)

@@ -17,8 +17,8 @@ from studio.core.grounds import Bumps, Slope, Steps
 from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
 from studio.core.kernels.limbs.legs import place_leg
-from studio.core.kernels.records import Arms, Legs, Links, Pose
-from studio.core.kernels.support import carrying as kernel
+from studio.core.kernels.records import ArmTargets, LegTargets, Pose, SupportLinks
+from studio.core.kernels.support import body_settling as kernel
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.realize import realize
@@ -27,8 +27,8 @@ from studio.core.rotations import multiply
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.arching import arch_trunk
-from studio.core.solver.standing.blends import averaged, eased
-from studio.core.solver.standing.carrying import find_carrying, leaning
+from studio.core.solver.standing.blends import averaged, interpolated_corrections
+from studio.core.solver.standing.body_support import find_support, tilt_with_ground
 from studio.io.project.character_file import bundled_characters
 from tests.builders import make_capture, make_morphology, make_skeleton
 from tests.core.motions import RATE, about, random_rotations, walk
@@ -160,7 +160,7 @@ def test_a_wrist_over_fingers_that_slope_down_is_as_high_as_the_actors(above: fl
 def test_on_feet_alone_nothing_else_is_asked() -> None:
     motion, contacts = walk(60)
     positions = np.zeros((60, BODY.layout.point_count, 3))
-    assert find_carrying(motion, BODY, contacts, Ground(), positions, TURNS) is None
+    assert find_support(motion, BODY, contacts, Ground(), positions, TURNS) is None
 
 
 @given(seeds)
@@ -173,7 +173,7 @@ def test_who_leans_with_a_slope_stands_on_it_as_on_the_floor(seed: int) -> None:
     positions = random.normal(size=(30, BODY.layout.point_count, 3))
     positions[:, 1] = positions[:, 0] - positions[:, 0, 2:] * [0.0, 0.0, 1.0]
     turns = np.broadcast_to(np.eye(3), (30, BODY.layout.segment_count, 3, 3))
-    leant, turned, upright = leaning(np.ones((30, 1)), BODY, ground, RATE, positions, turns)
+    leant, turned, upright = tilt_with_ground(np.ones((30, 1)), BODY, ground, RATE, positions, turns)
     assert np.allclose(leant[:, 1], positions[:, 1], atol=1e-12)
     normals = ground.normal_at(positions[:, 0])
     assert np.allclose(leant[:, 0] - leant[:, 1], positions[:, 0, 2:] * normals, atol=1e-9)
@@ -181,7 +181,7 @@ def test_who_leans_with_a_slope_stands_on_it_as_on_the_floor(seed: int) -> None:
     spans = [np.linalg.norm(np.diff(points, axis=1), axis=2) for points in (positions, leant)]
     assert np.allclose(*spans, atol=1e-9)
     assert np.allclose(upright[..., 2], positions[..., 2], atol=1e-12)
-    for same in leaning(np.zeros((30, 1)), BODY, ground, RATE, positions, turns)[::2]:
+    for same in tilt_with_ground(np.zeros((30, 1)), BODY, ground, RATE, positions, turns)[::2]:
         assert np.allclose(same, positions, atol=1e-12)
 
 
@@ -191,7 +191,7 @@ def test_who_carries_adds_up_to_everything_and_passes_on_smoothly() -> None:
         ContactInterval("pose", ContactPoint.LEFT_TOE, 0, 50), ContactInterval("pose", ContactPoint.LEFT_HAND, 40, 80),
         ContactInterval("pose", ContactPoint.SEAT, 95, 119),
     )  # fmt: skip
-    carrying = find_carrying(motion, BODY, contacts, Ground(), np.ones((120, BODY.layout.point_count, 3)), TURNS)
+    carrying = find_support(motion, BODY, contacts, Ground(), np.ones((120, BODY.layout.point_count, 3)), TURNS)
     assert carrying is not None
     share = carrying.feet_share
     assert share[0] == pytest.approx(1.0)
@@ -215,7 +215,7 @@ def test_corrections_hold_where_they_are_known_and_fade_away_from_it(seed: int) 
     known = np.repeat(random.integers(0, 2, 12), random.integers(1, 40, 12)).astype(bool)
     assume(known.any())
     corrections = np.where(known[:, None], random.normal(size=(len(known), 3)), 0.0)
-    filled = eased(corrections, known, RATE)
+    filled = interpolated_corrections(corrections, known, RATE)
     assert np.array_equal(filled[known], corrections[known])
     away = np.array([np.abs(np.flatnonzero(known) - frame).min(initial=999) for frame in range(len(known))])
     assert (filled[away > 0.4 * RATE] == 0.0).all()
@@ -228,7 +228,7 @@ def test_what_goes_from_one_place_to_the_next_goes_beyond_neither(seed: int) -> 
     known = np.repeat(random.integers(0, 2, 12), random.integers(1, 40, 12)).astype(bool)
     assume(known.any())
     corrections = np.where(known[:, None], np.cumsum(random.normal(size=(len(known), 3)), axis=0), 0.0)
-    filled = eased(corrections, known, RATE)
+    filled = interpolated_corrections(corrections, known, RATE)
     stands = np.flatnonzero(known)
     for frame in np.flatnonzero(~known):
         ends = [corrections[stands[stands < frame][-1:]], corrections[stands[stands > frame][:1]], np.zeros((1, 3))]
@@ -260,7 +260,7 @@ class _Links:
 
     def settled(self, stiffness: float) -> np.ndarray:
         moves = np.zeros((1, 6))
-        links = Links(self.starts, self.ends, self.least, self.most)
+        links = SupportLinks(self.starts, self.ends, self.least, self.most)
         kernel.settle_frames(self.roots, links, self.seats, np.zeros((1, 6)), stiffness, moves)
         return moves[0]
 
@@ -278,10 +278,10 @@ def test_a_body_settles_where_all_that_stands_is_nearly_or_wholly_in_reach(seed:
 
 def test_it_misses_hardly_more_than_an_optimum_does() -> None:
     stiffness, excesses = 1e-2, []
-    weights = np.sqrt(stiffness) * np.array([1.0, 1.0, 1.0, *[kernel.LEAN] * 3])
+    weights = np.sqrt(stiffness) * np.array([1.0, 1.0, 1.0, *[kernel.METRES_PER_RADIAN] * 3])
     for seed in range(200):
         links = _Links(seed)
-        links.least[0] = links.most[0]
+        links.min_lengths[0] = links.max_lengths[0]
 
         def costs(move: np.ndarray, links: _Links = links) -> np.ndarray:
             return np.concatenate([links.misses(move), weights * move])
@@ -307,7 +307,7 @@ def test_an_arm_is_placed_as_its_twin(seed: int) -> None:
     hand = random_rotations(random)
     comfort = random.uniform(0.9, 1.0)
     ours = (np.stack([[each]] * 2) for each in (comfort, wrist, hand, 1.0))
-    kernel.place_arm(0, side, BODY.packed, Arms(row[None], *ours), Pose(positions, rotations))
+    kernel.place_arm(0, side, BODY.packed, ArmTargets(row[None], *ours), Pose(positions, rotations))
 
     clavicle = rotations[layout.spine_count - 1] @ from_quaternion(row[at.CLAVICLE + 4 * side :][:4])
     frame = clavicle @ from_quaternion(row[at.LIMB_FRAME + 4 * side :][:4])
@@ -354,7 +354,7 @@ def test_a_held_knee_is_where_it_is_to_be_and_its_ankle_too(seed: int) -> None:
     assume(0.5 * (upper + lower) < span < 0.9 * (upper + lower))
     row, foot, toe = WALK.channels[0], random_rotations(random), random_rotations(random)
     target = np.array([*ankle, *knee, 1.0])
-    legs = Legs(row, *(np.stack([each] * 2) for each in (0.97, target, foot, toe)))
+    legs = LegTargets(row, *(np.stack([each] * 2) for each in (0.97, target, foot, toe)))
     place_leg(side, BODY.packed, legs, Pose(positions, rotations))
     assert np.allclose(positions[layout.ankle(side)], ankle, atol=1e-9)
     assert np.allclose(positions[layout.hip(side) + 1], knee, atol=1e-9)

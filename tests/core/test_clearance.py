@@ -16,9 +16,9 @@ from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.kernels.limits import clearance as kernel
-from studio.core.kernels.limits.clearing import make_clearing
-from studio.core.kernels.records import CAPSULE, ActorRooms, Pose, Volume
+from studio.core.kernels.limits import arm_clearance as kernel
+from studio.core.kernels.limits.self_collision import make_clearance_scratch
+from studio.core.kernels.records import CAPSULE, ActorClearance, CapsuleArrays, Pose
 from studio.core.mesh.skin import fit_skin, skin_vertices
 from studio.core.mesh.volume import BodyVolume, fitted_volume, usual_volume
 from studio.core.solver.adapt import adapt, place_of
@@ -58,13 +58,15 @@ def test_the_capsules_lie_close_under_the_skin(name: str) -> None:
     body, mesh = character.morphology, fit_skin(character.skin, character.build, character.morphology)
     pose, capsules, way = rest_pose(body), np.empty(9, CAPSULE), np.empty(3)
     volume = character.volume
-    packed = Volume(volume.segments, volume.places, volume.radii, volume.girths)
+    packed = CapsuleArrays(volume.segments, volume.places, volume.radii, volume.girths)
     kernel.place_capsules(packed, Pose(*pose), np.array(body.layout.proximal_points()), capsules)
     main = mesh.segments[:, 0]
     hips, neck = pose[0][body.layout.hip(0), 2], pose[0][body.layout.neck_base, 2]
     height = (mesh.vertices[:, 2] - hips) / (neck - hips)
     meant = (main < body.layout.spine_count) & (height > 0.05) & (height < 0.75)
-    depth = [kernel.room_at(*mesh.vertices[v].astype(float), 0.0, capsules, way) for v in meant.nonzero()[0]]
+    depth = [
+        kernel.signed_distance_to_body(*mesh.vertices[v].astype(float), 0.0, capsules, way) for v in meant.nonzero()[0]
+    ]
     assert np.median(np.abs(depth)) < 0.012 * body.stature
     assert np.quantile(depth, 0.98) < 0.02 * body.stature
 
@@ -106,15 +108,15 @@ def wild(seed: int) -> tuple[BodyVolume, Morphology, np.ndarray, np.ndarray]:
 
 def step(volume: BodyVolume, body: Morphology, pose: tuple, wanted: float | np.ndarray, share: float = 1.0) -> tuple:
     """One arm cleared: whether it moved, the rooms before and after."""
-    packed = Volume(volume.segments, volume.places, volume.radii, volume.girths)
+    packed = CapsuleArrays(volume.segments, volume.places, volume.radii, volume.girths)
     proximal, posed, before, after = np.array(body.layout.proximal_points()), Pose(*pose), np.empty(5), np.empty(5)
-    actor = ActorRooms(packed, np.zeros((1, 2, 5)), np.zeros((1, 2, 5, 3)))
-    clearing = make_clearing(packed)
-    clearing.asks[:] = wanted
+    actor = ActorClearance(packed, np.zeros((1, 2, 5)), np.zeros((1, 2, 5, 3)))
+    clearing = make_clearance_scratch(packed)
+    clearing.required_distances[:] = wanted
     kernel.place_capsules(packed, posed, proximal, clearing.capsules)
-    kernel.measure_arm(1, packed, clearing.capsules, posed.positions, before, clearing.ways)
-    moved = kernel.clear_arm(1, 0.0, 0, (share, 1.0, 1.0, 1.0), actor, clearing, posed)
-    kernel.measure_arm(1, packed, clearing.capsules, posed.positions, after, clearing.ways)
+    kernel.measure_arm_distances(1, packed, clearing.capsules, posed.positions, before, clearing.directions)
+    moved = kernel.push_arm_out(1, 0.0, 0, (share, 1.0, 1.0, 1.0), actor, clearing, posed)
+    kernel.measure_arm_distances(1, packed, clearing.capsules, posed.positions, after, clearing.directions)
     return moved, before, after
 
 
@@ -140,9 +142,9 @@ def test_any_capsules_leave_the_arm_an_arm(seed: int) -> None:
 def test_an_arm_with_room_enough_is_not_touched(seed: int) -> None:
     volume, body, *pose = wild(seed)
     before = [part.copy() for part in pose]
-    fade = kernel.LEAST_FADE + kernel.TOUCH
+    fade = kernel.SHORTEST_APPROACH + kernel.CONTACT_MARGIN
     _, room, _ = step(volume, body, tuple(part.copy() for part in pose), 0.0)
-    moved, _, _ = step(volume, body, tuple(pose), room.min() - fade - kernel.FADE)
+    moved, _, _ = step(volume, body, tuple(pose), room.min() - fade - kernel.LONGEST_APPROACH)
     assert not moved
     assert all(np.array_equal(*pair) for pair in zip(pose, before, strict=True))
 

@@ -11,6 +11,7 @@ from studio.core.captures.contacts import (
     WANDER,
     ContactInterval,
     ContactPoint,
+    close_steps,
     contact_mask,
     detect_body_contacts,
     detect_contacts,
@@ -96,6 +97,64 @@ def test_a_foot_that_is_slowly_set_down_or_drawn_up_does_not_stand_till_it_is_do
         ((first, last),) = found[ContactPoint(f"left_{kind}")]
         assert last <= 67 if rising else first >= 52
         assert last - first >= 58
+
+
+def _turning(pivot: int, frames: int = 120) -> np.ndarray:
+    """Soles (F, 2, 3, 3): the left foot turns by 60 degrees on its heel (0) or its ball (1) from frame 50 to 70."""
+    angles = np.radians(60.0) * np.clip((np.arange(frames) - 50.0) / 20.0, 0.0, 1.0)
+    ahead = np.stack([np.cos(angles), np.sin(angles), np.zeros(frames)], axis=1)
+    places = np.array([0.0, 0.2, 0.26])
+    left = np.stack([(place - places[pivot]) * ahead for place in places], axis=1)
+    return np.stack([left, np.tile(left[:1], (frames, 1, 1))], axis=1)
+
+
+@pytest.mark.parametrize(("pivot", "stands", "turns"), [(0, "left_heel", "left_toe"), (1, "left_toe", "left_heel")])
+def test_of_a_foot_that_turns_on_one_end_the_other_does_not_stand(pivot: int, stands: str, turns: str) -> None:
+    found = detect_contacts(_turning(pivot), RATE)
+    assert found[ContactPoint(stands)] == [(0, 119)]
+    (_, last), (first, _) = found[ContactPoint(turns)]
+    assert abs(last - 50) <= 3
+    assert abs(first - 70) <= 3
+
+
+def test_toes_at_rest_under_a_heel_that_stands_do_so_though_they_sink_when_they_roll_off() -> None:
+    soles = _turning(0)[:, [1, 1]]  # a foot that stands still
+    going = np.clip((np.arange(120.0) - 60.0) / 20.0, 0.0, 1.0)
+    soles[:, :, 1:, 2] -= (0.03 * going)[:, None, None]
+    soles[:, :, 0, 2] += (0.2 * going**2)[:, None]
+    found = detect_contacts(soles, RATE)
+    assert found[ContactPoint.LEFT_TOE] == [(0, 119)]
+    assert 60 <= found[ContactPoint.LEFT_HEEL][0][1] <= 75
+
+
+def test_a_foot_that_rolls_from_heel_to_toe_is_never_in_the_air() -> None:
+    rolling, middle = [(0, 35)], np.zeros((80, 3))
+    assert close_steps(rolling, [(39, 60)], middle, 3) == (rolling, [(36, 60)])
+    assert close_steps([(39, 60)], rolling, middle, 3) == ([(36, 60)], rolling)
+    assert close_steps(rolling, [(40, 60)], middle, 3) == (rolling, [(40, 60)])
+    middle[37:, 0] = 2.0 * WANDER
+    assert close_steps(rolling, [(39, 60)], middle, 3) == (rolling, [(39, 60)])
+
+
+def test_steps_are_kept_in_the_noise_of_joints_that_shake_by_half_a_degree() -> None:
+    """Of a foot 0.9 m under joints that shake it is 11 mm, sideways; up and down it is less."""
+    rate, kept = 30.0, []
+    for seed in range(40):
+        noise = np.random.default_rng(seed).normal(0.0, (0.011, 0.011, 0.002), (120, 2, 1, 3))
+        found = detect_contacts(_stepping((45, 75), 120, rate) + noise, rate)
+        kept += [contact_mask(found[point], 120)[45:76].mean() for point in FOOT_POINTS]
+    assert np.mean(kept) >= 0.95
+
+
+def test_a_hand_stands_until_it_begins_to_leave() -> None:
+    """One that is drawn along the ground at the end of its contact does not rise, and stands to the end."""
+    leaving = np.clip(np.arange(120.0) - 60.0, 0.0, 7.0) ** 2 * 0.0012
+    for rises, last in ((True, 62), (False, 66)):
+        tracks = {point: np.tile([0.0, 0.0, 0.5], (120, 1)) for point in BODY_POINTS}
+        hand = tracks[ContactPoint.LEFT_HAND]
+        hand[:, 0], hand[:, 2] = leaving, np.where(np.arange(120) > 66, 0.5, 0.05 + 0.3 * leaving * rises)
+        ((_, found),) = detect_body_contacts(tracks, 0.8, RATE)[ContactPoint.LEFT_HAND]
+        assert abs(found - last) <= 1
 
 
 def test_flicker_is_closed_and_blinks_are_dropped() -> None:

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from studio.cli.adaptation import ReadyCapture, made_ready
 from studio.core.body.pose import PoseSequence
 from studio.core.captures.capture import Capture
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.io.importing import load_capture
 from studio.io.project.character_file import bundled_characters
+from studio.jobs.adaptation import ReadyCapture, made_ready
 from studio.resources_folder import example_captures_folder
 
 BODIES = bundled_characters()

@@ -6,9 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from studio.core.kernels.support import feet as kernel
-from studio.core.kernels.support.gaps import ease_gaps, fill_gaps
-from studio.core.kernels.support.planting import plant_ankles
+from studio.core.kernels.support import foot_rotation as kernel
+from studio.core.kernels.support.foot_anchoring import anchor_ankles
+from studio.core.kernels.support.gap_interpolation import interpolate_gaps, interpolate_gaps_smoothly
 from studio.core.kernels.support.sole import ball_above_heel, toe_heading
 from studio.core.rotations import to_matrix
 from tests.core.motions import from_vectors, random_rotations
@@ -44,7 +44,7 @@ def _levelled(steps: _Steps) -> np.ndarray:
 
 def _planted(steps: _Steps, feet: np.ndarray, pitches: np.ndarray = LEVEL) -> np.ndarray:
     out = np.empty_like(steps.ankles)
-    plant_ankles(steps.ankles, feet, steps.states, MEASURES, steps.ground, pitches, twin.REACH, out)
+    anchor_ankles(steps.ankles, feet, steps.states, MEASURES, steps.ground, pitches, twin.REACH, out)
     return out
 
 
@@ -60,7 +60,7 @@ def test_the_kernels_agree_with_their_twins(seed: int) -> None:
     planted = twin.plant_ankles(steps.ankles, feet, steps.states, SOLE, steps.ground)
     assert np.allclose(_planted(steps, feet), planted, atol=1e-12)
     values, known = steps.ankles.copy(), steps.states == 2
-    fill_gaps(values, known)
+    interpolate_gaps(values, known)
     assert np.allclose(values, twin.fill_gaps(steps.ankles, known), atol=1e-12)
 
 
@@ -130,7 +130,7 @@ def test_a_foot_tilted_the_wrong_way_is_put_down_and_a_right_one_left_alone(seed
     steps = _Steps(seed)
     feet = _levelled(steps)
     kept = feet.copy()
-    kernel.keep_pitch_on_ground(MEASURES, steps.states, twin.REACH, kept)
+    kernel.limit_foot_pitch(MEASURES, steps.states, twin.REACH, kept)
     for frame in np.flatnonzero(steps.states):
         before, after = (SOLE.ball_below_ankle(r)[2] - SOLE.heel_below_ankle(r)[2] for r in (feet[frame], kept[frame]))
         state = steps.states[frame]
@@ -162,7 +162,7 @@ def test_the_way_between_two_stands_has_no_corner() -> None:
     known[30:60] = False
     values = np.zeros((90, 3))
     values[60:] = 1.0
-    fill_gaps(values, known)
+    interpolate_gaps(values, known)
     acceleration = np.diff(values[:, 0], 2)
     assert np.abs(np.diff(values[:, 0])).max() < 2.0 / 30
     assert np.abs(np.diff(acceleration)).max() < 3 * np.abs(acceleration).max() * 2 * np.pi / 30
@@ -174,7 +174,7 @@ def test_what_comes_to_rest_on_the_ground_and_starts_from_it_changes_its_speed_i
     known = (frames >= 30) & (frames < 60)
     track = 0.01 * np.column_stack([frames, frames, frames])
     values = np.where(known[:, None], track[45] - track, 0.0)
-    ease_gaps(values, known, reach)
+    interpolate_gaps_smoothly(values, known, reach)
     speeds = np.diff((track + values)[:, 0])
     assert np.allclose(speeds[30:59], 0.0, atol=1e-12)
     assert np.abs(np.diff(speeds)).max() < 0.4 * 0.01

@@ -55,7 +55,7 @@ def test_a_body_that_grows_is_solved_as_such_on_the_stage() -> None:
     [(key, character)] = project.characters.items()
     growing = replace(character, proportions=KeyedProportions((0.0, 1.0), (Proportions(), Proportions(stature=1.4))))
     project = project.with_entity("characters", key, growing)
-    from studio.cli.render import prepared
+    from studio.jobs.performances import prepared
 
     [made] = perform(project, project.performers, prepared, adapt).performances.values()
     lengths = np.linalg.norm(

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from studio.core.kernels.support import heels
-from studio.core.kernels.support.sole import FLAT, HEEL, TOE
+from studio.core.kernels.support import heel_roll
+from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS, TOE_STANDS
 from studio.core.rotations import to_matrix
 from tests.core.motions import about
 
 SOLE = np.array([[0.13, 0.0, -0.05, 0.08, 0.05, 0.06]])
 """Ankle to toe joint, ankle above the sole, heel behind the ankle, length of the toe."""
-STATES = np.repeat([FLAT, TOE, 0, FLAT], [30, 30, 30, 30])
-RISE = np.where(STATES == TOE, 0.04 * np.clip((np.arange(120) - 30) / 20, 0.0, 1.0), 0.0)
+STATES = np.repeat([SOLE_STANDS, TOE_STANDS, 0, SOLE_STANDS], [30, 30, 30, 30])
+RISE = np.where(STATES == TOE_STANDS, 0.04 * np.clip((np.arange(120) - 30) / 20, 0.0, 1.0), 0.0)
 
 
 def _level() -> np.ndarray:
@@ -25,16 +25,16 @@ def _ankles(rotations: np.ndarray) -> np.ndarray:
 
 def test_an_ankle_is_as_high_as_the_motion_has_it_soon_after_its_heel_left_the_ground() -> None:
     rotations = _level()
-    heels.lift_heels(SOLE, STATES, SOLE[0, 3] + RISE, 10.0, rotations)
+    heel_roll.lift_heels(SOLE, STATES, SOLE[0, 3] + RISE, 10.0, rotations)
     assert np.allclose(_ankles(rotations)[:30], SOLE[0, 3], atol=1e-12)
     assert np.allclose(_ankles(rotations)[45:60], SOLE[0, 3] + RISE[45:60], atol=0.1 * 0.04)
 
 
 def test_a_contact_in_which_no_heel_stands_is_left_as_it_is() -> None:
     """Who kneels or lies rolls over nothing."""
-    states = np.where(STATES == FLAT, 0, STATES)
+    states = np.where(STATES == SOLE_STANDS, 0, STATES)
     rotations = _level()
-    heels.lift_heels(SOLE, states, SOLE[0, 3] + RISE, 10.0, rotations)
+    heel_roll.lift_heels(SOLE, states, SOLE[0, 3] + RISE, 10.0, rotations)
     assert np.array_equal(rotations, _level())
 
 
@@ -44,7 +44,7 @@ def test_a_foot_rolls_on_where_its_leg_is_too_short_and_its_ball_stays(miss: flo
     hips = np.tile([0.4, 0.0, 0.8], (120, 1))
     reaches = np.full(120, np.linalg.norm(hips[0] - ankles[0]) - miss)
     balls = ankles + rotations @ SOLE[0, :3]
-    heels.roll_feet(SOLE, STATES, hips, reaches, 10.0, ankles, rotations)
+    heel_roll.roll_feet(SOLE, STATES, hips, reaches, 10.0, ankles, rotations)
     assert np.allclose((ankles + rotations @ SOLE[0, :3])[STATES != 0], balls[STATES != 0], atol=1e-12)
     lacks = np.linalg.norm(hips - ankles, axis=1) - reaches
     assert np.allclose(lacks[:30], miss, atol=1e-12)
@@ -53,12 +53,12 @@ def test_a_foot_rolls_on_where_its_leg_is_too_short_and_its_ball_stays(miss: flo
 
 @pytest.mark.parametrize("miss", [0.0, 0.005, 0.02])
 def test_a_foot_that_lands_rolls_back_over_its_heel_where_its_leg_is_too_short(miss: float) -> None:
-    states = np.repeat([0, HEEL, FLAT, 0], 30)
+    states = np.repeat([0, HEEL_STANDS, SOLE_STANDS, 0], 30)
     rotations, ankles = _level(), np.tile([0.0, 0.0, SOLE[0, 3]], (120, 1))
     hips = np.tile([-0.4, 0.0, 0.8], (120, 1))
     reaches = np.full(120, np.linalg.norm(hips[0] - ankles[0]) - miss)
     edge = [-SOLE[0, 4], 0.0, -SOLE[0, 3]]
-    heels.roll_feet(SOLE, states, hips, reaches, 10.0, ankles, rotations)
+    heel_roll.roll_feet(SOLE, states, hips, reaches, 10.0, ankles, rotations)
     assert np.allclose((ankles + rotations @ edge)[30:90], edge + np.array([0.0, 0.0, SOLE[0, 3]]), atol=1e-12)
     lacks = np.linalg.norm(hips - ankles, axis=1) - reaches
     assert np.allclose(lacks[60:90], miss, atol=1e-12)
@@ -67,8 +67,8 @@ def test_a_foot_that_lands_rolls_back_over_its_heel_where_its_leg_is_too_short(m
 
 def test_a_ball_that_has_risen_stands_on_the_tip_of_its_toes() -> None:
     pitches = np.empty(120)
-    heels.find_tiptoe(SOLE, STATES, RISE, 10.0, pitches)
-    assert not pitches[STATES != TOE].any()
-    assert 0.3 < pitches[59] < heels.TIPPED
-    heels.find_tiptoe(SOLE, STATES, 0.2 * RISE, 10.0, pitches)
+    heel_roll.tiptoe_pitches(SOLE, STATES, RISE, 10.0, pitches)
+    assert not pitches[STATES != TOE_STANDS].any()
+    assert 0.3 < pitches[59] < heel_roll.STEEPEST_TOE
+    heel_roll.tiptoe_pitches(SOLE, STATES, 0.2 * RISE, 10.0, pitches)
     assert not pitches.any()

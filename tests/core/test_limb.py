@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studio.core.kernels.algebra.turns import put_turn
+from studio.core.kernels.algebra.rotation_tuples import write_rotation
 from studio.core.kernels.limbs import limb as kernel
-from studio.core.kernels.records import Limb, Pose
+from studio.core.kernels.records import LimbShape, Pose
 from tests.core.motions import random_rotations
 from tests.core.twins import limb as twin
 
@@ -25,7 +25,7 @@ class _Limb:
         self.distance = random.uniform(near + 0.01 * far, 0.999 * far) if distance is None else distance
         self.off_plane = random.uniform(-0.2, 0.2) if off_plane is None else off_plane
         self.bend, self.twist = random.choice([-1.0, 1.0]), random.uniform(-3, 3, size=2)
-        limb = Limb(self.bones, self.distance, self.off_plane, self.bend, tuple(self.twist))
+        limb = LimbShape(self.bones, self.distance, self.off_plane, self.bend, tuple(self.twist))
         pose = Pose(np.stack([self.root] * 3), np.empty((2, 3, 3)))
         kernel.place_limb(0, 0, tuple(self.frame.ravel()), limb, pose)
         self.points, (self.upper, self.lower) = pose.positions[1:], pose.rotations
@@ -82,7 +82,7 @@ def test_a_straight_limb_lies_on_the_line() -> None:
 
 @given(st.floats(0, 10), st.floats(0.5, 0.999))
 def test_soft_reach_is_exact_up_to_comfort_and_never_beyond_one(needed: float, comfort: float) -> None:
-    reached = kernel.soft_reach(needed, comfort)
+    reached = kernel.soft_extension(needed, comfort)
     assert reached == pytest.approx(twin.soft_reach(needed, comfort), abs=1e-12)
     assert reached <= min(needed, 1.0)
     if needed <= comfort:
@@ -92,9 +92,9 @@ def test_soft_reach_is_exact_up_to_comfort_and_never_beyond_one(needed: float, c
 @given(st.floats(0.5, 0.999))
 def test_soft_reach_rises_smoothly_at_the_comfort(comfort: float) -> None:
     step = 1e-6 * (1.0 - comfort)
-    slope = (kernel.soft_reach(comfort + step, comfort) - comfort) / step
+    slope = (kernel.soft_extension(comfort + step, comfort) - comfort) / step
     assert slope == pytest.approx(1.0, abs=1e-5)
-    samples = [kernel.soft_reach(needed, comfort) for needed in np.linspace(0.0, 1.5, 60)]
+    samples = [kernel.soft_extension(needed, comfort) for needed in np.linspace(0.0, 1.5, 60)]
     assert (np.diff(samples) >= 0.0).all()
 
 
@@ -103,7 +103,7 @@ def test_a_bone_that_nearly_points_back_is_still_a_rotation(seed: int, nearness:
     random = np.random.default_rng(seed)
     frame, bone, turn = random_rotations(random), 0.3 * np.array([0.0, 0.0, -1.0]), np.empty((3, 3))
     bone[:2] = 10.0**nearness * random.normal(size=2)
-    put_turn(kernel.bone_turn(tuple(frame.ravel()), *bone, random.uniform(-3, 3)), turn)
+    write_rotation(kernel.bone_rotation(tuple(frame.ravel()), *bone, random.uniform(-3, 3)), turn)
     assert np.allclose(turn.T @ turn, np.eye(3), atol=1e-12)
     assert np.allclose(turn[:, 2] * np.linalg.norm(bone), frame @ bone, atol=1e-12)
 
@@ -111,20 +111,20 @@ def test_a_bone_that_nearly_points_back_is_still_a_rotation(seed: int, nearness:
 @given(st.floats(0.0, 1.0), st.floats(0.01, 0.45))
 def test_bones_of_other_lengths_fold_no_nearer_than_they_can_and_never_snap_shut(share: float, apart: float) -> None:
     bones = 0.5 + 0.5 * apart, 0.5 - 0.5 * apart
-    reach, step = kernel.soft_fold(share, bones), 1e-6
+    reach, step = kernel.soft_flexion(share, bones), 1e-6
     assert reach > apart
     assert reach >= share
-    assert -1e-9 <= kernel.soft_fold(share + step, bones) - reach <= step * (1.0 + 1e-6)
-    assert kernel.soft_fold(share, (0.5, 0.5)) == share
-    assert kernel.soft_fold(-share, (0.5, 0.5)) == -share  # a channel that a spline has overshot
+    assert -1e-9 <= kernel.soft_flexion(share + step, bones) - reach <= step * (1.0 + 1e-6)
+    assert kernel.soft_flexion(share, (0.5, 0.5)) == share
+    assert kernel.soft_flexion(-share, (0.5, 0.5)) == -share  # a channel that a spline has overshot
 
 
 @given(st.floats(0.0, 1.0), st.floats(0.01, 0.45))
 def test_an_ankle_that_is_brought_too_near_stops_softly_and_stays_where_a_fold_has_it(share: float, apart: float):
     bones, step = (0.5 + 0.5 * apart, 0.5 - 0.5 * apart), 1e-6
-    reach = kernel.no_nearer(share, bones)
+    reach = kernel.soft_least_reach(share, bones)
     assert reach > apart
     assert reach >= share - 1e-12
-    assert -1e-9 <= kernel.no_nearer(share + step, bones) - reach <= step * (1.0 + 1e-6)
-    folded = kernel.soft_fold(share, bones)
-    assert kernel.no_nearer(folded, bones) == pytest.approx(folded, abs=1e-12)
+    assert -1e-9 <= kernel.soft_least_reach(share + step, bones) - reach <= step * (1.0 + 1e-6)
+    folded = kernel.soft_flexion(share, bones)
+    assert kernel.soft_least_reach(folded, bones) == pytest.approx(folded, abs=1e-12)

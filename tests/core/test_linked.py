@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.core.kernels.algebra.rotation import rotation_vector_to_matrix
+from studio.core.kernels.algebra.rotation_matrices import rotation_vector_to_matrix
 from studio.core.kernels.compiling import allocating_kernel, kernel, linked, small_kernel
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -77,7 +77,7 @@ def test_a_kernel_can_be_called_by_kernels_first_and_then_by_python() -> None:
     assert row_of(4.0, 1).tolist() == [8.0]
 
 
-@pytest.mark.parametrize("own", [linked.Part, linked.Whole, linked.Compiler, linked.Kernel])
+@pytest.mark.parametrize("own", [linked.KernelPart, linked.KernelProgram, linked.PartCompiler, linked.Kernel])
 def test_numba_still_has_what_linking_puts_something_else_in_place_of(own) -> None:
     """A numba that renamed one of these would go on as if nothing were replaced."""
     added = {"part", "_make_part", "_flags", "parts", "signatures", "_note_below"}
@@ -113,7 +113,7 @@ import numba
 import numpy as np
 numba.__version__ = "0.99.0"
 from studio.core.kernels.compiling import kernel, pack
-from studio.core.kernels.algebra.rotation import rotation_vector_to_matrix
+from studio.core.kernels.algebra.rotation_matrices import rotation_vector_to_matrix
 
 @kernel
 def handed_on(packed, out_matrix):

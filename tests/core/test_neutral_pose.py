@@ -9,6 +9,8 @@ from studio.core.body.kinematics import joint_world, rest_poses
 from studio.core.body.reference_pose import find_reference_pose
 from studio.core.body.zero_pose import with_zero_pose
 from studio.core.captures.capture import Capture
+from studio.core.normalized.alignment import find_alignments, level_soles
+from studio.core.normalized.landmarks import find_landmarks
 from studio.core.rotations import angle_between, from_matrix, multiply
 from tests.core.motions import about, swaying
 
@@ -62,6 +64,38 @@ def test_head_hands_and_feet_are_found_whatever_the_take_does(
     axes = np.swapaxes(_axes(seed, take.skeleton.joint_count), 1, 2)
     errors = _errors(with_zero_pose(take, axes), axes)
     assert max(errors.values()) < WITHIN, errors
+
+
+@pytest.mark.parametrize(
+    ("joint", "axis", "degrees"),
+    [
+        ("LeftForeArm", LEFT, 25.0),
+        ("RightForeArm", LEFT, -25.0),
+        ("LeftForeArm", LEFT, 50.0),
+        ("RightFoot", (1.0, 0.0, 0.0), 15.0),
+    ],
+    ids=["a palm up", "a palm down", "a palm far up, the other as usual", "a foot on its edge"],
+)
+def test_what_a_take_keeps_twisted_is_not_neutral(joint: str, axis: tuple[float, float, float], degrees: float) -> None:
+    calm = swaying(2, frames=120, amplitude=0.15, hinged=True)
+    rotations = np.array(calm.poses.local_rotations)
+    place = calm.skeleton.index(joint)
+    rotations[:, place] = multiply(rotations[:, place], about(axis, np.radians(degrees)))
+    take = replace(calm, poses=replace(calm.poses, local_rotations=rotations))
+    axes = np.swapaxes(_axes(2, take.skeleton.joint_count), 1, 2)
+    odd = [with_zero_pose(each, axes) for each in (calm, take)]
+    found = [find_reference_pose(each.skeleton, each.poses, each.body_map).rotations for each in odd if each.body_map]
+    assert np.degrees(angle_between(*found)[place]) < 5.0
+
+
+def test_a_heel_that_is_raised_all_the_time_is_no_sole() -> None:
+    take = _turned(swaying(3, frames=120, amplitude=0.05), "RightFoot", about(LEFT, np.radians(25.0)))
+    assert take.body_map is not None
+    marks = find_landmarks(take, take.body_map)
+    alignments = find_alignments(marks)
+    level_soles(marks, alignments, np.ones((len(marks.points), 2), dtype=bool))
+    left, right = (marks.layout.spine_count + 12 + 4 * side for side in (0, 1))
+    assert np.degrees(angle_between(*from_matrix(alignments[[left, right]]))) < WITHIN
 
 
 def test_a_take_in_which_nobody_stands_is_told_as_doubtful() -> None:

@@ -116,7 +116,7 @@ def _same_channels(first: np.ndarray, second: np.ndarray, tolerance: float = 1e-
     turns = [at.YAW, *range(at.LIMB_TWIST, at.LIMB_TWIST + 8)]
     apart = np.abs(first - second)
     apart[:, turns] = np.abs(np.angle(np.exp(1j * (first[:, turns] - second[:, turns]))))
-    for start in (*at.TURNS, *range(at.SPINE, first.shape[1], 4)):
+    for start in (*at.QUATERNION_COLUMNS, *range(at.SPINE, first.shape[1], 4)):
         block = slice(start, start + 4)
         apart[:, block] = np.minimum(apart[:, block], np.abs(first[:, block] + second[:, block]))
     return bool(apart.max() < tolerance)

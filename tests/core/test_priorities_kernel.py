@@ -6,13 +6,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from studio.core.constraints.base import Chain
-from studio.core.kernels.adapt import make_search
 from studio.core.kernels.records import Pose
-from studio.core.kernels.search.joints import ROOT, add_point_row, carry_arm, carry_trunk, set_brakes
-from studio.core.kernels.search.priorities import eliminate, find_step, move_joints
-from studio.core.kernels.tasks.second_order import ASK, HOLD
+from studio.core.kernels.search.joints import (
+    ROOT_TRANSLATION,
+    add_point_jacobian,
+    pose_arm,
+    pose_trunk,
+    update_joint_damping,
+)
+from studio.core.kernels.search.null_space_step import eliminate, move_joints, null_space_step
+from studio.core.kernels.solve_clip import make_search
+from studio.core.kernels.tasks.second_order import EQUALITY_ROW, OBJECTIVE_ROW
 from studio.core.normalized.realize import realize
-from studio.core.solver.asking.chains import CLAVICLE_LIMIT, VERTEBRA_LIMIT, free_joints
+from studio.core.solver.asking.chains import CLAVICLE_LIMIT, VERTEBRA_LIMIT, joints_of_chains
 from tests.builders import make_morphology
 from tests.core.motions import walk
 from tests.core.twins import body as body_twin
@@ -46,12 +52,12 @@ def test_a_held_row_that_says_what_a_higher_one_has_settled_gives_in() -> None:
 
 @pytest.mark.parametrize("segment", ENDS)
 def test_levers_are_what_small_turns_show(segment: int) -> None:
-    free = free_joints((Chain(1.0, 1.0, 1.0, 1.0, 1.0),), (0,), LAYOUT)
+    free = joints_of_chains((Chain(1.0, 1.0, 1.0, 1.0, 1.0),), (0,), LAYOUT)
     direction = np.array([0.36, -0.48, 0.8])
     row, point = np.zeros((len(free.joints), 3)), ENDS[segment]
-    add_point_row(POSITIONS[point], *direction, segment, free.joints, POSITIONS, row)
+    add_point_jacobian(POSITIONS[point], *direction, segment, free.joints, POSITIONS, row)
     for joint, found in zip(free.joints, row, strict=True):
-        if joint[0] == ROOT:
+        if joint[0] == ROOT_TRANSLATION:
             assert found == pytest.approx(direction)
         else:
             expected = lever(LAYOUT, int(joint[0]), point, direction, POSITIONS, ROTATIONS)
@@ -65,7 +71,7 @@ class _Search:
         random = np.random.default_rng(seed)
         chain = chain or Chain(1.0, 1.0, 1.0, 1.0, 0.5)
         self.held, self.count = held, count + held
-        self.free = free_joints((chain,) * self.count, (0,) * self.count, LAYOUT)
+        self.free = joints_of_chains((chain,) * self.count, (0,) * self.count, LAYOUT)
         segments = random.choice(np.array(list(ENDS)), size=self.count, replace=False)
         self.segments = [int(segment) for segment in segments]
         self.points = [ENDS[segment] for segment in self.segments]
@@ -80,16 +86,20 @@ class _Search:
         search, chain, rows = self.search, self.free.chain, self.search.rows
         rows.jacobian[:], rows.errors[: self.count] = 0.0, self.goals - self.gained
         for row, (segment, point) in enumerate(zip(self.segments, self.points, strict=True)):
-            rows.owners[row], rows.roles[row], rows.pulls["carrier"][row] = row, HOLD if row < self.held else ASK, -1
+            rows.weight_rows[row], rows.roles[row], rows.point_errors["carrier"][row] = (
+                row,
+                EQUALITY_ROW if row < self.held else OBJECTIVE_ROW,
+                -1,
+            )
             place, jacobian = self.pose.positions[point], rows.jacobian[row]
-            add_point_row(place, *self.directions[row], segment, chain.joints, self.pose.positions, jacobian)
-        set_brakes(search.state, chain.joints, chain.limits, search.carried, rows.brakes)
-        find_step(self.held, self.count, 1.0, rows, chain, search.equations, self.pose.positions)
-        steps, start = search.equations.steps, Pose(POSITIONS, ROTATIONS)
-        moved = move_joints(0.0, chain, search.carried, steps[-2] + steps[-1], search.state)
-        carry_trunk(search.state, chain.slots, start, search.carried, self.pose)
+            add_point_jacobian(place, *self.directions[row], segment, chain.joints, self.pose.positions, jacobian)
+        update_joint_damping(search.state, chain.joints, chain.limits, search.segment_rotations, rows.damping)
+        null_space_step(self.held, self.count, 1.0, rows, chain, search.equations, self.pose.positions)
+        steps, start = search.equations.directions, Pose(POSITIONS, ROTATIONS)
+        moved = move_joints(0.0, chain, search.segment_rotations, steps[-2] + steps[-1], search.state)
+        pose_trunk(search.state, chain.joint_of_segment, start, search.segment_rotations, self.pose)
         for side in range(2):
-            carry_arm(side, search.state, chain.slots, start, search.carried, self.pose)
+            pose_arm(side, search.state, chain.joint_of_segment, start, search.segment_rotations, self.pose)
         return float(moved)
 
     @property
@@ -103,7 +113,7 @@ class _Search:
 def test_steps_for_one_constraint_close_a_small_error(seed: int) -> None:
     search = _Search(seed, count=1)
     for _ in range(5):
-        search.step()
+        search.level_step()
     assert search.gained == pytest.approx(search.goals, abs=1e-4)
 
 
@@ -112,7 +122,7 @@ def test_steps_for_one_constraint_close_a_small_error(seed: int) -> None:
 def test_what_is_held_stays_while_others_ask(seed: int) -> None:
     search = _Search(seed, count=2, held=1)
     for _ in range(8):
-        search.step()
+        search.level_step()
     assert abs(search.gained[0]) < 2e-4
 
 
@@ -120,7 +130,7 @@ def test_what_is_held_stays_while_others_ask(seed: int) -> None:
 @settings(max_examples=25, deadline=None)
 def test_a_step_keeps_every_bone_of_the_trunk_and_the_arms(seed: int) -> None:
     search = _Search(seed)
-    search.step()
+    search.level_step()
     lengths = [body_twin.bone_lengths(LAYOUT, points)[: K + 10] for points in (search.pose.positions, POSITIONS)]
     assert np.allclose(*lengths, atol=1e-12)
 
@@ -131,7 +141,7 @@ def test_joints_never_turn_beyond_their_limits(seed: int) -> None:
     search = _Search(seed)
     search.goals *= 50
     for _ in range(20):
-        search.step()
+        search.level_step()
     turned = 2.0 * np.arctan(np.linalg.norm(search.search.state, axis=1))
     segments = search.free.joints["segment"]
     assert turned[(segments > 0) & (segments < K)].max() <= VERTEBRA_LIMIT + 1e-9
@@ -140,6 +150,6 @@ def test_joints_never_turn_beyond_their_limits(seed: int) -> None:
 
 def test_only_the_root_moves_where_only_the_root_is_free() -> None:
     search = _Search(4, chain=Chain(0.0, 0.0, 0.0, 0.0, 1.0))
-    assert search.step() > 0.0
+    assert search.level_step() > 0.0
     assert np.allclose(search.pose.rotations[: K + 10], ROTATIONS[: K + 10], atol=1e-12)
     assert not np.allclose(search.pose.positions[: K + 3], POSITIONS[: K + 3], atol=1e-6)

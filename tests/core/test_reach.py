@@ -5,7 +5,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from studio.core.kernels.body.parts import limb_parts, turn_part
+from studio.core.kernels.body.parts import limb_parts, rotate_part
 from studio.core.kernels.limbs import reach as kernel
 from studio.core.normalized.realize import realize
 from tests.builders import make_morphology
@@ -47,8 +47,8 @@ class _Reach:
         return self.positions[self.root + 1] + self.rotations[self.upper + 1] @ self.offset
 
     def bend(self, distance: float) -> None:
-        turn = kernel.bend_of(distance, self.rotations[self.upper], self.shoulder, self.elbow, self.point)
-        turn_part(turn, self.upper + 1, K, self.elbow, self.positions, self.rotations)
+        turn = kernel.bend_to_distance(distance, self.rotations[self.upper], self.shoulder, self.elbow, self.point)
+        rotate_part(turn, self.upper + 1, K, self.elbow, self.positions, self.rotations)
 
     def assert_whole(self) -> None:
         assert np.allclose(body_twin.bone_lengths(LAYOUT, self.positions), self.lengths, atol=1e-9)
@@ -76,7 +76,7 @@ def test_bending_brings_the_point_to_the_distance_or_as_near_as_can_be(seed: int
 @settings(max_examples=40)
 def test_the_longest_reach_is_the_longest_of_all_bends(seed: int, limb: int) -> None:
     reach = _Reach(seed, limb)
-    found = kernel.span_range(reach.shoulder, reach.elbow, reach.hinge, reach.point)[1]
+    found = kernel.distance_range(reach.shoulder, reach.elbow, reach.hinge, reach.point)[1]
     expected = twin.greatest_distance(reach.shoulder, reach.elbow, reach.hinge, reach.point)
     assert found == pytest.approx(expected, abs=1e-9)
 
@@ -84,7 +84,7 @@ def test_the_longest_reach_is_the_longest_of_all_bends(seed: int, limb: int) -> 
 @given(seeds, limbs)
 def test_a_bend_that_is_right_stays(seed: int, limb: int) -> None:
     reach = _Reach(seed, limb)
-    _, cosine, sine = kernel.levers(reach.shoulder, reach.elbow, reach.hinge, reach.point)
+    _, cosine, sine = kernel.distance_terms(reach.shoulder, reach.elbow, reach.hinge, reach.point)
     # Beyond it a limb counts as stretched too far, and is bent the right way.
     assume(np.arctan2(sine, cosine) > -0.85 * np.pi)
     reach.bend(float(np.linalg.norm(reach.point - reach.shoulder)))
@@ -125,7 +125,7 @@ def test_reaching_is_to_bend_and_then_to_aim(seed: int, limb: int) -> None:
     distance = np.random.default_rng(seed + 1).uniform(0.0, 1.0)
     both.bend(distance)
     kernel.aim_at(both.target, both.moved, both.upper, K, both.shoulder, both.positions, both.rotations)
-    kernel.reach_to(one.target, distance, one.upper, one.root, one.point, one.positions, one.rotations)
+    kernel.bend_and_aim(one.target, distance, one.upper, one.root, one.point, one.positions, one.rotations)
     assert np.allclose(one.positions, both.positions, atol=1e-12)
     assert np.allclose(one.rotations, both.rotations, atol=1e-12)
 

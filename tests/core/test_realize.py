@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Proportions
 from studio.core.kernels import layout as at
-from studio.core.kernels.body.realize import sample_spine
-from studio.core.kernels.limbs.limb import LEANS
+from studio.core.kernels.body.pose_from_channels import sample_spine
+from studio.core.kernels.limbs.limb import BONE_LINE_TOLERANCE
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import girdle_of, realize
 from studio.core.rotations import inverse, normalized
@@ -109,9 +109,9 @@ def test_its_own_vertebrae_are_taken_as_they_are() -> None:
 
 def test_hips_and_head_stray_only_where_the_actor_is_played() -> None:
     still = WALK.channels.copy()
-    still[:, at.HIP_PLAY : at.HEAD_PLAY + 3] = 0.0
+    still[:, at.HIP_SHIFT : at.HEAD_SHIFT + 3] = 0.0
     strayed = still + 0.0
-    strayed[:, at.HIP_PLAY : at.HEAD_PLAY + 3] = 0.1
+    strayed[:, at.HIP_SHIFT : at.HEAD_SHIFT + 3] = 0.1
     body = make_morphology()
     rigid = realize(replace(WALK, channels=still), body, play=True)[0]
     assert np.array_equal(realize(replace(WALK, channels=strayed), body)[0], rigid)
@@ -167,7 +167,7 @@ def test_bones_that_share_their_limb_otherwise_lie_nearly_as_the_actors_however_
     (_, own), (_, others) = (realize(motion, each) for each in (body, other))
     for bone in (BodyPart.LEFT_THIGH, BodyPart.LEFT_SHANK):
         ways = (rotations[:, body.layout.segment(bone), :, 2] for rotations in (own, others))
-        assert (np.sum(np.prod(np.stack(list(ways)), axis=0), axis=1) > np.cos(3.2 * LEANS)).all()
+        assert (np.sum(np.prod(np.stack(list(ways)), axis=0), axis=1) > np.cos(3.2 * BONE_LINE_TOLERANCE)).all()
     again = realize(replace(motion, girdle=girdle_of(other)), other)[0]
     hip, ankle = body.layout.hip(0), body.layout.ankle(0)
     ways = [positions[:, ankle] - positions[:, hip] for positions in (again, realize(motion, body)[0])]

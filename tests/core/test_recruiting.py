@@ -20,26 +20,26 @@ from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
-from studio.core.kernels.adapt import make_search
 from studio.core.kernels.limbs.reach import aim_at
-from studio.core.kernels.records import Body, Legs, Pose, Problem
-from studio.core.kernels.search.joints import ROOT
-from studio.core.kernels.search.placing import carry_body
-from studio.core.kernels.support.swing import FREED_AFTER
+from studio.core.kernels.records import FrameBody, FrameProblem, LegTargets, Pose
+from studio.core.kernels.search.body_placement import pose_body
+from studio.core.kernels.search.joints import ROOT_TRANSLATION
+from studio.core.kernels.solve_clip import make_search
+from studio.core.kernels.support.swing_foot_clearance import SWING_FADE
 from studio.core.kernels.tasks.balance import (
-    add_leg_answer,
+    accumulate_masses,
+    add_arm_jacobian,
+    add_leg_jacobian,
     centre_of_mass,
-    let_arm_reach,
-    set_balance_rows,
-    sum_masses,
+    write_balance_jacobian,
 )
 from studio.core.kernels.tasks.task import TASK
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize
 from studio.core.quality.metrics import acceleration_ratio, angular_acceleration, contact_quality
 from studio.core.solver.adapt import hold
-from studio.core.solver.asking.chains import free_joints, point_masses, segment_masses
-from studio.core.solver.asking.recruiting import arm_lever, leg_room, limb_freedoms
+from studio.core.solver.asking.chains import joints_of_chains, point_masses, segment_masses
+from studio.core.solver.asking.limb_availability import arm_availability, leg_availability, limb_availability
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.solved_window import Bound
 from studio.core.solver.standing.stand import Standing, stand
@@ -201,7 +201,7 @@ def test_an_arm_is_back_in_the_motion_before_a_wish_above_begins_and_helps_again
     solved = hold(standing, (balance, asked))
     turned = _turned(solved, standing)[:, body.layout.segment(BodyPart.LEFT_UPPER_ARM)]
     begin, end = round(times.start * RATE), round(times.end * RATE)
-    soon = round(FREED_AFTER * RATE) + 2
+    soon = round(SWING_FADE * RATE) + 2
     assert turned[[begin, end]].max() < 0.02
     assert turned[[begin - soon, end + soon]].min() > 0.1
     peak = angular_acceleration(local_rotations(solved), RATE).max(axis=-1)
@@ -230,7 +230,7 @@ def test_a_wish_below_takes_an_arm_from_a_balance_that_does_without_and_nothing_
 def test_freedom_is_nought_in_contact_and_while_asked_and_all_of_it_soon_after() -> None:
     limbs, activations = np.array([[0, -1], [-1, 3]]), np.zeros((2, 90))
     activations[0, 30:40], activations[1] = 1e-9, 0.0
-    above, free = limb_freedoms(limbs, np.array([1, 1]), activations, CONTACTS, RATE)
+    above, free = limb_availability(limbs, np.array([1, 1]), activations, CONTACTS, RATE)
     assert free.shape == (4, 90)
     assert (above[:2] == 1.0).all()  # what is asked with less priority takes no limb
     assert (free[0, 30:40] == 0.0).all()
@@ -248,7 +248,7 @@ def test_a_leg_may_turn_as_far_as_its_foot_is_high() -> None:
     positions = STANDING["adult_woman"].positions[:1].repeat(4, axis=0)
     for side in range(2):
         positions[:, _legs(body, side), 2] += np.array([0.0, 0.02, 0.2, 1.0])[:, None]
-    room = leg_room(body, Ground(), positions)
+    room = leg_availability(body, Ground(), positions)
     assert (np.diff(room, axis=1) > 0.0).all()
     assert room[:, 0].min() < 0.3
     assert room[:, 3].max() > 0.9
@@ -263,7 +263,7 @@ def test_an_arm_that_lies_level_is_not_turned_and_one_that_hangs_is() -> None:
         lengths = np.arange(4)[None, :, None] * 0.25
         ways = np.array([[0.0, 0.0, -1.0], [np.sqrt(0.5), 0.0, np.sqrt(0.5)], [0.6, 0.8, 0.0]])
         positions[:, arm] = shoulder + lengths * ways[:, None]
-    assert arm_lever(body, positions) == pytest.approx(np.array([[1.0, 0.5, 0.0]] * 2))
+    assert arm_availability(body, positions) == pytest.approx(np.array([[1.0, 0.5, 0.0]] * 2))
 
 
 @pytest.mark.parametrize("name", BODIES)
@@ -272,8 +272,8 @@ def test_without_free_limbs_nothing_is_otherwise_to_the_bit(name: str) -> None:
     wish = _balance(standing, MIDDLE, TRUNK, np.array([0.02, 0.01]))
     none = replace(wish, chain=replace(TRUNK, segments=((BodyPart.THORAX, 1.0),)))
     assert np.array_equal(hold(standing, (wish,)).positions, hold(standing, (none,)).positions)
-    assert len(free_joints((TRUNK,), (0,), BODIES[name].layout).joints) + 4 == len(
-        free_joints((WHOLE,), (0,), BODIES[name].layout).joints
+    assert len(joints_of_chains((TRUNK,), (0,), BODIES[name].layout).joints) + 4 == len(
+        joints_of_chains((WHOLE,), (0,), BODIES[name].layout).joints
     )
 
 
@@ -311,34 +311,34 @@ class _Posed:
         body, footing = standing.morphology, standing.footing
         chain = replace(WHOLE, segments=tuple((part, 1.0) for part in (BodyPart.PELVIS, BodyPart.NECK, BodyPart.HEAD)))
         chain = replace(chain, clavicle=1.0)
-        self.chain = free_joints((chain,), (0,), body.layout).chain
+        self.chain = joints_of_chains((chain,), (0,), body.layout).chain
         self.start = Pose(standing.positions[frame], standing.rotations[frame])
-        parts = footing.comforts, footing.ankles, footing.feet, footing.toes
-        legs = Legs(KICK.channels[frame], *(np.ascontiguousarray(part[:, frame]) for part in parts))
+        parts = footing.soft_thresholds, footing.ankles, footing.feet, footing.toes
+        legs = LegTargets(KICK.channels[frame], *(np.ascontiguousarray(part[:, frame]) for part in parts))
         self.masses, self.shares = segment_masses(body.layout), point_masses(body.layout)
-        self.body = Body(body.rows[0], self.masses, np.full(2, np.inf), legs, limits_of(body)[:0], self.shares)
+        self.body = FrameBody(body.rows[0], self.masses, np.full(2, np.inf), legs, limits_of(body)[:0], self.shares)
         self.search = make_search(1, len(self.chain.joints), len(self.start.positions))
 
     def pose(self, joint: int, turn: np.ndarray) -> Pose:
         """The pose with a joint turned by a rotation vector, or the root moved."""
         state = self.search.state
         state[:] = 0.0
-        state[joint] = turn if self.chain.joints["segment"][joint] == ROOT else np.tan(0.5 * turn)
+        state[joint] = turn if self.chain.joints["segment"][joint] == ROOT_TRANSLATION else np.tan(0.5 * turn)
         pose = Pose(self.start.positions.copy(), self.start.rotations.copy())
         nothing = np.zeros(0, dtype=TASK), np.zeros((0, 10))
-        carry_body(Problem(*nothing, self.chain, self.body, self.search, self.start, pose))
+        pose_body(FrameProblem(*nothing, self.chain, self.body, self.search, self.start, pose))
         return pose
 
     def mass(self, joint: int, turn: np.ndarray) -> np.ndarray:
         """(3,) the centre of mass then."""
         sums = np.empty((len(self.masses) + 1, 4))
-        sum_masses(self.masses, self.pose(joint, turn).positions, sums)
+        accumulate_masses(self.masses, self.pose(joint, turn).positions, sums)
         return sums[-1, :3]
 
     def rows(self) -> np.ndarray:
         sums, rows = np.empty((len(self.masses) + 1, 4)), np.empty((3, len(self.chain.joints), 3))
-        sum_masses(self.masses, self.start.positions, sums)
-        set_balance_rows(3, self.masses, sums, self.chain.joints, self.start.positions, rows)
+        accumulate_masses(self.masses, self.start.positions, sums)
+        write_balance_jacobian(3, self.masses, sums, self.chain.joints, self.start.positions, rows)
         return rows
 
 
@@ -351,7 +351,7 @@ def test_balance_rows_are_the_derivatives_of_the_posed_body_with_legs_free_and_p
         for axis in range(3):
             turn = step * np.eye(3)[axis]
             slope = (posed.mass(joint, turn) - posed.mass(joint, -turn)) / (2.0 * step)
-            if segment == ROOT:
+            if segment == ROOT_TRANSLATION:
                 if axis < 2:  # what is lowered bends its knees, which are taken to be a little bent
                     assert slope[:2] == pytest.approx(rows[:2, joint, axis], abs=0.1)
             elif segment == 0:  # the hips, too, take the legs along a little
@@ -363,11 +363,11 @@ def test_balance_rows_are_the_derivatives_of_the_posed_body_with_legs_free_and_p
 @pytest.mark.parametrize("name", BODIES)
 def test_a_leg_answers_the_root_as_its_knee_does_while_its_ankle_stays(name: str) -> None:
     posed, step = _Posed(STANDING[name], 30), 1e-6
-    root = int(np.flatnonzero(posed.chain.joints["segment"] == ROOT)[0])
+    root = int(np.flatnonzero(posed.chain.joints["segment"] == ROOT_TRANSLATION)[0])
     posed.masses = posed.masses.copy()
     posed.masses[: STANDING[name].morphology.layout.segment(BodyPart.RIGHT_THIGH), 0] = 0.0
     levers = np.zeros((3, 3))
-    add_leg_answer(1, 3, 0.0, posed.masses, posed.start.positions, levers)
+    add_leg_jacobian(1, 3, 0.0, posed.masses, posed.start.positions, levers)
     for axis, way in enumerate(np.eye(3)):
         slope = (posed.mass(root, step * way) - posed.mass(root, -step * way)) / (2.0 * step)
         assert slope == pytest.approx(levers[:, axis], abs=1e-3 * np.abs(levers).max())
@@ -378,7 +378,7 @@ def test_the_centre_of_mass_is_the_same_by_segments_and_by_points(name: str) -> 
     posed = _Posed(STANDING[name], MIDDLE)
     sums = np.empty((len(posed.masses) + 1, 4))
     point = centre_of_mass(posed.shares, posed.start.positions)
-    sum_masses(posed.masses, posed.start.positions, sums)
+    accumulate_masses(posed.masses, posed.start.positions, sums)
     assert sums[-1] == pytest.approx([*point, 1.0], abs=1e-3)
     assert sums[-1, :3] == pytest.approx(point, abs=1e-12)
 
@@ -401,12 +401,12 @@ def test_an_arm_that_points_at_a_far_place_answers_the_trunk_as_it_does(side: in
 
     first = aimed(0, np.zeros(3))[1]
     sums, rows = np.empty((len(masses) + 1, 4)), np.empty((2, len(joints), 3))
-    sum_masses(masses, first, sums)
-    set_balance_rows(2, masses, sums, joints, first, rows)
+    accumulate_masses(masses, first, sums)
+    write_balance_jacobian(2, masses, sums, joints, first, rows)
     reach = float(np.linalg.norm(first[root + 2] - first[root]))
-    let_arm_reach(side, 2, goal, reach, sums, joints, first, rows)
+    add_arm_jacobian(side, 2, goal, reach, sums, joints, first, rows)
     for joint, segment in enumerate(joints["segment"]):
-        if segment in (0, ROOT) or (segment >= layout.spine_count + 2 and segment != upper - 1):
+        if segment in (0, ROOT_TRANSLATION) or (segment >= layout.spine_count + 2 and segment != upper - 1):
             continue
         for axis in range(3):
             turn = step * np.eye(3)[axis]

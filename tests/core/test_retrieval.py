@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from studio.core.body.canonical import BodyLayout
-from studio.core.kernels import retrieval as at
+from studio.core.kernels import pose_search as at
 from studio.core.retrieval import BLOCK, Query, SearchTable, pose_distances, pose_rows, search, searched_points
 from tests.core.twins.retrieval import brute_force, kovar_distance
 
@@ -87,8 +87,8 @@ def test_the_distance_keeps_the_triangle_inequality(seed):
 
 def test_a_table_of_nothing_finds_nothing():
     none = np.empty(0, dtype=np.int64)
-    table = SearchTable(np.empty((0, at.WIDTH), np.float32), none, np.empty((0, 3)), none, none, none)
-    assert search(table, Query(np.zeros((1, at.WIDTH), np.float32), np.zeros((1, 4, 3)))) == []
+    table = SearchTable(np.empty((0, at.POSE_WIDTH), np.float32), none, np.empty((0, 3)), none, none, none)
+    assert search(table, Query(np.zeros((1, at.POSE_WIDTH), np.float32), np.zeros((1, 4, 3)))) == []
 
 
 def test_clips_that_are_not_allowed_are_never_found():
@@ -101,7 +101,7 @@ def test_no_frame_costs_less_than_the_bound_of_its_block():
     for table in TABLES:
         blocks, query = table.blocks, made_query(7, table)
         bounds, every = np.empty(len(blocks.spans)), np.ones(table.clip_count, dtype=np.bool_)
-        asked = at.Query(query.poses, query.targets, query.posture_weight, query.reach_weight)
+        asked = at.SearchQuery(query.poses, query.targets, query.posture_weight, query.reach_weight)
         at.bound_blocks(table.searched, every, asked, bounds)
         for (clip, first, count), bound in zip(blocks.spans, bounds, strict=True):
             part = SearchTable(

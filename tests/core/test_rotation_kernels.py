@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studio.core.kernels.algebra import rotation as kernel
-from studio.core.kernels.algebra import turns
+from studio.core.kernels.algebra import rotation_matrices as kernel
+from studio.core.kernels.algebra import rotation_tuples
 from tests.core.twins import rotation as twin
 
 seeds = st.integers(0, 2**32 - 1)
@@ -29,10 +29,12 @@ def test_matrices_of_rotation_vectors_are_scipys(seed: int) -> None:
 def test_products_are_numpys(seed: int) -> None:
     random = np.random.default_rng(seed)
     first, second, out = *random.normal(size=(2, 3, 3)), np.empty((3, 3))
-    kernel.multiply(first, second, out)
+    kernel.matrix_product(first, second, out)
     assert np.allclose(out, first @ second, atol=1e-13)
     origin, vector = random.normal(size=(2, 3))
-    assert np.allclose(turns.beside(origin, tuple(first.flat), *vector), origin + first @ vector, atol=1e-13)
+    assert np.allclose(
+        rotation_tuples.transform_point(origin, tuple(first.flat), *vector), origin + first @ vector, atol=1e-13
+    )
 
 
 @given(seeds, st.floats(0, np.pi))

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from studio.core.grounds import Bumps, Slope, Steps
-from studio.core.kernels.algebra.eases import lack
-from studio.core.kernels.support import swing as kernel
+from studio.core.kernels.algebra.smooth_steps import smooth_penetration
+from studio.core.kernels.support import swing_foot_clearance as kernel
 from studio.core.rotations import to_matrix
-from studio.core.solver.standing.swing import Sole, led_clear, worn_height
+from studio.core.solver.standing.swing_foot_path import Sole, clear_swing_foot, worn_height
 from tests.core.motions import from_vectors
 
 SOLE = np.array([[0.13, 0.01, -0.06, 0.08, 0.05, 0.09]])
@@ -42,7 +42,7 @@ class _Foot:
         self.toes = self.feet @ to_matrix(from_vectors([0.0, 0.4, 0.0] * np.sin(times + ways[1])))
         self.ankles = np.column_stack([times, times, 0.1 + 0.1 * np.sin(times * ways[0][0])])
         self.states, self.before = stands, (self.ankles.copy(), self.toes.copy())
-        kernel.keep_above(SOLE, stands, 0.0, RATE, self.ankles, self.feet, self.toes)
+        kernel.raise_swing_foot(SOLE, stands, 0.0, RATE, self.ankles, self.feet, self.toes)
 
 
 @given(st.integers(0, 2**32 - 1), states)
@@ -61,9 +61,9 @@ def test_what_stands_or_is_clear_stays_as_it_is(seed: int, stands: np.ndarray) -
     ankles, toes = foot.before
     assert np.array_equal(foot.ankles[stands != 0], ankles[stands != 0])
     assert np.array_equal(foot.toes[stands & 2 != 0], toes[stands & 2 != 0])
-    clear = _points(ankles, foot.feet, toes).min(axis=1) > kernel.ROOM * SOLE[0, 3]
+    clear = _points(ankles, foot.feet, toes).min(axis=1) > kernel.SWING_CLEARANCE * SOLE[0, 3]
     assert np.array_equal(foot.ankles[clear], ankles[clear])
-    around = 2 * round(kernel.EARLY * RATE)  # toes bend before they must
+    around = 2 * round(kernel.TOE_BEND_LEAD * RATE)  # toes bend before they must
     long = np.lib.stride_tricks.sliding_window_view(np.pad(clear, around, constant_values=True), 2 * around + 1).all(1)
     assert np.array_equal(foot.toes[long], toes[long])
     assert (foot.ankles[:, 2] >= ankles[:, 2]).all()
@@ -72,20 +72,20 @@ def test_what_stands_or_is_clear_stays_as_it_is(seed: int, stands: np.ndarray) -
 @given(st.floats(-0.05, 0.05), st.floats(1e-4, 0.03))
 def test_what_is_lacking_lifts_above_the_floor_and_grows_smoothly(height: float, room: float) -> None:
     step = 1e-6
-    assert height + lack(height, room) >= 0.0
-    assert 0.0 <= lack(height, room) - max(-height, 0.0) <= 3.0 / 16.0 * room + 1e-15
-    assert abs(lack(height + step, room) - lack(height, room)) <= step * (1.0 + 1e-6)
+    assert height + smooth_penetration(height, room) >= 0.0
+    assert 0.0 <= smooth_penetration(height, room) - max(-height, 0.0) <= 3.0 / 16.0 * room + 1e-15
+    assert abs(smooth_penetration(height + step, room) - smooth_penetration(height, room)) <= step * (1.0 + 1e-6)
 
 
 def test_without_room_it_is_no_more_than_needed() -> None:
-    assert [lack(height, 0.0) for height in (-0.02, 0.0, 0.01)] == [0.02, 0.0, 0.0]
+    assert [smooth_penetration(height, 0.0) for height in (-0.02, 0.0, 0.01)] == [0.02, 0.0, 0.0]
 
 
 def _bent_up(angle: float) -> np.ndarray:
     """A toe that points so many radians into the ground, after it was bent up."""
     c, s = math.cos(angle), math.sin(angle)
     toe = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
-    kernel.turn_up(kernel.bend_of(0.02, 0.09, 0.02, 0.0, 1.0, toe), toe)
+    kernel.bend_toe_up(kernel.toe_bend(0.02, 0.09, 0.02, 0.0, 1.0, toe), toe)
     return toe
 
 
@@ -99,7 +99,7 @@ def _set_down(pitch: float, rate: float = 120.0, sink: float = 0.0) -> tuple[np.
     feet = np.repeat(np.eye(3)[None], len(times), axis=0)
     toes = to_matrix(from_vectors(np.repeat([[0.0, pitch, 0.0]], len(times), axis=0)))
     ankles = np.column_stack([times, 0.0 * times, heights])
-    kernel.keep_above(SOLE, np.zeros(len(times), np.int64), 0.0, rate, ankles, feet, toes)
+    kernel.raise_swing_foot(SOLE, np.zeros(len(times), np.int64), 0.0, rate, ankles, feet, toes)
     return np.arcsin(np.clip(-toes[:, 2, 0], -1.0, 1.0)), ankles[:, 2] - heights
 
 
@@ -124,7 +124,7 @@ def test_toes_bend_rather_than_the_ankle_rises_as_far_as_toes_do(pitch: float) -
     toe = _bent_up(angle)
     assert np.allclose(toe.T @ toe, np.eye(3), atol=1e-12)
     bent = angle - math.asin(-toe[2, 0]) if toe[2, 2] > 0.0 else 0.0
-    assert 0.0 < bent < kernel.MOST_BENT
+    assert 0.0 < bent < kernel.MAX_TOE_BEND
     assert (0.02 + toe @ [0.09, 0.0, -0.02])[2] > -0.05
 
 
@@ -147,7 +147,7 @@ class _Step:
         ankles = np.column_stack([0.6 * eased, 0.0 * share, SOLE[0, 3] + 0.64 * share * (1 - share) ** 2])
         self.level = Sole.of(ankles, still, still, SOLE)
         self.draped = Sole.of(ankles + np.outer(2.0 * rise * eased, [0.0, 0.0, 1.0]), still, still, SOLE)
-        self.led = led_clear(self.level, self.draped, self.states, self.ground, RATE)
+        self.led = clear_swing_foot(self.level, self.draped, self.states, self.ground, RATE)
 
     def depth(self, foot: Sole) -> float:
         points = Sole.of(foot.ankles, foot.feet, foot.toes, SOLE).points[self.states == 0]
@@ -175,7 +175,7 @@ def test_it_hurries_hardly_more_than_it_did(rise: float) -> None:
 def test_what_is_clear_is_the_same_foot(ground: Slope | Bumps) -> None:
     step = _Step(0.0)
     raised = Sole(step.level.ankles, step.level.feet, step.level.toes, step.level.points + np.array([0.0, 0.0, 3.0]))
-    assert led_clear(step.level, raised, step.states, ground, RATE) is raised
+    assert clear_swing_foot(step.level, raised, step.states, ground, RATE) is raised
 
 
 def test_an_edge_is_worn_by_half_a_centimetre() -> None:

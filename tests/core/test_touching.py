@@ -10,7 +10,7 @@ import pytest
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
-from studio.core.captures.touching import find_touches
+from studio.core.captures.touching import find_touches, hands_together_or_holding
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
@@ -24,6 +24,7 @@ from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.importing import load_capture
 from studio.io.project.character_file import bundled_characters
 from studio.io.project.entity_json import entity_of, entity_record
+from tests.builders import make_morphology
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "captures"
 BODIES = ("child", "giant", "stocky_man")
@@ -63,6 +64,19 @@ def test_a_guard_before_the_chin_is_found_as_hands_together() -> None:
     _, _, contacts = guard()
     together = [each for each in contacts if each.point is Touch.HANDS_TOGETHER]
     assert [each.first for each in together[:1]] == [0]
+
+
+@pytest.mark.parametrize(("swing", "aside", "together"), [(0.2, 0.145, False), (0.0, 0.145, True), (0.2, 0.02, True)])
+def test_hands_that_swing_past_each_other_are_not_together(swing: float, aside: float, together: bool) -> None:
+    """A runner's wrists, each on its own side; hands held as near each other, or crossing on one side, are together."""
+    actor, frames = make_morphology(), np.arange(90)
+    layout, swinging = actor.layout, swing * np.sin(2.0 * np.pi * 1.4 * frames / 30.0)
+    positions = np.zeros((90, layout.point_count, 3))
+    for side, sign in enumerate((1.0, -1.0)):
+        ahead, left = 0.3 + sign * swinging, np.full(90, aside * actor.leg_length * sign)
+        positions[:, layout.wrist(side)] = np.stack([ahead, left, np.zeros(90)], axis=1)
+    rotations = np.tile(np.eye(3), (90, layout.segment_count, 1, 1))
+    assert hands_together_or_holding(actor, positions, rotations, 30.0)[0].any() == together
 
 
 def test_hands_on_the_ground_are_not_together() -> None:

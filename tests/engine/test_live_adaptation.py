@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QTimer
 
-from studio.cli.warm_up import WarmUp
 from studio.core.body.morphology import Morphology
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
@@ -26,6 +25,7 @@ from studio.core.stage.scope import Scope
 from studio.document.document import Document
 from studio.engine.live_adaptation import LiveAdaptation
 from studio.engine.residuals import unsolved_words
+from studio.startup.kernel_warm_up import WarmUp
 from tests.builders import make_capture, make_constraint, make_morphology, make_project
 
 FRAMES = 400

@@ -5,13 +5,13 @@ from dataclasses import replace
 import pytest
 from PySide6.QtCore import QPoint, QPointF
 
-from studio.cli.render import prepared
 from studio.core.solver.adapt import adapt
 from studio.core.solver.performers.performing import perform
 from studio.core.stage.layer import Layer, Region
 from studio.document import clips
 from studio.engine.wanted import wanted_of
 from studio.io.project.project_file import new_document_id, read_project, write_project
+from studio.jobs.performances import prepared
 from studio.panels.inspector import Inspector
 from studio.timeline.hover import hover_text
 from tests.gui.hand import RATE, pixels

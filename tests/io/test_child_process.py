@@ -5,7 +5,8 @@ import sys
 
 import pytest
 
-from studio.io.child_process import LEAST
+from studio.io import child_process
+from studio.io.child_process import LEAST, POSIX
 from tests.architecture.sources import ROOT
 
 SCRIPT = """
@@ -16,7 +17,7 @@ with child_process(("sleep", "9"), behind={behind}) as child:
 """
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no niceness")
+@pytest.mark.skipif(not POSIX, reason="there is no niceness")
 @pytest.mark.parametrize("behind", [0, 5, 19])
 def test_a_child_stands_behind_a_studio_that_was_started_nicely_itself(behind: int) -> None:
     """It may not be brought before it: only root can do that, and nobody has asked."""
@@ -24,3 +25,12 @@ def test_a_child_stands_behind_a_studio_that_was_started_nicely_itself(behind: i
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
     own, child = map(int, done.stdout.split())
     assert child == own + behind or child == LEAST < own + behind
+
+
+def test_a_child_runs_where_there_are_no_groups_and_no_niceness(monkeypatch):
+    """As on Windows, whose Popen refuses a group and whose os has no priorities."""
+    monkeypatch.setattr(child_process, "POSIX", False)
+    monkeypatch.delattr(child_process.os, "setpriority")
+    command = (sys.executable, "-c", "print('done')")
+    with child_process.child_process(command, stdout=subprocess.PIPE) as child:
+        assert child.stdout.read() == b"done\n"

@@ -86,7 +86,7 @@ def test_a_capture_keeps_its_joints_poses_and_rate(tmp_path):
 
 def test_a_suffix_that_no_writer_knows_is_refused_with_those_there_are(tmp_path):
     with pytest.raises(StudioError, match=r"End its name with \.bvh"):
-        write_capture(make_capture(), tmp_path / "out.fbx")
+        write_capture(make_capture(), tmp_path / "out.vrm")
 
 
 def test_the_actors_own_joints_carry_fingers_untouched_and_wrists_to_where_they_were_adapted(captures, tmp_path):

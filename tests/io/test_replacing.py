@@ -180,3 +180,14 @@ def test_what_is_written_is_read_again(tmp_path: Path) -> None:
     assert json.loads((tmp_path / "report.json").read_text()) == {"a": 1}
     assert read_character(tmp_path / "child.json").name == bundled_characters()["child"].name
     assert b"ftyp" in (tmp_path / "film.mp4").read_bytes()[:16]
+
+
+def test_where_no_folder_can_be_opened_files_are_replaced_all_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As on Windows."""
+    monkeypatch.delattr(os, "O_DIRECTORY")
+    target = tmp_path / "file"
+    target.write_bytes(b"old")
+    write_whole(target, b"new")
+    assert target.read_bytes() == b"new"

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from studio.core.kernels import retrieval as at
+from studio.core.kernels import pose_search as at
 from studio.core.retrieval import SearchTable, pose_distances
 from studio.library.clusters import map_of, unturned
 from tests.core.test_retrieval import made_table
@@ -43,5 +43,5 @@ def test_links_lead_to_the_most_similar_groups():
 
 def test_an_empty_table_has_an_empty_map():
     none = np.empty(0, dtype=np.int64)
-    table = SearchTable(np.empty((0, at.WIDTH), np.float32), none, np.empty((0, 3)), none, none, none)
+    table = SearchTable(np.empty((0, at.POSE_WIDTH), np.float32), none, np.empty((0, 3)), none, none, none)
     assert len(map_of(table, 5).representatives) == 0

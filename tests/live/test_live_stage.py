@@ -6,7 +6,6 @@ from functools import cache
 import numpy as np
 import pytest
 
-from studio.cli.render import prepared
 from studio.core.body.canonical import BodyPart
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import touching_points
@@ -33,6 +32,7 @@ from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Prop
 from studio.core.stage.scope import Scope
 from studio.core.stage.whom import FollowPartner
+from studio.jobs.performances import prepared
 from studio.library.scenes.stagehand import bodies, material
 from studio.live.playing import own_row
 from studio.live.stage import LiveStage

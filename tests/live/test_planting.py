@@ -17,7 +17,7 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.grounds.slope import Slope
 from studio.core.grounds.steps import Steps
-from studio.core.kernels.support.sole import HEEL, TOE
+from studio.core.kernels.support.sole import HEEL_STANDS, TOE_STANDS
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.quality.contact_tracks import contact_tracks
@@ -90,7 +90,7 @@ def play(stem: str, body: Morphology, ground: Ground) -> Played:
     stood = [
         ContactInterval(stem, ContactPoint(f"{name}_{kind}"), *span)
         for side, name in enumerate(("left", "right"))
-        for kind, bit in (("heel", HEEL), ("toe", TOE))
+        for kind, bit in (("heel", HEEL_STANDS), ("toe", TOE_STANDS))
         for span in spans_of((np.array(states)[:, side] & bit) != 0)
     ]
     return Played(source, whole, tuple(stood))

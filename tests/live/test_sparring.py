@@ -6,7 +6,6 @@ from functools import cache
 import numpy as np
 import pytest
 
-from studio.cli.render import prepared
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import touching_points
 from studio.core.captures.reaching import farthest_frame
@@ -16,6 +15,7 @@ from studio.core.solver.adapt import place_of
 from studio.core.stage.manners import FIST, FOREARM, HEAD, KeepDistance, LeanAway
 from studio.core.stage.placement import Placement
 from studio.core.stage.whom import PELVIS
+from studio.jobs.performances import prepared
 from studio.library.scenes import fight
 from studio.library.scenes.sparring import APART, CLEAR, HIT, KEYS, PUNCH, sparring
 from studio.live.stage import LiveStage

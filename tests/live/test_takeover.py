@@ -8,12 +8,12 @@ import pytest
 
 from studio.core.body.morphology import sole_rows
 from studio.core.grounds.slope import Slope
-from studio.core.kernels.support.sole import HEEL, TOE
+from studio.core.kernels.support.sole import HEEL_STANDS, TOE_STANDS
 from studio.core.project import GROUND_ID
 from studio.core.quality.metrics import QUIET
 from studio.core.runs import runs_of
 from studio.core.solver.standing.stepping import flights_of
-from studio.core.solver.standing.swing import Sole
+from studio.core.solver.standing.swing_foot_path import Sole
 from studio.core.stage.clip import Clip
 from studio.library.scenes.stagehand import material
 from studio.live.playing import own_row
@@ -115,7 +115,7 @@ def test_no_foot_goes_into_the_ground_as_a_clip_takes_over_and_none_stands_above
                 heights = sole_heights(result, side)
                 assert heights.min() > -6e-3
                 state = states[side, frame]
-                standing = [heights[place] for place, bit in ((0, HEEL), (1, TOE)) if state & bit]
+                standing = [heights[place] for place, bit in ((0, HEEL_STANDS), (1, TOE_STANDS)) if state & bit]
                 assert max(standing, default=0.0) < 0.03
 
 

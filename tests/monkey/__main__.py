@@ -38,7 +38,7 @@ class Soak:
 
         from studio.app.application import make_application
         from studio.app.problems import ProblemHooks
-        from studio.cli import first_run
+        from studio.startup import first_run
 
         gc.disable()  # as ``studio.app.application.main`` does
         first_run.run()
@@ -164,7 +164,7 @@ class _Faults(logging.Handler):
 
 def main() -> int:
     """Print the report as JSON; what is found on the way goes to standard error."""
-    from studio.cli.process import has_display, prepare_process
+    from studio.startup.process import has_display, prepare_process
 
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--events", type=int, default=EVENTS)

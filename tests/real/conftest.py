@@ -6,12 +6,6 @@ from pathlib import Path
 import pytest
 
 KNOWN_FAULTS = {
-    "test_arms_come_out_of_the_body_without_a_pop[accad_male2_E4_CrossRight-giant]": "the arm is no longer in the body "
-    "before it is cleared, since the reference pose is that of all frames",
-    "test_arms_come_out_of_the_body_without_a_pop[accad_male2_E1_JabLeft-giant]": "the arm is no longer in the body "
-    "before it is cleared, since the reference pose is that of all frames",
-    "test_feet_strike_and_leave_when_operators_and_force_plates_say_so": "one event is 0.15 s off for 0.05",
-    "test_shoulders_are_as_wide_as_the_actors[accad_male2_A6_BoxLift]": "shoulders of the stocky man",
     "test_cartwheels_and_crawls_hold_on_slopes[get_up-up]": "legs accelerate 5.0 times as sharply as the source's",
     "test_cartwheels_and_crawls_hold_on_slopes[get_up-aside]": "legs accelerate 4.5 times as sharply as the source's",
     "test_cartwheels_and_crawls_hold_on_slopes[cartwheel-up]": "arms accelerate 4.5 times as sharply as the source's",

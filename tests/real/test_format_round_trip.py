@@ -3,11 +3,11 @@
 import pytest
 
 from benchmarks.format_tables import SUFFIXES, lost_millimetres
-from studio.cli.adaptation import made_ready
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.io.export import take_of_actor
 from studio.io.importing import load_capture
+from studio.jobs.adaptation import made_ready
 from tests.captures import outside
 from tests.real.taken import named
 

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.cli.adaptation import ready_capture
 from studio.cli.bench_cases import FOREARMS, LIMB, WHOLE, WITH_TRUNK, clip_of, make_tasks
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.follow import FollowTracked
@@ -18,6 +17,7 @@ from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.standing.stand import Standing, standing_of
 from studio.io.importing import GUESS_ALL
+from studio.jobs.adaptation import ready_capture
 from studio.resources_folder import example_captures_folder
 from tests.captures import outside
 from tests.core.motions import ALWAYS

@@ -11,6 +11,9 @@ from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.real.taken import contacts_of, named, taken
 
+NEARER, FARTHER = -0.02, 0.15
+"""Of the distance at rest: what clavicles of other shares may add to it is more than what they may take."""
+
 
 @pytest.mark.parametrize(
     "stem",
@@ -28,4 +31,4 @@ def test_shoulders_are_as_wide_as_the_actors(stem: str) -> None:
     for character in bundled_characters().values():
         adapted = adapt(AdaptRequest(motion, character.morphology, contacts))
         found = motion_quality(adapted, source, contacts, Ground(), capture.first_frame)
-        assert -0.05 < found.shoulders < 0.1, character.name
+        assert NEARER < found.shoulders < FARTHER, character.name

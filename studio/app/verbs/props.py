@@ -9,23 +9,36 @@ import numpy as np
 
 from studio.app.file_dialogs import ask_file
 from studio.app.workbench import Workbench
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowProp
+from studio.core.constraints.keyed import KeyedPlace
 from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.names import free_name
 from studio.core.project import Performer, Project
-from studio.core.stage.holding import REACHING, grips
+from studio.core.stage.holding import REACHING, THIN, grips, quarters, reaching_time
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.document.document import Document
-from studio.engine.performance import motion_time, posed_performers
-from studio.engine.props import between_hands
+from studio.engine.grasps import Grasp, captured_grasp, chest_heading, grasp_at, grasp_near
+from studio.engine.performance import Posed, motion_time, posed_performers
+from studio.engine.props import (
+    between_hands,
+    heading_of,
+    prop_at,
+    takes_lower,
+    wrists_from,
+)
 from studio.io.meshes.mesh_file import SUFFIXES, MeshFile, read_mesh
 
 AHEAD = 0.6
 """Metres from a body's root to a new prop."""
+REACH = 0.75
+"""Leg lengths over the ground from a body's root to a prop that it still reaches."""
+HAND_THICKNESS = 0.02
+"""Metres from a wrist to the palm's surface."""
+CARRIED = (PropShape.BOX, PropShape.BALL, PropShape.STICK, PropShape.MESH)
+"""Shapes of things that people carry."""
 SIZES = {
     PropShape.BOX: (0.4, 0.4, 0.4),
     PropShape.BALL: (0.22, 0.22, 0.22),
@@ -57,8 +70,26 @@ def add_shape(bench: Workbench, shape: PropShape) -> None:
 
 
 def _add(bench: Workbench, prop: Prop) -> None:
+    """Put a new prop where the motion of the active body holds a thing, else on the ground ahead of it."""
     document = bench.document
-    pose = bench.viewport.posed.get(document.active_performer_id or "")
+    performer_id = document.active_performer_id or ""
+    grasp = (
+        grasp_near(document.project, bench.live.result, performer_id, document.playhead.time)
+        if prop.shape in CARRIED
+        else None
+    )
+    if grasp is None:
+        prop = _ahead(document, prop, bench.viewport.posed.get(performer_id))
+    else:
+        prop = _grasped(_as_broad(prop, grasp.holder), grasp)
+        frame = round(grasp.seconds * document.playhead.frame_rate)
+        bench.said.emit(f"The motion holds a thing at frame {frame}: {prop.name} is there. Pick it up at that frame.")
+    name = free_name(prop.name, {each.name for each in document.project.props.values()})
+    document.selection.set(("props", document.add("props", replace(prop, name=name), f"Add {name}")))
+
+
+def _ahead(document: Document, prop: Prop, pose: Posed | None) -> Prop:
+    """The prop on the ground ahead of a body, or in the middle of the stage."""
     x, y, heading = 0.0, 0.0, 0.0
     if pose is not None:
         ahead = pose.placement.rotation @ pose.motion.rotations[pose.row, 0, :, 0]
@@ -66,9 +97,23 @@ def _add(bench: Workbench, prop: Prop) -> None:
         away = AHEAD + max(prop.size[0] / 2 - 0.2, 0.0)
         x, y = (pose.points[0, :2] + away * np.array([math.cos(heading), math.sin(heading)])).tolist()
     floor = float(document.project.ground.height_at((x, y, 0.0)))
-    name = free_name(prop.name, {each.name for each in document.project.props.values()})
-    placed = replace(prop, name=name, position=(x, y, floor + prop.size[2] / 2), heading=heading)
-    document.selection.set(("props", document.add("props", placed, f"Add {name}")))
+    return replace(prop, position=(x, y, floor + prop.size[2] / 2), heading=heading)
+
+
+def _grasped(prop: Prop, grasp: Grasp) -> Prop:
+    """The prop between a body's hands as its motion has them."""
+    x, y, z = captured_grasp(grasp.holder).tolist()
+    return replace(prop, position=(x, y, z + grasp.lift(prop)), heading=chest_heading(grasp.holder))
+
+
+def _as_broad(prop: Prop, holder: Posed) -> Prop:
+    """A box as broad as what the hands hold."""
+    if prop.shape is not PropShape.BOX:
+        return prop
+    layout = holder.motion.morphology.layout
+    gap = float(np.linalg.norm(holder.points[layout.wrist(0)] - holder.points[layout.wrist(1)]))
+    length, _, height = prop.size
+    return replace(prop, size=(length, round(max(gap - 2 * HAND_THICKNESS, THIN), 2), height))
 
 
 def ask_mesh(bench: Workbench) -> None:
@@ -147,7 +192,7 @@ def _leave(document: Document, prop_id: str, performer_id: str, now: float, text
             if _grips(each, prop_id, performer_id) and each.activation.at(time) > 0.0:
                 curve = each.activation
                 full = min(curve.full, time)
-                left = ActivationCurve(min(curve.start, full), full, time, time + REACHING, curve.shape)
+                left = curve.with_times(min(curve.start, full), full, time, time + REACHING)
                 document.replace("constraints", key, replace(each, activation=left), text)
 
 
@@ -170,12 +215,22 @@ def _hold(bench: Workbench, begin: float | None) -> None:
     """Both hands hold the prop from ``begin`` on."""
     document, prop_id, performer_id = _holding(bench)
     prop, performer = document.project.props[prop_id], document.project.performers[performer_id]
-    holder = posed_performers(document.project, bench.live.result, document.playhead.time).get(performer_id)
-    hold = between_hands(prop, performer_id, holder) if holder else Carried(performer_id)
+    posed = posed_performers(document.project, bench.live.result, document.playhead.time)
+    holder, giver = posed.get(performer_id), prop.held_at(begin) if begin is not None else None
+    hold, reaching, lower = Carried(performer_id), REACHING, False
+    if holder is not None:
+        grasp = grasp_at(document.project, bench.live.result, performer_id, begin) if begin is not None else None
+        heading = None
+        if begin is not None:
+            if giver is None:
+                prop = _in_reach(bench, prop, holder, begin, grasp)
+            pose = prop_at(document.project.with_entity("props", prop_id, prop), posed, prop_id, begin)
+            heading, reaching = heading_of(pose), reaching_time(wrists_from(pose, holder))
+        hold = between_hands(prop, performer_id, holder, heading=heading, lift=grasp.lift(prop) if grasp else None)
+        lower = isinstance(giver, Carried) and takes_lower(prop, giver, hold)
     text = f"{performer.name} {'holds' if begin is None else 'picks up'} {prop.name}"
     with document.group(text):
         if begin is not None:
-            giver = prop.held_at(begin)
             document.replace("props", prop_id, prop.taken(hold, begin), text)
             if giver is not None and giver.performer_id != performer_id:
                 _leave(document, prop_id, giver.performer_id, begin, text)
@@ -188,7 +243,32 @@ def _hold(bench: Workbench, begin: float | None) -> None:
                     document.remove("constraints", key, text)
             others = document.project.constraints_of(motion_id)
             last = max((each.priority for each in others.values()), default=-1) + 1
-            document.add_all("constraints", grips(motion_id, performer_id, prop_id, prop, seconds, last), text)
+            made = grips(
+                motion_id, performer_id, prop_id, prop, seconds, last,
+                turned=quarters(hold.heading), lower=lower, reaching=reaching,
+            )  # fmt: skip
+            document.add_all("constraints", made, text)
+
+
+def _in_reach(bench: Workbench, prop: Prop, holder: Posed, begin: float, grasp: Grasp | None) -> Prop:
+    """The prop where the motion holds a thing, or, where it lies beyond the arms' reach, ahead of the body."""
+    document, lies = bench.document, isinstance(prop.position, tuple) and not prop.holds
+    if lies and grasp is not None:
+        return _grasped(prop, grasp)
+    pose = prop_at(document.project, {}, selected_prop(bench) or "", begin)
+    beyond = float(np.linalg.norm(pose.place[:2] - holder.points[0, :2])) - max(prop.size[:2]) / 2
+    if prop.holds or beyond <= REACH * holder.motion.body.leg_length:
+        return prop
+    nearer = _ahead(document, prop, holder)
+    if isinstance(prop.position, KeyedPlace) and isinstance(nearer.position, tuple):
+        nearer = replace(prop, position=prop.position.with_key(begin, nearer.position))
+    elif not lies:
+        bench.said.emit(f"{prop.name} is {beyond:.1f} m away: the hands do not reach it. Move it closer.")
+        return prop
+    bench.said.emit(
+        f"{prop.name} was {beyond:.1f} m away, beyond reach: it was moved ahead of {holder.performer.name}."
+    )
+    return nearer
 
 
 def _stretches(project: Project, performer: Performer, begin: float | None) -> dict[str, tuple[float, float]]:

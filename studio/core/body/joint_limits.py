@@ -37,7 +37,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.morphology import Morphology
-from studio.core.kernels.limits.joint_limits import LIMITED, SWIVELLED
+from studio.core.kernels.limits.limb_joint_limits import LIMB_LIMITS, SWIVEL_SOFT_LIMIT
 from studio.core.rotations import frame_along, normalized
 
 FloatArray = NDArray[np.float64]
@@ -73,13 +73,13 @@ HINGED, UPRIGHT = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, 1.0])
 
 
 def limits_of(body: Morphology) -> NDArray[np.void]:
-    """(4,) records of ``kernels.limits.joint_limits``, a row a limb, to be written in."""
-    return np.frombuffer(bytearray(_limits_of(body)), dtype=LIMITED)  # whole: NumPy copies records field by field
+    """(4,) records of ``kernels.limits.limb_joint_limits``, a row a limb, to be written in."""
+    return np.frombuffer(bytearray(_limits_of(body)), dtype=LIMB_LIMITS)  # whole: NumPy copies records field by field
 
 
 @lru_cache(maxsize=64)
 def _limits_of(body: Morphology) -> bytes:
-    limits = np.zeros(4, dtype=LIMITED)
+    limits = np.zeros(4, dtype=LIMB_LIMITS)
     for limb, row in enumerate(limits):
         side, is_arm = limb % 2, limb < 2
         root, tip = (SHOULDER, WRIST) if is_arm else (HIP, ANKLE)
@@ -100,8 +100,8 @@ def _write(row: np.void, joint: int, ball: BallLimit, side: int, carrier: FloatA
         radii = radii[[0, 1, 3, 2]] if own is HINGED else radii[[1, 0, 2, 3]]
     twist = _range(ball.twist, side)
     row["axes"][joint], row["radii"][joint], row["twists"][joint] = axes, radii, twist
-    well, middle = np.cos(SWIVELLED * np.array([radii.min(), twist[1]])), twist[0]
-    row["well"][joint] = [*well, np.cos(middle), np.sin(middle)]
+    well, middle = np.cos(SWIVEL_SOFT_LIMIT * np.array([radii.min(), twist[1]])), twist[0]
+    row["inner_cosines"][joint] = [*well, np.cos(middle), np.sin(middle)]
 
 
 def _range(degrees: tuple[float, float], side: int) -> FloatArray:

@@ -35,6 +35,10 @@ _MOST_TILT = 40.0
 """Degrees from the mean beyond which no axis of the head's joint is its vertical."""
 _NECK_SHARE = 0.6
 """Part of a head's turn about the vertical that the joint of its neck carries."""
+_NEAR_AXIS = np.radians(40.0)
+"""Radians within which feet are brought to the axes of their joints."""
+_ALONG_AXIS, _MOST_TWIST = np.radians(3.0), np.radians(60.0)
+"""Radians within which a forearm lies along an axis of its joint; most by which a take keeps it twisted."""
 _SHORTEST_ACROSS = 0.01
 """Metres between two shoulders from which they have a direction."""
 
@@ -57,7 +61,9 @@ def find_neutral_pose(skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap
     pose = _Pose(skeleton, body_map, _mean_rotations(sample.local_rotations, shares))
     pose.place_root(turns, positions, shares)
     pose.stand()
+    pose.untwist_forearms()
     pose.straighten_wrists()
+    pose.level_feet()
     doubt = 0.0
     if BodyPart.HEAD in body_map.parts:
         doubt = pose.face_forward(_head_axes(turns, positions, body_map, shares))
@@ -92,6 +98,41 @@ class _Pose:
             joint, end = body_map[BodyPart[f"{side}_{upper}"]], body_map[BodyPart[f"{side}_{lower}"]]
             points = self._world()[0]
             self._turn(joint, shortest_arc(normalized(points[end] - points[joint]), -_UP))
+
+    def untwist_forearms(self) -> None:
+        """Turn both forearms about their bones to the nearest quarter turn from the upper arms, one the other's mirror.
+
+        Only of bones along an axis of their joint: elsewhere axes say nothing about twists.
+        """
+        elbows = [self._joint(side, "FOREARM") for side in ("LEFT", "RIGHT")]
+        wrists = [self._joint(side, "HAND") for side in ("LEFT", "RIGHT")]
+        bones = normalized(self.skeleton.offsets[wrists])
+        if np.abs(bones).max(axis=1).min() < np.cos(_ALONG_AXIS):
+            return
+        vectors, scalars = self.rotations[elbows, :3], self.rotations[elbows, 3]
+        twists = 2.0 * np.arctan2(np.sum(vectors * bones, axis=1), scalars)
+        quarters = np.arange(4)[:, None] * [0.5 * np.pi, -0.5 * np.pi]
+        beyond = (twists - quarters + np.pi) % (2.0 * np.pi) - np.pi
+        nearest = beyond[int(np.argmin((beyond**2).sum(axis=1)))]
+        if np.abs(nearest).max() < _MOST_TWIST:
+            for elbow, bone, twist in zip(elbows, bones, nearest, strict=True):
+                self._turn(elbow, _about(self._world()[1][elbow] @ bone, -float(twist)))
+
+    def level_feet(self) -> None:
+        """Roll each foot about its length until the axis of its joint that is nearest to its left is level."""
+        for side in ("LEFT", "RIGHT"):
+            foot, toe = self.body_map[BodyPart[f"{side}_FOOT"]], self.body_map.get(BodyPart[f"{side}_TOE"])
+            points, turns = self._world()
+            front = np.zeros(3) if toe is None else (points[toe] - points[foot]) * [1.0, 1.0, 0.0]
+            if np.linalg.norm(front) < _SHORTEST_ACROSS:
+                continue
+            front = normalized(front)
+            left = np.cross(_UP, front)
+            axes = turns[foot] * np.sign(left @ turns[foot])
+            nearest = axes[:, int(np.argmax(left @ axes))]
+            roll = float(np.arctan2(nearest[2], left @ nearest))
+            if abs(roll) < _NEAR_AXIS:
+                self._turn(foot, _about(front, -roll))
 
     def straighten_wrists(self) -> None:
         """Turn each hand that has a bone to lie along its forearm."""
@@ -155,6 +196,11 @@ class _Pose:
 
     def _joint(self, side: str, part: str) -> int:
         return self.body_map[BodyPart[f"{side}_{part}"]]
+
+
+def _about(axis: FloatArray, angle: float) -> FloatArray:
+    """(3, 3) turn about a unit axis (3,) by radians."""
+    return to_matrix(np.array([*(np.sin(0.5 * angle) * axis), np.cos(0.5 * angle)]))
 
 
 def _mean_rotations(rotations: FloatArray, shares: FloatArray) -> FloatArray:

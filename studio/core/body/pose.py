@@ -27,7 +27,7 @@ class PoseSequence:
     """(F, J, 3) metres, in the parent's axes: the root's travel, the bones of the others."""
 
     def __post_init__(self) -> None:
-        from studio.core.kernels.body.poses import unite_signs  # late: numba takes longer than a window
+        from studio.core.kernels.body.poses import normalize_quaternions  # late: numba takes longer than a window
 
         rotations = np.array(self.local_rotations, dtype=np.float64, order="C")
         translations = unwritten(self.local_translations)
@@ -44,7 +44,7 @@ class PoseSequence:
                 raise StudioError(f"The {kind} of joint {joint} in frame {frame} is not a finite number.")
         if (np.einsum("fjk,fjk->fj", rotations, rotations) < 1e-12).any():
             raise StudioError("A rotation has a quaternion of length zero.")
-        unite_signs(rotations)
+        normalize_quaternions(rotations)
         for field, array in (("local_rotations", rotations), ("local_translations", translations)):
             array.setflags(write=False)
             object.__setattr__(self, field, array)

@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
+from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
+from studio.core.markers.force_plates import PlateLoad
 from studio.core.markers.take import MarkerTake
 from studio.core.plausible import FRAME_RATE, GROUND
 
@@ -25,6 +27,13 @@ class Guess:
     reference pose, first frame``."""
     value: str
     reason: str
+    confidence: Confidence | None = None
+    """None where a guess follows from nothing that could be weighed, such as a choice between animations."""
+
+    @property
+    def title(self) -> str:
+        """Subject and value, with the confidence where it is known: ``unit: cm (sure)``."""
+        return f"{self.subject}: {self.value}" + (f" ({self.confidence})" if self.confidence else "")
 
 
 @dataclass(frozen=True)
@@ -51,6 +60,8 @@ class Capture:
     repairs: tuple[str, ...]
     markers: MarkerTake | None = None
     """What a body seen by optical markers was solved from; kept, so that it can be solved anew."""
+    plate_loads: tuple[PlateLoad, ...] = ()
+    """Steps on the force plates that were recorded with its markers."""
     digest: str = ""
     """SHA-256 of the content of the source file in hexadecimal digits, by which it is found again; empty if unknown."""
 

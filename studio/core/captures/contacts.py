@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -152,9 +153,15 @@ HEIGHT_MARGIN = 0.04
 """Metres above its own usual low that a standing heel, ball or tip of the toes may be."""
 STILL_SPEED = 0.35
 """Metres a second below which it may be standing."""
-HEEL_SPEEDS, TOE_SPEEDS = (0.45, STILL_SPEED), (STILL_SPEED, 0.5)
+HEEL_SPEEDS, TOE_SPEEDS = (0.43, STILL_SPEED), (STILL_SPEED, 0.5)
 """The same as a contact begins and as it ends: a foot rolls on to its heel, and off the ball and the tip of its toes,
 while they touch the ground.
+"""
+REST_SPEED = 0.15
+"""Metres a second below which toes near the ground stand while their heel does, though they sink later to roll off."""
+PIVOT_SPEED, PIVOT = 0.2, 0.04
+"""Metres a second of ball and heel about each other while a foot turns on one of them, and metres that the other one
+travels farther meanwhile.
 """
 ROLLING = 0.06
 """Seconds that this may take."""
@@ -218,7 +225,7 @@ def detect_contacts(soles: FloatArray, frame_rate: float, first_frame: int = 0) 
 
     ``soles`` (F, 2, 3, 3) metres, left and right, heel, ball and tip of the toes, Z up; frames before ``first_frame``
     are not looked at. The toes stand while either of their ends does: the ball is first to land, the tip last to leave.
-    Strikes and offs lie within 20 ms, in the median, of those that force plates and operators mark.
+    Strikes and offs lie within 10 ms, in the median, of those that force plates and operators mark.
     """
     found: dict[ContactPoint, list[Span]] = {}
     tracks = soles[first_frame:]
@@ -233,8 +240,11 @@ def detect_contacts(soles: FloatArray, frame_rate: float, first_frame: int = 0) 
             _stands(tracks[:, side, end], near[end] & down[end], *speeds, frame_rate)
             for end, speeds in enumerate((HEEL_SPEEDS, TOE_SPEEDS, TOE_SPEEDS))
         ]
+        speeds = np.array([point_speeds(tracks[:, side, end], near[end], frame_rate) for end in (1, 2)])
+        rests = stands[0] & near[1] & (speeds < REST_SPEED).all(axis=0)
+        heel, toe = _without_pivots(stands[0], stands[1] | stands[2] | rests, tracks[:, side], frame_rate)
         middle = tracks[:, side, :2].mean(axis=1)  # of heel and ball: a foot that turns on the spot goes nowhere
-        for kind, standing in (("heel", stands[0]), ("toe", stands[1] | stands[2])):
+        for kind, standing in (("heel", heel), ("toe", toe)):
             spans = _without_flicker(standing, middle, round(SHORTEST * frame_rate))
             found[ContactPoint(f"{name}_{kind}")] = [(a + first_frame, b + first_frame) for a, b in spans]
     return found
@@ -279,6 +289,34 @@ def _stands(
     return standing
 
 
+def _without_pivots(
+    heel: NDArray[np.bool_], toe: NDArray[np.bool_], sole: FloatArray, frame_rate: float
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Contacts ``heel`` and ``toe`` (F,) of a ``sole`` (F, 3, 3) without the frames of turning on the other."""
+    both = heel & toe
+    turning = both & (point_speeds(sole[:, 1] - sole[:, 0], both, frame_rate) > PIVOT_SPEED)
+    heel, toe = heel.copy(), toe.copy()
+    for first, last in spans_of(turning):
+        heel_travel, ball_travel = np.linalg.norm((sole[last] - sole[first])[:2, :2], axis=1)
+        if abs(ball_travel - heel_travel) > PIVOT:
+            (toe if ball_travel > heel_travel else heel)[first : last + 1] = False
+    return heel, toe
+
+
+def close_steps(heel: list[Span], toe: list[Span], middle: FloatArray, longest: int) -> tuple[list[Span], list[Span]]:
+    """Contacts of a foot's ``heel`` and ``toe`` without gaps of up to ``longest`` frames between one and the other.
+
+    The later contact begins where the earlier one ends. ``middle`` (F, 3) is the middle of the foot, metres.
+    """
+    foot = spans_of(contact_mask([*heel, *toe], len(middle)))
+    begins = {
+        first: end + 1
+        for (_, end), (first, _) in pairwise(foot)
+        if first - end - 1 <= longest and np.linalg.norm(middle[first] - middle[end]) < WANDER
+    }
+    return [(begins.get(a, a), b) for a, b in heel], [(begins.get(a, a), b) for a, b in toe]
+
+
 def detect_body_contacts(
     tracks: Mapping[ContactPoint, FloatArray], leg_length: float, frame_rate: float, first_frame: int = 0
 ) -> dict[ContactPoint, list[Span]]:
@@ -290,7 +328,10 @@ def detect_body_contacts(
     found: dict[ContactPoint, list[Span]] = {}
     for point, track in tracks.items():
         near = track[first_frame:, 2] < BODY_HEIGHTS[point.member] * leg_length
-        standing = near & (point_speeds(track[first_frame:], near, frame_rate) < BODY_SPEEDS[point.member])
+        speeds = point_speeds(track[first_frame:], near, frame_rate)
+        standing = near & (speeds < BODY_SPEEDS[point.member])
+        if point.member == "hand":
+            standing = _until_it_leaves(standing, speeds < STILL_SPEED, track[first_frame:, 2])
         spans = _without_flicker(standing, track[first_frame:], round(SHORTEST * frame_rate))
         rest = round(RESTS * frame_rate)
         stays = [stay for first, last in spans for stay in _stays(track[first_frame:], first, last, rest)]
@@ -301,6 +342,19 @@ def detect_body_contacts(
         seated = contact_mask([(max(first - room, 0), last + room) for first, last in seats], len(tracks[knee]))
         found[knee] = without(found[knee], seated, round(2 * SHORTEST * frame_rate))
     return found
+
+
+def _until_it_leaves(standing: NDArray[np.bool_], still: NDArray[np.bool_], heights: FloatArray) -> NDArray[np.bool_]:
+    """Contacts ``standing`` (F,) of a hand, each cut at its last ``still`` frame (F,) if the hand rises from there.
+
+    A hand that is held while it leaves holds the body back. A contact without a still frame is not cut.
+    """
+    cut = standing.copy()
+    for first, last in spans_of(standing):
+        rests = first + np.flatnonzero(still[first : last + 1])
+        if len(rests) and heights[last] > heights[rests[-1]]:
+            cut[rests[-1] + 1 : last + 1] = False
+    return cut
 
 
 def faces_down(hips: FloatArray, shoulders: FloatArray) -> NDArray[np.bool_]:

@@ -22,6 +22,10 @@ Mask = NDArray[np.bool_]
 
 TOGETHER = (0.31, 0.36)
 """Parts of the leg's length between the wrists below which hands come together, and beyond which they part."""
+SWING_SPEED, SWING_SIDE = 1.5, 0.06
+"""Least speed in leg lengths a second at which the hands of a runner swing past each other, and least distance in leg
+lengths of each from the middle of the chest, on its own side.
+"""
 PASSING = 0.04
 """Seconds for which hands may be together without being counted."""
 APART = 0.15
@@ -98,7 +102,7 @@ def find_touches(
     """
     positions, rotations = (each[first_frame:] for each in realize(motion, actor, play=True))
     free = free[:, first_frame:]
-    together, held = _both_hands(actor, positions, rotations, motion.frame_rate)
+    together, held = hands_together_or_holding(actor, positions, rotations, motion.frame_rate)
     both = free.all(axis=0)
     found = {Touch.HANDS_TOGETHER: together & both, Touch.HANDS_ON_THING: held & both}
     volume = usual_volume(actor)
@@ -117,14 +121,19 @@ def find_touches(
                 yield touch, (first + first_frame, last + first_frame)
 
 
-def _both_hands(actor: Morphology, positions: FloatArray, rotations: FloatArray, rate: float) -> tuple[Mask, Mask]:
-    """(F,) where hands are together, and where they hold a thing."""
+def hands_together_or_holding(
+    actor: Morphology, positions: FloatArray, rotations: FloatArray, rate: float
+) -> tuple[Mask, Mask]:
+    """Frames (F,) with hands together, and with a thing between hands, of posed bodies (F, P, 3), (F, S, 3, 3)."""
     layout, leg = actor.layout, actor.leg_length
     chest = rotations[:, layout.spine_count - 1]
     wrists = positions[:, [layout.wrist(0), layout.wrist(1)]] - positions[:, None, layout.neck_base]
     wrists = np.einsum("fij,fwi->fwj", chest, wrists) / leg
     gap = np.linalg.norm(wrists[:, 1] - wrists[:, 0], axis=1)
-    together, before = _between(gap, *TOGETHER), wrists[:, :, 0].min(axis=1)
+    swinging = _speed_of(wrists[:, 1] - wrists[:, 0], rate) > SWING_SPEED
+    swinging &= np.minimum(wrists[:, 0, 1], -wrists[:, 1, 1]) > SWING_SIDE
+    together = _between(np.where(swinging, np.maximum(gap, TOGETHER[0]), gap), *TOGETHER)
+    before = wrists[:, :, 0].min(axis=1)
     around = round(0.5 * STEADY_FOR * rate)
     spread = highest(gap, around) - lowest(gap, around)
     steady = highest(spread < STEADY, around)  # a steady stretch is so as a whole
@@ -152,13 +161,15 @@ def _resting(near: list[Spots], leg: float, rate: float) -> tuple[Mask, FloatArr
 
 def _speed(spot: Spots, rate: float) -> FloatArray:
     """(F,) metres a second at which a palm goes round a capsule or away from it."""
-    place = spot.ways * (spot.rooms + 0.1)[:, None]
-    if len(place) < 2:
-        return np.zeros(len(place))
-    half = max(1, round(0.05 * rate))
-    padded = np.pad(place, ((half, half), (0, 0)), mode="edge")
-    ahead, behind = padded[2 * half :], padded[: -2 * half]
-    return np.asarray(np.linalg.norm(ahead - behind, axis=1) * rate / (2 * half))
+    return _speed_of(spot.ways * (spot.rooms + 0.1)[:, None], rate)
+
+
+def _speed_of(track: FloatArray, rate: float) -> FloatArray:
+    """(F,) speed of a track (F, 3) over a tenth of a second, in its unit a second."""
+    half, frames = max(1, round(0.05 * rate)), np.arange(len(track))
+    ahead, behind = np.minimum(frames + half, len(track) - 1), np.maximum(frames - half, 0)
+    seconds = np.maximum(ahead - behind, 1) / rate
+    return np.asarray(np.linalg.norm(track[ahead] - track[behind], axis=1) / seconds)
 
 
 def _nearest(parts: dict[str, tuple[Mask, FloatArray]]) -> dict[str, Mask]:

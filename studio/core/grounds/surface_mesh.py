@@ -12,7 +12,7 @@ from studio.core.grounds.ground import FloatArray, Ground
 from studio.core.plausible import MESH
 
 if TYPE_CHECKING:
-    from studio.core.kernels.support.surface import TriangleGrid
+    from studio.core.kernels.support.triangle_grid import TriangleGrid
 
 MOST_CELLS = 512
 """Cells of the index along the longer side, at most."""
@@ -63,7 +63,7 @@ class SurfaceMesh(Ground):
         places = np.ascontiguousarray(xy, dtype=np.float64).reshape(-1, 2)
         heights, slopes = np.zeros(len(places)), np.zeros((len(places), 2))
         if len(self.triangles):
-            from studio.core.kernels.support.surface import highest_triangles  # late: it loads numba
+            from studio.core.kernels.support.triangle_grid import highest_triangles  # late: it loads numba
 
             found = np.zeros(len(places), dtype=np.bool_)
             highest_triangles(places, self._grid, heights, slopes, found)
@@ -72,7 +72,7 @@ class SurfaceMesh(Ground):
     @cached_property
     def _grid(self) -> "TriangleGrid":
         """Which triangles lie over each cell of a grid about as fine as they are."""
-        from studio.core.kernels.support.surface import TriangleGrid  # late: it loads numba
+        from studio.core.kernels.support.triangle_grid import TriangleGrid  # late: it loads numba
 
         corners = np.ascontiguousarray(self.vertices[self.triangles])
         low, high = corners[..., :2].min(axis=1), corners[..., :2].max(axis=1)

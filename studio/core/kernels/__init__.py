@@ -1,1 +1,1 @@
-"""Every compiled loop of the studio lives here and nowhere else."""
+"""All compiled loops of the studio."""

@@ -1,4 +1,4 @@
-"""Plain decimal numbers out of text, exactly as C reads them, where that can be known without long arithmetic."""
+"""Parsing of plain decimal numbers, equal to C's where the result is exact without long arithmetic."""
 
 import numpy as np
 
@@ -7,21 +7,23 @@ from studio.core.kernels.compiling import kernel
 NEW_LINE = 10
 POWERS = np.array([float(10**power) for power in range(23)])
 EXACT = 1 << 53
-"""Whole numbers up to here are exact as floats, and so are powers of ten up to 22: one rounding joins them."""
+"""Integers up to here are exact as floats, and so are powers of ten up to 22: their quotient or product is rounded
+once.
+"""
 
 
 @kernel
 def is_space(byte):
-    """Whether a byte separates words: space, tab, line ends, vertical tab, form feed."""
+    """True if a byte separates words: space, tab, line ends, vertical tab, form feed."""
     return byte == 32 or 9 <= byte <= 13
 
 
 @kernel
 def count_words(text, out_counts):
-    """Words of each line of ``text``, bytes (N,) with lines ended by line feeds, in ``out_counts`` (L,)."""
+    """Write the number of words of each line of ``text``, bytes (N,) with line feeds, into ``out_counts`` (L,)."""
     line, within = 0, False
-    for place in range(text.shape[0]):
-        byte = text[place]
+    for index in range(text.shape[0]):
+        byte = text[index]
         if is_space(byte):
             within = False
             line += byte == NEW_LINE
@@ -32,33 +34,32 @@ def count_words(text, out_counts):
 
 @kernel
 def read_decimals(text, most, out_values):
-    """Read the numbers of ``text`` (N,) into ``out_values``; whether that is all of them, and nothing but them.
+    """Read the numbers of ``text`` (N,) into ``out_values``; True if the text is exactly these numbers.
 
-    No where a word is no plain decimal number, has more digits than are exact (D. W. Clinger, How to read floating
-    point numbers accurately, 1990), is farther than ``most`` from zero, or where there are more or fewer than there is
-    room for.
+    False where a word is no plain decimal number, has more digits than are exact (D. W. Clinger, How to read floating
+    point numbers accurately, 1990), is farther than ``most`` from zero, or where the number of words is another.
     """
-    place, count, end = 0, 0, text.shape[0]
+    index, count, end = 0, 0, text.shape[0]
     while True:
-        while place < end and is_space(text[place]):
-            place += 1
-        if place == end:
+        while index < end and is_space(text[index]):
+            index += 1
+        if index == end:
             return count == out_values.shape[0]
-        value, place = read_decimal(text, place)
-        if place < 0 or count == out_values.shape[0] or abs(value) > most:
+        value, index = read_decimal(text, index)
+        if index < 0 or count == out_values.shape[0] or abs(value) > most:
             return False
         out_values[count] = value
         count += 1
 
 
 @kernel
-def read_decimal(text, place):
-    """The number at ``place`` of ``text`` and the place after it, which is -1 where that is not sure."""
-    negative = text[place] == 45
-    place += negative or text[place] == 43
+def read_decimal(text, index):
+    """Number at ``index`` of ``text`` and the index after it, which is -1 where the result might be inexact."""
+    negative = text[index] == 45
+    index += negative or text[index] == 43
     whole, digits, after, fraction = 0, 0, 0, False
-    while place < text.shape[0]:
-        byte = text[place]
+    while index < text.shape[0]:
+        byte = text[index]
         if byte == 46 and not fraction:
             fraction = True
         elif 48 <= byte <= 57 and whole < EXACT // 10:
@@ -67,27 +68,29 @@ def read_decimal(text, place):
             after += fraction
         else:
             break
-        place += 1
+        index += 1
     exponent = -after
-    if digits > 0 and place < text.shape[0] and (text[place] == 101 or text[place] == 69):
-        tenfold, place = read_exponent(text, place + 1)
+    if digits > 0 and index < text.shape[0] and (text[index] == 101 or text[index] == 69):
+        tenfold, index = read_exponent(text, index + 1)
         exponent += tenfold
-    if digits == 0 or (0 <= place < text.shape[0] and not is_space(text[place])) or abs(exponent) > 22:
+    if digits == 0 or (0 <= index < text.shape[0] and not is_space(text[index])) or abs(exponent) > 22:
         return 0.0, -1
     value = whole / POWERS[-exponent] if exponent < 0 else whole * POWERS[exponent]
-    return (-value if negative else value), place
+    return (-value if negative else value), index
 
 
 @kernel
-def read_exponent(text, place):
-    """The power of ten at ``place`` of ``text``, of three digits at most, and the place after; -1 where it is none."""
-    negative = place < text.shape[0] and text[place] == 45
-    place += negative or (place < text.shape[0] and text[place] == 43)
+def read_exponent(text, index):
+    """Power of ten at ``index`` of ``text``, of three digits at most, and the index after it; -1 where
+    there is none.
+    """
+    negative = index < text.shape[0] and text[index] == 45
+    index += negative or (index < text.shape[0] and text[index] == 43)
     power, digits = 0, 0
-    while place < text.shape[0] and 48 <= text[place] <= 57 and digits < 3:
-        power = 10 * power + int(text[place]) - 48
+    while index < text.shape[0] and 48 <= text[index] <= 57 and digits < 3:
+        power = 10 * power + int(text[index]) - 48
         digits += 1
-        place += 1
+        index += 1
     if digits == 0:
         return 0, -1
-    return (-power if negative else power), place
+    return (-power if negative else power), index

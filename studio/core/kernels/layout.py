@@ -1,7 +1,7 @@
-"""Where each number stands in the arrays that kernels take: one column number a field, said once.
+"""Column numbers of the channel and measure arrays.
 
-Channels of a normalised motion (``core.normalized.motion``): 93 + 4 (K - 1) numbers a frame, spine last.
-Measures of a body (``Morphology.packed``): 57 + 3 K numbers, spine last.
+Channels of a normalised motion (``core.normalized.motion``): 93 + 4 (K - 1) numbers a frame, spine last. Measures of a
+body (``Morphology.packed``): 57 + 3 K numbers, spine last.
 """
 
 # --- channels -------------------------------------------------------------------------------------------------
@@ -20,11 +20,11 @@ LIMB_TWIST = 52  # 4 x 2 of both segments about their bone
 HAND = 60  # 2 x 4 relative to the forearm
 FOOT = 68  # 2 x 4 relative to the pelvis
 TOE = 76  # 2 x 4 relative to the foot
-HIP_PLAY = 84  # 2 x 3 how far the hips stray from their place in the pelvis, parts of the leg length
-HEAD_PLAY = 90  # 3   how far the head joint strays from the end of the neck, parts of the neck length
+HIP_SHIFT = 84  # 2 x 3 how far the hips stray from their place in the pelvis, parts of the leg length
+HEAD_SHIFT = 90  # 3   how far the head joint strays from the end of the neck, parts of the neck length
 SPINE = 93  # (K-1) x 4 spine segments 1.. relative to the pelvis
-TURNS = (PELVIS, NECK, HEAD, *range(CLAVICLE, LIMB_SLACK, 4), *range(HAND, HIP_PLAY, 4))
-"""Where quaternions begin, but for those of the spine."""
+QUATERNION_COLUMNS = (PELVIS, NECK, HEAD, *range(CLAVICLE, LIMB_SLACK, 4), *range(HAND, HIP_SHIFT, 4))
+"""First columns of the quaternions, without those of the spine."""
 
 # --- measures -------------------------------------------------------------------------------------------------
 M_NECK = 0

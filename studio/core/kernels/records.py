@@ -1,8 +1,8 @@
-"""The records that kernels hand to each other, and what their fields are.
+"""Records of arrays that kernels pass to each other, and their fields.
 
-C constraints on a body of S segments and P points; N joints that a search may turn (``kernels.search.joints``), L
-levels of priority, R rows of the Jacobian, Q constraints that keep arms clear, F frames. Kernels take a record packed,
-as one address (``kernels.compiling``), and read its fields by name.
+C constraints on a body of S segments and P points; N joints in the search (``kernels.search.joints``), L levels of
+priority, R rows of the Jacobian, Q self-collision constraints, F frames. A kernel receives a record packed, as one
+address (``kernels.compiling``), and reads its fields by name.
 """
 
 from typing import Any, NamedTuple
@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 Array = Any
-"""What numba hands on as an array: of floats where nothing else is said."""
+"""Numba array; of floats unless another type is given."""
 
 
 class Pose(NamedTuple):
-    """Where one frame of a body is."""
+    """One frame of a body."""
 
     positions: Array
     """(P, 3) metres."""
@@ -22,23 +22,23 @@ class Pose(NamedTuple):
     """(S, 3, 3) in the world."""
 
 
-class Limb(NamedTuple):
-    """How one limb lies in its frame, whose z axis points from its root to its end."""
+class LimbShape(NamedTuple):
+    """Shape of one limb in its frame, whose z axis points from its root to its end."""
 
     bones: tuple[float, float]
     """Metres, upper and lower."""
     reach: float
     """Metres from its root to its end."""
     off_plane: float
-    """Metres by which elbow or knee is to lie off the plane, along x."""
+    """Offset in metres of elbow or knee from the plane, along x."""
     bend: float
     """Sign of the side, along y, to which it bends."""
     twists: tuple[float, float]
-    """Radians by which both bones turn about themselves."""
+    """Rotations in radians of both bones about themselves."""
 
 
-class Motion(NamedTuple):
-    """All frames: ``start`` as they were before any constraint, and as they are solved."""
+class MotionArrays(NamedTuple):
+    """All frames: unsolved poses (``start``) and solved poses."""
 
     start_positions: Array
     """(F, P, 3) metres."""
@@ -48,41 +48,43 @@ class Motion(NamedTuple):
     rotations: Array
 
 
-class Chain(NamedTuple):
-    """Which joints a search may turn, and how freely each task moves them."""
+class JointWeights(NamedTuple):
+    """Joints of the search, and their weights (the diagonal of the inverse metric) for each task."""
 
-    mobilities: Array
-    """(C + L, N) of each task, and after them of each level any down to it."""
+    weights: Array
+    """(C + L, N) of each task, then of each level with all above it."""
     joints: Array
-    """(N,) records of ``JOINT``."""
-    slots: Array
-    """(S + 1,) the joint of each segment, of the root last; -1 none."""
+    """(N,) records of ``SEARCH_JOINT``."""
+    joint_of_segment: Array
+    """(S + 1,) joint of each segment, of the root last; -1 none."""
     limits: Array
-    """(N,) how far each may turn."""
+    """(N,) greatest length of each joint's Gibbs vector."""
 
 
-class Legs(NamedTuple):
-    """How legs stand, at one frame or at each of F."""
+class LegTargets(NamedTuple):
+    """Leg targets, at one frame or at each of F."""
 
     channels: Array
     """(n,) or (F, n) of the motion (``kernels.layout``)."""
-    comforts: Array
-    """(2,) or (2, F) part of its length to which each leg stretches freely."""
+    soft_thresholds: Array
+    """(2,) or (2, F) soft-IK thresholds: the fraction of its length to which each leg extends freely."""
     ankles: Array
     """(2, 3) or (2, F, 3) metres."""
     feet: Array
     """(2, 3, 3) or (2, F, 3, 3) in the world."""
     toes: Array
-    """The same."""
+    """(2, 3, 3) or (2, F, 3, 3) in the world."""
 
 
-class Arms(NamedTuple):
-    """How arms stand, at each of F frames."""
+class ArmTargets(NamedTuple):
+    """Arm targets, at each of F frames."""
 
     channels: Array
     """(F, n) of the motion (``kernels.layout``)."""
-    comforts: Array
-    """(2, F) part of its length to which each arm stretches freely, 0 where it is left alone."""
+    soft_thresholds: Array
+    """(2, F) soft-IK thresholds: the fraction of its length to which each arm extends freely, 0 for an arm without
+    target.
+    """
     wrists: Array
     """(2, F, 3) metres."""
     hands: Array
@@ -91,16 +93,16 @@ class Arms(NamedTuple):
     """(2, F) sign of the side to which the elbow bends."""
 
 
-class Links(NamedTuple):
-    """N limbs that carry a body, as links between it and what stands."""
+class SupportLinks(NamedTuple):
+    """N supporting limbs as links between the body and their contacts."""
 
     starts: Array
     """(N, F, 3) metres from the root: hips, shoulders."""
     ends: Array
     """(N, F, 3) in the world: knees, ankles, wrists."""
-    least: Array
-    most: Array
-    """(N, F) metres that each may be long."""
+    min_lengths: Array
+    max_lengths: Array
+    """(N, F) bounds of each length in metres."""
 
 
 class BodyFrames(NamedTuple):
@@ -111,15 +113,15 @@ class BodyFrames(NamedTuple):
     masses: Array
     """(S, 2) of ``kernels.tasks.balance``."""
     root_reaches: Array
-    """(2, F) as ``Body`` has them."""
-    legs: Legs
+    """(2, F) as in ``FrameBody``."""
+    legs: LegTargets
     limits: Array
-    """(4,) of ``kernels.limits.joint_limits``, none where limbs have no limits."""
-    shares: Array
+    """(4,) of ``kernels.limits.limb_joint_limits``, empty without limits."""
+    mass_fractions: Array
     """(P,) of ``kernels.tasks.balance``."""
 
 
-class Body(NamedTuple):
+class FrameBody(NamedTuple):
     """One body at one frame."""
 
     measures: Array
@@ -127,254 +129,258 @@ class Body(NamedTuple):
     masses: Array
     """(S, 2) of ``kernels.tasks.balance``."""
     root_reaches: Array
-    """(2,) parts of their lengths to which the root may stretch the legs, inf where a foot is free."""
-    legs: Legs
+    """(2,) fractions of their lengths to which the root may stretch the legs, inf for a free foot."""
+    legs: LegTargets
     limits: Array
-    """(4,) of ``kernels.limits.joint_limits``."""
-    shares: Array
+    """(4,) of ``kernels.limits.limb_joint_limits``."""
+    mass_fractions: Array
     """(P,) of ``kernels.tasks.balance``."""
 
 
-class Recruits(NamedTuple):
-    """The joints of limbs that a balance may turn."""
+class RedundancyGroups(NamedTuple):
+    """Limb joints that a balance may rotate."""
 
     joints: Array
-    """(n,) which they are."""
-    usual: Array
-    """(C + L + 1, n) their mobilities, limits last."""
-    free: Array
-    """(L, n, F) how free each is for each level."""
+    """(n,) indices of the joints."""
+    nominal_weights: Array
+    """(C + L + 1, n) their weights, limits last."""
+    availability: Array
+    """(L, n, F) fraction of each joint available to each level."""
 
 
-class Targets(NamedTuple):
-    """Where things are to be at full activation."""
+class TargetArrays(NamedTuple):
+    """Targets at full activation."""
 
-    places: Array
+    positions: Array
     """(C, F or 1, 3) metres."""
-    turns: Array
+    rotations: Array
     """(C, F or 1, 3, 3)."""
     distances: Array
     """(C, F or 1) metres."""
 
 
 class TaskRows(NamedTuple):
-    """The rows of a step: first those that are held, then those that ask."""
+    """Rows of one step: equality and inequality rows of higher levels first, then objective rows."""
 
     jacobian: Array
-    """(R, N, 3) how each joint moves what each row measures."""
+    """(R, N, 3) derivative of each row by each joint."""
     errors: Array
-    """(R,) by how much that is to move, metres."""
-    owners: Array
-    """(R,) the row of the mobilities by which each moves joints."""
+    """(R,) error of each row, metres."""
+    weight_rows: Array
+    """(R,) row of the joint weights by which each moves joints."""
     roles: Array
-    """(R,) whether it is held, asks, or is a bound (``kernels.tasks.second_order``)."""
-    brakes: Array
-    """(N,) records of ``BRAKE``."""
-    pulls: Array
-    """(R,) records of ``PULL``."""
-    rooms: Array
-    """(R,) metres that a bound has to spare."""
+    """(R,) objective, equality or inequality (``kernels.tasks.second_order``)."""
+    damping: Array
+    """(N,) records of ``JOINT_DAMPING``."""
+    point_errors: Array
+    """(R,) records of ``POINT_ERROR``."""
+    margins: Array
+    """(R,) margin of an inequality in metres."""
 
 
 class FlatRows(NamedTuple):
-    """The same numbers with those of all joints in one line."""
+    """The same numbers with those of all joints in one row."""
 
     jacobian: Array
     """(R, 3 N) that of ``TaskRows``."""
     weighted: Array
-    """(R, 3 N) times the mobilities of its owner."""
-    steps: Array
+    """(R, 3 N) Jacobian times joint weights."""
+    directions: Array
     """(R + 2, 3 N) those of ``Equations``."""
 
 
 class Equations(NamedTuple):
-    """What ``kernels.search.priorities`` solves for one step."""
+    """Linear systems of ``kernels.search.null_space_step`` for one step."""
 
     gram: Array
-    """(R, R) M, every row of the Jacobian times every weighted one."""
-    held: Array
+    """(R, R) M, each row of the Jacobian times each weighted one."""
+    equalities: Array
     """(R, R + 2) M_hh^-1 [e_h | M_ha], METHOD (21)."""
     normal: Array
-    """(R, R + 1) the normal equations among the rows that ask, METHOD (23)."""
+    """(R, R + 1) normal equations of the objective rows, METHOD (23)."""
     active: Array
-    """(R,) the active set: False for bounds that are not broken."""
-    answer: Array
-    """(R,) how far to go along the step of each row."""
-    steps: Array
-    """(R + 2, N, 3) the null-space projected step of each row, then that of all that is held, and of all that asks."""
-    levers: Array
+    """(R,) active set: False for an inequality that holds."""
+    coefficients: Array
+    """(R,) coefficient of the direction of each row."""
+    directions: Array
+    """(R + 2, N, 3) null-space projected direction of each row, then the step of the equalities, then that of the
+    objectives.
+    """
+    scratch: Array
     """(R, R + 12) scratch."""
     flat: FlatRows
 
 
-class DampedStep(NamedTuple):
-    """Scratch of ``kernels.search.all_joints``, with D = 3 N."""
+class FullNewtonScratch(NamedTuple):
+    """Scratch of ``kernels.search.full_newton_step``, with D = 3 N."""
 
     system: Array
     """(D, D + 1)."""
-    mobilities: Array
+    weights: Array
     """(D,)."""
     step: Array
     """(D,)."""
-    levers: Array
+    lever_arms: Array
     """(N, 3)."""
 
 
-class Search(NamedTuple):
-    """The state of the search of one frame, and its scratch."""
+class SearchState(NamedTuple):
+    """State of the search of one frame, and its scratch."""
 
     rows: TaskRows
     equations: Equations
-    damped: DampedStep
-    last: Array
+    damped: FullNewtonScratch
+    last_step: Array
     """(1,) records of ``LAST_STEP``."""
-    retreat: Array
-    """(1,) records of ``search.retreat.RETREAT``."""
-    carried: Array
-    """(S + 1, 3, 3) how far each segment has turned away from the motion, nothing last."""
+    backtracking: Array
+    """(1,) records of ``search.backtracking.BACKTRACKING``."""
+    segment_rotations: Array
+    """(S + 1, 3, 3) rotation of each segment away from the motion, the identity last."""
     state: Array
-    """(N, 3) of ``kernels.search.joints``: how each joint has turned away from the motion."""
-    before: Array
-    """(N, 3) the state where the level began, or that is blended with the one that is kept."""
-    kept: Array
-    """(N, 3) the state of the pose that a frame on an edge is blended with."""
-    tried: Array
-    """(N, 3) the state where what was tried led."""
-    ends: Array
-    """(4,) the task that holds the end of each limb, -1 none."""
-    blended: Array
-    """(4,) whether a limb stays as it is blended (``kernels.time.activation_blend``)."""
-    idle: Array
-    """(4,) whether nothing asks anything of a limb."""
-    sums: Array
+    """(N, 3) of ``kernels.search.joints``: displacement of each joint from the motion."""
+    level_start: Array
+    """(N, 3) state at the start of the level, or of the pose just solved while poses are blended."""
+    kept_state: Array
+    """(N, 3) state of the saved pose of an activation transition."""
+    trial_state: Array
+    """(N, 3) state of a trial."""
+    end_tasks: Array
+    """(4,) task that holds the end of each limb, -1 none."""
+    blended_limbs: Array
+    """(4,) nonzero for a limb that keeps its blended pose (``kernels.time.activation_blend``)."""
+    idle_limbs: Array
+    """(4,) nonzero for a limb without tasks."""
+    mass_sums: Array
     """(S + 1, 4) of ``kernels.tasks.balance``."""
     limbs: Array
     """(4,) records of ``LIMB_STATE``."""
-    blended_turns: Array
-    """(16, 3, 3) how each segment of a blended limb turns in what carries it, four a limb."""
-    solved_turns: Array
+    blended_rotations: Array
+    """(16, 3, 3) rotation of each segment of a blended limb in its parent, four a limb."""
+    solved_rotations: Array
     """(16, 3, 3) the same of the pose just solved."""
-    kept_turns: Array
-    """(16, 3, 3) the same of the pose that is kept."""
+    kept_rotations: Array
+    """(16, 3, 3) the same of the saved pose."""
 
 
-class Problem(NamedTuple):
-    """One frame: what is asked, of what body, from which pose."""
+class FrameProblem(NamedTuple):
+    """Problem of one frame: tasks, body and pose."""
 
     tasks: Array
-    """(C,) records of ``kernels.tasks.task``, in order of rank."""
+    """(C,) records of ``kernels.tasks.task``, in order of level."""
     areas: Array
-    """(C, n) of ``kernels.tasks.areas``."""
-    chain: Chain
-    body: Body
-    search: Search
+    """(C, n) of ``kernels.tasks.area_shapes``."""
+    chain: JointWeights
+    body: FrameBody
+    search: SearchState
     start: Pose
-    """The motion's own."""
+    """Unsolved pose."""
     pose: Pose
-    """The one that is solved."""
+    """Pose being solved."""
 
 
-class Asked(NamedTuple):
-    """What is asked of all frames."""
+class ConstraintSet(NamedTuple):
+    """Tasks of all frames."""
 
     tasks: Array
-    """(C,) records of ``kernels.tasks.task``, in order of rank."""
+    """(C,) records of ``kernels.tasks.task``, in order of level."""
     areas: Array
-    """(C, n) of ``kernels.tasks.areas``."""
-    chain: Chain
-    recruits: Recruits
-    targets: Targets
+    """(C, n) of ``kernels.tasks.area_shapes``."""
+    chain: JointWeights
+    redundancy: RedundancyGroups
+    targets: TargetArrays
     activations: Array
-    """(K, C, F) of all down to each of K tiers of ``kernels.limits.clearance_tiers``, the last of all."""
+    """(K, C, F) of the tasks down to each of K tiers of ``kernels.limits.clearance_tiers``, all tasks in the last."""
 
 
-class Volume(NamedTuple):
-    """What a body fills: N capsules (``core.volume.BodyVolume``)."""
+class CapsuleArrays(NamedTuple):
+    """Volume of a body: N capsules (``core.volume.BodyVolume``)."""
 
     segments: Array
-    """(N, 2) on which each end lies."""
+    """(N, 2) segments of both ends."""
     places: Array
-    """(N, 2, 3) in their axes."""
+    """(N, 2, 3) positions of the ends in these segments' axes."""
     radii: Array
     """(N, 2) metres."""
     girths: Array
-    """(5,) of the probes of an arm."""
+    """(5,) radii of the probes of an arm."""
 
 
-class ActorRooms(NamedTuple):
-    """What the actor has of room, beside a body's volume: all of a ``Clearance`` that ``clear_arm`` needs."""
+class ActorClearance(NamedTuple):
+    """Signed distances of the actor's arms beside a body's volume: the part of ``ClearanceArrays`` that
+    ``push_arm_out`` reads.
+    """
 
-    volume: Volume
-    rooms: Array
+    volume: CapsuleArrays
+    actor_distances: Array
     """(F, 2, 5) metres."""
-    ways: Array
-    """(F, 2, 5, 3) out of the actor's body."""
+    actor_directions: Array
+    """(F, 2, 5, 3) outward directions of the actor's body."""
 
 
-class Clearance(NamedTuple):
-    """What is to keep arms clear of their own body: Q constraints, the highest last."""
+class ClearanceArrays(NamedTuple):
+    """Self-collision constraints of the arms: Q constraints, the highest last."""
 
-    volume: Volume
+    volume: CapsuleArrays
     proximal: Array
-    """(S,) the point where each segment begins."""
-    wanted: Array
-    """(Q, F, 2, 5) metres of room that each probe is to have."""
+    """(S,) first point of each segment."""
+    required_distances: Array
+    """(Q, F, 2, 5) signed distance in metres required of each probe."""
     activations: Array
     """(Q, F)."""
     arms: Array
-    """(Q, 2) 1 where an arm is meant."""
+    """(Q, 2) 1 for an arm that is constrained."""
     freedoms: Array
-    """(Q,) of the wrist."""
+    """(Q,) weight of the wrist."""
     above: Array
-    """(Q, C) how constraints stand to each (``kernels.limits.clearing``)."""
-    misses: Array
+    """(Q, C) relation of each task to each constraint (``kernels.limits.self_collision``)."""
+    residuals: Array
     """(Q, F) metres, written by kernels."""
-    rooms: Array
-    """(F, 2, 5) metres of room that the actor has."""
-    ways: Array
-    """(F, 2, 5, 3) out of the actor's body."""
+    actor_distances: Array
+    """(F, 2, 5) signed distances of the actor in metres."""
+    actor_directions: Array
+    """(F, 2, 5, 3) outward directions of the actor's body."""
     tiers: Array
-    """(Q + C,) of them and of the constraints (``kernels.limits.clearance_tiers``)."""
+    """(Q + C,) tier of each constraint and task (``kernels.limits.clearance_tiers``)."""
 
 
-class Clearing(NamedTuple):
-    """Scratch of what keeps arms clear."""
+class ClearanceScratch(NamedTuple):
+    """Scratch of the self-collision constraints."""
 
     capsules: Array
     """(N,) records of ``CAPSULE``."""
-    rooms: Array
-    """(2, 5) metres of room of each probe now."""
-    before: Array
-    """(2, 5) the same before the constraints."""
+    distances: Array
+    """(2, 5) signed distance of each probe now, metres."""
+    distances_before: Array
+    """(2, 5) the same before the tasks."""
     saved: Pose
     """(4, 3) points and (3, 3, 3) rotations of an arm."""
-    turn: Array
+    rotation: Array
     """(3, 3)."""
-    held: Array
-    """(3,) how far constraints above hold wrist, hand and swivel."""
-    asks: Array
-    """(5,) metres of room that the probes of an arm are to have now."""
-    ways: Array
-    """(5, 3) out of the body."""
+    arm_holds: Array
+    """(3,) fraction to which higher tasks hold wrist, hand and swivel."""
+    required_distances: Array
+    """(5,) signed distances required of the probes of one arm now, metres."""
+    directions: Array
+    """(5, 3) outward directions."""
 
 
 class KeptTier(NamedTuple):
-    """What has come to be of the tiers above one (``kernels.limits.clearance_tiers``)."""
+    """Result of the tiers above one (``kernels.limits.clearance_tiers``)."""
 
     state: Array
     """(N, 3) of the search."""
-    turns: Array
-    """(16, 3, 3) of the limbs' segments in what carries each, four a limb."""
-    first: Array
-    """(C + Q,) what each misses, as it is kept."""
-    own: Array
-    """(C + Q,) the same when its own tier was kept."""
-    now: Array
-    """(C + Q,) the same of what has just been solved."""
+    rotations: Array
+    """(16, 3, 3) of the limbs' segments in their parents, four a limb."""
+    first_residuals: Array
+    """(C + Q,) residuals of the saved pose."""
+    own_residuals: Array
+    """(C + Q,) residuals when each task's own tier was saved."""
+    new_residuals: Array
+    """(C + Q,) residuals of the pose just solved."""
 
 
-class Above(NamedTuple):
-    """What the levels above one have become, at all frames."""
+class HigherLevelPoses(NamedTuple):
+    """Final poses of the levels above one, in all frames."""
 
     positions: Array
     """(F, P, 3)."""
@@ -382,74 +388,77 @@ class Above(NamedTuple):
     """(F, S, 3, 3)."""
     states: Array
     """(F, N, 3)."""
-    back: Array
-    """(F,) how far frames go back to that."""
+    return_fractions: Array
+    """(F,) fraction of the return to these poses."""
 
 
-class Easing(NamedTuple):
-    """What is to be solved, or posed again as it was eased in time (``kernels.time.easing``)."""
+class SmoothingRun(NamedTuple):
+    """Frames to be solved, or posed again after smoothing in time (``kernels.time.smoothed_frames``)."""
 
     frames: Array
     """(n,) to be solved."""
     states: Array
-    """(F, N, 3) of their searches."""
-    turns: Array
-    """(F, 16, 3, 3) of the limbs' joints, four a limb, as eased; none while nothing is."""
+    """(F, N, 3) states of their searches."""
+    rotations: Array
+    """(F, 16, 3, 3) smoothed rotations of the limbs' joints, four a limb; empty without smoothing."""
     level: Array
-    """(1,) record of ``EASED_LEVEL``."""
-    misses: Array
-    """(C + Q, F) of those above as eased, and of others before."""
-    above: Above
+    """(1,) record of ``SMOOTHED_LEVEL``."""
+    residuals: Array
+    """(C + Q, F) smoothed residuals of the levels above, unsmoothed ones of the others."""
+    above: HigherLevelPoses
     limbs: Array
-    """(4,) which limbs constraints are about."""
-    peak: Array
-    """(1,) the greatest angular acceleration of any joint in the unsolved motion, radians a second squared."""
+    """(4,) 1 for a limb with constraints."""
+    allowed_peak: Array
+    """(1,) greatest angular acceleration of any joint in the unsolved motion, rad/s2."""
     rate: Array
     """(1,) frames a second."""
-    jolts: Array
-    """(F, 3) of ``kernels.time.jolts``."""
-    changes: Array
-    """(F,) by how much easing changes what those above miss, metres or radians."""
+    peaks: Array
+    """(F, 3) of ``kernels.time.acceleration_peaks``."""
+    violations: Array
+    """(F,) priority violation of the smoothing, metres or radians."""
 
 
-class Clip(NamedTuple):
-    """All that kernels know of all frames, with their scratch."""
+class ClipProblem(NamedTuple):
+    """Problem of all frames, with scratch."""
 
-    asked: Asked
+    constraints: ConstraintSet
     body: BodyFrames
-    motion: Motion
-    clearance: Clearance
-    clearing: Clearing
+    motion: MotionArrays
+    clearance: ClearanceArrays
+    clearing: ClearanceScratch
     kept: KeptTier
-    easing: Easing
+    easing: SmoothingRun
     residuals: Array
-    """(C, F) by how much each constraint is missed, written by kernels: metres or radians, NaN where not active."""
+    """(C, F) residual of each task, written by kernels: metres or radians, NaN where inactive."""
 
 
-class Scratch(NamedTuple):
-    """What is made once for all frames."""
+class SolverScratch(NamedTuple):
+    """Scratch made once for all frames."""
 
-    search: Search
-    clearing: Clearing
+    search: SearchState
+    clearing: ClearanceScratch
     kept: KeptTier
 
 
-JOINT = np.dtype([(name, np.int64) for name in ("segment", "pivot", "first", "past", "carrier")], align=True)
-"""A joint that a search may turn: the segment it turns (-1 for the root's translation), the point about which, the
-first and past the last of the segments that turn with it, and the segment that carries it (S none).
+SEARCH_JOINT = np.dtype([(name, np.int64) for name in ("segment", "pivot", "first", "past", "parent")], align=True)
+"""A joint of the search: its segment (-1 for the root's translation), the point about which it rotates, the first and
+past the last segment of its subtree, and its parent segment (S none).
 """
 LIMB_STATE = np.dtype(
     [
-        *((name, np.int64) for name in ("limited", "holds_end", "turns_end", "taken", "primary", "primary_end")),
+        *(
+            (name, np.int64)
+            for name in ("has_limits", "holds_end", "end_has_task", "freedoms_used", "primary", "primary_end")
+        ),
         ("primary_point", np.float64, (3,)),
-        *((name, np.int64) for name in ("aims_upper", "swivels", "turns_lower")),
+        *((name, np.int64) for name in ("aims_upper", "swivels", "lower_rotated")),
     ],
     align=True,
 )
-"""A limb while its tasks are solved (``kernels.limbs.limb_tasks``): whether joint limits bound it; whether hand or foot
-keeps its orientation in the world, and whether a task asks for that; how many of its freedoms are taken (aim and bend,
-then the swivel); its primary task, the end of that, and where it has brought its point; whether that is a point of the
-upper segment, and whether it leaves a swivel; whether the lower segment was turned for itself.
+"""A limb while its tasks are solved (``kernels.limbs.limb_tasks``): ``has_limits`` if joint limits apply; ``holds_end``
+if hand or foot keeps its world orientation, ``end_has_task`` if a task sets it; ``freedoms_used`` by tasks (aim and
+bend, then the swivel); the ``primary`` task, its end, and the position of its point; ``aims_upper`` if that is a point
+of the upper segment, ``swivels`` if it leaves a swivel; ``lower_rotated`` if the lower segment was rotated for itself.
 """
 CAPSULE = np.dtype(
     [
@@ -457,35 +466,36 @@ CAPSULE = np.dtype(
         ("axis", np.float64, (3,)),
         ("per_squared_length", np.float64),
         ("radius", np.float64),
-        ("widens", np.float64),
+        ("radius_change", np.float64),
     ],
     align=True,
 )
-"""A capsule in the world: where it begins and the way from there to its end, in metres, 1 / length^2, the radius where
-it begins, and by how much that is more where it ends.
+"""A capsule in the world: where it begins and the vector to its end, in metres, 1 / length^2, the radius at its
+beginning, and the radius change to its end.
 """
-BRAKE = np.dtype([("axis", np.float64, (3,)), ("part", np.float64)], align=True)
-"""The world axis of a joint's turn, and the root of the part of its mobility that is left about it."""
-PULL = np.dtype(
+JOINT_DAMPING = np.dtype([("axis", np.float64, (3,)), ("fraction", np.float64)], align=True)
+"""World axis of a joint's rotation, and the square root of the fraction of its weight that its limit leaves
+about it.
+"""
+POINT_ERROR = np.dtype(
     [
         ("error", np.float64, (3,)),
         ("span", np.float64),
         ("point", np.float64, (3,)),
         ("weight", np.float64),
-        ("carrier", np.int64),
+        ("segment", np.int64),
     ],
     align=True,
 )
-"""What the second derivatives of a row come from (``kernels.tasks.second_order``): an error in metres, of a point of
-the segment
-``carrier`` (-1 none), or of a limb of length ``span`` from there; how much it counts.
+"""Source of the second-order term of a row (``kernels.tasks.second_order``): an error in metres of a point of
+``segment`` (-1 none), or of a limb of length ``span`` from there, and its weight.
 """
-LAST_STEP = np.dtype([("missed", np.float64), ("suffices", np.int64)], align=True)
-"""Of the last step of a search: what it missed, and whether it will do."""
-EASED_LEVEL = np.dtype(
-    [(name, np.int64) for name in ("rank", "meets", "contacts", "strict", "clears")],
+LAST_STEP = np.dtype([("residual", np.float64), ("suffices", np.int64)], align=True)
+"""Last step of a search: its residual, and 1 if that suffices."""
+SMOOTHED_LEVEL = np.dtype(
+    [(name, np.int64) for name in ("level", "solves_again", "contact_levels", "keeps_priority", "clear_count")],
     align=True,
 )
-"""The level that is eased: its rank; whether it is met again; how many ranks are contacts; whether frames that change
-what stands above go back to that; how many that keep clear do not stand above it.
+"""The level being smoothed: its number; 1 if it is solved again; how many levels are contacts; 1 if frames that violate
+higher levels return to these; how many self-collision constraints do not stand above it.
 """

@@ -1,10 +1,13 @@
 """What force plates measured: the force on each plate, in its own axes, from the analog channels that it feeds."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.markers.trial import ForcePlate, Trial
 from studio.core.rotations import normalized
+from studio.core.runs import runs_in
 
 FloatArray = NDArray[np.float64]
 
@@ -14,6 +17,22 @@ _FEET_ARE_OFF = 0.15
 """Metres from where the feet seem to stand to where they do: markers lie beside a foot, and soles are thick."""
 _LEAST = 20.0
 """Newtons below which a plate counts as empty: its centre of pressure is noise."""
+_STEP, _EMPTY, _LOADED = 100.0, 0.1, 0.02
+"""Newtons of the greatest force on a plate that shows a step, and parts of it below which the plate is empty, and above
+whose median it is loaded.
+"""
+_BREAK, _SHORTEST = 0.05, 0.1
+"""Seconds without load that do not end a step, and seconds that a step takes at least."""
+
+
+@dataclass(frozen=True, eq=False)
+class PlateLoad:
+    """A step on a force plate, loaded from frame ``first`` to ``last``, both included, and empty around."""
+
+    first: int
+    last: int
+    corners: FloatArray
+    """(4, 2) metres, along X and Y of the world."""
 
 
 def plate_force(trial: Trial, plate: ForcePlate) -> FloatArray:
@@ -74,6 +93,29 @@ def plates_height(trial: Trial, turn: FloatArray, near: float) -> float | None:
         if level and np.linalg.norm(np.cross(*sides)) > _SMALLEST and abs(top - near) < _FEET_ARE_OFF:
             heights.append(top)
     return min(heights, key=lambda height: abs(height - near), default=None)
+
+
+def plate_loads(trial: Trial, turn: FloatArray) -> tuple[PlateLoad, ...]:
+    """Steps on all plates of a trial; ``turn`` (3, 3) brings points (N, 3) to world axes.
+
+    Amplifiers drift: the force on an empty plate is subtracted, and a plate that is never empty shows no step.
+    """
+    samples_a_frame, found = trial.analog.rate / trial.frame_rate, []
+    for plate in trial.plates if len(trial.analog.samples) else ():
+        corners = (trial.metres * plate.corners @ turn)[:, :2]
+        if abs(np.linalg.det([corners[1] - corners[0], corners[3] - corners[0]])) < _SMALLEST:
+            continue
+        force = plate_force(trial, plate)[:, 2]
+        greatest = np.abs(force).max(initial=0.0)
+        empty = np.abs(force) < _EMPTY * greatest
+        if greatest < _STEP or not empty.any():
+            continue
+        loaded = np.abs(force - np.median(force[empty])) > _LOADED * greatest
+        for run in runs_in(slice(0, len(loaded)), loaded, round(_BREAK * trial.analog.rate)):
+            if run.stop - run.start >= _SHORTEST * trial.analog.rate:
+                first, past = (round(sample / samples_a_frame) for sample in (run.start, run.stop))
+                found.append(PlateLoad(first, past - 1, corners))
+    return tuple(found)
 
 
 def sample_times(trial: Trial) -> FloatArray:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, spline_filter
 
-from studio.core.kernels.tasks import distance_field as kernel
+from studio.core.kernels.tasks import mesh_distance_field as kernel
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.project_cache import project_cache
 
@@ -24,7 +24,7 @@ NEAR = 3
 
 @project_cache(maxsize=8)
 def distance_field(mesh: TriangleMesh) -> FloatArray:
-    """The field of ``mesh`` as ``kernels.tasks.distance_field`` takes it: a grid in the mesh's own space."""
+    """The field of ``mesh`` as ``kernels.tasks.mesh_distance_field`` takes it: a grid in the mesh's own space."""
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     cell = _cell(high - low)
     counts = np.ceil((high - low) / cell).astype(int) + 2 * MARGIN + 1

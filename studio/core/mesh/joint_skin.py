@@ -1,6 +1,6 @@
 """A skin bound to the joints of an ordinary skeleton, as formats for other programs want it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +39,19 @@ class JointSkin:
     bind_positions: FloatArray
     bind_rotations: FloatArray
     appearance: Appearance | None = None
+
+    def with_joint_above(self) -> "JointSkin":
+        """The same on joints behind a new one, which stands at the origin and carries nothing."""
+        return replace(
+            self,
+            joints=np.where(self.weights > 0.0, self.joints + 1, 0).astype(np.int32),
+            bind_positions=np.concatenate([np.zeros((1, 3)), self.bind_positions]),
+            bind_rotations=np.concatenate([np.eye(3)[None], self.bind_rotations]),
+        )
+
+    def counted_from(self, rotations: FloatArray) -> "JointSkin":
+        """The same on joints whose axes are the world's when they stand in world ``rotations`` (J, 3, 3)."""
+        return replace(self, bind_rotations=self.bind_rotations @ np.swapaxes(rotations, 1, 2))
 
 
 def character_skin(character: Character, skeleton: Skeleton | None = None) -> JointSkin:

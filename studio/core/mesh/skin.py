@@ -130,9 +130,9 @@ def skin_vertices(
     normals = np.empty_like(mesh.normals) if out_normals is None else out_normals
     bound = fitted.segments, fitted.weights, motions, vertices, normals
     if blending is Blending.DUAL_QUATERNIONS:
-        dual_quaternions.skin(fitted.vertices, fitted.normals, *bound)
+        dual_quaternions.skin_by_dual_quaternions(fitted.vertices, fitted.normals, *bound)
     else:
-        skinning.skin(fitted.vertices, fitted.normals, fitted.centres, *bound)
+        skinning.skin_by_rotation_centres(fitted.vertices, fitted.normals, fitted.centres, *bound)
     return vertices, normals
 
 

@@ -8,12 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.normalized.landmarks import Landmarks, spread
-from studio.core.rotations import frame_along, normalized, shortest_arc
+from studio.core.rotations import frame_along, from_euler, normalized, rotate, shortest_arc
 
 FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 
 BENT = np.sin(np.deg2rad(15.0))
 UP = np.array([0.0, 0.0, 1.0])
+MIN_STANDING = 5
+"""Frames in which a foot has to stand before its sole is levelled by them."""
+UNLIKE_FEET = np.deg2rad(3.0)
+"""Radians by which the bone of one standing foot may be steeper or flatter than is usual for both."""
 
 
 def find_alignments(marks: Landmarks) -> FloatArray:
@@ -87,14 +92,37 @@ def limb_hinge(marks: Landmarks, upper: int, is_leg: bool, body: FloatArray) -> 
     return body[:, 1] if is_leg else normalized(np.cross(reference, body[:, 0]))
 
 
-def level_feet(alignments: FloatArray, segment: int, standing: FloatArray) -> None:
-    """Turn a foot's (or toe's) alignment in place so that its sole is level, on average, while it stands.
+def level_soles(marks: Landmarks, alignments: FloatArray, standing: BoolArray) -> None:
+    """Turn the alignments of feet and toes in place so that soles are level, on average, while they stand.
 
-    The reference pose of many files stands on tiptoe or heel; the frames in which the foot rests do not. ``standing``
-    (N, 3, 3) are the rotations of its joint in those. Needs 5 frames and a tilt below 45 degrees.
+    The reference pose of many files stands on tiptoe or heel; the frames (F, 2) of ``standing``, left and right, in
+    which a foot rests do not. Needs 5 frames and a tilt below 45 degrees. Where the reference pose is that of all
+    frames, feet turn about their hinge alone: how far one stands on its edge differs from take to take. A guard's
+    rear heel, which is raised all the time, shows by a bone steeper than that of the other foot.
     """
-    if len(standing) < 5:
-        return
-    up = normalized(standing[:, 2].mean(axis=0) @ alignments[segment])
+    layout = marks.layout
+    feet = [layout.spine_count + 12 + 4 * side for side in (0, 1)]
+    proximal, distal = layout.proximal_points(), layout.distal_points()
+    bones = np.stack([marks.reference[distal[foot]] - marks.reference[proximal[foot]] for foot in feet])
+    slopes = np.arctan2(-bones[:, 2], np.linalg.norm(bones[:, :2], axis=1))
+    ups = [marks.rotations_of(foot)[standing[:, side], 2] @ alignments[foot] for side, foot in enumerate(feet)]
+    standing_slopes = [slope - np.arctan2(up[:, 0], up[:, 2]) for slope, up in zip(slopes, ups, strict=True)]
+    rolling = [1.0, 1.0 if marks.reference_is_rest else 0.0, 1.0]
+    usual = float(np.median(np.concatenate(standing_slopes))) if standing.any() else 0.0
+    for side, foot in enumerate(feet):
+        if len(ups[side]) < MIN_STANDING:
+            continue
+        up, toe_up = (
+            normalized((marks.rotations_of(joint)[standing[:, side], 2] @ alignments[joint]).mean(axis=0) * rolling)
+            for joint in (foot, foot + 1)
+        )
+        slope = slopes[side] - np.arctan2(up[0], up[2])
+        steeper = float(slope - np.clip(slope, usual - UNLIKE_FEET, usual + UNLIKE_FEET))
+        _level(alignments, foot, rotate(from_euler("Y", np.array([steeper])), up))
+        _level(alignments, foot + 1, toe_up)
+
+
+def _level(alignments: FloatArray, segment: int, up: FloatArray) -> None:
+    """Turn one alignment in place until its ``up`` (3,) is Z, unless it tilts by more than 45 degrees."""
     if up[2] > np.cos(np.deg2rad(45.0)):
         alignments[segment] = alignments[segment] @ shortest_arc(UP, up)

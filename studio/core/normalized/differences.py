@@ -22,7 +22,7 @@ BENDS = slice(at.LIMB_BEND, at.LIMB_TWIST)
 
 def turn_columns(width: int) -> NDArray[np.int64]:
     """(T,) where quaternions begin in channels of ``width`` columns."""
-    return np.array([*at.TURNS, *range(at.SPINE, width, 4)])
+    return np.array([*at.QUATERNION_COLUMNS, *range(at.SPINE, width, 4)])
 
 
 def turns_of(channels: FloatArray) -> FloatArray:

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.morphology import Morphology
 from studio.core.kernels import layout as at
-from studio.core.kernels.body.normalize import ActorSizes, continue_turns, encode_frames
+from studio.core.kernels.body.encode_channels import ActorSizes, encode_frames, unwrap_channels
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import trunk_places
 from studio.core.rotations import frame_along, from_matrix, sign_continuous
@@ -27,7 +27,7 @@ def encode(
     yaw = np.unwrap(2.0 * np.arctan2(turns[:, 2], turns[:, 3]))
     channels = np.zeros((len(positions), at.SPINE + 4 * (layout.spine_count - 1)))
     encode_frames(np.array(positions), np.array(rotations), yaw, actor, channels)
-    continue_turns(np.array([*at.TURNS, *range(at.SPINE, channels.shape[1], 4)]), channels)
+    unwrap_channels(np.array([*at.QUATERNION_COLUMNS, *range(at.SPINE, channels.shape[1], 4)]), channels)
     return NormalizedMotion(name, frame_rate, channels, trunk_places(body.spine))
 
 

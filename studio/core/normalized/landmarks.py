@@ -49,7 +49,7 @@ class Landmarks:
 
     def aligned(self, alignments: FloatArray) -> FloatArray:
         """(F, S, 3, 3) canonical rotations R_joint A of all segments, A as ``find_alignments`` has it."""
-        from studio.core.kernels.body.normalize import align_segments  # late: it loads numba
+        from studio.core.kernels.body.encode_channels import align_segments  # late: it loads numba
 
         rotations = np.empty((len(self.points), self.layout.segment_count, 3, 3))
 

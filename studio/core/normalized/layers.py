@@ -224,11 +224,11 @@ def _columns(part: Region, width: int) -> list[tuple[int, int]]:
         case Region.TRUNK:
             return [(at.SPINE, width - at.SPINE)]
         case Region.HEAD:
-            return [(at.NECK, 8), (at.HEAD_PLAY, 3)]
+            return [(at.NECK, 8), (at.HEAD_SHIFT, 3)]
         case Region.LEFT_ARM | Region.RIGHT_ARM:
             side = int(part is Region.RIGHT_ARM)
             return [(at.CLAVICLE + 4 * side, 4), (at.HAND + 4 * side, 4), *_limb(side)]
-    return [(at.HIPS, 8), (at.FOOT, 16), (at.HIP_PLAY, 6), *_limb(2), *_limb(3)]
+    return [(at.HIPS, 8), (at.FOOT, 16), (at.HIP_SHIFT, 6), *_limb(2), *_limb(3)]
 
 
 def _limb(limb: int) -> list[tuple[int, int]]:

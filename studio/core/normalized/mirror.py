@@ -13,9 +13,9 @@ from studio.core.project_cache import project_cache
 _SIDED = ((at.CLAVICLE, 4), (at.LIMB_FRAME, 4), (at.LIMB_FRAME + 8, 4), (at.LIMB_SLACK, 1), (at.LIMB_SLACK + 2, 1),
           (at.LIMB_OFF_PLANE, 1), (at.LIMB_OFF_PLANE + 2, 1), (at.LIMB_BEND, 1), (at.LIMB_BEND + 2, 1),
           (at.LIMB_TWIST, 2), (at.LIMB_TWIST + 4, 2), (at.HAND, 4), (at.FOOT, 4), (at.TOE, 4),
-          (at.HIP_PLAY, 3))  # fmt: skip
+          (at.HIP_SHIFT, 3))  # fmt: skip
 """Column of the left side and how many there are; the right side's come next."""
-_OPPOSITE = (at.HIPS + 1, at.YAW, at.HIP_PLAY + 1, at.HIP_PLAY + 4, at.HEAD_PLAY + 1,
+_OPPOSITE = (at.HIPS + 1, at.YAW, at.HIP_SHIFT + 1, at.HIP_SHIFT + 4, at.HEAD_SHIFT + 1,
              *range(at.LIMB_OFF_PLANE, at.LIMB_BEND), *range(at.LIMB_TWIST, at.HAND))  # fmt: skip
 """Columns that change their sign: ways to the left, turns to the left, twists."""
 _HINGED = range(at.LIMB_FRAME, at.LIMB_SLACK, 4)
@@ -36,7 +36,7 @@ def mirrored(motion: NormalizedMotion) -> NormalizedMotion:
         own, other = slice(left, left + count), slice(left + count, left + 2 * count)
         channels[:, own], channels[:, other] = motion.channels[:, other], motion.channels[:, own]
     channels[:, _OPPOSITE] *= -1.0
-    for column in (*at.TURNS, *range(at.SPINE, channels.shape[1], 4)):
+    for column in (*at.QUATERNION_COLUMNS, *range(at.SPINE, channels.shape[1], 4)):
         x, y, z, w = channels[:, column : column + 4].T
         if column in _HINGED:  # M R D = M R M (M D), and M D is half a turn about z
             turned = [y, x, w, z]

@@ -16,6 +16,7 @@ from studio.core.captures.contacts import (
     SHORTEST,
     ContactInterval,
     ContactPoint,
+    close_steps,
     contact_mask,
     detect_body_contacts,
     detect_contacts,
@@ -27,12 +28,13 @@ from studio.core.captures.contacts import (
     without,
 )
 from studio.core.captures.floor_slope import FloorSlope, find_floor_slope
+from studio.core.captures.plate_steps import fit_to_plates
 from studio.core.captures.rising_heels import rising_heels
 from studio.core.errors import StudioError
 from studio.core.kernels import layout as at
-from studio.core.kernels.body.normalize import continue_turns, encode_frames
+from studio.core.kernels.body.encode_channels import encode_frames, unwrap_channels
 from studio.core.normalized.actor import Actor
-from studio.core.normalized.alignment import find_alignments, level_feet
+from studio.core.normalized.alignment import find_alignments, level_soles
 from studio.core.normalized.encode import actor_sizes
 from studio.core.normalized.landmarks import Landmarks, find_landmarks, spread
 from studio.core.normalized.measure import measure_actor
@@ -45,6 +47,7 @@ from studio.core.sharing import Shared
 from studio.core.windows import smoothed
 
 FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 Contacts = dict[ContactPoint, list[tuple[int, int]]]
 
 HEELS = (ContactPoint.LEFT_HEEL, ContactPoint.RIGHT_HEEL)
@@ -77,7 +80,7 @@ def _normalize(capture: Capture, progress: Callable[[float], object]) -> tuple[N
     contacts = found.contacts
     progress(0.6)
     alignments = find_alignments(marks)
-    _level_soles(marks, contacts, alignments)
+    level_soles(marks, alignments, _standing_feet(contacts, len(marks.points)))
     rotations = marks.aligned(alignments)
     progress(0.8)
     origin = np.array([*marks.points[capture.first_frame, 0, :2], capture.floor])
@@ -159,7 +162,8 @@ def _find(capture: Capture, marks: Landmarks | None = None) -> _Found:
 def _terms(capture: Capture) -> object:
     """All of a capture, besides its poses, that its contacts depend on."""
     offsets, reference = capture.skeleton.offsets.tobytes(), capture.reference_rotations.tobytes()
-    return offsets, reference, capture.body_map, capture.frame_rate, capture.floor, capture.first_frame
+    begin = capture.frame_rate, capture.floor, capture.first_frame
+    return offsets, reference, capture.body_map, *begin, capture.plate_loads
 
 
 _FOUND: Shared[Capture, _Found] = Shared(_find, owner=lambda capture: capture.poses, terms=_terms)
@@ -215,21 +219,18 @@ def _contacts_of(marks: Landmarks, capture: Capture) -> tuple[Contacts, FloorSlo
         low = tracks[knee][:, 2] < LOW_KNEE * leg
         down = low | contact_mask(bodies[ContactPoint.SEAT], len(points))
         feet[toe] = trailed(feet[toe], toes[:, side], down, capture.frame_rate)
+        feet[heel], feet[toe] = close_steps(feet[heel], feet[toe], soles[:, side, :2].mean(axis=1), shortest)
     # Low hips say what knees and toes do; but of who crawls they are carried, until it lies flat.
     prone = faces_down(points[:, hips], points[:, [layout.collar(0) + 1, layout.collar(1) + 1]])
     flat = tracks[ContactPoint.SEAT][:, 2] < FLAT * leg
     bodies[ContactPoint.SEAT] = without(bodies[ContactPoint.SEAT], prone & ~flat, shortest)
-    return feet | bodies, slope
+    return fit_to_plates(feet, soles, capture.plate_loads, rate) | bodies, slope
 
 
-def _level_soles(marks: Landmarks, contacts: Contacts, alignments: FloatArray) -> None:
-    """Turn the feet's alignments so that they stand flat where they do."""
-    for side, name in enumerate(("left", "right")):
-        heel = contact_mask(contacts[ContactPoint(f"{name}_heel")], len(marks.points))
-        toe = contact_mask(contacts[ContactPoint(f"{name}_toe")], len(marks.points))
-        foot = marks.layout.spine_count + 12 + 4 * side
-        for segment in (foot, foot + 1):
-            level_feet(alignments, segment, marks.rotations_of(segment)[heel & toe])
+def _standing_feet(contacts: Contacts, frame_count: int) -> BoolArray:
+    """(F, 2) frames in which heel and toe of the left and the right foot both rest."""
+    points = [[ContactPoint(f"{side}_{end}") for end in ("heel", "toe")] for side in ("left", "right")]
+    return np.stack([np.all([contact_mask(contacts[p], frame_count) for p in foot], axis=0) for foot in points], axis=1)
 
 
 def _channels(body: Morphology, points: FloatArray, rotations: FloatArray, frame_rate: float) -> FloatArray:
@@ -241,7 +242,7 @@ def _channels(body: Morphology, points: FloatArray, rotations: FloatArray, frame
     yaw = heading(rotations[:, 0], frame_rate)
     channels = np.zeros((len(points), at.SPINE + 4 * (layout.spine_count - 1)))
     do_over_frames(lambda run: encode_frames(points[run], rotations[run], yaw[run], actor, channels[run]), len(points))
-    continue_turns(np.array([*at.TURNS, *range(at.SPINE, channels.shape[1], 4)]), channels)
+    unwrap_channels(np.array([*at.QUATERNION_COLUMNS, *range(at.SPINE, channels.shape[1], 4)]), channels)
     return channels
 
 

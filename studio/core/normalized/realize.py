@@ -21,14 +21,16 @@ def realize(
     ``play`` keeps the actor's own stray of hips and head (as far as the capture's extra joints moved them); a
     character with rigid bones drops it.
     """
-    from studio.core.kernels.body import realize as kernel  # late: it takes longer than a window
+    from studio.core.kernels.body import pose_from_channels as kernel  # late: it takes longer than a window
 
     layout = morphology.layout
     positions = np.empty((motion.frame_count, layout.point_count, 3))
     rotations = np.empty((motion.frame_count, layout.segment_count, 3, 3))
     girdle = motion.girdle or girdle_of(morphology.still)
     lengths, hips = girdle.length / girdles(morphology), girdle.hips / hip_breadths(morphology)
-    actor = kernel.Girdles(np.minimum(lengths, 1.0), girdle.rest, np.minimum(hips, 1.0), motion.across, girdle.limbs)
+    actor = kernel.ActorProportions(
+        np.minimum(lengths, 1.0), girdle.rest, np.minimum(hips, 1.0), motion.across, girdle.limbs
+    )
     kernel.realize_frames(
         motion.channels, motion.spine_places, morphology.rows, actor, float(play), positions, rotations
     )

@@ -12,12 +12,12 @@ from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import at_frames, sole_rows
 from studio.core.captures.contacts import ContactInterval
 from studio.core.grounds.ground import Ground
-from studio.core.kernels.time.jolts import note_peaks
+from studio.core.kernels.time.acceleration_peaks import segment_peaks
 from studio.core.quality.contact_tracks import contact_tracks
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.footing import foot_states
 from studio.core.solver.standing.support import mass_path
-from studio.core.solver.standing.swing import Sole, worn_height
+from studio.core.solver.standing.swing_foot_path import Sole, worn_height
 
 FloatArray = NDArray[np.float64]
 
@@ -128,7 +128,7 @@ def turning_peaks(motion: AdaptedMotion) -> FloatArray:
     layout = motion.morphology.layout
     rotations = np.ascontiguousarray(motion.rotations[:])
     peaks = np.empty((layout.segment_count, 2))
-    note_peaks(np.full(len(peaks), -1), rotations, motion.frame_rate, peaks)
+    segment_peaks(np.full(len(peaks), -1), rotations, motion.frame_rate, peaks)
     return peaks[[layout.segment(part) for part in BodyPart]]
 
 

@@ -13,7 +13,7 @@ from scipy.ndimage import uniform_filter1d
 from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactInterval
 from studio.core.grounds.ground import Ground
-from studio.core.kernels.support.sole import FLAT
+from studio.core.kernels.support.sole import SOLE_STANDS
 from studio.core.mesh.volume import usual_volume
 from studio.core.quality.metrics import QUIET, angular_acceleration
 from studio.core.solver.asking.clearance import rest_rooms, rooms
@@ -57,7 +57,7 @@ class MotionQuality:
     posture: float
     """Greatest difference of elevation of trunk, upper arms, forearms, thighs and shanks."""
     shoulders: float
-    """Least distance of the shoulder joints in parts of their median, less the same of the source."""
+    """Least distance of the shoulder joints in parts of that at rest, less the same of the source."""
     hands: float
     """Mean error of the wrists' distance while the source's are near each other."""
     jump: float
@@ -84,7 +84,7 @@ def motion_quality(
 
     ``contacts`` say where feet stand.
     """
-    flat = _steady(foot_states(contacts, adapted.frame_count) == FLAT, adapted.frame_rate)[:, first_frame:]
+    flat = _steady(foot_states(contacts, adapted.frame_count) == SOLE_STANDS, adapted.frame_rate)[:, first_frame:]
     adapted, source = _from(first_frame, adapted), _from(first_frame, source)
     knees = [_knee(adapted, side)[flat[side]] - _knee(source, side)[flat[side]] for side in range(2)]
     above = [[_hips(m)[flat[s], 2] - _scaled(m)[flat[s], _ankle(m, s), 2] for m in (source, adapted)] for s in (0, 1)]
@@ -156,10 +156,10 @@ def rises(motion: AdaptedMotion) -> FloatArray:
 
 
 def _least_shoulders(motion: AdaptedMotion) -> float:
-    layout = motion.morphology.layout
+    body, layout = motion.morphology, motion.morphology.layout
     left, right = (motion.positions[:, layout.collar(side) + 1] for side in (0, 1))
-    apart = np.linalg.norm(left - right, axis=1)
-    return float(apart.min() / np.median(apart))
+    rest = body.collar_base + body.clavicle[:, None] * body.clavicle_rest
+    return float(np.linalg.norm(left - right, axis=1).min() / np.linalg.norm(rest[0] - rest[1]))
 
 
 def _hands(adapted: AdaptedMotion, source: AdaptedMotion) -> float:

@@ -1,56 +1,110 @@
 """Hands that hold a prop between them, whatever the size of prop and body."""
 
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import ActivationCurve
-from studio.core.constraints.base import BodyPoint, Chain, Constraint
+from studio.core.constraints.activation import EASE_PEAK, ActivationCurve
+from studio.core.constraints.base import BodyPoint, Chain, Constraint, Vector
 from studio.core.constraints.follow import FollowProp
+from studio.core.constraints.keyed import Quaternion
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.stage.prop import Prop
+from studio.core.mesh.hand_shapes import HALF_CLOSED, OPEN
+from studio.core.rotations import from_euler, multiply, to_matrix
+from studio.core.stage.prop import Carried, InHand, Prop
 from studio.core.stage.scope import Scope
 
-HOLDING, TURNING = Chain(clavicle=0.5, trunk=0.3), Chain(end_segment=1.0)
-BACK = -0.7
-"""Where wrists are on the sides of a prop, in halves of its size: so far back that the palms lie on them."""
-THIN, APART, PALM = 0.1, 0.24, (-0.07, 0.03)
+FloatArray = NDArray[np.float64]
+
+HOLDING, TURNING = Chain(clavicle=0.5, trunk=0.3, root=0.3), Chain(end_segment=1.0)
+PALM, BESIDE = -0.08, 0.03
+"""Metres from a side of a prop back to the wrist whose palm is on its middle, and from a thin one aside to a wrist."""
+THIN, APART = 0.1, 0.24
 """Metres of breadth below which two hands have no room beside each other, as on a stick: there the left one holds it
-above the right one, so far apart, its wrist behind the prop and beside it for the palm to be on it.
+above the right one, so far apart.
 """
-REACHING = 0.5
-"""Seconds in which hands come to a prop before they pick it up, and leave it once it is put down."""
+LOWER, EDGE = 0.1, 0.03
+"""Metres by which a receiver's hands are below the giver's, and that they keep from the prop's lower edge."""
+REACHING, REACH_SPEED = 0.5, 1.3
+"""Seconds, at least, in which hands come to a prop before they pick it up, and leave it once it is put down; and their
+highest speed then, metres a second.
+"""
 FLAT = (-0.5, 0.5, -0.5, 0.5)
 """A hand in a prop's axes: fingers ahead, the palm on the side."""
 
 
-def grips(
-    motion_id: str, performer_id: str, prop_id: str, prop: Prop, seconds: tuple[float, float], priority: int
-) -> tuple[Constraint, ...]:
-    """Both wrists of a performer at the sides of a prop, palms on them, from one second of the motion to the other.
+def quarters(angle: float) -> int:
+    """Number of quarter turns, 0 to 3, that is nearest to an angle in radians."""
+    return round(2.0 * angle / math.pi) % 4
 
-    They come there before and leave after. How the hands are turned comes after where they are.
+
+def reaching_time(distance: float) -> float:
+    """Seconds in which hands come to a prop that is ``distance`` metres from them."""
+    return max(REACHING, EASE_PEAK * distance / REACH_SPEED)
+
+
+def grip_on(prop: Prop, hold: InHand | Carried) -> float | None:
+    """Grip of the hands that hold a prop, from -1 (open) to 1 (fists); None where no hand holds it."""
+    if isinstance(hold, InHand):
+        return HALF_CLOSED if hold.point.part in (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND) else None
+    return HALF_CLOSED if min(prop.size[:2]) < THIN else OPEN
+
+
+def grips(
+    motion_id: str,
+    performer_id: str,
+    prop_id: str,
+    prop: Prop,
+    seconds: tuple[float, float],
+    priority: int,
+    *,
+    turned: int = 0,
+    lower: bool = False,
+    reaching: float = REACHING,
+) -> tuple[Constraint, ...]:
+    """Both wrists of a performer at the sides of a prop, palms on their middle, over a span of seconds of the motion.
+
+    They come there within ``reaching`` seconds before, and leave after. The prop is ``turned`` by quarters about Z from
+    where the performer faces; ``lower`` is for hands that find the middle taken. How the hands are turned comes after
+    where they are.
     """
     begin, end = seconds
-    curve = ActivationCurve(begin - REACHING, begin, end, end + REACHING)
+    curve = ActivationCurve(begin - reaching, begin, end, end + REACHING)
     scope, words = Scope(performer_id=performer_id), prop.name.lower()
+    facing = from_euler("Z", np.array([-turned * math.pi / 2]))
+    palm: Quaternion = tuple(multiply(facing, np.array(FLAT)).tolist())
     asked: list[Constraint] = []
     for side, sign in (("Left", 1.0), ("Right", -1.0)):
         part = side.lower()
-        wrist = PositionConstraint(
+        on_side = PositionConstraint(
             motion_id, f"{side} hand on {words}", BodyPoint(BodyPart(f"{part}_forearm"), at_end=True), HOLDING,
-            priority, curve, target=_wrist_on(prop_id, prop, sign), scope=scope,
+            priority, curve, target=_wrist_on(prop_id, prop, sign, facing, lower), scope=scope,
         )  # fmt: skip
-        palm = OrientationConstraint(
+        flat = OrientationConstraint(
             motion_id, f"{side} palm on {words}", BodyPoint(BodyPart(f"{part}_hand")), TURNING, priority + 1, curve,
-            target=FollowProp(prop_id, turn=FLAT), scope=scope,
+            target=FollowProp(prop_id, turn=palm), scope=scope,
         )  # fmt: skip
-        asked += [wrist, palm]
+        asked += [on_side, flat]
     return tuple(asked)
 
 
-def _wrist_on(prop_id: str, prop: Prop, sign: float) -> FollowProp:
-    """Where the left wrist (1) or the right one (-1) holds a prop."""
-    _, breadth, height = prop.size
+def _wrist_on(prop_id: str, prop: Prop, sign: float, facing: FloatArray, lower: bool) -> FollowProp:
+    """Place of the left wrist (1) or the right one (-1) on a prop, for who faces so (4,) in its axes."""
+    axes = to_matrix(facing)
+    breadth, height = float(np.abs(axes[:, 1]) @ prop.size), prop.size[2]
+    share, offset = np.zeros(3), PALM * axes[:, 0]
     if breadth >= THIN:
-        return FollowProp(prop_id, share=(BACK, sign, 0.0))
-    back, beside = PALM
-    return FollowProp(prop_id, offset=(back, sign * beside, sign * min(APART, height) / 2))
+        share = sign * axes[:, 1]
+    else:
+        offset = offset + sign * (BESIDE * axes[:, 1] + np.array([0.0, 0.0, min(APART, height) / 2]))
+    if lower:
+        offset[2] -= min(LOWER, max(height / 2 - EDGE, 0.0))
+    return FollowProp(prop_id, offset=_vector(offset), share=_vector(share))
+
+
+def _vector(values: FloatArray) -> Vector:
+    x, y, z = values.round(12).tolist()
+    return x + 0.0, y + 0.0, z + 0.0

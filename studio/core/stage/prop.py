@@ -25,6 +25,10 @@ class PropShape(StrEnum):
     MESH = "mesh"
 
 
+PICKED = 0.01
+"""Seconds after the begin of a hold in which a prop still lies where it is picked up."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Hold:
     """Somebody holds a prop from ``begin`` until ``end``, seconds of the stage; without them as long as it plays.
@@ -67,19 +71,24 @@ class InHand(Hold):
 
 @dataclass(frozen=True)
 class Carried(Hold):
-    """Goes between both hands of a performer where the motion has them, and faces as its chest does.
+    """Goes between both hands of a performer where the motion has them, and turns as its chest does.
 
-    ``offset`` is from the middle of the hands, ahead, to the left and up, in leg lengths. Hands that constraints hold
-    on the prop do not move it, so any size is held.
+    ``offset`` is from the middle of the hands, ahead, to the left and up of the chest, in leg lengths; ``heading`` is
+    its turn about Z from the chest's heading, radians. Hands that constraints hold on the prop do not move it, so any
+    size is held.
     """
 
     kind: ClassVar[str] = "carried"
     performer_id: str
     offset: Vector = (0.0, 0.0, 0.0)
+    heading: float = 0.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
         object.__setattr__(self, "offset", finite_vector(self.offset, "An offset from the hands"))
+        if not math.isfinite(self.heading):
+            raise ValueError("A carried prop needs a finite heading.")
+        TURN.check(self.heading)
 
 
 @dataclass(frozen=True)
@@ -128,6 +137,11 @@ class Prop:
     def held_at(self, time: float) -> InHand | Carried | None:
         """How it is held at a second of the stage, by who took it last."""
         return next((each for each in reversed(self.holds) if each.holds_at(time)), None)
+
+    def lies_at(self, time: float) -> bool:
+        """True if it is where its own place says at a second of the stage: not held yet, or just being picked up."""
+        hold = self.held_at(time)
+        return hold is None or (hold is self.held and hold.begin is not None and time - hold.begin < PICKED)
 
     def with_holds(self, holds: Sequence[InHand | Carried]) -> "Prop":
         """The same, held so."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
-from studio.core.kernels.body import channels as kernel
+from studio.core.kernels.body import file_channels as kernel
 from studio.io.beside import read_bytes
 from studio.io.bvh.hierarchy import Hierarchy, read_hierarchy
 from studio.io.bvh.spelling import plainly_spelled
@@ -33,7 +33,11 @@ _FRAME_TIME = re.compile(
 )
 """Seconds as a number or as a fraction."""
 _SCALE_NOISE = 1e-3
-_DEEDS = {"scale": kernel.NOTHING, "position": kernel.PLACE, "rotation": kernel.TURN}  # scales are told as repairs
+_DEEDS = {
+    "scale": kernel.IGNORED_CHANNEL,
+    "position": kernel.POSITION_CHANNEL,
+    "rotation": kernel.ROTATION_CHANNEL,
+}  # scales are told as repairs
 _MOTION = re.compile(rb"(?:\A|[\r\n}])[ \t]*(MOTION)[ \t]*(?=[\r\n]|\Z)", re.IGNORECASE)
 
 

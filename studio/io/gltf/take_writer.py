@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from studio import __version__
 from studio.core.mesh.appearance import Material
-from studio.core.mesh.joint_skin import JointSkin, bone_skin, character_skin
-from studio.io.export import Take
+from studio.core.mesh.joint_skin import JointSkin
+from studio.io.export import Take, plain_material, skin_of
+from studio.io.exported_stage import ExportedProp, ExportedStage
 from studio.io.gltf.buffers import TRIANGLES, VERTICES, Buffers
 from studio.io.registry import Progress
 from studio.io.replacing import write_pieces
@@ -23,7 +24,6 @@ FloatArray = NDArray[np.float64]
 _WORLD_TO_FILE = [1, 2, 0]
 """Y up, facing +Z: file x is world Y (left), y is Z (up), z is X (forward)."""
 _TRAVELS = 1e-7
-_BONES = "#C8CDD2"
 _PIECE = 3 << 18
 """Bytes that are written between two reports of progress: whole groups of three, as base64 takes them."""
 
@@ -33,13 +33,34 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
 
     Metres, Y up; one key a frame, interpolated linearly. Raises StudioError when the file cannot be written.
     """
-    buffers = Buffers()
-    skin = character_skin(take.character, take.skeleton) if take.character else bone_skin(take.skeleton)
-    root = _document(take, skin, buffers, lambda share: progress(0.8 * share, f"Writing {path.name}"))
-    buffers.content.extend(bytes(-len(buffers.content) % 4))
-    root["buffers"] = [{"byteLength": len(buffers.content)}]
+    scene = _Scene(take.name, take.frame_rate, take.poses.frame_count)
+    scene.add_take(take, lambda share: progress(0.8 * share, f"Writing {path.name}"))
+    _write(path, scene, progress)
+
+
+def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
+    """Write everybody and everything of a stage on one clock where it stands, each performer below a node of its name.
+
+    As ``write_take``. Raises StudioError when the file cannot be written.
+    """
+    scene = _Scene(stage.name, stage.frame_rate, stage.frame_count)
+    for number, take in enumerate(stage.takes):
+
+        def reported(share: float, number: int = number) -> None:
+            progress(0.8 * (number + share) / len(stage.takes), f"Writing {path.name}")
+
+        scene.add_take(take, reported, group=True)
+    for prop in stage.props:
+        scene.add_prop(prop)
+    _write(path, scene, progress)
+
+
+def _write(path: Path, scene: "_Scene", progress: Progress) -> None:
+    content = scene.buffers.content
+    content.extend(bytes(-len(content) % 4))
+    root = scene.document() | {"buffers": [{"byteLength": len(content)}]}
     parts = _glb if path.suffix.lower() == ".glb" else _gltf
-    write_pieces(path, _told(parts(root, buffers.content), len(buffers.content), path.name, progress))
+    write_pieces(path, _told(parts(root, content), len(content), path.name, progress))
     progress(1.0, f"Wrote {path.name}")
 
 
@@ -54,50 +75,120 @@ def _told(
         done += len(piece)
 
 
-def _document(take: Take, skin: JointSkin, buffers: Buffers, progress: Any) -> dict[str, Any]:
-    joints = take.skeleton.joint_count
-    mesh: dict[str, Any] = {"name": take.name, "mesh": 0, "skin": 0}
-    root: dict[str, Any] = {
-        "asset": {"version": "2.0", "generator": f"Morpho Studio {__version__}"},
-        "scene": 0,
-        "scenes": [{"nodes": [0, joints]}],
-        "nodes": [*_joint_nodes(take), mesh],
-        "meshes": [{"name": take.name, "primitives": _primitives(skin, buffers)}],
-        "skins": [{"joints": list(range(joints)), "inverseBindMatrices": _inverse_binds(skin, buffers), "skeleton": 0}],
-        "animations": [_animation(take, buffers, progress)],
-    }
-    materials = skin.appearance.materials if skin.appearance else (Material(take.name, _colour(take)),)
-    root["materials"], images = _materials(materials, buffers)
-    if images:
-        root["images"] = images
-        root["samplers"] = [{}]
-        root["textures"] = [{"source": place, "sampler": 0} for place in range(len(images))]
-    if not root["meshes"][0]["primitives"]:  # a single joint
-        for key in ("meshes", "skins", "materials"):
-            del root[key]
-        root["nodes"].pop()
-        root["scenes"][0]["nodes"].pop()
-    return root | {"bufferViews": buffers.views, "accessors": buffers.accessors}
+class _Scene:
+    """A glTF document under construction: nodes, meshes, skins, materials, and one animation of all of them."""
 
+    def __init__(self, name: str, frame_rate: float, frame_count: int) -> None:
+        self.buffers = Buffers()
+        self._name = name
+        self._seconds = np.arange(frame_count) / frame_rate
+        self._times: int | None = None
+        self._roots: list[int] = []
+        self._lists: dict[str, list[dict[str, Any]]] = {
+            name: [] for name in ("nodes", "meshes", "skins", "materials", "images", "samplers", "channels")
+        }
 
-def _colour(take: Take) -> str:
-    return take.character.colour if take.character else _BONES
+    def document(self) -> dict[str, Any]:
+        """All but the buffer."""
+        lists = {name: records for name, records in self._lists.items() if records}
+        animation = {"name": self._name, "samplers": lists.pop("samplers"), "channels": lists.pop("channels")}
+        root: dict[str, Any] = {
+            "asset": {"version": "2.0", "generator": f"Morpho Studio {__version__}"},
+            "scene": 0,
+            "scenes": [{"nodes": self._roots}],
+            **lists,
+            "animations": [animation],
+        }
+        if images := lists.get("images"):
+            root["samplers"] = [{}]
+            root["textures"] = [{"source": place, "sampler": 0} for place in range(len(images))]
+        return root | {"bufferViews": self.buffers.views, "accessors": self.buffers.accessors}
+
+    def add_take(self, take: Take, progress: Any, *, group: bool = False) -> None:
+        """Joints, skin and animation, the joints below a node of its name where they are a ``group``."""
+        skin = skin_of(take)
+        first = len(self._lists["nodes"])
+        for node, children in zip(_joint_nodes(take), take.skeleton.children, strict=True):
+            self._add("nodes", node | {"children": [first + child for child in children]} if children else node)
+        joints = list(range(first, first + take.skeleton.joint_count))
+        top = self._add("nodes", {"name": take.name, "children": joints[:1]}) if group else joints[0]
+        self._roots.append(top)
+        if len(skin.triangles):
+            materials = skin.appearance.materials if skin.appearance else (plain_material(take),)
+            mesh = {"name": take.name, "primitives": _primitives(skin, self.buffers, self._add_materials(materials))}
+            bound = {"joints": joints, "inverseBindMatrices": _inverse_binds(skin, self.buffers), "skeleton": joints[0]}
+            shown = {"name": take.name, "mesh": self._add("meshes", mesh), "skin": self._add("skins", bound)}
+            self._roots.append(self._add("nodes", shown))
+        self._animate_joints(take, joints, progress)
+
+    def add_prop(self, prop: ExportedProp) -> None:
+        """A mesh that moves as a whole."""
+        surface, first = prop.surface, self._add_materials((prop.material,))
+        primitive = {
+            "attributes": {
+                "POSITION": self.buffers.add(surface.vertices[:, _WORLD_TO_FILE], "f4", VERTICES, bounds=True),
+                "NORMAL": self.buffers.add(_unit(surface.normals[:, _WORLD_TO_FILE]), "f4", VERTICES),
+            },
+            "indices": self.buffers.add(surface.triangles.ravel(), "u4", TRIANGLES),
+            "material": first,
+        }
+        mesh = self._add("meshes", {"name": prop.name, "primitives": [primitive]})
+        places = prop.places[:, _WORLD_TO_FILE].astype(np.float32)
+        turns = _unit(prop.rotations[:, [*_WORLD_TO_FILE, 3]])
+        begun = {"translation": places[0].tolist(), "rotation": turns[0].tolist()}
+        node = self._add("nodes", {"name": prop.name, "mesh": mesh, **begun})
+        self._roots.append(node)
+        if not prop.is_still:
+            self._animate(node, "rotation", turns)
+            self._animate(node, "translation", places)
+
+    def _add(self, kind: str, record: dict[str, Any]) -> int:
+        self._lists[kind].append(record)
+        return len(self._lists[kind]) - 1
+
+    def _animate(self, node: int, path: str, values: NDArray[Any]) -> None:
+        if self._times is None:
+            self._times = self.buffers.add(self._seconds, "f4", bounds=True)
+        sampler = {"input": self._times, "interpolation": "LINEAR", "output": self.buffers.add(values, "f4")}
+        self._add("channels", {"sampler": self._add("samplers", sampler), "target": {"node": node, "path": path}})
+
+    def _animate_joints(self, take: Take, joints: list[int], progress: Any) -> None:
+        """A key a frame for every joint that turns, and for every one that travels."""
+        skeleton, poses = take.skeleton, take.poses
+        travels = np.abs(poses.local_translations - skeleton.offsets).max(axis=(0, 2)) > _TRAVELS
+        for joint, node in enumerate(joints):
+            progress(joint / skeleton.joint_count)
+            if not skeleton.end_sites[joint] or joint == 0:
+                self._animate(node, "rotation", _unit(poses.local_rotations[:, joint][:, [*_WORLD_TO_FILE, 3]]))
+            if travels[joint] or joint == 0:
+                self._animate(node, "translation", poses.local_translations[:, joint][:, _WORLD_TO_FILE])
+
+    def _add_materials(self, materials: tuple[Material, ...]) -> int:
+        """The number of the first of them."""
+        first = len(self._lists["materials"])
+        for material in materials:
+            surface: dict[str, Any] = {"baseColorFactor": [*material.linear_colour, 1.0], "metallicFactor": 0.0}
+            if material.texture is not None:
+                content = material.texture.tobytes()
+                kind = "image/png" if content.startswith(b"\x89PNG") else "image/jpeg"
+                image = {"bufferView": self.buffers.add_bytes(content), "mimeType": kind}
+                surface["baseColorTexture"] = {"index": self._add("images", image)}
+            record: dict[str, Any] = {"name": material.name, "pbrMetallicRoughness": surface}
+            self._add("materials", record | {"doubleSided": True} if material.two_sided else record)
+        return first
 
 
 def _joint_nodes(take: Take) -> list[dict[str, Any]]:
     """The joints as they stand in the skeleton's zero pose."""
     offsets = take.skeleton.offsets[:, _WORLD_TO_FILE].astype(np.float32)
-    nodes = []
-    for name, offset, children in zip(take.skeleton.names, offsets.tolist(), take.skeleton.children, strict=True):
-        node: dict[str, Any] = {"name": name, "translation": offset}
-        nodes.append(node | {"children": list(children)} if children else node)
-    return nodes
+    return [
+        {"name": name, "translation": offset}
+        for name, offset in zip(take.skeleton.names, offsets.tolist(), strict=True)
+    ]
 
 
-def _primitives(skin: JointSkin, buffers: Buffers) -> list[dict[str, Any]]:
-    """One for each material, all over the same vertices."""
-    if not len(skin.triangles):
-        return []
+def _primitives(skin: JointSkin, buffers: Buffers, first: int) -> list[dict[str, Any]]:
+    """One for each material, counted from the ``first``, all over the same vertices."""
     count, look = len(skin.vertices), skin.appearance
     attributes = {
         "POSITION": buffers.add(skin.vertices[:, _WORLD_TO_FILE], "f4", VERTICES, bounds=True),
@@ -114,7 +205,7 @@ def _primitives(skin: JointSkin, buffers: Buffers) -> list[dict[str, Any]]:
         {
             "attributes": attributes,
             "indices": buffers.add(skin.triangles[materials == material].ravel(), kind, TRIANGLES),
-            "material": int(material),
+            "material": first + int(material),
         }
         for material in np.unique(materials)
     ]
@@ -127,43 +218,6 @@ def _inverse_binds(skin: JointSkin, buffers: Buffers) -> int:
     matrices[:, :3, :3] = turned
     matrices[:, :3, 3] = -np.einsum("jik,jk->ji", turned, skin.bind_positions[:, _WORLD_TO_FILE])
     return buffers.add(np.swapaxes(matrices, 1, 2) + 0.0, "f4")
-
-
-def _animation(take: Take, buffers: Buffers, progress: Any) -> dict[str, Any]:
-    """A key a frame for every joint that turns, and for every one that travels."""
-    skeleton, poses = take.skeleton, take.poses
-    times = buffers.add(np.arange(poses.frame_count) / take.frame_rate, "f4", bounds=True)
-    samplers: list[dict[str, Any]] = []
-    channels: list[dict[str, Any]] = []
-
-    def animate(joint: int, path: str, values: FloatArray) -> None:
-        channels.append({"sampler": len(samplers), "target": {"node": joint, "path": path}})
-        samplers.append({"input": times, "interpolation": "LINEAR", "output": buffers.add(values, "f4")})
-
-    travels = np.abs(poses.local_translations - skeleton.offsets).max(axis=(0, 2)) > _TRAVELS
-    for joint in range(skeleton.joint_count):
-        progress(joint / skeleton.joint_count)
-        if not skeleton.end_sites[joint] or joint == 0:
-            animate(joint, "rotation", _unit(poses.local_rotations[:, joint][:, [*_WORLD_TO_FILE, 3]]))
-        if travels[joint] or joint == 0:
-            animate(joint, "translation", poses.local_translations[:, joint][:, _WORLD_TO_FILE])
-    return {"name": take.name, "samplers": samplers, "channels": channels}
-
-
-def _materials(materials: tuple[Material, ...], buffers: Buffers) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-    """The materials, and the pictures that they show."""
-    records: list[dict[str, Any]] = []
-    images: list[dict[str, Any]] = []
-    for material in materials:
-        surface: dict[str, Any] = {"baseColorFactor": [*material.linear_colour, 1.0], "metallicFactor": 0.0}
-        if material.texture is not None:
-            content = material.texture.tobytes()
-            surface["baseColorTexture"] = {"index": len(images)}
-            kind = "image/png" if content.startswith(b"\x89PNG") else "image/jpeg"
-            images.append({"bufferView": buffers.add_bytes(content), "mimeType": kind})
-        record: dict[str, Any] = {"name": material.name, "pbrMetallicRoughness": surface}
-        records.append(record | {"doubleSided": True} if material.two_sided else record)
-    return records, images
 
 
 def _unit(vectors: FloatArray) -> FloatArray:

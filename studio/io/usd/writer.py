@@ -5,26 +5,28 @@ The package usd-core is an extra of the studio (``pip install morpho-studio[usd]
 
 import shutil
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
-from studio.core.mesh.appearance import Material
-from studio.core.mesh.joint_skin import JointSkin, bone_skin, character_skin
-from studio.io.export import Take
+from studio.core.mesh.joint_skin import JointSkin
+from studio.io.export import Take, plain_material, skin_of
+from studio.io.exported_stage import ExportedProp, ExportedStage
 from studio.io.registry import Progress
 from studio.io.replacing import replacing_all
 from studio.io.usd.materials import bind_materials, identifiers
 from studio.io.zipped import write_zip
 
+FloatArray = NDArray[np.float64]
+
 PACKED = ".usdz"
 _TOLD, _SAVED = 64, 8192
 """Frames between two reports of progress, and those that go to the disk at once: USD holds Python's lock for them."""
-_BONES = "#C8CDD2"
 
 
 def write_take(path: Path, take: Take, progress: Progress) -> None:
@@ -33,6 +35,44 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
     One time sample a frame. Textures become pictures beside the file, named after it, or go into it where it is a
     ``.usdz``. Raises StudioError when the package is missing or something cannot be written.
     """
+
+    def fill(stage: Any) -> dict[str, bytes]:
+        _set_up(stage, take.frame_rate, take.poses.frame_count)
+        name = f"/{identifiers([take.name])[0]}"
+        stage.SetDefaultPrim(stage.DefinePrim(name))
+        return _put_take(stage, take, name, path.stem, lambda share: progress(0.9 * share, f"Writing {path.name}"))
+
+    _write(path, fill, progress)
+
+
+def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
+    """Write everybody and everything of a stage on one clock where it stands, below one prim.
+
+    As ``write_take``.
+    """
+
+    def fill(made: Any) -> dict[str, bytes]:
+        from pxr import UsdGeom
+
+        _set_up(made, stage.frame_rate, stage.frame_count)
+        top, *names = identifiers([stage.name, *stage.names])
+        made.SetDefaultPrim(UsdGeom.Xform.Define(made, f"/{top}").GetPrim())
+        pictures: dict[str, bytes] = {}
+        for number, (take, name) in enumerate(zip(stage.takes, names, strict=False)):
+
+            def reported(share: float, number: int = number) -> None:
+                progress(0.9 * (number + share) / len(stage.takes), f"Writing {path.name}")
+
+            pictures |= _put_take(made, take, f"/{top}/{name}", f"{path.stem}_{name}", reported)
+        for prop, name in zip(stage.props, names[len(stage.takes) :], strict=True):
+            _put_prop(made, prop, f"/{top}/{name}")
+        return pictures
+
+    _write(path, fill, progress)
+
+
+def _write(path: Path, fill: Callable[[Any], dict[str, bytes]], progress: Progress) -> None:
+    """Write what ``fill`` puts on a stage, with the pictures that it returns by name."""
     try:
         from pxr import Tf, Usd
     except ImportError as error:
@@ -41,7 +81,7 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
         with tempfile.TemporaryDirectory() as folder:
             layer = Path(folder) / "take.usdc"
             stage = Usd.Stage.CreateNew(str(layer))
-            pictures = _fill(stage, take, path.stem, lambda share: progress(0.9 * share, f"Writing {path.name}"))
+            pictures = fill(stage)
             stage.Save()
             for name, content in pictures.items():
                 (Path(folder) / name).write_bytes(content)
@@ -70,19 +110,24 @@ def _written(layer: Path, stage: Any, suffix: str, pictures: Iterable[str], prog
     return layer
 
 
-def _fill(stage: Any, take: Take, stem: str, progress: Any) -> dict[str, bytes]:
-    """Put the take on the stage; returns the pictures of its textures by the names they have there."""
-    from pxr import Sdf, UsdGeom, UsdSkel, Vt
+def _set_up(stage: Any, frame_rate: float, frame_count: int) -> None:
+    """Axes, unit and frames."""
+    from pxr import UsdGeom
 
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
-    stage.SetTimeCodesPerSecond(take.frame_rate)
-    stage.SetFramesPerSecond(take.frame_rate)
+    stage.SetTimeCodesPerSecond(frame_rate)
+    stage.SetFramesPerSecond(frame_rate)
     stage.SetStartTimeCode(0)
-    stage.SetEndTimeCode(take.poses.frame_count - 1)
-    skin = character_skin(take.character, take.skeleton) if take.character else bone_skin(take.skeleton)
-    root = UsdSkel.Root.Define(stage, f"/{identifiers([take.name])[0]}")
-    stage.SetDefaultPrim(root.GetPrim())
+    stage.SetEndTimeCode(frame_count - 1)
+
+
+def _put_take(stage: Any, take: Take, path: str, stem: str, progress: Any) -> dict[str, bytes]:
+    """Put the take on the stage; returns the pictures of its textures by the names they have there."""
+    from pxr import Sdf, UsdGeom, UsdSkel, Vt
+
+    skin = skin_of(take)
+    root = UsdSkel.Root.Define(stage, path)
     joints = _joint_paths(take.skeleton)
     skeleton = _skeleton(stage, root, take.skeleton, skin, joints)
     _animation(stage, skeleton, take, joints, progress)
@@ -90,9 +135,7 @@ def _fill(stage: Any, take: Take, stem: str, progress: Any) -> dict[str, bytes]:
         return {}
     mesh = _mesh(stage, root, skeleton, skin)
     if not skin.appearance:
-        colour = take.character.colour if take.character else _BONES
-        plain = (Material(take.name, colour),)
-        return bind_materials(stage, mesh, plain, np.zeros(len(skin.triangles), dtype=np.int32), stem)
+        return bind_materials(stage, mesh, (plain_material(take),), np.zeros(len(skin.triangles), dtype=np.int32), stem)
     look = skin.appearance
     coordinates = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
         "st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.vertex
@@ -100,6 +143,22 @@ def _fill(stage: Any, take: Take, stem: str, progress: Any) -> dict[str, bytes]:
     coordinates.Set(Vt.Vec2fArray.FromNumpy(look.coordinates))
     mesh.CreateDoubleSidedAttr(any(material.two_sided for material in look.materials))
     return bind_materials(stage, mesh, look.materials, look.triangle_materials, stem)
+
+
+def _put_prop(stage: Any, prop: ExportedProp, path: str) -> None:
+    """Put a prop on the stage: a mesh that moves as a whole."""
+    from pxr import Gf, UsdGeom
+
+    root = UsdGeom.Xform.Define(stage, path)
+    move, turn = root.AddTranslateOp(UsdGeom.XformOp.PrecisionDouble), root.AddOrientOp(UsdGeom.XformOp.PrecisionDouble)
+    for frame in [None] if prop.is_still else range(len(prop.places)):
+        x, y, z, w = prop.rotations[frame or 0].tolist()
+        time = () if frame is None else (frame,)
+        move.Set(Gf.Vec3d(*prop.places[frame or 0].tolist()), *time)
+        turn.Set(Gf.Quatd(w, x, y, z), *time)
+    mesh = UsdGeom.Mesh.Define(stage, root.GetPath().AppendChild(root.GetPrim().GetName()))
+    _set_surface(mesh, prop.surface.vertices, prop.surface.normals, prop.surface.triangles)
+    bind_materials(stage, mesh, (prop.material,), np.zeros(len(prop.surface.triangles), dtype=np.int32), "")
 
 
 def _joint_paths(skeleton: Skeleton) -> list[str]:
@@ -150,17 +209,24 @@ def _mesh(stage: Any, root: Any, skeleton: Any, skin: JointSkin) -> Any:
     from pxr import UsdGeom, UsdSkel, Vt
 
     mesh = UsdGeom.Mesh.Define(stage, root.GetPath().AppendChild("Skin"))
-    points = skin.vertices.astype(np.float32)
-    mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(points))
-    mesh.CreateFaceVertexCountsAttr(Vt.IntArray(len(skin.triangles), 3))
-    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(skin.triangles.ravel()))
-    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(skin.normals.astype(np.float32)))
-    mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
-    mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
-    mesh.CreateExtentAttr(Vt.Vec3fArray.FromNumpy(np.stack([points.min(0), points.max(0)])))
+    _set_surface(mesh, skin.vertices, skin.normals, skin.triangles)
     binding = UsdSkel.BindingAPI.Apply(mesh.GetPrim())
     binding.CreateSkeletonRel().SetTargets([skeleton.GetPath()])
     count = skin.joints.shape[1]
     binding.CreateJointIndicesPrimvar(False, count).Set(Vt.IntArray.FromNumpy(skin.joints.ravel()))
     binding.CreateJointWeightsPrimvar(False, count).Set(Vt.FloatArray.FromNumpy(skin.weights.astype("f4").ravel()))
     return mesh
+
+
+def _set_surface(mesh: Any, vertices: FloatArray, normals: FloatArray, triangles: NDArray[Any]) -> None:
+    """Points, faces and normals of a mesh."""
+    from pxr import UsdGeom, Vt
+
+    points = vertices.astype(np.float32)
+    mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(points))
+    mesh.CreateFaceVertexCountsAttr(Vt.IntArray(len(triangles), 3))
+    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(triangles.astype(np.int32).ravel()))
+    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(normals.astype(np.float32)))
+    mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
+    mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
+    mesh.CreateExtentAttr(Vt.Vec3fArray.FromNumpy(np.stack([points.min(0), points.max(0)])))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from studio.core.markers.force_plates import plate_force, plate_reactions, sample_times
+from studio.core.markers.force_plates import plate_force, plate_loads, plate_reactions, sample_times
 from studio.core.markers.trial import AnalogSignals, ForcePlate
 from studio.io.c3d.reader import read_c3d
 from tests.io.trials import make_trial
@@ -82,3 +82,21 @@ def test_a_plate_without_an_area_pushes_nobody() -> None:
     trial = make_trial()
     flat = ForcePlate(2, np.zeros((4, 3)), np.zeros(3), tuple(range(6)))
     assert np.isnan(plate_reactions(trial, flat)).all()
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("offset", [0.0, 33.0])
+def test_steps_on_a_plate_are_those_frames_in_which_it_is_loaded(sign: float, offset: float) -> None:
+    """480 samples at 400 Hz of 120 frames; a plate that is never empty, or never trodden on, shows no step."""
+    force = np.zeros((480, 6))
+    force[120:320, 2] = 700.0
+    plate = ForcePlate(2, 1000.0 * CORNERS, np.zeros(3), tuple(range(6)))
+
+    def steps(pushes: FloatArray) -> list[tuple[int, int]]:
+        analog = AnalogSignals(tuple("abcdef"), ("N",) * 6, 400.0, sign * pushes + offset)
+        trial = replace(make_trial(), analog=analog, plates=(plate,))
+        return [(load.first, load.last) for load in plate_loads(trial, np.eye(3))]
+
+    assert steps(force) == [(30, 79)]
+    assert steps(force[120:320]) == []
+    assert steps(0.01 * force) == []

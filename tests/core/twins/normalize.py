@@ -38,10 +38,10 @@ def channels_of(body: Morphology, points: FloatArray, rotations: FloatArray, fra
         _encode_limb(channels, put, side, carrier, points, rotations, layout.collar(side) + 1, arm + 1)
         _encode_limb(channels, put, 2 + side, pelvis, points, rotations, layout.hip(side), leg)
         hip = _apply_inverse(pelvis, points[:, layout.hip(side)] - points[:, 0])
-        play = at.HIP_PLAY + 3 * side
+        play = at.HIP_SHIFT + 3 * side
         channels[:, play : play + 3] = (hip - body.hip_offset[side]) / body.leg_length
     stray = _apply_inverse(rotations[:, neck], points[:, head] - points[:, neck]) / body.neck
-    channels[:, at.HEAD_PLAY : at.HEAD_PLAY + 3] = stray - [0.0, 0.0, 1.0]
+    channels[:, at.HEAD_SHIFT : at.HEAD_SHIFT + 3] = stray - [0.0, 0.0, 1.0]
     return channels
 
 

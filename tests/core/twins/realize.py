@@ -31,7 +31,7 @@ def realize_frame(row: np.ndarray, places: np.ndarray, body: Morphology, play: b
     thorax, neck, head = layout.spine_count - 1, layout.neck_base, layout.head_joint
     carried = rotations[thorax] @ quaternion(at.NECK)
     rotations[neck] = carried @ frame_along(body.neck_rest, np.array([1.0, 0.0, 0.0]))
-    stray = play * row[at.HEAD_PLAY : at.HEAD_PLAY + 3]
+    stray = play * row[at.HEAD_SHIFT : at.HEAD_SHIFT + 3]
     positions[head] = positions[neck] + body.neck * rotations[neck] @ (np.array([0.0, 0.0, 1.0]) + stray)
     rotations[head] = carried @ quaternion(at.HEAD)
     positions[head + 1] = positions[head] + rotations[head] @ [0.0, 0.0, body.head]
@@ -45,7 +45,7 @@ def realize_frame(row: np.ndarray, places: np.ndarray, body: Morphology, play: b
         rotations[arm + 3] = rotations[arm + 2] @ quaternion(at.HAND + 4 * side)
         positions[collar + 4] = positions[collar + 3] + rotations[arm + 3] @ body.hand[side]
         leg, hip = layout.spine_count + 10 + 4 * side, layout.hip(side)
-        stray = play * body.leg_length * row[at.HIP_PLAY + 3 * side : at.HIP_PLAY + 3 * side + 3]
+        stray = play * body.leg_length * row[at.HIP_SHIFT + 3 * side : at.HIP_SHIFT + 3 * side + 3]
         positions[hip] = positions[0] + pelvis @ (body.hip_offset[side] + stray)
         _limb(row, 2 + side, pelvis, body.leg[side], hip, leg, positions, rotations)
         rotations[leg + 2] = pelvis @ quaternion(at.FOOT + 4 * side)

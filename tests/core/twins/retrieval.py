@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from studio.core.kernels import retrieval as at
+from studio.core.kernels import pose_search as at
 from studio.core.retrieval import Found, Query, SearchTable, pose_distances
 
 
@@ -15,7 +15,8 @@ def brute_force(table: SearchTable, query: Query, count: int, allowed: np.ndarra
         rows = table.rows[table.first_rows[clip] :][: table.frame_counts[clip]]
         posture, turns = pose_distances(query.poses[actor], rows)
         offsets = (
-            table.paths[begin : begin + length] - np.pad(rows[:, at.MIDDLE : at.MIDDLE + 2], ((0, 0), (0, 1)))[:, None]
+            table.paths[begin : begin + length]
+            - np.pad(rows[:, at.POSE_CENTRE : at.POSE_CENTRE + 2], ((0, 0), (0, 1)))[:, None]
         )
         c, s = np.cos(turns)[:, None], np.sin(turns)[:, None]
         x, y = c * offsets[..., 0] - s * offsets[..., 1], s * offsets[..., 0] + c * offsets[..., 1]

@@ -1,1 +1,1 @@
-"""A posed body: from channels and back, its joints, its skin."""
+"""Posing a body from channels, encoding it again, forward kinematics and skinning."""

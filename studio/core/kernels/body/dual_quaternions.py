@@ -1,4 +1,4 @@
-"""Skinning by dual quaternions: what twists keeps its girth."""
+"""Dual quaternion skinning, which keeps the girth of twisted limbs."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from studio.core.kernels.compiling import kernel
 
 
 @kernel
-def skin(vertices, normals, segments, weights, motions, out_vertices, out_normals):
+def skin_by_dual_quaternions(vertices, normals, segments, weights, motions, out_vertices, out_normals):
     """Deform (V, 3) vertices and normals in world space by one blended screw motion each.
 
     q = sum w_j q_j, d = sum w_j (t_j q_j) / 2, both divided by |q|; v' = q v q* + 2 d q* (Kavan et al. 2008,

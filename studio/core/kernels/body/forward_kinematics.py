@@ -1,9 +1,9 @@
-"""Forward kinematics of a whole clip in one call."""
+"""Forward kinematics of a whole clip."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.kernels.algebra.rotation import quaternion_to_matrix
+from studio.core.kernels.algebra.rotation_matrices import quaternion_to_matrix
 from studio.core.kernels.compiling import allocating_kernel
 
 FloatArray = NDArray[np.float64]
@@ -18,7 +18,7 @@ def joint_world(
     out_positions: FloatArray,
     out_rotations: FloatArray,
 ) -> None:
-    """World positions (F, J, 3) and rotations (F, J, 3, 3) of joints that stand after their parents.
+    """Write world positions (F, J, 3) and rotations (F, J, 3, 3) of joints sorted after their parents.
 
     R_j = R_parent Q_j and p_j = p_parent + R_parent t_j, with Q the matrix of the unit quaternion xyzw.
     """

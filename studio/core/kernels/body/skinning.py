@@ -1,4 +1,4 @@
-"""Skinning: vertices carried by the segments they are bound to."""
+"""Skinning: vertices transformed by the segments to which they are bound."""
 
 import numpy as np
 
@@ -42,7 +42,7 @@ def segment_motions(rest_rotations, rest_origins, rotations, origins, out_motion
 
 
 @kernel
-def skin(vertices, normals, centres, segments, weights, motions, out_vertices, out_normals):
+def skin_by_rotation_centres(vertices, normals, centres, segments, weights, motions, out_vertices, out_normals):
     """Deform (V, 3) vertices and normals in world space by the motions (S, 16) of up to four segments each.
 
     v' = R(q)(v - c) + sum w_j (R_j c + t_j), q the normalised blend of the segments' quaternions and c the

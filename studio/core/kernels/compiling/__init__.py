@@ -1,29 +1,29 @@
-"""How kernels are compiled: once a machine, without Python's lock."""
+"""Compilation of kernels: cached on disk, and free of Python's lock."""
 
 from importlib import import_module
 from typing import Any
 
 import numba
 
-TRIED = "0.68."
-"""How versions of numba begin whose inside is known: any other is used by its public ways."""
-KNOWN = numba.__version__.startswith(TRIED)
-if KNOWN:
+SUPPORTED_NUMBA = "0.68."
+"""Prefix of the numba versions with known internals. Other versions are used by the public interface."""
+USES_NUMBA_INTERNALS = numba.__version__.startswith(SUPPORTED_NUMBA)
+if USES_NUMBA_INTERNALS:
     import_module("studio.core.kernels.compiling.no_blas")
-compiled: Any = import_module(f"studio.core.kernels.compiling.{'linked' if KNOWN else 'plain'}").compiled
-pack: Any = import_module(f"studio.core.kernels.compiling.{'packed' if KNOWN else 'plain'}").pack
-"""``pack(values)``: a tuple of arrays, handed on to other kernels as one address."""
+compiled: Any = import_module(f"studio.core.kernels.compiling.{'linked' if USES_NUMBA_INTERNALS else 'plain'}").compiled
+pack: Any = import_module(f"studio.core.kernels.compiling.{'packed' if USES_NUMBA_INTERNALS else 'plain'}").pack
+"""``pack(values)``: a tuple of arrays passed to other kernels as one address."""
 
 _COUNTED: dict[str, Any] = {"nogil": True, "_nrt": True}
 _UNCOUNTED: dict[str, Any] = {**_COUNTED, "_nrt": False}
 
 kernel = compiled(**_UNCOUNTED, fastmath={"contract"})
-"""A kernel over arrays that its caller owns. It counts no references to them, which makes kernels that call each other
-three times as fast; so it can neither make arrays nor assign slices.
+"""Decorator of a kernel over arrays that its caller owns. It counts no references, which makes nested kernels three
+times as fast; therefore it can neither allocate arrays nor assign slices.
 """
 allocating_kernel = compiled(**_COUNTED, fastmath={"contract"})
-"""A kernel that makes arrays of its own."""
+"""Decorator of a kernel that allocates arrays."""
 summing_kernel = compiled(**_UNCOUNTED, fastmath={"reassoc", "contract"})
-"""A kernel whose sums may be taken in any order, several terms at once; NaN stays NaN."""
+"""Decorator of a kernel whose sums may be taken in any order, several terms at once; NaN stays NaN."""
 small_kernel = compiled(**_UNCOUNTED, fastmath={"contract"}, forceinline=True)
-"""A small kernel that is put in where it is called: arrays and tuples among its arguments cost nothing there."""
+"""Decorator of a small kernel that is inlined: arrays and tuples among its arguments cost nothing."""

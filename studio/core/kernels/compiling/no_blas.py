@@ -1,6 +1,6 @@
-"""numba asks, before it runs any kernel, whether there is a BLAS: SciPy's linear algebra, a fifth of a second to load.
+"""Skips numba's search for a BLAS before it runs any kernel: SciPy's linear algebra takes a fifth of a second to load.
 
-No kernel multiplies matrices by one, so it is told that there is none.
+No kernel multiplies matrices by a BLAS.
 """
 
 from importlib import import_module

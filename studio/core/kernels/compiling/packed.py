@@ -1,8 +1,8 @@
-"""Tuples that are handed on as one address.
+"""Tuples passed between kernels as one address.
 
-Numba hands a tuple of arrays on word by word: a kernel's scratch is some 250 words that every call would push and that
-were a third of the time of all kernels. A packed tuple is written into its maker's frame once and read where it is
-used; named, indexed and taken apart it is a tuple like any other, but it must not outlive its maker.
+Numba passes a tuple of arrays word by word: a kernel's scratch is some 250 words, which every call would push, a third
+of the time of all kernels. A packed tuple is written into its maker's frame once and read where it is used. It is
+accessed like any tuple, by name, by index and by unpacking, and it must not outlive its maker.
 """
 
 # mypy: allow-untyped-calls, allow-untyped-decorators, allow-subclassing-any
@@ -45,7 +45,7 @@ class Packed(types.BaseTuple):
 
 @register_model(Packed)
 class PackedModel(models.PrimitiveModel):
-    """One word, whatever it leads to."""
+    """Data model of one pointer."""
 
     def __init__(self, manager: Any, packed: Packed) -> None:
         kept = ir.LiteralStructType([manager[each].get_value_type() for each in packed.types])
@@ -54,45 +54,47 @@ class PackedModel(models.PrimitiveModel):
 
 @unbox(Packed)
 def refuse(packed: Any, _value: Any, code: Any) -> Any:
-    """Python has no such tuples to hand on."""
+    """Raise TypeError: Python has no packed tuples to pass."""
     code.pyapi.err_set_string("PyExc_TypeError", "A packed tuple is made by kernels only.")
     return NativeValue(ir.Constant(code.context.get_value_type(packed), None), is_error=cgutils.true_bit)
 
 
 def pack_values(_typing: Any, values: Any) -> Any:
-    """The signature of ``pack`` for a tuple, and what writes its code."""
+    """Signature of ``pack`` for a tuple, and the function that writes its code."""
 
     def write(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         kept = context.get_value_type(signature.return_type).pointee
         address = cgutils.alloca_once(builder, kept)
-        for place in range(len(kept.elements)):
-            builder.store(builder.extract_value(arguments[0], place), cgutils.gep_inbounds(builder, address, 0, place))
+        for position in range(len(kept.elements)):
+            builder.store(
+                builder.extract_value(arguments[0], position), cgutils.gep_inbounds(builder, address, 0, position)
+            )
         return address
 
     return Packed(values.types, tuple(getattr(values, "fields", ())))(values), write
 
 
 def read_whole(builder: Any, address: Any, kind: Any) -> Any:
-    """The value at an address, word by word: what is not used of it is not read."""
+    """Value at an address, read word by word: the optimiser drops unused words."""
     if not isinstance(kind, ir.LiteralStructType | ir.ArrayType):
         return builder.load(address)
     value = ir.Constant(kind, ir.Undefined)
-    for place, each in enumerate(
+    for position, each in enumerate(
         kind.elements if isinstance(kind, ir.LiteralStructType) else [kind.element] * kind.count
     ):
-        word = read_whole(builder, cgutils.gep_inbounds(builder, address, 0, place), each)
-        value = builder.insert_value(value, word, place)
+        word = read_whole(builder, cgutils.gep_inbounds(builder, address, 0, position), each)
+        value = builder.insert_value(value, word, position)
     return value
 
 
 @infer_getattr
 class PackedAttributes(AttributeTemplate):
-    """The types of the members that have names."""
+    """Types of the named members."""
 
     key = Packed
 
     def generic_resolve(self, packed: Packed, name: str) -> Any:  # type: ignore[override]
-        """The type of ``packed.name``, None where there is no such member."""
+        """Type of ``packed.name``, None where there is no such member."""
         return packed.types[packed.fields.index(name)] if name in packed.fields else None
 
 
@@ -104,7 +106,7 @@ def named_member(context: Any, builder: Any, packed: Packed, address: Any, name:
 
 @lower_builtin("static_getitem", Packed, types.IntegerLiteral)
 def numbered_member(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    """Write the code of ``packed[index]`` and of taking apart."""
+    """Write the code of ``packed[index]`` and of unpacking."""
     packed, index = signature.args[0], arguments[1]
     return read_member(context, builder, packed, arguments[0], index + (len(packed) if index < 0 else 0))
 
@@ -112,8 +114,8 @@ def numbered_member(context: Any, builder: Any, signature: Any, arguments: Any) 
 def read_member(context: Any, builder: Any, packed: Packed, address: Any, index: int) -> Any:
     """Write the code that reads one member at an ``address``."""
     kind = packed.types[index]
-    place = cgutils.gep_inbounds(builder, address, 0, index)
-    return impl_ret_borrowed(context, builder, kind, read_whole(builder, place, context.get_value_type(kind)))
+    position = cgutils.gep_inbounds(builder, address, 0, index)
+    return impl_ret_borrowed(context, builder, kind, read_whole(builder, position, context.get_value_type(kind)))
 
 
 pack: Any = (lambda values: values) if vars(config)["DISABLE_JIT"] else intrinsic(pack_values)

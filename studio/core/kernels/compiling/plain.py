@@ -1,7 +1,4 @@
-"""Kernels by numba's public ways alone: for a numba whose inside nobody has tried ``linked`` and ``packed`` with.
-
-The same poses, compiled in several times the work and solved at a half to a third of the speed.
-"""
+"""Kernels by numba's public interface: for a numba version with unknown internals."""
 
 # mypy: allow-untyped-calls
 # Numba says no types of its own.
@@ -16,12 +13,12 @@ _OURS = "nopython", "_nrt"
 
 
 def compiled(**options: Any) -> Callable[[Callable[..., Any]], Any]:
-    """As ``linked.compiled``."""
+    """Decorator like ``linked.compiled``."""
     public = {name: value for name, value in options.items() if name not in _OURS}
     return lambda function: njit(cache=True, **public)(function)
 
 
 @njit
 def pack(values: Any) -> Any:
-    """As ``packed.pack``: a tuple is handed on as numba does."""
+    """The tuple itself, passed the way numba passes it."""
     return values

@@ -1,34 +1,41 @@
-"""Legs placed on the ankles that the ground asks for (METHOD 4)."""
+"""Legs placed on the ankle targets of the ground (METHOD 4)."""
 
 import math
 
 import numpy as np
 
 from studio.core.kernels import layout as at
-from studio.core.kernels.algebra.eases import smoothstep
-from studio.core.kernels.algebra.turns import aimed, product, put_beside, turn_in, turn_of, twisted
-from studio.core.kernels.body.realize import put_foot, put_hip
+from studio.core.kernels.algebra.rotation_tuples import (
+    aim_z_axis,
+    compose,
+    rotation_from_matrix,
+    rotation_from_quaternion,
+    twist_about_z,
+    write_transformed_point,
+)
+from studio.core.kernels.algebra.smooth_steps import smoothstep
+from studio.core.kernels.body.pose_from_channels import write_foot, write_hip
 from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
-from studio.core.kernels.limbs.limb import middle_of, no_nearer, place_limb, soft_reach
-from studio.core.kernels.records import Limb
+from studio.core.kernels.limbs.limb import middle_joint, place_limb, soft_extension, soft_least_reach
+from studio.core.kernels.records import LimbShape
 
-KNEE, KNEE_FIRM = 3, 6
-"""The numbers of an ankle of 7 with the place (3,) that its knee faces, and with 1 where it does."""
-KNEE_GUARD = 0.0004
-"""Square metres (distance of the knee from its leg's line times that of its place) below which a held knee lets go."""
-FACED = 0.5
-"""Parts of its length away from a leg's line at which the place lies that a knee in the air faces."""
+KNEE_TARGET, KNEE_TARGET_ACTIVE = 3, 6
+"""Columns of an ankle target of 7 numbers: the position (3,) that its knee faces, and 1 where that is active."""
+KNEE_TARGET_LEVER = 0.0004
+"""Square metres (distance of the knee from its leg's line times that of its target) below which the knee
+target fades.
+"""
+KNEE_TARGET_DISTANCE = 0.5
+"""Distance from a leg's line, in leg lengths, of the knee target of a foot in the air."""
 
 
 @allocating_kernel
-def hip_heights(channels, measures, rotations, ankles, comforts, states, out_drops):
-    """How far the root must come down at each frame, (F,) metres, for standing feet to be in reach (K05 section 7).
+def required_root_lowering(channels, measures, rotations, ankles, soft_thresholds, states, out_drops):
+    """Write the root lowering (F,) in metres that brings standing feet into reach (K05 section 7; METHOD (9)).
 
-    The heights h2, h3 of the paper against h1, the root as it is.
-    ``rotations`` (F, S, 3, 3); ``ankles`` (2, F, 3) targets relative to the root as it is; ``comforts`` (2, F) part
-    of its length to which each leg stretches freely; ``states`` (2, F).
-
-    METHOD (9).
+    These are the paper's heights h2, h3 against h1, the root of the motion. ``rotations`` (F, S, 3, 3); ``ankles`` (2,
+    F, 3) targets relative to the root; ``soft_thresholds`` (2, F) fraction of its length to which each leg extends
+    freely; ``states`` (2, F).
     """
     hip, root = np.empty(3), np.zeros(3)
     for frame in range(channels.shape[0]):
@@ -37,9 +44,9 @@ def hip_heights(channels, measures, rotations, ankles, comforts, states, out_dro
         for side in range(2):
             if states[side, frame] == 0:
                 continue
-            put_hip(channels[frame], row, side, 0.0, root, turn_in(rotations[frame, 0]), hip)
+            write_hip(channels[frame], row, side, 0.0, root, rotation_from_matrix(rotations[frame, 0]), hip)
             length = row[at.M_LEG + 2 * side] + row[at.M_LEG + 2 * side + 1]
-            reach = length * comforts[side, frame]
+            reach = length * soft_thresholds[side, frame]
             x, y = ankles[side, frame, 0] - hip[0], ankles[side, frame, 1] - hip[1]
             below = math.sqrt(max(0.0, reach * reach - x * x - y * y))
             drop = -(ankles[side, frame, 2] - hip[2]) - below
@@ -47,10 +54,10 @@ def hip_heights(channels, measures, rotations, ankles, comforts, states, out_dro
 
 
 @kernel
-def lower_smoothly(drops, window, out_peaks, out_drops):
-    """At least ``drops`` (F,) and 0 everywhere: the greatest around, averaged over the same support by ``window``.
+def smooth_lowering(drops, window, out_peaks, out_drops):
+    """Smooth upper envelope of ``drops`` (F,) and 0: the moving maximum, averaged over the same support by ``window``.
 
-    The window (2 n + 1,) adds up to 1; beyond its ends a motion goes on as it is there. METHOD (9).
+    The window (2 n + 1,) adds up to 1; beyond its ends a motion is continued by its end values. METHOD (9).
     """
     count, half = drops.shape[0], window.shape[0] // 2
     for frame in range(count):
@@ -66,41 +73,41 @@ def lower_smoothly(drops, window, out_peaks, out_drops):
 
 @kernel
 def place_leg(side, measures, legs, pose):
-    """One leg of one frame: hip from the root, ankle at its target, foot and toe as given (METHOD 6, limb_to).
+    """Place one leg of one frame: hip from the root, ankle at its target, foot and toe as given (METHOD 6, limb_to).
 
-    The knee always bends forward: captures hyperextend it by a few degrees and then it snaps. A target beyond the
-    leg's comfort is neared as far as ``soft_reach`` says; the root has come down for feet that stand.
-    ``legs`` and ``pose`` of one frame as in ``kernels.records``. An ankle may have 7 numbers (``KNEE``).
+    The knee always bends forward: captures hyperextend it by a few degrees, and it would snap. A target beyond the
+    soft-IK threshold is approached by ``soft_extension``; the root has been lowered for standing feet. ``legs`` and
+    ``pose`` of one frame as in ``kernels.records``. An ankle may have 7 numbers (``KNEE_TARGET``).
     """
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
     _, frame, limb = aim_leg(side, measures, legs, pose)
     end, _ = place_limb(spine_count + 13 + 5 * side, spine_count + 10 + 4 * side, frame, limb, pose)
-    put_foot(side, measures, end, turn_in(legs.feet[side]), turn_in(legs.toes[side]), pose)
+    write_foot(side, measures, end, rotation_from_matrix(legs.feet[side]), rotation_from_matrix(legs.toes[side]), pose)
 
 
 @small_kernel
 def aim_leg(side, measures, legs, pose):
-    """Put the hip on the pelvis; its place, the leg's frame, and how the leg lies in that."""
+    """Place the hip on the pelvis; position of the hip, the leg's frame, and the leg's shape in that frame."""
     channels, ankle = legs.channels, legs.ankles[side]
     point = (measures.shape[0] - at.M_SPINE) // 3 + 13 + 5 * side
-    pelvis = turn_in(pose.rotations[0])
-    hip = put_hip(channels, measures, side, 0.0, pose.positions[0], pelvis, pose.positions[point])
-    frame, reach, off_plane = leg_line(channels, measures, side, legs.comforts[side], ankle, hip, pelvis)
+    pelvis = rotation_from_matrix(pose.rotations[0])
+    hip = write_hip(channels, measures, side, 0.0, pose.positions[0], pelvis, pose.positions[point])
+    frame, reach, off_plane = leg_frame(channels, measures, side, legs.soft_thresholds[side], ankle, hip, pelvis)
     upper, lower = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
-    if ankle.shape[0] > 3 and ankle[KNEE_FIRM] > 0.0:
-        frame = twisted(frame, knee_swivel(hip, ankle, upper, lower, reach, off_plane, frame))
+    if ankle.shape[0] > 3 and ankle[KNEE_TARGET_ACTIVE] > 0.0:
+        frame = twist_about_z(frame, knee_swivel(hip, ankle, upper, lower, reach, off_plane, frame))
     t = at.LIMB_TWIST + 2 * (2 + side)
-    return hip, frame, Limb((upper, lower), reach, off_plane, 1.0, (channels[t], channels[t + 1]))
+    return hip, frame, LimbShape((upper, lower), reach, off_plane, 1.0, (channels[t], channels[t + 1]))
 
 
 @kernel
 def place_leg_points(side, measures, legs, before, pose):
-    """The points alone of ``place_leg``; ``before`` (P, 3) has the foot beside its ankle as it is to be."""
+    """Place the points of a leg as ``place_leg`` does; ``before`` (P, 3) has the offsets of the foot from its ankle."""
     positions, point = pose.positions, (measures.shape[0] - at.M_SPINE) // 3 + 13 + 5 * side
     hip, frame, limb = aim_leg(side, measures, legs, pose)
-    x, y, z, distance = middle_of(limb)
-    put_beside(hip, frame, x, y, z, positions[point + 1])
-    put_beside(hip, frame, 0.0, 0.0, distance, positions[point + 2])
+    x, y, z, distance = middle_joint(limb)
+    write_transformed_point(hip, frame, x, y, z, positions[point + 1])
+    write_transformed_point(hip, frame, 0.0, 0.0, distance, positions[point + 2])
     for bone in range(3, 5):
         for axis in range(3):
             positions[point + bone, axis] = positions[point + 2, axis] + (
@@ -109,8 +116,8 @@ def place_leg_points(side, measures, legs, before, pose):
 
 
 @kernel
-def leg_line(channels, measures, side, comfort, ankle, hip, pelvis):
-    """A leg's frame (a turn) aimed from its ``hip`` (3,) at its ankle, its reach in metres, its knee off the plane.
+def leg_frame(channels, measures, side, soft_threshold, ankle, hip, pelvis):
+    """(frame, reach in metres, knee offset from the plane) of a leg aimed from its ``hip`` (3,) at its ankle.
 
     METHOD (4), (11).
     """
@@ -118,11 +125,11 @@ def leg_line(channels, measures, side, comfort, ankle, hip, pelvis):
     length = upper + lower
     x, y, z = ankle[0] - hip[0], ankle[1] - hip[1], ankle[2] - hip[2]
     distance = math.sqrt(x * x + y * y + z * z)
-    frame = product(pelvis, turn_of(channels, at.LIMB_FRAME + 4 * (2 + side)))
+    frame = compose(pelvis, rotation_from_quaternion(channels, at.LIMB_FRAME + 4 * (2 + side)))
     if distance > 1e-9:
         per = 1.0 / distance
-        frame = aimed(frame, per * x, per * y, per * z)
-    reach = no_nearer(length * soft_reach(distance / length, comfort), (upper, lower))
+        frame = aim_z_axis(frame, per * x, per * y, per * z)
+    reach = soft_least_reach(length * soft_extension(distance / length, soft_threshold), (upper, lower))
     off_plane, own = (
         channels[at.LIMB_OFF_PLANE + 2 + side] * length,
         length * (1.0 - channels[at.LIMB_SLACK + 2 + side]),
@@ -134,51 +141,63 @@ def leg_line(channels, measures, side, comfort, ankle, hip, pelvis):
 
 @small_kernel
 def knee_radius(upper, lower, distance):
-    """Metres from a knee to the line of its hip and ankle, which are ``distance`` apart (METHOD (5))."""
+    """Distance in metres of a knee from the line of hip and ankle, which are ``distance`` apart (METHOD (5))."""
     distance = max(distance, 1e-6)
     z = (upper * upper - lower * lower + distance * distance) / (2.0 * distance)
     return math.sqrt(max(0.0, upper * upper - z * z))
 
 
 @allocating_kernel
-def knee_swivels(channels, measures, side, comforts, ankles, hips, pelvises, out_angles):
-    """Radians (F,) by which a knee turns about the line of hip and ankle to face its place in ``ankles`` (F, 7).
+def knee_swivels(channels, measures, side, soft_thresholds, ankles, hips, pelvises, out_angles):
+    """Write the swivels (F,) in radians about the line of hip and ankle that turn a knee to its target in ``ankles``
+    (F, 7).
 
-    ``comforts`` (F,); ``hips`` (F, 3); ``pelvises`` (F, 3, 3).
+    ``soft_thresholds`` (F,); ``hips`` (F, 3); ``pelvises`` (F, 3, 3).
     """
     for frame in range(channels.shape[0]):
         row = measures[frame if measures.shape[0] > 1 else 0]
-        turn, reach, off_plane = leg_line(
-            channels[frame], row, side, comforts[frame], ankles[frame], hips[frame], turn_in(pelvises[frame])
+        rotation, reach, off_plane = leg_frame(
+            channels[frame],
+            row,
+            side,
+            soft_thresholds[frame],
+            ankles[frame],
+            hips[frame],
+            rotation_from_matrix(pelvises[frame]),
         )
         upper, lower = row[at.M_LEG + 2 * side], row[at.M_LEG + 2 * side + 1]
-        out_angles[frame] = knee_swivel(hips[frame], ankles[frame], upper, lower, reach, off_plane, turn)
+        out_angles[frame] = knee_swivel(hips[frame], ankles[frame], upper, lower, reach, off_plane, rotation)
 
 
 @allocating_kernel
-def face_knees(channels, measures, side, comforts, angles, hips, pelvises, ankles):
-    """Write into ``ankles`` (F, 7) places that knees turned by ``angles`` (F,) face: ``knee_swivels`` backwards."""
+def write_knee_targets(channels, measures, side, soft_thresholds, angles, hips, pelvises, ankles):
+    """Write knee targets into ``ankles`` (F, 7) for knees swivelled by ``angles`` (F,): the inverse of
+    ``knee_swivels``.
+    """
     for frame in range(channels.shape[0]):
         ankle, hip = ankles[frame], hips[frame]
-        ankle[KNEE_FIRM] = 0.0
+        ankle[KNEE_TARGET_ACTIVE] = 0.0
         if angles[frame] == 0.0:
             continue
         row = measures[frame if measures.shape[0] > 1 else 0]
-        turn, reach, off_plane = leg_line(
-            channels[frame], row, side, comforts[frame], ankle, hip, turn_in(pelvises[frame])
+        rotation, reach, off_plane = leg_frame(
+            channels[frame], row, side, soft_thresholds[frame], ankle, hip, rotation_from_matrix(pelvises[frame])
         )
         upper, lower = row[at.M_LEG + 2 * side], row[at.M_LEG + 2 * side + 1]
-        x, y, _ = natural_knee(upper, lower, reach, off_plane)
+        x, y, _ = unswivelled_knee(upper, lower, reach, off_plane)
         angle = math.atan2(y, x) + angles[frame]
-        c, s = FACED * (upper + lower) * math.cos(angle), FACED * (upper + lower) * math.sin(angle)
+        c, s = (
+            KNEE_TARGET_DISTANCE * (upper + lower) * math.cos(angle),
+            KNEE_TARGET_DISTANCE * (upper + lower) * math.sin(angle),
+        )
         for axis in range(3):
-            ankle[KNEE + axis] = hip[axis] + c * turn[3 * axis] + s * turn[3 * axis + 1]
-        ankle[KNEE_FIRM] = 1.0
+            ankle[KNEE_TARGET + axis] = hip[axis] + c * rotation[3 * axis] + s * rotation[3 * axis + 1]
+        ankle[KNEE_TARGET_ACTIVE] = 1.0
 
 
 @small_kernel
-def natural_knee(upper, lower, distance, off_plane):
-    """Where a leg's knee is in its frame, across the line of hip and ankle, and how far from that line (METHOD (5))."""
+def unswivelled_knee(upper, lower, distance, off_plane):
+    """(x, y, radius) of a leg's knee in its frame without swivel, across the line of hip and ankle (METHOD (5))."""
     radius = knee_radius(upper, lower, distance)
     x = min(max(off_plane, -radius), radius)
     return x, math.sqrt(max(0.0, radius * radius - x * x)), radius
@@ -186,47 +205,49 @@ def natural_knee(upper, lower, distance, off_plane):
 
 @kernel
 def is_placed(side, measures, legs, pose):
-    """Whether a leg as realised is already where ``place_leg`` would put it."""
+    """True if ``place_leg`` would leave a realised leg where it is."""
     channels, ankle = legs.channels, legs.ankles[side]
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
     point, segment = spine_count + 15 + 5 * side, spine_count + 12 + 4 * side
     upper, lower = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
     stretch = 1.0 - channels[at.LIMB_SLACK + 2 + side]
-    if channels[at.LIMB_BEND + 2 + side] != 1.0 or stretch > legs.comforts[side]:
+    if channels[at.LIMB_BEND + 2 + side] != 1.0 or stretch > legs.soft_thresholds[side]:
         return False
-    if stretch * (upper + lower) < abs(upper - lower) + 1e-6 or (ankle.shape[0] > 3 and ankle[KNEE_FIRM] > 0.0):
+    if stretch * (upper + lower) < abs(upper - lower) + 1e-6 or (
+        ankle.shape[0] > 3 and ankle[KNEE_TARGET_ACTIVE] > 0.0
+    ):
         return False
     return (
         same_point(ankle, pose.positions[point])
-        and same_turn(legs.feet[side], pose.rotations[segment])
-        and same_turn(legs.toes[side], pose.rotations[segment + 1])
+        and same_matrix(legs.feet[side], pose.rotations[segment])
+        and same_matrix(legs.toes[side], pose.rotations[segment + 1])
     )
 
 
 @small_kernel
 def same_point(a, b):
-    """Whether two points (3,) are one."""
+    """True if two points (3,) are equal."""
     return a[0] == b[0] and a[1] == b[1] and a[2] == b[2]
 
 
 @small_kernel
-def same_turn(a, b):
-    """Whether two matrices (3, 3) are one."""
+def same_matrix(a, b):
+    """True if two matrices (3, 3) are equal."""
     return same_point(a[0], b[0]) and same_point(a[1], b[1]) and same_point(a[2], b[2])
 
 
 @kernel
 def knee_swivel(hip, ankle, upper, lower, distance, off_plane, frame):
-    """Radians by which a leg's ``frame`` (a turn) turns about its z axis until the knee faces its place (METHOD (4)).
+    """Swivel in radians of a leg's ``frame`` about its z axis that turns the knee to its target (METHOD (4)).
 
-    ``ankle`` (7,) as in ``place_leg``. Hardly at all where the knee is on the line of hip and ankle, or its place is.
+    ``ankle`` (7,) as in ``place_leg``. It fades where the knee, or its target, is near the line of hip and ankle.
     """
-    x, y, radius = natural_knee(upper, lower, distance, off_plane)
+    x, y, radius = unswivelled_knee(upper, lower, distance, off_plane)
     wanted_x, wanted_y = 0.0, 0.0
     for axis in range(3):
-        wanted_x += frame[3 * axis] * (ankle[KNEE + axis] - hip[axis])
-        wanted_y += frame[3 * axis + 1] * (ankle[KNEE + axis] - hip[axis])
+        wanted_x += frame[3 * axis] * (ankle[KNEE_TARGET + axis] - hip[axis])
+        wanted_y += frame[3 * axis + 1] * (ankle[KNEE_TARGET + axis] - hip[axis])
     away = radius * math.hypot(wanted_x, wanted_y)
     angle = math.atan2(wanted_y, wanted_x) - math.atan2(y, x)
     angle -= 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
-    return smoothstep(min(away / KNEE_GUARD, 1.0)) * angle
+    return smoothstep(min(away / KNEE_TARGET_LEVER, 1.0)) * angle

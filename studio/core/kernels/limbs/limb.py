@@ -1,45 +1,54 @@
-"""Arms and legs as links of variable length: the analytic heart of the method (METHOD 3)."""
+"""Arms and legs as links of variable length: closed forms (METHOD 3)."""
 
 import math
 
-from studio.core.kernels.algebra.turns import product, put_beside, put_turn, sine_and_cosine, turn_by
+from studio.core.kernels.algebra.rotation_tuples import (
+    compose,
+    rotation_from_vector,
+    sine_and_cosine,
+    write_rotation,
+    write_transformed_point,
+)
 from studio.core.kernels.compiling import kernel, small_kernel
 
-COMFORT = 0.97
-OWN_COMFORT = 0.5 * (1.0 + COMFORT)
-"""Part of its length up to which a limb stretches freely (METHOD (11)): where trunk or root help, or a leg is in the
-air; and where nothing helps, or the leg stands.
+SOFT_IK_THRESHOLD = 0.97
+"""Fractions of its length up to which a limb extends freely (METHOD (11)): with help of trunk or root, or of a leg in
+the air; and without help, or of a standing leg.
 """
-LEANS = math.radians(10.0)
-"""By which the bones of a bent limb may lie otherwise than the actor's, where they share its length otherwise, before
-its line turns; and twice that is how far they do at most.
+SOLE_SOFT_IK_THRESHOLD = 0.5 * (1.0 + SOFT_IK_THRESHOLD)
+"""Fractions of its length up to which a limb extends freely (METHOD (11)): with help of trunk or root, or of a leg in
+the air; and without help, or of a standing leg.
 """
-_TANGENT = math.tan(LEANS)
-STRETCHED = 0.9999
-"""Part of its length to which a limb stretches at most: a straight one has no bend of its own."""
+BONE_LINE_TOLERANCE = math.radians(10.0)
+"""Angle by which the bones of a bent limb may lie otherwise than the actor's, whose bones have another ratio, before
+its frame rotates; twice that is the greatest difference.
+"""
+_TANGENT = math.tan(BONE_LINE_TOLERANCE)
+MAX_EXTENSION = 0.9999
+"""Greatest extension of a limb as a fraction of its length: a straight limb has no bend direction."""
 
 
 @small_kernel
 def place_limb(point, segment, frame, limb, pose):
-    """Write both segments of a limb, from ``segment`` on, and where they end, from its root ``point`` and its ``frame``
-    (K05 section 8; METHOD 3.4, (5)).
+    """Write both segments of a limb, from ``segment`` on, and its end, from its root ``point`` and its ``frame`` (K05
+    section 8; METHOD 3.4, (5)).
 
-    ``frame`` the turn (``kernels.algebra.turns``) whose z axis points to the extremity; ``limb`` and ``pose`` as in
-    ``kernels.records``. Returns the extremity's place and the lower bone's turn.
+    ``frame`` is the rotation whose z axis points to the end; ``limb`` and ``pose`` as in ``kernels.records``. Returns
+    the position of the end and the rotation of the lower bone.
     """
-    x, y, z, d = middle_of(limb)
-    place = pose.positions[point]
-    root = place[0], place[1], place[2]
-    put_beside(root, frame, x, y, z, pose.positions[point + 1])
-    put_turn(bone_turn(frame, x, y, z, limb.twists[0]), pose.rotations[segment])
-    last = bone_turn(frame, -x, -y, d - z, limb.twists[1])
-    put_turn(last, pose.rotations[segment + 1])
-    return put_beside(root, frame, 0.0, 0.0, d, pose.positions[point + 2]), last
+    x, y, z, d = middle_joint(limb)
+    position = pose.positions[point]
+    root = position[0], position[1], position[2]
+    write_transformed_point(root, frame, x, y, z, pose.positions[point + 1])
+    write_rotation(bone_rotation(frame, x, y, z, limb.twists[0]), pose.rotations[segment])
+    last = bone_rotation(frame, -x, -y, d - z, limb.twists[1])
+    write_rotation(last, pose.rotations[segment + 1])
+    return write_transformed_point(root, frame, 0.0, 0.0, d, pose.positions[point + 2]), last
 
 
 @small_kernel
-def middle_of(limb):
-    """Place (x, y, z) of the middle joint in the limb's frame, and the distance of its extremity, which is not 0."""
+def middle_joint(limb):
+    """Position (x, y, z) of the middle joint in the limb's frame, and the positive distance of its end."""
     upper, lower = limb.bones
     d = max(limb.reach, 1e-6)
     z = (upper * upper - lower * lower + d * d) / (2.0 * d)
@@ -49,11 +58,12 @@ def middle_of(limb):
 
 
 @small_kernel
-def bone_turn(frame, x, y, z, twist):
-    """Turn of a bone along (x, y, z) in the axes of ``frame``: the shortest way there, then twisted about the bone.
+def bone_rotation(frame, x, y, z, twist):
+    """Rotation of a bone along (x, y, z) in the axes of ``frame``: the shortest arc from z, then ``twist`` about the
+    bone.
 
-    SA of METHOD (1) from z to v takes x to x - x . v / (1 + z . v) h with h = z + v, and y likewise; where they oppose
-    it is half a turn about y.
+    SA of METHOD (1) from z to v takes x to x - x . v / (1 + z . v) h with h = z + v, and y likewise; from the opposite
+    direction it is half a turn about y.
     """
     across = x * x + y * y
     length = math.sqrt(across + z * z)
@@ -76,20 +86,20 @@ def bone_turn(frame, x, y, z, twist):
 
 
 @kernel
-def soft_reach(needed, comfort):
-    """Part of its length to which a limb stretches when ``needed`` is asked: all of it up to ``comfort``, then
+def soft_extension(needed, soft_threshold):
+    """Extension of a limb, as a fraction of its length, for a target at ``needed``: linear up to the threshold a, then
     a + (1 - a)(1 - exp(-(d - a)/(1 - a))), so that the middle joint never snaps straight (METHOD 6, (11)).
     """
-    if needed <= comfort:
+    if needed <= soft_threshold:
         return needed
-    room = 1.0 - comfort
-    return comfort + room * (1.0 - math.exp(-(needed - comfort) / room))
+    margin = 1.0 - soft_threshold
+    return soft_threshold + margin * (1.0 - math.exp(-(needed - soft_threshold) / margin))
 
 
 @kernel
-def soft_fold(reach, bones):
-    """Metres from its root at which a limb ends that is to end at d, ``reach``: with bones that differ by a in length
-    a (1 + exp(d / a - 2)) below 2 a, so that the middle joint never snaps shut (METHOD 3.4).
+def soft_flexion(reach, bones):
+    """Distance in metres of a limb's end from its root for a target distance d, ``reach``: with bones that differ by a
+    in length a (1 + exp(d / a - 2)) below 2 a, so that the middle joint never snaps shut (METHOD 3.4).
     """
     apart = abs(bones[0] - bones[1])
     if apart == 0.0 or reach >= 2.0 * apart:
@@ -98,30 +108,32 @@ def soft_fold(reach, bones):
 
 
 @kernel
-def no_nearer(reach, bones):
-    """Metres from its root to which a limb's end comes that is brought to ``reach``: where that is nearer than any
-    ``soft_fold``, softly no nearer than bones differ.
+def soft_least_reach(reach, bones):
+    """Distance in metres of a limb's end from its root for a target at ``reach``: below ``soft_flexion``'s least value
+    it approaches the difference of the bones softly.
     """
-    least, apart = soft_fold(0.0, bones), abs(bones[0] - bones[1])
+    least, apart = soft_flexion(0.0, bones), abs(bones[0] - bones[1])
     if reach >= least:
         return max(reach, 1e-6)
     return apart + (least - apart) * math.exp((reach - least) / (least - apart))
 
 
 @small_kernel
-def folded(frame, limb, part, reach):
-    """The ``frame`` of a ``limb`` so turned in the plane of its bones that they lie nearly as the actor's.
+def match_bone_lines(frame, limb, fraction, reach):
+    """The ``frame`` of a ``limb``, rotated in the plane of its bones until they lie nearly as the actor's.
 
-    Of the actor's limb the upper bone is a ``part``, and it reaches ``reach`` of its length. Bones that share theirs
-    otherwise lie otherwise on the same line, and folded to the least the longer one lies on it: a knee that is drawn
-    up hung down. So beyond some degrees of that the line turns, not the bones.
+    ``fraction`` is the actor's upper bone relative to the limb, ``reach`` its extension. Bones of another ratio lie
+    otherwise on the same line, and folded to the least the longer one lies on it: a raised knee would hang down. Beyond
+    some degrees the frame rotates instead of the bones.
     """
-    x, y, z, d = middle_of(limb)
+    x, y, z, d = middle_joint(limb)
     across, length = math.sqrt(x * x + y * y), limb.bones[0] + limb.bones[1]
-    if across < 1e-9 * length or abs(limb.bones[0] - part * length) < 1e-9 * length:
+    if across < 1e-9 * length or abs(limb.bones[0] - fraction * length) < 1e-9 * length:
         return frame
-    own = (2.0 * part - 1.0 + reach * reach) / (2.0 * max(reach, 1e-6))  # how far along its line the actor's knee is
-    radius = math.sqrt(max(part * part - own * own, 0.0))
+    own = (2.0 * fraction - 1.0 + reach * reach) / (
+        2.0 * max(reach, 1e-6)
+    )  # how far along its line the actor's knee is
+    radius = math.sqrt(max(fraction * fraction - own * own, 0.0))
     rest, end = reach - own, d - z
     # The turn of each bone from the actor's, as a complex number.
     upper_x, upper_y = own * z + radius * across, radius * z - own * across
@@ -129,6 +141,6 @@ def folded(frame, limb, part, reach):
     if abs(upper_y) <= _TANGENT * upper_x and abs(lower_y) <= _TANGENT * lower_x:
         return frame
     off = 0.5 * (math.atan2(upper_y, upper_x) - math.atan2(lower_y, lower_x))
-    beyond = max(abs(off) - LEANS, 0.0)
-    turn = math.copysign(beyond * beyond / (beyond + LEANS), off) / across
-    return product(frame, turn_by(-turn * y, turn * x, 0.0))
+    beyond = max(abs(off) - BONE_LINE_TOLERANCE, 0.0)
+    rotation = math.copysign(beyond * beyond / (beyond + BONE_LINE_TOLERANCE), off) / across
+    return compose(frame, rotation_from_vector(-rotation * y, rotation * x, 0.0))

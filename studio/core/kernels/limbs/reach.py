@@ -1,40 +1,41 @@
 """Reaching with one limb: bend elbow or knee to the right distance, aim from shoulder or hip, swivel between.
 
-A limb with a point fixed anywhere below its middle joint is a link of variable length: the distance from its
-root to the point depends on the bend alone, the direction on the aim alone. Both have closed forms.
+A limb with a point fixed anywhere below its middle joint is a link of variable length: the distance from its root to
+the point depends on the bend alone, the direction on the aim alone. Both have closed forms.
 """
 
 import math
 
-from studio.core.kernels.algebra.eases import smoothstep
-from studio.core.kernels.algebra.turns import (
-    NO_TURN,
-    about,
-    product,
-    put_beside,
-    put_turn,
-    shortest,
+from studio.core.kernels.algebra.rotation_tuples import (
+    IDENTITY,
+    compose,
+    rotation_about_axis,
+    rotation_from_matrix,
+    shortest_rotation,
     sine_and_cosine,
-    turn_in,
+    write_rotation,
+    write_transformed_point,
 )
-from studio.core.kernels.body.parts import distal_range, turn_part
+from studio.core.kernels.algebra.smooth_steps import smoothstep
+from studio.core.kernels.body.parts import distal_range, rotate_part
 from studio.core.kernels.compiling import kernel, small_kernel
 
 SWIVEL_LEVER = 2.0 * 0.08 * 0.08
 """Square metres of lever (point times target, from the axis) above which a swivel is not faded."""
 SWIVEL_ANGLE = 0.5 * math.pi
-"""Radians of swivel up to which it is not faded: at half a turn nobody can say which way round is the nearer."""
-BACKWARDS = 0.85 * math.pi
-COS_BACKWARDS = math.cos(BACKWARDS)
+"""Swivel in radians up to which it is not faded: at half a turn neither way round is nearer."""
+HYPEREXTENDED = 0.85 * math.pi
+"""Angle in radians beyond which a limb that bends backwards counts as overstretched."""
+COS_HYPEREXTENDED = math.cos(HYPEREXTENDED)
 """Radians beyond which a limb that is bent backwards counts as stretched too far."""
 
 
 @small_kernel
-def levers(root, middle, hinge, point):
-    """How the distance root-point depends on the bend: (c0, c1 cos, c1 sin) of METHOD (15) at the angle of now.
+def distance_terms(root, middle, hinge, point):
+    """(c0, c1 cos, c1 sin) of the distance root-point as a function of the bend, METHOD (15), at the present angle.
 
-    ``hinge`` (3,) is the unit axis through ``middle`` about which ``point`` turns. The angle is 0 when the point
-    is folded over the root and pi when stretched away from it.
+    ``hinge`` (3,) is the unit axis through ``middle`` about which ``point`` rotates. The angle is 0 when the point is
+    folded over the root and pi when stretched away from it.
     """
     hx, hy, hz = hinge[0], hinge[1], hinge[2]
     sx, sy, sz = root[0] - middle[0], root[1] - middle[1], root[2] - middle[2]
@@ -49,108 +50,107 @@ def levers(root, middle, hinge, point):
 
 @kernel
 def bend_range(root, middle, hinge, point):
-    """(c0, c1, angle now, side) of ``levers``: d^2 = c0 - 2 c1 cos(angle); side is -1 where it is bent backwards."""
-    c0, cosine, sine = levers(root, middle, hinge, point)
+    """(c0, c1, present angle, side) of METHOD (15): d^2 = c0 - 2 c1 cos(angle); side is -1 for a backward bend."""
+    c0, cosine, sine = distance_terms(root, middle, hinge, point)
     angle = math.atan2(sine, cosine)
-    side = -1.0 if -BACKWARDS < angle < 0.0 else 1.0
-    angle = abs(angle) if angle > -BACKWARDS else angle + 2.0 * math.pi
+    side = -1.0 if -HYPEREXTENDED < angle < 0.0 else 1.0
+    angle = abs(angle) if angle > -HYPEREXTENDED else angle + 2.0 * math.pi
     return c0, math.sqrt(cosine * cosine + sine * sine), angle, side
 
 
 @kernel
-def span_range(root, middle, hinge, point):
-    """(least, greatest) distance root-point that bending allows, in metres (METHOD (15))."""
-    c0, cosine, sine = levers(root, middle, hinge, point)
+def distance_range(root, middle, hinge, point):
+    """(least, greatest) distance root-point over all bends, in metres (METHOD (15))."""
+    c0, cosine, sine = distance_terms(root, middle, hinge, point)
     twice = 2.0 * math.sqrt(cosine * cosine + sine * sine)
     return math.sqrt(max(0.0, c0 - twice)), math.sqrt(max(0.0, c0 + twice))
 
 
 @kernel
-def reach_to(target, distance, upper, point_index, point, positions, rotations):
-    """Bend a limb until ``point``, below its middle, lies ``distance`` from its root, or nearest, and aim that at the
+def bend_and_aim(target, distance, upper, point_index, point, positions, rotations):
+    """Bend a limb until ``point``, below its middle, is ``distance`` from its root, or nearest to it, and aim it at
     ``target`` (all (3,)).
 
     ``upper`` is the limb's upper segment, ``point_index`` its root point.
     """
     root, middle = positions[point_index], positions[point_index + 1]
     rx, ry, rz, mx, my, mz = root[0], root[1], root[2], middle[0], middle[1], middle[2]
-    bend = bend_of(distance, rotations[upper], root, middle, point)
+    bend = bend_to_distance(distance, rotations[upper], root, middle, point)
     x, y, z = point[0] - mx, point[1] - my, point[2] - mz
-    aim = aim_of(
+    aim = aim_rotation(
         mx + bend[0] * x + bend[1] * y + bend[2] * z - rx,
         my + bend[3] * x + bend[4] * y + bend[5] * z - ry,
         mz + bend[6] * x + bend[7] * y + bend[8] * z - rz,
         target,
         root,
     )
-    put_turn(product(aim, turn_in(rotations[upper])), rotations[upper])
-    bent, turn = put_beside((rx, ry, rz), aim, mx - rx, my - ry, mz - rz, middle), product(aim, bend)
+    write_rotation(compose(aim, rotation_from_matrix(rotations[upper])), rotations[upper])
+    bent, rotation = write_transformed_point((rx, ry, rz), aim, mx - rx, my - ry, mz - rz, middle), compose(aim, bend)
     first, past, first_point, past_point = distal_range(upper + 1, positions.shape[0] - 23)
     for other in range(first_point, past_point):
-        place = positions[other]
-        put_beside(bent, turn, place[0] - mx, place[1] - my, place[2] - mz, place)
+        position = positions[other]
+        write_transformed_point(bent, rotation, position[0] - mx, position[1] - my, position[2] - mz, position)
     for segment in range(first, past):
-        put_turn(product(turn, turn_in(rotations[segment])), rotations[segment])
+        write_rotation(compose(rotation, rotation_from_matrix(rotations[segment])), rotations[segment])
 
 
 @small_kernel
-def bend_of(distance, rotation, root, middle, point):
-    """The turn about the hinge in the ``middle`` that brings ``point`` to ``distance`` from the ``root``, or nearest.
+def bend_to_distance(distance, rotation, root, middle, point):
+    """Rotation about the hinge in the ``middle`` that brings ``point`` to ``distance`` from the ``root``, or nearest to
+    it.
 
-    The side to which a limb bends is that of its hinge axis, the x axis of its upper segment of that ``rotation``
-    (3, 3), which is defined at full stretch too.
-
-    METHOD (15).
+    The bend side follows the hinge axis, the x axis of the upper segment's ``rotation`` (3, 3), which is defined at
+    full extension too. METHOD (15).
     """
     hinge = rotation[0, 0], rotation[1, 0], rotation[2, 0]
-    c0, cosine, sine = levers(root, middle, hinge, point)
+    c0, cosine, sine = distance_terms(root, middle, hinge, point)
     c1 = math.sqrt(cosine * cosine + sine * sine)
     if c1 < 1e-9:
-        return NO_TURN
+        return IDENTITY
     per = 1.0 / c1
     cosine, sine = per * cosine, per * sine
-    wanted = min(max(0.5 * per * (c0 - distance * distance), -1.0), 1.0)
-    side = math.sqrt(1.0 - wanted * wanted)
-    if sine < 0.0 and cosine > COS_BACKWARDS:
+    goal = min(max(0.5 * per * (c0 - distance * distance), -1.0), 1.0)
+    side = math.sqrt(1.0 - goal * goal)
+    if sine < 0.0 and cosine > COS_HYPEREXTENDED:
         side = -side
-    return about(hinge, cosine * wanted + sine * side, sine * wanted - cosine * side)
+    return rotation_about_axis(hinge, cosine * goal + sine * side, sine * goal - cosine * side)
 
 
 @kernel
 def aim_at(target, point, segment, spine_count, pivot, positions, rotations):
-    """Turn ``segment`` about ``pivot`` so that ``point`` lies in the direction of ``target`` (all (3,))."""
-    turn = aim_of(point[0] - pivot[0], point[1] - pivot[1], point[2] - pivot[2], target, pivot)
-    turn_part(turn, segment, spine_count, pivot, positions, rotations)
+    """Rotate ``segment`` about ``pivot`` until ``point`` lies in the direction of ``target`` (all (3,))."""
+    rotation = aim_rotation(point[0] - pivot[0], point[1] - pivot[1], point[2] - pivot[2], target, pivot)
+    rotate_part(rotation, segment, spine_count, pivot, positions, rotations)
 
 
 @small_kernel
-def aim_of(x, y, z, target, pivot):
-    """The least turn about ``pivot`` that brings what is (x, y, z) away from it in the direction of ``target``."""
+def aim_rotation(x, y, z, target, pivot):
+    """Shortest rotation about ``pivot`` from the offset (x, y, z) to the direction of ``target``."""
     bx, by, bz = target[0] - pivot[0], target[1] - pivot[1], target[2] - pivot[2]
     a, b = math.sqrt(x * x + y * y + z * z), math.sqrt(bx * bx + by * by + bz * bz)
     if a < 1e-9 or b < 1e-9:
-        return NO_TURN
+        return IDENTITY
     a, b = 1.0 / a, 1.0 / b
-    return shortest(a * x, a * y, a * z, b * bx, b * by, b * bz)
+    return shortest_rotation(a * x, a * y, a * z, b * bx, b * by, b * bz)
 
 
 @kernel
 def swivel_to(target, point, held, segment, spine_count, pivot, positions, rotations):
-    """Turn a limb about the axis from its root through the ``held`` point so that ``point`` nears ``target``.
+    """Rotate a limb about the axis from its root through the ``held`` point until ``point`` is nearest to ``target``.
 
     METHOD (16).
     """
-    axis, sine, cosine = swivel_way(target, point, held, pivot)
-    turn_part(about(axis, cosine, sine), segment, spine_count, pivot, positions, rotations)
+    axis, sine, cosine = swivel_rotation(target, point, held, pivot)
+    rotate_part(rotation_about_axis(axis, cosine, sine), segment, spine_count, pivot, positions, rotations)
 
 
 @kernel
-def swivel_way(target, point, held, pivot):
+def swivel_rotation(target, point, held, pivot):
     """(axis, sine, cosine) of the swivel of ``swivel_to``.
 
-    The second of two priorities on one limb (K05 figure 11): phi = atan2(a.(r x q), r.q), the exact optimum on the
-    circle; faded where point or target lies near the axis, where it would whirl, and beyond a quarter turn, so that a
-    target that passes behind the axis takes no limb all the way round from one frame to the next (METHOD 6, (17)).
+    It is the second of two priorities on one limb (K05 figure 11): phi = atan2(a.(r x q), r.q), the exact optimum on
+    the circle. It fades where point or target lies near the axis, and beyond a quarter turn, so that a target that
+    passes behind the axis does not whirl the limb round from one frame to the next (METHOD 6, (17)).
     """
     ax, ay, az = held[0] - pivot[0], held[1] - pivot[1], held[2] - pivot[2]
     length = math.sqrt(ax * ax + ay * ay + az * az)
@@ -168,8 +168,8 @@ def swivel_way(target, point, held, pivot):
     lever = math.sqrt(sine * sine + cosine * cosine)
     if lever < SWIVEL_LEVER or cosine < 0.0:
         angle = math.atan2(sine, cosine)
-        part = smoothstep(min((math.pi - abs(angle)) / (math.pi - SWIVEL_ANGLE), 1.0))
-        sine, cosine = sine_and_cosine(part * smoothstep(min(lever / SWIVEL_LEVER, 1.0)) * angle)
+        fraction = smoothstep(min((math.pi - abs(angle)) / (math.pi - SWIVEL_ANGLE), 1.0))
+        sine, cosine = sine_and_cosine(fraction * smoothstep(min(lever / SWIVEL_LEVER, 1.0)) * angle)
     else:
         sine, cosine = sine / lever, cosine / lever
     return (ax, ay, az), sine, cosine

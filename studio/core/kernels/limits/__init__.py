@@ -1,1 +1,1 @@
-"""What may not be: joints beyond their limits, a root out of reach of its feet, arms in their own body."""
+"""Inequalities: joint limits, the root's reach of planted feet, self-collision of the arms."""

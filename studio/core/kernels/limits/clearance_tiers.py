@@ -1,9 +1,8 @@
-"""Strict priorities where what keeps clear stands above tasks: a frame is solved tier by tier (METHOD 6).
+"""Strict priorities with self-collision constraints above tasks: a frame is solved tier by tier (METHOD 6).
 
-Tier 0 is the highest that keep clear and all above and beside them, and every priority below is a tier of its own. A
-frame is solved and cleared down to each tier in which something acts, and what has come to be is kept (``KeptTier``).
-
-Where a tier changes what one above it misses, the body goes but a part of its way from there.
+Tier 0 has the highest self-collision constraints and all tasks above and beside them; every lower priority is a tier of
+its own. A frame is solved and cleared down to each tier with an active task, and the result is saved (``KeptTier``).
+Where a tier violates a tier above it, the body moves only a fraction of the way from the saved pose.
 """
 
 import math
@@ -13,23 +12,29 @@ import numpy as np
 from studio.core.kernels.algebra.vectors import copy_matrix, copy_points
 from studio.core.kernels.body.parts import limb_parts
 from studio.core.kernels.compiling import allocating_kernel, kernel
-from studio.core.kernels.limbs.limb_tasks import BLENDED
-from studio.core.kernels.limits.clearance import place_capsules
-from studio.core.kernels.limits.clearing import measure_side, note_lacking
+from studio.core.kernels.limbs.limb_tasks import KEEPS_BLEND
+from studio.core.kernels.limits.arm_clearance import place_capsules
+from studio.core.kernels.limits.self_collision import measure_side_distances, write_penetration
 from studio.core.kernels.records import KeptTier
+from studio.core.kernels.search.backtracking import (
+    BACKTRACKING_TARGET,
+    BACKTRACKING_TOLERANCE,
+    next_step_length,
+    start_backtracking,
+    update_bracket,
+)
+from studio.core.kernels.search.body_placement import pose_body
 from studio.core.kernels.search.joints import pose_limb
-from studio.core.kernels.search.placing import carry_body
-from studio.core.kernels.search.retreat import AIM, NEAR, begin_retreat, note_disturbance, tries_share
-from studio.core.kernels.search.step import KEPT
-from studio.core.kernels.tasks.kinds import follow, miss_of
-from studio.core.kernels.tasks.task import INACTIVE, ON_EDGE
-from studio.core.kernels.time.activation_blend import blend_kept, note_turns
+from studio.core.kernels.search.level_step import ALLOWED_VIOLATION
+from studio.core.kernels.tasks.residuals import residual_of, update_goals
+from studio.core.kernels.tasks.task import IN_TRANSITION, INACTIVE
+from studio.core.kernels.time.activation_blend import blend_states, write_limb_joint_rotations
 
 
 @allocating_kernel
-def make_kept(clearance, constraints, joints):
-    """Room for what is kept, none where nothing keeps clear."""
-    clears = clearance.wanted.shape[0]
+def make_kept_tier(clearance, constraints, joints):
+    """Scratch of a ``KeptTier``, empty without self-collision constraints."""
+    clears = clearance.required_distances.shape[0]
     count = constraints if clears > 0 else 0
     return KeptTier(
         np.empty((joints if clears > 0 else 0, 3)),
@@ -42,145 +47,150 @@ def make_kept(clearance, constraints, joints):
 
 @kernel
 def next_tier(tier, frame, clip):
-    """The first ``tier`` from one on that is to be solved at this frame, past the last where there is none.
+    """First tier from ``tier`` on to be solved at this frame, past the last where there is none.
 
-    Something of it acts, and something that keeps clear does above it or in it. Where nothing keeps clear now, it is
-    the last, with all that acts.
+    It has an active task, and an active self-collision constraint above it or in it. Without any active self-collision
+    constraint it is the last tier, with all active tasks.
     """
-    shares, tiers, activations = clip.clearance.activations, clip.clearance.tiers, clip.asked.activations
-    count, last, first = shares.shape[0], activations.shape[0] - 1, activations.shape[0]
+    fractions, tiers, activations = clip.clearance.activations, clip.clearance.tiers, clip.constraints.activations
+    count, last, first = fractions.shape[0], activations.shape[0] - 1, activations.shape[0]
     for q in range(count):
-        if shares[q, frame] > 0.0:
+        if fractions[q, frame] > 0.0:
             first = min(first, tiers[q])
     if first > last:
         return max(tier, last)
     found, tier = last + 1, max(tier, first)
     for each in range(tiers.shape[0]):
-        share = shares[each, frame] if each < count else activations[last, each - count, frame]
-        if share > 0.0 and tiers[each] >= tier:
+        activation = fractions[each, frame] if each < count else activations[last, each - count, frame]
+        if activation > 0.0 and tiers[each] >= tier:
             found = min(found, tiers[each])
     return found
 
 
 @kernel
-def keep_tier(tier, first, frame, clip, problem):
-    """Note the pose of a tier and its misses, which are to stay as they are: the ``first`` has those of all above."""
+def save_tier(tier, first, frame, clip, problem):
+    """Save the pose and residuals of a tier; after the ``first`` they count for all tasks above too."""
     kept, tasks, tiers = clip.kept, problem.tasks, clip.clearance.tiers
-    count, clears = tasks.shape[0], clip.clearance.wanted.shape[0]
+    count, clears = tasks.shape[0], clip.clearance.required_distances.shape[0]
     copy_points(problem.search.state, kept.state)
-    note_turns(kept.turns, problem.pose)
-    note_now(frame, clip)
+    write_limb_joint_rotations(kept.rotations, problem.pose)
+    copy_residuals(frame, clip)
     for each in range(count + clears):
         own = tiers[clears + each if each < count else each - count]
-        kept.first[each] = kept.now[each]
+        kept.first_residuals[each] = kept.new_residuals[each]
         if first or own == tier:
-            kept.own[each] = kept.now[each]
+            kept.own_residuals[each] = kept.new_residuals[each]
 
 
 @kernel
-def note_now(frame, clip):
-    """Note what is missed now as that of what was just solved."""
-    now, misses, count = clip.kept.now, clip.clearance.misses, clip.asked.tasks.shape[0]
+def copy_residuals(frame, clip):
+    """Copy the present residuals to those of the pose just solved."""
+    now, residuals, count = clip.kept.new_residuals, clip.clearance.residuals, clip.constraints.tasks.shape[0]
     for c in range(count):
         now[c] = clip.residuals[c, frame]
-    for q in range(misses.shape[0]):
-        now[count + q] = misses[q, frame]
+    for q in range(residuals.shape[0]):
+        now[count + q] = residuals[q, frame]
 
 
 @kernel
-def change_of(tier, frame, clip):
-    """By how much what stands above a tier is missed otherwise than when its own was kept, metres or radians."""
-    tasks, clearance, own = clip.asked.tasks, clip.clearance, clip.kept.own
-    count, clears, most = tasks.shape[0], clearance.wanted.shape[0], 0.0
+def priority_violation_of_tier(tier, frame, clip):
+    """Greatest change of a residual above a tier since its own tier was saved, metres or radians."""
+    tasks, clearance, own = clip.constraints.tasks, clip.clearance, clip.kept.own_residuals
+    count, clears, most = tasks.shape[0], clearance.required_distances.shape[0], 0.0
     for c in range(count):
         if tasks[c].status != INACTIVE and clearance.tiers[clears + c] < tier:
             most = max(most, abs(clip.residuals[c, frame] - own[c]))
     for q in range(clears):
         if clearance.activations[q, frame] > 0.0 and clearance.tiers[q] < tier:
-            most = max(most, abs(clearance.misses[q, frame] - own[count + q]))
+            most = max(most, abs(clearance.residuals[q, frame] - own[count + q]))
     return most
 
 
 @kernel
-def hold_above(tier, frame, clip, problem):
-    """Where a tier changes what stands above it, go but as far as it does not; in the end that is no way at all."""
-    change = change_of(tier, frame, clip)
-    if change < KEPT:
+def back_track_tier(tier, frame, clip, problem):
+    """Back-track a tier that violates the tiers above it, in the end to zero."""
+    change = priority_violation_of_tier(tier, frame, clip)
+    if change < ALLOWED_VIOLATION:
         return
-    note_ways(frame, clip, problem)
-    back, retreat = go_part(0.0, tier, frame, clip, problem), problem.search.retreat[0]
-    if back > (AIM - NEAR) * KEPT:
+    save_endpoints(frame, clip, problem)
+    back, backtracking = pose_tier_fraction(0.0, tier, frame, clip, problem), problem.search.backtracking[0]
+    if back > (BACKTRACKING_TARGET - BACKTRACKING_TOLERANCE) * ALLOWED_VIOLATION:
         return
-    begin_retreat(back, change, KEPT, retreat)
-    while tries_share(retreat):
-        note_disturbance(go_part(retreat.share, tier, frame, clip, problem), retreat)
+    start_backtracking(back, change, ALLOWED_VIOLATION, backtracking)
+    while next_step_length(backtracking):
+        update_bracket(pose_tier_fraction(backtracking.step_length, tier, frame, clip, problem), backtracking)
 
 
 @kernel
-def note_ways(frame, clip, problem):
-    """Note where a tier begins, and where it would get."""
+def save_endpoints(frame, clip, problem):
+    """Save both ends of a tier's step: the saved pose and the pose just solved."""
     search = problem.search
-    copy_points(search.state, search.before)
-    copy_points(clip.kept.state, search.kept)
-    note_turns(search.solved_turns, problem.pose)
-    for turn in range(16):
-        copy_matrix(clip.kept.turns[turn], search.kept_turns[turn])
-    note_now(frame, clip)
+    copy_points(search.state, search.level_start)
+    copy_points(clip.kept.state, search.kept_state)
+    write_limb_joint_rotations(search.solved_rotations, problem.pose)
+    for rotation in range(16):
+        copy_matrix(clip.kept.rotations[rotation], search.kept_rotations[rotation])
+    copy_residuals(frame, clip)
 
 
 @kernel
-def go_part(share, tier, frame, clip, problem):
-    """Pose the body where it has gone a ``share`` of a tier's way, and tell all misses; by how much those above it
-    change.
-    """
+def pose_tier_fraction(fraction, tier, frame, clip, problem):
+    """Pose the body at ``fraction`` of a tier's step, and report all residuals; the priority violation."""
     search, start, pose = problem.search, problem.start, problem.pose
-    blend_kept(1.0 - share, search)
+    blend_states(1.0 - fraction, search)
     for limb in range(4):
-        search.blended[limb] = BLENDED if limb < 2 or is_named(limb, problem.tasks) else 0
-    carry_body(problem)
+        search.blended_limbs[limb] = KEEPS_BLEND if limb < 2 or has_active_task(limb, problem.tasks) else 0
+    pose_body(problem)
     for limb in range(4):
-        search.blended[limb] = 0
+        search.blended_limbs[limb] = 0
     for side in range(2):
-        carrier, upper, root = limb_parts(side, pose.positions.shape[0] - 23)
-        pose_limb(carrier, upper, root, 4 * side, search.blended_turns, start, pose)
-    return tell(share, tier, frame, clip, problem)
+        parent, upper, root = limb_parts(side, pose.positions.shape[0] - 23)
+        pose_limb(parent, upper, root, 4 * side, search.blended_rotations, start, pose)
+    return report_tier_residuals(fraction, tier, frame, clip, problem)
 
 
 @kernel
-def tell(share, tier, frame, clip, problem):
-    """Tell all misses where a tier has gone a ``share`` of its way; by how much those above it change."""
+def report_tier_residuals(fraction, tier, frame, clip, problem):
+    """Report all residuals at ``fraction`` of a tier's step; the priority violation."""
     tasks, kept, residuals = problem.tasks, clip.kept, clip.residuals
-    follow(tasks.shape[0], True, problem)
-    measure_rooms(frame, clip, problem.pose)
+    update_goals(tasks.shape[0], True, problem)
+    measure_frame_penetration(frame, clip, problem.pose)
     for c in range(tasks.shape[0]):
         if tasks[c].status != INACTIVE:
-            miss = miss_of(c, problem)
-            if tasks[c].status == ON_EDGE:
-                miss = told_between(share, clip.asked.activations[tier, c, frame] * miss, kept.first[c], kept.now[c])
-            residuals[c, frame] = miss
-    return change_of(tier, frame, clip)
+            residual = residual_of(c, problem)
+            if tasks[c].status == IN_TRANSITION:
+                residual = blend_residual(
+                    fraction,
+                    clip.constraints.activations[tier, c, frame] * residual,
+                    kept.first_residuals[c],
+                    kept.new_residuals[c],
+                )
+            residuals[c, frame] = residual
+    return priority_violation_of_tier(tier, frame, clip)
 
 
 @kernel
-def measure_rooms(frame, clip, pose):
-    """Note how much room is missing as the body is posed now."""
+def measure_frame_penetration(frame, clip, pose):
+    """Write the penetration of each self-collision constraint in the present pose."""
     place_capsules(clip.clearance.volume, pose, clip.clearance.proximal, clip.clearing.capsules)
     for side in range(2):
-        measure_side(side, clip, pose)
-    note_lacking(frame, clip.clearance, clip.clearing.rooms)
+        measure_side_distances(side, clip, pose)
+    write_penetration(frame, clip.clearance, clip.clearing.distances)
 
 
 @kernel
-def told_between(share, miss, there, here):
-    """What is told of one on its edge ``share`` of the way from what was told ``there``, NaN where it was not asked."""
+def blend_residual(fraction, residual, there, here):
+    """Reported residual of a task in transition at ``fraction`` of the way from ``there``, NaN where it was inactive,
+    to ``here``.
+    """
     if math.isnan(there):
-        return here + (1.0 - share) * miss
-    return there + share * (here - there)
+        return here + (1.0 - fraction) * residual
+    return there + fraction * (here - there)
 
 
 @kernel
-def is_named(limb, tasks):
-    """Whether anything that acts is about a limb."""
+def has_active_task(limb, tasks):
+    """True if an active task has a point on a limb."""
     named = False
     for c in range(tasks.shape[0]):
         for end in range(2):

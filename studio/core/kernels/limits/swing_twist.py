@@ -1,4 +1,4 @@
-"""Turns of a joint as swing and twist, or as bend, slant and turn, as parts of its limits (METHOD (25) and (26))."""
+"""Joint rotations as swing and twist, or as bend, slant and turn, relative to their limits (METHOD (25) and (26))."""
 
 import math
 
@@ -6,8 +6,8 @@ from studio.core.kernels.compiling import kernel
 
 
 @kernel
-def into(parent, axes, x, y, z):
-    """A direction of the world in the ``axes`` (3, 3) of a joint that ``parent`` (3, 3) carries."""
+def direction_in_axes(parent, axes, x, y, z):
+    """World direction (x, y, z) in the ``axes`` (3, 3) of a joint on the segment ``parent`` (3, 3)."""
     px = parent[0, 0] * x + parent[1, 0] * y + parent[2, 0] * z
     py = parent[0, 1] * x + parent[1, 1] * y + parent[2, 1] * z
     pz = parent[0, 2] * x + parent[1, 2] * y + parent[2, 2] * z
@@ -28,26 +28,26 @@ def swing_and_twist(x, z):
 
 
 @kernel
-def part_of_swing(radii, x, y):
-    """Which part of its limit a swing is: 1 on a curve of four quarters of ellipses (26)."""
+def swing_fraction(radii, x, y):
+    """Swing relative to its limit: 1 on a curve of four quarters of ellipses (26)."""
     along, across = x / radii[0 if x >= 0.0 else 1], y / radii[2 if y >= 0.0 else 3]
     return math.sqrt(along * along + across * across)
 
 
 @kernel
-def half_turns_off(angle):
-    """An angle as one between -pi and pi."""
+def wrap_angle(angle):
+    """Angle between -pi and pi."""
     return angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)
 
 
 @kernel
-def part_of_range(middle, half, angle):
-    """Which part of the way from the middle of its range to its end a turn is, with its sign."""
-    return half_turns_off(angle - middle) / half
+def range_fraction(middle, half, angle):
+    """Angle relative to its range: 0 in the middle, 1 and -1 at the ends."""
+    return wrap_angle(angle - middle) / half
 
 
 @kernel
-def bend_of(upper, lower):
+def bend_slant_turn(upper, lower):
     """(bend, slant, turn) of elbow or knee: R_upper^T R_lower = Rx(bend) Ry(slant) Rz(turn)."""
     xx = yx = zx = zy = zz = 0.0
     for axis in range(3):
@@ -60,27 +60,27 @@ def bend_of(upper, lower):
 
 
 @kernel
-def swing_slope(radii, z, sx, sy, part):
-    """How fast ``part_of_swing`` grows while the bone ``z`` turns about each axis, (3,)."""
+def swing_gradient(radii, z, sx, sy, fraction):
+    """Gradient (3,) of ``swing_fraction`` with respect to a rotation of the bone ``z``."""
     across = max(math.sqrt(z[0] * z[0] + z[1] * z[1]), 1e-6)
     size = math.sqrt(sx * sx + sy * sy)
     px, py = sx / radii[0 if sx >= 0.0 else 1] ** 2, sy / radii[2 if sy >= 0.0 else 3] ** 2
-    scale = 1.0 / (max(part, 1e-6) * across)
+    scale = 1.0 / (max(fraction, 1e-6) * across)
     out = scale * (py * z[0] - px * z[1]) / across
     about = -scale * (px * z[0] + py * z[1]) * size / (across * across)
     return -out * z[1] - about * z[0] * z[2], out * z[0] - about * z[1] * z[2], about * across * across
 
 
 @kernel
-def twist_slope(z):
-    """How fast the twist grows while the bone ``z`` turns about each axis, (3,)."""
+def twist_gradient(z):
+    """Gradient (3,) of the twist with respect to a rotation of the bone ``z``."""
     scale = 1.0 / max(1.0 + z[2], 1e-3)
     return scale * z[0], scale * z[1], 1.0
 
 
 @kernel
-def turned_about(a, angle, v):
-    """``v`` (3,) turned about the unit axis ``a`` (Rodrigues)."""
+def rotate_about_axis(a, angle, v):
+    """``v`` (3,) rotated about the unit axis ``a`` (Rodrigues)."""
     c, s = math.cos(angle), math.sin(angle)
     along = (1.0 - c) * (a[0] * v[0] + a[1] * v[1] + a[2] * v[2])
     return (

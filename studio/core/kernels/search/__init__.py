@@ -1,1 +1,1 @@
-"""The search of one frame: levels of priority, steps in the null space of those above, joints and their state."""
+"""Solution of one frame: levels of priority, null-space steps, back-tracking, and the joints' state."""

@@ -1,39 +1,46 @@
-"""The joints that a search may turn: how each moves points of the body, and the body posed from their turns (METHOD 6).
+"""Joints of the search: their Jacobians, and the body posed from their state (METHOD 6).
 
-``joints`` (N,) are records of ``JOINT``, of each joint that any constraint's chain frees; ``slots`` (S + 1,) is the
-joint of each segment, of the root last, -1 for none.
+``joints`` (N,) are records of ``SEARCH_JOINT``, one for each joint that any chain frees; ``joint_of_segment`` (S + 1,)
+is the joint of each segment, of the root last, -1 for none.
 
-The state of a search is ``turned`` (N, 3): for each joint the Gibbs vector (axis times tan(angle / 2)) of its turn away
-from the motion, in the axes of the segment that carries it; for the root metres. What is left of each joint's mobility
-(``BRAKE``) is 1 until ``FREE_PART`` of the limit and 0 at it, so that a limit is neared ever more slowly and nothing
-stops at once.
+The state of a search (N, 3) has for each joint the Gibbs vector (axis times tan(angle / 2)) of its rotation away from
+the motion, in the axes of its parent segment, and for the root metres. The damping of a joint (``JOINT_DAMPING``) is 1
+until ``SOFT_JOINT_LIMIT`` and 0 at the limit, so that limits are approached ever more slowly.
 """
 
 import math
 
 import numpy as np
 
-from studio.core.kernels.algebra.turns import beside, inverse, product, put_beside, put_turn, turn_in, turn_of_gibbs
-from studio.core.kernels.algebra.vectors import ORIGIN, between
+from studio.core.kernels.algebra.rotation_tuples import (
+    compose,
+    inverse_rotation,
+    rotation_from_gibbs,
+    rotation_from_matrix,
+    transform_point,
+    write_rotation,
+    write_transformed_point,
+)
+from studio.core.kernels.algebra.vectors import ZERO_VECTOR, offset_between
 from studio.core.kernels.body.parts import distal_range
 from studio.core.kernels.compiling import allocating_kernel, kernel
-from studio.core.kernels.records import JOINT
+from studio.core.kernels.records import SEARCH_JOINT
 
-ROOT = -1
-FREE_PART = 0.7
-"""Part of its limit that a joint turns freely; beyond it turns ever less."""
+ROOT_TRANSLATION = -1
+SOFT_JOINT_LIMIT = 0.7
+"""Fraction of its limit up to which a joint rotates freely."""
 
 
 @kernel
-def may_turn(row, segment, chain):
-    """Whether ``row`` of the mobilities in ``chain`` (mobilities, joints, slots, limits) frees a segment's joint."""
-    joint = chain.slots[segment]
-    return joint >= 0 and chain.mobilities[row, joint] > 0.0
+def may_rotate(row, segment, chain):
+    """True if ``row`` of the joint weights frees a segment's joint."""
+    joint = chain.joint_of_segment[segment]
+    return joint >= 0 and chain.weights[row, joint] > 0.0
 
 
 @kernel
 def pivot_point(segment, spine_count):
-    """The point about which ``segment`` turns."""
+    """Point about which ``segment`` rotates."""
     if segment < spine_count + 2:
         return segment
     chain, bone = (segment - spine_count - 2) // 4, (segment - spine_count - 2) % 4
@@ -41,8 +48,8 @@ def pivot_point(segment, spine_count):
 
 
 @kernel
-def carrier_of(segment, spine_count):
-    """The segment that carries ``segment``; past the last one for root, pelvis and thighs (legs hang on ankles)."""
+def parent_segment(segment, spine_count):
+    """Parent of ``segment``; past the last one for root, pelvis and thighs (legs are placed on their ankles)."""
     if segment <= 0:
         return spine_count + 18
     if segment < spine_count + 2:
@@ -55,27 +62,27 @@ def carrier_of(segment, spine_count):
 
 @allocating_kernel
 def joint_table(segments, spine_count):
-    """``joints`` (N,) for the given segments (N,), ROOT for the root's translation."""
-    table = np.zeros(segments.shape[0], JOINT)
+    """Records (N,) of ``SEARCH_JOINT`` for the given segments (N,), ROOT_TRANSLATION for the root's translation."""
+    table = np.zeros(segments.shape[0], SEARCH_JOINT)
     for number in range(segments.shape[0]):
         joint, segment = table[number], segments[number]
         joint.segment = segment
-        joint.pivot = 0 if segment == ROOT else pivot_point(segment, spine_count)
+        joint.pivot = 0 if segment == ROOT_TRANSLATION else pivot_point(segment, spine_count)
         first, past, _, _ = distal_range(max(segment, 0), spine_count)
         joint.first, joint.past = first, past
-        joint.carrier = carrier_of(segment, spine_count)
+        joint.parent = parent_segment(segment, spine_count)
     return table
 
 
 @kernel
-def add_point_row(point, vx, vy, vz, carrier, joints, positions, row):
-    """Add to ``row`` (N, 3) how joints move a point of segment ``carrier`` along a direction: (p - o) x v."""
+def add_point_jacobian(point, vx, vy, vz, segment, joints, positions, row):
+    """Add to ``row`` (N, 3) the derivative (p - o) x v by each joint of a point of ``segment`` along a direction v."""
     for joint in range(joints.shape[0]):
-        if joints[joint].segment == ROOT:
+        if joints[joint].segment == ROOT_TRANSLATION:
             row[joint, 0] += vx
             row[joint, 1] += vy
             row[joint, 2] += vz
-        elif joints[joint].first <= carrier < joints[joint].past:
+        elif joints[joint].first <= segment < joints[joint].past:
             origin = joints[joint].pivot
             x = point[0] - positions[origin, 0]
             y = point[1] - positions[origin, 1]
@@ -86,104 +93,115 @@ def add_point_row(point, vx, vy, vz, carrier, joints, positions, row):
 
 
 @kernel
-def add_turn_row(axis, arm, carrier, joints, row):
-    """Add to ``row`` (N, 3) how joints turn segment ``carrier`` about a world axis, in ``arm`` metres a radian."""
+def add_rotation_jacobian(axis, arm, segment, joints, row):
+    """Add to ``row`` (N, 3) the derivative by each joint of the rotation of ``segment`` about a world axis, ``arm``
+    metres a radian.
+    """
     for joint in range(joints.shape[0]):
-        if joints[joint].segment != ROOT and joints[joint].first <= carrier < joints[joint].past:
+        if joints[joint].segment != ROOT_TRANSLATION and joints[joint].first <= segment < joints[joint].past:
             row[joint, axis] += arm
 
 
 @kernel
-def set_brakes(turned, joints, limits, carried, out_brakes):
-    """``brakes`` of all joints as they are turned."""
+def update_joint_damping(state, joints, limits, segment_rotations, out_damping):
+    """Update the damping of all joints for their state."""
     for k in range(joints.shape[0]):
-        out_brakes[k].part = 1.0
-        x, y, z = turned[k, 0], turned[k, 1], turned[k, 2]
-        squared, freely = x * x + y * y + z * z, FREE_PART * limits[k]
-        if joints[k].segment == ROOT or squared <= freely * freely:
+        out_damping[k].fraction = 1.0
+        x, y, z = state[k, 0], state[k, 1], state[k, 2]
+        squared, freely = x * x + y * y + z * z, SOFT_JOINT_LIMIT * limits[k]
+        if joints[k].segment == ROOT_TRANSLATION or squared <= freely * freely:
             continue
-        turn, size = carried[joints[k].carrier], math.sqrt(squared)
+        rotation, size = segment_rotations[joints[k].parent], math.sqrt(squared)
         x, y, z = x / size, y / size, z / size
         for axis in range(3):
-            out_brakes[k].axis[axis] = turn[axis, 0] * x + turn[axis, 1] * y + turn[axis, 2] * z
-        out_brakes[k].part = math.sqrt(max((limits[k] - size) / ((1.0 - FREE_PART) * limits[k]), 0.0))
+            out_damping[k].axis[axis] = rotation[axis, 0] * x + rotation[axis, 1] * y + rotation[axis, 2] * z
+        out_damping[k].fraction = math.sqrt(max((limits[k] - size) / ((1.0 - SOFT_JOINT_LIMIT) * limits[k]), 0.0))
 
 
 @kernel
-def brake(part, axis, vector):
-    """Shorten ``vector`` (3,) to ``part`` of itself along a unit ``axis`` (3,)."""
-    along = (part - 1.0) * (axis[0] * vector[0] + axis[1] * vector[1] + axis[2] * vector[2])
+def shorten_along(fraction, axis, vector):
+    """Scale ``vector`` (3,) by ``fraction`` along a unit ``axis`` (3,)."""
+    along = (fraction - 1.0) * (axis[0] * vector[0] + axis[1] * vector[1] + axis[2] * vector[2])
     vector[0] += along * axis[0]
     vector[1] += along * axis[1]
     vector[2] += along * axis[2]
 
 
 @kernel
-def carry(segment, parent, turned, slots, start, carried, pose):
-    """The turn of one segment, by what carries it and by its own joint; noted in ``carried`` (S + 1, 3, 3)."""
-    joint, turn = slots[segment], turn_in(carried[parent])
+def pose_segment(segment, parent, state, joint_of_segment, start, segment_rotations, pose):
+    """Rotation of one segment from its parent's and its own joint's; written into ``segment_rotations`` (S
+    + 1, 3, 3).
+    """
+    joint, rotation = joint_of_segment[segment], rotation_from_matrix(segment_rotations[parent])
     if joint >= 0:
-        x, y, z = turned[joint, 0], turned[joint, 1], turned[joint, 2]
+        x, y, z = state[joint, 0], state[joint, 1], state[joint, 2]
         if x != 0.0 or y != 0.0 or z != 0.0:
-            turn = product(turn, turn_of_gibbs(x, y, z))
-    put_turn(turn, carried[segment])
-    put_turn(product(turn, turn_in(start.rotations[segment])), pose.rotations[segment])
-    return turn
+            rotation = compose(rotation, rotation_from_gibbs(x, y, z))
+    write_rotation(rotation, segment_rotations[segment])
+    write_rotation(compose(rotation, rotation_from_matrix(start.rotations[segment])), pose.rotations[segment])
+    return rotation
 
 
 @kernel
-def carry_point(point, origin, turn, start, positions):
-    """Put ``point`` where a segment that has made a ``turn`` carries it from ``origin``, another point of it."""
+def pose_point(point, origin, rotation, start, positions):
+    """Write ``point`` of a segment with that ``rotation``, from another point ``origin`` of it."""
     before, past, here = start.positions[origin], start.positions[point], positions[origin]
     x, y, z = past[0] - before[0], past[1] - before[1], past[2] - before[2]
-    put_beside((here[0], here[1], here[2]), turn, x, y, z, positions[point])
+    write_transformed_point((here[0], here[1], here[2]), rotation, x, y, z, positions[point])
 
 
 @kernel
-def carry_arm(side, turned, slots, start, carried, pose):
-    """Put an arm back as the motion has it in its clavicle, turned about its shoulder if that is free."""
+def pose_arm(side, state, joint_of_segment, start, segment_rotations, pose):
+    """Pose an arm on its clavicle as in the motion, rotated about its shoulder if that is free."""
     spine_count = pose.positions.shape[0] - 23
     shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
-    turn = carry(upper, upper - 1, turned, slots, start, carried, pose)
-    carry_point(shoulder + 1, shoulder, turn, start, pose.positions)
+    rotation = pose_segment(upper, upper - 1, state, joint_of_segment, start, segment_rotations, pose)
+    pose_point(shoulder + 1, shoulder, rotation, start, pose.positions)
     for bone in range(1, 3):
-        put_turn(product(turn, turn_in(start.rotations[upper + bone])), pose.rotations[upper + bone])
-        carry_point(shoulder + bone + 1, shoulder, turn, start, pose.positions)
+        write_rotation(
+            compose(rotation, rotation_from_matrix(start.rotations[upper + bone])), pose.rotations[upper + bone]
+        )
+        pose_point(shoulder + bone + 1, shoulder, rotation, start, pose.positions)
 
 
 @kernel
-def pose_limb(carrier, upper, root, first, turns, start, pose):
-    """Put a limb where its segments' rotations in what carries each, ``turns[first:]`` (n, 3, 3), put it."""
-    before = carrier
-    for bone in range(3 if carrier > 0 else 4):
+def pose_limb(parent, upper, root, first, rotations, start, pose):
+    """Pose a limb from its segments' rotations in their parents, ``rotations[first:]`` (n, 3, 3)."""
+    before = parent
+    for bone in range(3 if parent > 0 else 4):
         segment, point = upper + bone, root + bone
-        put_turn(product(turn_in(pose.rotations[before]), turn_in(turns[first + bone])), pose.rotations[segment])
-        x, y, z = between(start.positions[point], start.positions[point + 1])
-        x, y, z = beside(ORIGIN, inverse(turn_in(start.rotations[segment])), x, y, z)
-        now = turn_in(pose.rotations[segment])
-        put_beside(pose.positions[point], now, x, y, z, pose.positions[point + 1])
+        write_rotation(
+            compose(rotation_from_matrix(pose.rotations[before]), rotation_from_matrix(rotations[first + bone])),
+            pose.rotations[segment],
+        )
+        x, y, z = offset_between(start.positions[point], start.positions[point + 1])
+        x, y, z = transform_point(
+            ZERO_VECTOR, inverse_rotation(rotation_from_matrix(start.rotations[segment])), x, y, z
+        )
+        now = rotation_from_matrix(pose.rotations[segment])
+        write_transformed_point(pose.positions[point], now, x, y, z, pose.positions[point + 1])
         before = segment
 
 
 @kernel
-def carry_trunk(turned, slots, start, carried, pose):
-    """Root, spine, neck, head, clavicles and hips in one pass from root to tips; limbs are put back after.
+def pose_trunk(state, joint_of_segment, start, segment_rotations, pose):
+    """Pose root, spine, neck, head, clavicles and hips from root to tips; limbs follow.
 
-    ``start`` is the motion's own pose, ``pose`` the one being written, both (positions (P, 3), rotations (S, 3, 3)).
+    ``start`` is the unsolved pose, ``pose`` the one being written, both (positions (P, 3), rotations (S, 3, 3)).
     """
     positions = pose.positions
     spine_count = positions.shape[0] - 23
-    root = slots[slots.shape[0] - 1]
+    root = joint_of_segment[joint_of_segment.shape[0] - 1]
     for axis in range(3):
-        positions[0, axis] = start.positions[0, axis] + (turned[root, axis] if root >= 0 else 0.0)
+        positions[0, axis] = start.positions[0, axis] + (state[root, axis] if root >= 0 else 0.0)
     for segment in range(spine_count + 2):
         parent = segment - 1 if segment > 0 else spine_count + 18
-        turn = carry(segment, parent, turned, slots, start, carried, pose)
-        carry_point(segment + 1, segment, turn, start, positions)
-    chest, pelvis = turn_in(carried[spine_count - 1]), turn_in(carried[0])
+        rotation = pose_segment(segment, parent, state, joint_of_segment, start, segment_rotations, pose)
+        pose_point(segment + 1, segment, rotation, start, positions)
+    chest, pelvis = rotation_from_matrix(segment_rotations[spine_count - 1]), rotation_from_matrix(segment_rotations[0])
     for side in range(2):
         collar, clavicle = spine_count + 3 + 5 * side, spine_count + 2 + 4 * side
-        carry_point(collar, spine_count, chest, start, positions)
-        turn = carry(clavicle, spine_count - 1, turned, slots, start, carried, pose)
-        carry_point(collar + 1, collar, turn, start, positions)
-        carry_point(spine_count + 13 + 5 * side, 0, pelvis, start, positions)
+        pose_point(collar, spine_count, chest, start, positions)
+        rotation = pose_segment(clavicle, spine_count - 1, state, joint_of_segment, start, segment_rotations, pose)
+        pose_point(collar + 1, collar, rotation, start, positions)
+        pose_point(spine_count + 13 + 5 * side, 0, pelvis, start, positions)

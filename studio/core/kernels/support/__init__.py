@@ -1,1 +1,1 @@
-"""What stands: feet, hands, knees, and the ground under them."""
+"""Feet, hands and knees in contact with the ground."""

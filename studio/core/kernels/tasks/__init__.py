@@ -1,1 +1,1 @@
-"""What is asked: tasks, their targets, errors and Jacobian rows."""
+"""Tasks: their targets, residuals and Jacobian rows."""

@@ -1,64 +1,71 @@
-"""The centre of mass, and how joints move it (METHOD 7)."""
+"""Balance: the centre of mass, its goal and its Jacobian (METHOD 7)."""
 
 import math
 
 import numpy as np
 
-from studio.core.kernels.algebra.vectors import between, copy_point, length_along
+from studio.core.kernels.algebra.vectors import copy_point, length_in_axes, offset_between
 from studio.core.kernels.compiling import kernel, small_kernel
-from studio.core.kernels.search.joints import ROOT
-from studio.core.kernels.tasks.goals import ease_goal, end_place
+from studio.core.kernels.search.joints import ROOT_TRANSLATION
+from studio.core.kernels.tasks.goals import end_position, interpolate_point
 
-LEAST_BEND = 0.3
-"""Part of a leg's length by which its knee is taken to lie off its line besides: straight, it would shoot forward."""
-MEETING = 0.005
-"""Metres short of its goal from which on an arm is taken to stay with it."""
+KNEE_OFFSET = 0.3
+"""Least offset of a knee from its leg's line, as a fraction of the leg's length: a straight knee would
+shoot forward.
+"""
+ARM_MEETS_GOAL = 0.005
+"""Metres short of its goal from which an arm counts as meeting it."""
 
 
 @kernel
-def begin_balance(row, target, shares, start):
-    """Its goal, by how much it acts between where ``start`` has the centre of mass and its ``target``; NaN is there."""
-    copy_point(centre_of_mass(shares, start.positions), row.begin)
+def set_balance_goal(row, target, mass_fractions, start):
+    """Set the goal between the centre of mass in ``start`` and the ``target``, by activation; NaN axes of the target
+    stay.
+    """
+    copy_point(centre_of_mass(mass_fractions, start.positions), row.start_position)
     for axis in range(3):
-        way = 0.0 if math.isnan(target[axis]) else target[axis] - row.begin[axis]
-        row.places[0, axis] = row.begin[axis] + row.share * way
+        displacement = 0.0 if math.isnan(target[axis]) else target[axis] - row.start_position[axis]
+        row.goal_positions[0, axis] = row.start_position[axis] + row.activation * displacement
 
 
 @kernel
 def follow_balance(row, pose):
-    """Its goal with the point of the own body that it follows."""
-    copy_point(ease_goal(row.begin, end_place(row, 1, pose), row.share), row.places[0])
-    copy_point(row.places[0], row.places[1])
+    """Set the goal from the point of the own body that it follows."""
+    copy_point(interpolate_point(row.start_position, end_position(row, 1, pose), row.activation), row.goal_positions[0])
+    copy_point(row.goal_positions[0], row.goal_positions[1])
 
 
 @kernel
-def miss_balance(row, shares, pose):
-    """Metres from the centre of mass to its goal, along the ground unless heights count too."""
-    return length_along(between(row.places[0], centre_of_mass(shares, pose.positions)), row.axes)
+def balance_residual(row, mass_fractions, pose):
+    """Distance in metres from the centre of mass to its goal, horizontal unless heights count too."""
+    return length_in_axes(
+        offset_between(row.goal_positions[0], centre_of_mass(mass_fractions, pose.positions)), row.axes
+    )
 
 
 @kernel
-def pin_balance(row, shares, pose):
-    """Ask of the centre of mass to stay where a ``pose`` has it."""
-    copy_point(centre_of_mass(shares, pose.positions), row.places[0])
-    copy_point(row.places[0], row.places[1])
+def pin_balance(row, mass_fractions, pose):
+    """Set the goal to the centre of mass in ``pose``."""
+    copy_point(centre_of_mass(mass_fractions, pose.positions), row.goal_positions[0])
+    copy_point(row.goal_positions[0], row.goal_positions[1])
 
 
 @kernel
-def centre_of_mass(shares, positions):
-    """Centre of mass (x, y, z) from the ``shares`` (P,) of the body's mass that its points have."""
+def centre_of_mass(mass_fractions, positions):
+    """Centre of mass (x, y, z) from the ``mass_fractions`` (P,) of the body's points."""
     x = y = z = 0.0
-    for point in range(shares.shape[0]):
-        share, place = shares[point], positions[point]
-        x, y, z = x + share * place[0], y + share * place[1], z + share * place[2]
+    for point in range(mass_fractions.shape[0]):
+        fraction, position = mass_fractions[point], positions[point]
+        x, y, z = x + fraction * position[0], y + fraction * position[1], z + fraction * position[2]
     return x, y, z
 
 
 @kernel
-def sum_masses(masses, positions, out_sums):
-    """Moments and shares of all segments before each, (S + 1, 4), so that those of a range are a difference.
+def accumulate_masses(masses, positions, out_sums):
+    """Write the cumulative moments and masses of all segments, (S + 1, 4), whose differences are those of ranges.
 
-    ``masses`` (S, 2): share of the body's mass, place along the segment. The last are the centre of mass, and 1.
+    ``masses`` (S, 2): fraction of the body's mass, position along the segment. The last row is the centre of mass, and
+    1.
     """
     count = masses.shape[0]
     out_sums[0, 0] = out_sums[0, 1] = out_sums[0, 2] = out_sums[0, 3] = 0.0
@@ -70,11 +77,11 @@ def sum_masses(masses, positions, out_sums):
 
 @small_kernel
 def add_masses(first, past, point, masses, positions, out_sums):
-    """Add moments and shares of a row of segments, the first of which begins at ``point``, to ``out_sums``."""
+    """Add moments and masses of a row of segments, the first of which begins at ``point``, to ``out_sums``."""
     x, y, z, whole = out_sums[first, 0], out_sums[first, 1], out_sums[first, 2], out_sums[first, 3]
-    for place in range(past - first):
-        segment = np.uint64(first + place)
-        near, far = positions[np.uint64(point + place)], positions[np.uint64(point + place + 1)]
+    for number in range(past - first):
+        segment = np.uint64(first + number)
+        near, far = positions[np.uint64(point + number)], positions[np.uint64(point + number + 1)]
         mass = masses[segment]
         farther = mass[0] * mass[1]
         nearer = mass[0] - farther
@@ -82,48 +89,47 @@ def add_masses(first, past, point, masses, positions, out_sums):
         y += nearer * near[1] + farther * far[1]
         z += nearer * near[2] + farther * far[2]
         whole += mass[0]
-        sums = out_sums[np.uint64(first + place + 1)]
+        sums = out_sums[np.uint64(first + number + 1)]
         sums[0], sums[1], sums[2], sums[3] = x, y, z, whole
 
 
 @kernel
-def set_balance_rows(axes, masses, sums, joints, positions, rows):
-    """How joints move the centre of mass along ``axes`` (2 or 3) world axes, m (c - o) x v, into ``rows`` (axes, N, 3).
+def write_balance_jacobian(axes, masses, sums, joints, positions, rows):
+    """Write the Jacobian m (c - o) x v of the centre of mass along ``axes`` (2 or 3) world axes into ``rows`` (axes, N,
+    3).
 
-    ``sums`` as from ``sum_masses``. The ankles stay where they are, so legs answer the root's travel as
-    ``add_leg_answer`` says; to the pelvis' turn they do not.
+    ``sums`` from ``accumulate_masses``. Ankles stay fixed, so legs respond to the root's travel by
+    ``add_leg_jacobian``; they do not respond to the pelvis' rotation.
     """
     spine_count = positions.shape[0] - 23
     for joint in range(joints.shape[0]):
-        if joints[joint].segment == ROOT:
+        if joints[joint].segment == ROOT_TRANSLATION:
             whole = sums[spine_count + 10, 3]
-            put_to(rows[0, joint], whole, 0.0, 0.0)
-            put_to(rows[1, joint], 0.0, whole, 0.0)
+            write_components(rows[0, joint], whole, 0.0, 0.0)
+            write_components(rows[1, joint], 0.0, whole, 0.0)
             if axes > 2:
-                put_to(rows[2, joint], 0.0, 0.0, whole)
+                write_components(rows[2, joint], 0.0, 0.0, whole)
             for side in range(2):
-                add_leg_answer(side, axes, LEAST_BEND, masses, positions, rows[:, joint])
+                add_leg_jacobian(side, axes, KNEE_OFFSET, masses, positions, rows[:, joint])
             continue
         origin, first = positions[joints[joint].pivot], sums[joints[joint].first]
         past = sums[min(joints[joint].past, spine_count + 10) if joints[joint].segment == 0 else joints[joint].past]
-        share = past[3] - first[3]
-        x = past[0] - first[0] - share * origin[0]
-        y = past[1] - first[1] - share * origin[1]
-        z = past[2] - first[2] - share * origin[2]
-        put_to(rows[0, joint], 0.0, z, -y)
-        put_to(rows[1, joint], -z, 0.0, x)
+        fraction = past[3] - first[3]
+        x = past[0] - first[0] - fraction * origin[0]
+        y = past[1] - first[1] - fraction * origin[1]
+        z = past[2] - first[2] - fraction * origin[2]
+        write_components(rows[0, joint], 0.0, z, -y)
+        write_components(rows[1, joint], -z, 0.0, x)
         if axes > 2:
-            put_to(rows[2, joint], y, -x, 0.0)
+            write_components(rows[2, joint], y, -x, 0.0)
 
 
 @kernel
-def add_leg_answer(side, axes, least_bend, masses, positions, out_levers):
-    """Add how the mass of a leg whose ankle stays goes along world axes v while its hip travels: levers (axes, 3).
+def add_leg_jacobian(side, axes, least_bend, masses, positions, out_levers):
+    """Add the derivative (axes, 3) of a leg's moment by its hip's travel, with a fixed ankle.
 
-    The knee goes with J u, J^T v = (1 - z/d) (v - (n.v) n) + (z/d) (n.v) n + (z/r^2) (1 - z/d) (e.v) n + (n.v) e / d
-    for the unit n to the ankle, d away, and the knee z along it and off it by e, r long.
-
-    METHOD (35).
+    The knee moves by J u, J^T v = (1 - z/d) (v - (n.v) n) + (z/d) (n.v) n + (z/r^2) (1 - z/d) (e.v) n + (n.v) e / d for
+    the unit n to the ankle, d away, and the knee z along it and off it by e, r long. METHOD (35).
     """
     spine_count = positions.shape[0] - 23
     thigh, hip = spine_count + 10 + 4 * side, spine_count + 13 + 5 * side
@@ -138,26 +144,26 @@ def add_leg_answer(side, axes, least_bend, masses, positions, out_levers):
     nx, ny, nz = per * nx, per * ny, per * nz
     z = kx * nx + ky * ny + kz * nz
     ex, ey, ez = kx - z * nx, ky - z * ny, kz - z * nz
-    part, squared = per * z, ex * ex + ey * ey + ez * ez + (least_bend * d) ** 2
+    fraction, squared = per * z, ex * ex + ey * ey + ez * ez + (least_bend * d) ** 2
     knee = masses[thigh, 0] * masses[thigh, 1] + masses[thigh + 1, 0] * (1.0 - masses[thigh + 1, 1])
-    stays = masses[thigh, 0] * (1.0 - masses[thigh, 1]) + knee * (1.0 - part)
-    bends, forward, to_ankle = knee * z / squared * (1.0 - part), per * knee, knee * (2.0 * part - 1.0)
+    stays = masses[thigh, 0] * (1.0 - masses[thigh, 1]) + knee * (1.0 - fraction)
+    bends, forward, to_ankle = knee * z / squared * (1.0 - fraction), per * knee, knee * (2.0 * fraction - 1.0)
     go, off = to_ankle * nx + bends * ex, forward * nx
-    add_to(out_levers[0], stays + go * nx + off * ex, go * ny + off * ey, go * nz + off * ez)
+    add_components(out_levers[0], stays + go * nx + off * ex, go * ny + off * ey, go * nz + off * ez)
     go, off = to_ankle * ny + bends * ey, forward * ny
-    add_to(out_levers[1], go * nx + off * ex, stays + go * ny + off * ey, go * nz + off * ez)
+    add_components(out_levers[1], go * nx + off * ex, stays + go * ny + off * ey, go * nz + off * ez)
     if axes > 2:
         go, off = to_ankle * nz + bends * ez, forward * nz
-        add_to(out_levers[2], go * nx + off * ex, go * ny + off * ey, stays + go * nz + off * ez)
+        add_components(out_levers[2], go * nx + off * ex, go * ny + off * ey, stays + go * nz + off * ez)
 
 
 @kernel
-def let_arm_reach(side, axes, goal, reach, sums, joints, positions, rows):
-    """Correct ``set_balance_rows`` for an arm that aims at a ``goal`` (3,) which it could meet ``reach`` metres away.
+def add_arm_jacobian(side, axes, goal, reach, sums, joints, positions, rows):
+    """Correct ``write_balance_jacobian`` for an arm that aims at a ``goal`` (3,) which it would meet at ``reach``
+    metres.
 
-    It does not go with its shoulder by u, as the rows have it: its mass, at a part f of the l metres to the wrist, goes
-    by (1 - f l / d) u across the way to a goal d away, and along it by u, or by (1 - f) u where the goal is met.
-
+    Its mass, at a fraction f of the l metres to the wrist, does not move with its shoulder's displacement u: it moves
+    by (1 - f l / d) u across the direction to a goal d away, and along it by u, or by (1 - f) u where the goal is met.
     METHOD (34).
     """
     spine_count = positions.shape[0] - 23
@@ -175,31 +181,31 @@ def let_arm_reach(side, axes, goal, reach, sums, joints, positions, rows):
     length = max(math.sqrt(lx * lx + ly * ly + lz * lz), 1e-6)
     moment = (mx * x + my * y + mz * z) / length
     across = -moment * min(length / span, 1.0)
-    along = -moment * (1.0 - min(max(span - reach, 0.0) / MEETING, 1.0)) - across
+    along = -moment * (1.0 - min(max(span - reach, 0.0) / ARM_MEETS_GOAL, 1.0)) - across
     xx, xy, xz = across + along * x * x, along * x * y, along * x * z
     yy, yz, zz = across + along * y * y, along * y * z, across + along * z * z
     for joint in range(joints.shape[0]):
-        if joints[joint].segment == ROOT:
-            add_to(rows[0, joint], xx, xy, xz)
-            add_to(rows[1, joint], xy, yy, yz)
+        if joints[joint].segment == ROOT_TRANSLATION:
+            add_components(rows[0, joint], xx, xy, xz)
+            add_components(rows[1, joint], xy, yy, yz)
             if axes > 2:
-                add_to(rows[2, joint], xz, yz, zz)
+                add_components(rows[2, joint], xz, yz, zz)
         elif joints[joint].first <= upper < joints[joint].past:
             origin = positions[joints[joint].pivot]
             ox, oy, oz = shoulder[0] - origin[0], shoulder[1] - origin[1], shoulder[2] - origin[2]
-            add_to(rows[0, joint], oy * xz - oz * xy, oz * xx - ox * xz - mz, ox * xy - oy * xx + my)
-            add_to(rows[1, joint], oy * yz - oz * yy + mz, oz * xy - ox * yz, ox * yy - oy * xy - mx)
+            add_components(rows[0, joint], oy * xz - oz * xy, oz * xx - ox * xz - mz, ox * xy - oy * xx + my)
+            add_components(rows[1, joint], oy * yz - oz * yy + mz, oz * xy - ox * yz, ox * yy - oy * xy - mx)
             if axes > 2:
-                add_to(rows[2, joint], oy * zz - oz * yz - my, oz * xz - ox * zz + mx, ox * yz - oy * xz)
+                add_components(rows[2, joint], oy * zz - oz * yz - my, oz * xz - ox * zz + mx, ox * yz - oy * xz)
 
 
 @small_kernel
-def put_to(row, x, y, z):
-    """Write the levers (3,) of one joint."""
+def write_components(row, x, y, z):
+    """Write the derivative (3,) by one joint."""
     row[0], row[1], row[2] = x, y, z
 
 
 @small_kernel
-def add_to(row, x, y, z):
-    """Add to the levers (3,) of one joint."""
+def add_components(row, x, y, z):
+    """Add to the derivative (3,) by one joint."""
     row[0], row[1], row[2] = row[0] + x, row[1] + y, row[2] + z

@@ -1,62 +1,69 @@
-"""Two points of the body, or one and a place, so far apart."""
+"""Distance tasks: two points of the body, or one and a fixed position."""
 
 import math
 
 from studio.core.kernels.algebra.vectors import copy_point, distance
 from studio.core.kernels.compiling import kernel
-from studio.core.kernels.tasks.goals import end_place
+from studio.core.kernels.tasks.goals import end_position
 
 
 @kernel
-def second_place(row, pose):
-    """Where the other point of a distance is now, (x, y, z): on the body, or the place outside."""
+def second_end_position(row, pose):
+    """Present position (x, y, z) of the other end of a distance: on the body, or the fixed position."""
     if row.points[1] >= 0:
-        return end_place(row, 1, pose)
-    return row.places[1, 0], row.places[1, 1], row.places[1, 2]
+        return end_position(row, 1, pose)
+    return row.goal_positions[1, 0], row.goal_positions[1, 1], row.goal_positions[1, 2]
 
 
 @kernel
 def length_between(row, pose):
-    """Metres between its ends."""
-    return distance(end_place(row, 0, pose), second_place(row, pose))
+    """Distance in metres between its ends."""
+    return distance(end_position(row, 0, pose), second_end_position(row, pose))
 
 
 @kernel
-def begin_distance(row, target, wanted, start):
-    """How far apart its ends are to be: by how much it acts, between the metres of ``start`` and those ``wanted``."""
-    copy_point(target, row.places[1])
+def set_distance_goal(row, target, goal, start):
+    """Set the goal between the distance in ``start`` and the target distance ``goal``, by activation."""
+    copy_point(target, row.goal_positions[1])
     now = length_between(row, start)
-    row.distance = now + row.share * (wanted - now)
+    row.goal_distance = now + row.activation * (goal - now)
 
 
 @kernel
 def follow_distance(row, pose):
-    """The goals of both ends as they are now."""
-    part_to(end_place(row, 0, pose), second_place(row, pose), row.distance, row.shares, row.places)
+    """Set the goal positions of both ends for the present pose."""
+    write_end_goals(
+        end_position(row, 0, pose),
+        second_end_position(row, pose),
+        row.goal_distance,
+        row.end_fractions,
+        row.goal_positions,
+    )
 
 
 @kernel
-def part_to(first, second, distance, shares, out_goals):
-    """Goals (2, 3) of two points that are to be ``distance`` apart, moved along their line by their shares.
+def write_end_goals(first, second, distance, fractions, out_goals):
+    """Write goals (2, 3) of two points whose distance becomes ``distance``, displaced along their line by their
+    fractions.
 
-    Written without a direction, so that distance zero needs none (METHOD 5, (13)).
+    The form without a unit direction permits a zero distance (METHOD 5, (13)).
     """
     x, y, z = second[0] - first[0], second[1] - first[1], second[2] - first[2]
     now = math.sqrt(x * x + y * y + z * z)
     step = 1.0 - distance / max(now, 1e-6)
     out_goals[0, 0], out_goals[0, 1], out_goals[0, 2] = (
-        first[0] + shares[0] * step * x,
-        first[1] + shares[0] * step * y,
-        first[2] + shares[0] * step * z,
+        first[0] + fractions[0] * step * x,
+        first[1] + fractions[0] * step * y,
+        first[2] + fractions[0] * step * z,
     )
     out_goals[1, 0], out_goals[1, 1], out_goals[1, 2] = (
-        second[0] - shares[1] * step * x,
-        second[1] - shares[1] * step * y,
-        second[2] - shares[1] * step * z,
+        second[0] - fractions[1] * step * x,
+        second[1] - fractions[1] * step * y,
+        second[2] - fractions[1] * step * z,
     )
 
 
 @kernel
-def miss_distance(row, pose):
-    """Metres by which its ends are too near or too far apart."""
-    return abs(length_between(row, pose) - row.distance)
+def distance_residual(row, pose):
+    """Difference in metres between the distance of its ends and the goal."""
+    return abs(length_between(row, pose) - row.goal_distance)

@@ -1,4 +1,4 @@
-"""What a limb asks of the joints that carry it, which bring its root to where it reaches (METHOD 6, "reach sharing").
+"""Rows by which a limb's task moves the root of the limb to where the limb reaches (METHOD 6, "reach sharing").
 
 Records are those of ``kernels.records``.
 """
@@ -6,124 +6,134 @@ Records are those of ``kernels.records``.
 import math
 from typing import NamedTuple
 
-from studio.core.kernels.algebra.vectors import between, distance
+from studio.core.kernels.algebra.vectors import distance, offset_between
 from studio.core.kernels.body.parts import limb_parts
 from studio.core.kernels.compiling import kernel
-from studio.core.kernels.limbs.limb_limits import bent_point
-from studio.core.kernels.limbs.limb_tasks import CLOSE_ENOUGH
-from studio.core.kernels.search.joints import add_point_row, add_turn_row
-from studio.core.kernels.search.priorities import LONGEST_ERROR
-from studio.core.kernels.tasks.goals import asks_place, end_place
-from studio.core.kernels.tasks.second_order import BOUND, HOLD, begin_row, note_pull
-from studio.core.kernels.tasks.task import ACTIVE, STRICT
+from studio.core.kernels.limbs.limb_limits import effective_point
+from studio.core.kernels.limbs.limb_tasks import NEGLIGIBLE_ERROR
+from studio.core.kernels.search.joints import add_point_jacobian, add_rotation_jacobian
+from studio.core.kernels.search.null_space_step import MAX_ERROR
+from studio.core.kernels.tasks.goals import end_position, is_position
+from studio.core.kernels.tasks.second_order import EQUALITY_ROW, INEQUALITY_ROW, begin_row, set_point_error
+from studio.core.kernels.tasks.task import ACTIVE, PRIORITY_TOLERANCE
 
-HARDLY_MISSED = 2.5 * STRICT
-"""Metres of miss up to which a limb is held to what it wants, and beyond which its root is held where it is."""
-MISSED = 10.0 * STRICT
-"""Metres of miss from which on the root of a limb that falls short is held by levels below."""
-SWIVELS = 0.01
-"""Metres that a radian of swivel has to bring a limb's secondary task for it to be held by that."""
-STEEP = 2.0
-"""By how much more than what carries the limb it swivels: as (17) fades half turns, between 0 and some 3."""
+NEARLY_MET_LIMB = 2.5 * PRIORITY_TOLERANCE
+"""Residual in metres up to which a limb's reach is held, and beyond which its root's position is held."""
+LIMB_FALLS_SHORT = 10.0 * PRIORITY_TOLERANCE
+"""Residual in metres from which the root of a limb that falls short is held completely by lower levels."""
+LEAST_SWIVEL_LEVER = 0.01
+"""Metres a radian of swivel below which a limb's secondary task is not held by its swivel."""
+SWIVEL_AMPLIFICATION = 2.0
+"""Assumed ratio of a limb's swivel to the rotation of its parent: between 0 and some 3, as (17) fades half turns."""
 
-LIMITED_ROUND, ASIDE = 0.3, 0.03
-"""Radius of the edge of what a limb at its limits reaches, in parts of its length, and the squared sine of the angle
-between limb and miss at which it is half way there from that of a free one.
+LIMITED_REACH_RADIUS, SIDEWAYS_RESIDUAL = 0.3, 0.03
+"""Radius of the boundary of a limited limb's reach, as a fraction of its length, and squared sine of the angle between
+limb and residual at which it is half way from that of a free limb.
 """
 
 
-class Link(NamedTuple):
+class LimbLink(NamedTuple):
     """A limb as a link of variable length from its root to where it reaches."""
 
     root: int
-    """The point of its root."""
+    """Point of its root."""
     carrier: int
-    """The segment that carries it."""
+    """Parent segment of its root."""
     way: tuple[float, float, float]
-    """Unit, from the root to the goal."""
+    """Unit direction from the root to the goal."""
     span: float
     """Metres from the root to the goal."""
     fold: float
     reach: float
-    """Metres to which it folds and stretches."""
+    """Least and greatest length in metres."""
 
 
 @kernel
-def add_point_rows(point, segment, x, y, z, owner, count, problem):
-    """Three rows that move a point by (x, y, z)."""
+def add_point_rows(point, segment, x, y, z, weight_row, count, problem):
+    """Add three rows that move a point by (x, y, z)."""
     chain, task_rows, positions = problem.chain, problem.search.rows, problem.pose.positions
     for axis in range(3):
-        begin_row(task_rows, count, owner, x if axis == 0 else (y if axis == 1 else z))
+        begin_row(task_rows, count, weight_row, x if axis == 0 else (y if axis == 1 else z))
         along_x, along_y = 1.0 if axis == 0 else 0.0, 1.0 if axis == 1 else 0.0
         along_z = 1.0 if axis == 2 else 0.0
-        add_point_row(point, along_x, along_y, along_z, segment, chain.joints, positions, task_rows.jacobian[count])
+        add_point_jacobian(
+            point, along_x, along_y, along_z, segment, chain.joints, positions, task_rows.jacobian[count]
+        )
         count += 1
     return count
 
 
 @kernel
-def add_reach_rows(c, row, end, owner, is_held, count, problem):
-    """A limb as a link of variable length: its root nears the goal by what the limb falls short (METHOD 6, (18)).
+def add_reach_rows(c, row, end, weight_row, is_held, count, problem):
+    """Add the row of a limb as a link of variable length: its root nears the goal by the shortage (METHOD 6, (18)).
 
-    Held, it is a bound: the root may go wherever the limb still reaches; if the limb falls short, it stays. A limb
-    that its ``limits`` keep from its goal is carried there, as it lies, along what it misses (29); a thigh that stands
-    on its knee has to be as far from there as it is long as well.
+    Held, it is an inequality: the root may move wherever the limb still reaches; if the limb falls short, the root
+    stays. A limb that its ``limits`` keep from its goal is moved rigidly along its residual (29). A thigh on a standing
+    knee has a lower bound as well.
     """
-    pose, limits, ends = problem.pose, problem.body.limits, problem.search.ends
+    pose, limits, ends = problem.pose, problem.body.limits, problem.search.end_tasks
     limb = row.limbs[end]
-    carrier, _, root = limb_parts(limb, pose.positions.shape[0] - 23)
-    shoulder, wanted = pose.positions[root], row.kept_places[end] if is_held else row.places[end]
-    point, goal = bent_point(row, end, wanted, limb >= 2 or ends[limb] >= 0, pose)
-    x, y, z = between(shoulder, goal)
+    parent, _, root = limb_parts(limb, pose.positions.shape[0] - 23)
+    shoulder, wanted = pose.positions[root], row.kept_positions[end] if is_held else row.goal_positions[end]
+    point, goal = effective_point(row, end, wanted, limb >= 2 or ends[limb] >= 0, pose)
+    x, y, z = offset_between(shoulder, goal)
     span = max(math.sqrt(x * x + y * y + z * z), 1e-9)
     per = 1.0 / span
-    reach, fold = row.reaches[end], min(row.folds[end], row.reaches[end])
-    second = row.secondary and row.kept_miss <= HARDLY_MISSED
-    if limits.shape[0] > 0 and (limits[limb].blocks == c or (second and limits[limb].blocks >= 0)):
+    reach, fold = row.goal_reaches[end], min(row.min_reach[end], row.goal_reaches[end])
+    second = row.secondary and row.kept_residual <= NEARLY_MET_LIMB
+    if limits.shape[0] > 0 and (limits[limb].blocked_task == c or (second and limits[limb].blocked_task >= 0)):
         before = count
-        count = add_limited_row(row, end, owner, is_held, count, (point, goal), problem)
+        count = add_limited_row(row, end, weight_row, is_held, count, (point, goal), problem)
         if not is_held:
             return count
-        if count > before and row.kept_miss <= CLOSE_ENOUGH and reach - fold > CLOSE_ENOUGH:
+        if count > before and row.kept_residual <= NEGLIGIBLE_ERROR and reach - fold > NEGLIGIBLE_ERROR:
             return count
     if row.stiff:
-        fold = max(fold, row.own[end] - row.most[end, 1])
-        reach = max(min(reach, row.own[end] + row.most[end, 1]), fold)
-    link = Link(root, carrier, (per * x, per * y, per * z), span, fold, reach)
+        fold = max(fold, row.own_reach[end] - row.max_change[end, 1])
+        reach = max(min(reach, row.own_reach[end] + row.max_change[end, 1]), fold)
+    link = LimbLink(root, parent, (per * x, per * y, per * z), span, fold, reach)
     if not is_held:
-        return add_link_row(link, row.slack[end], owner, count, problem)
-    if row.kept_miss > HARDLY_MISSED:
-        return hold_root(link, row, end, owner, count, problem)
-    return bound_link(link, owner, count, problem)
+        return add_link_row(link, row.slack[end], weight_row, count, problem)
+    if row.kept_residual > NEARLY_MET_LIMB:
+        return hold_root(link, row, end, weight_row, count, problem)
+    return bound_link(link, weight_row, count, problem)
 
 
 @kernel
-def add_link_row(link, slack, owner, count, problem):
-    """Ask the root of a limb for what that is too far from its goal, or too near, but for a ``slack``."""
+def add_link_row(link, slack, weight_row, count, problem):
+    """Add an objective row for the root of a limb that is too far from its goal, or too near, less a ``slack``."""
     chain, positions, task_rows = problem.chain, problem.pose.positions, problem.search.rows
     error = link.span - min(max(link.span, link.fold + min(slack, 0.0)), link.reach + max(slack, 0.0))
     if error == 0.0:
         return count
     x, y, z = link.way
     shoulder = positions[link.root]
-    begin_row(task_rows, count, owner, error)
-    add_point_row(shoulder, x, y, z, link.carrier, chain.joints, positions, task_rows.jacobian[count])
-    pull = min(max(error, -LONGEST_ERROR), LONGEST_ERROR)
+    begin_row(task_rows, count, weight_row, error)
+    add_point_jacobian(shoulder, x, y, z, link.carrier, chain.joints, positions, task_rows.jacobian[count])
+    clamped_error = min(max(error, -MAX_ERROR), MAX_ERROR)
     along = math.copysign(link.span, error)
-    note_pull(task_rows.pulls[count], pull * x, pull * y, pull * z, along, shoulder, link.carrier)
+    set_point_error(
+        task_rows.point_errors[count],
+        clamped_error * x,
+        clamped_error * y,
+        clamped_error * z,
+        along,
+        shoulder,
+        link.carrier,
+    )
     return count + 1
 
 
 @kernel
-def hold_root(link, row, end, owner, count, problem):
-    """Hold the root of a limb that falls short where it was, the more the more is missed."""
+def hold_root(link, row, end, weight_row, count, problem):
+    """Add rows that hold the root of a limb that falls short at its saved position, weighted by the residual."""
     task_rows, shoulder, first = problem.search.rows, problem.pose.positions[link.root], count
-    if holds_already(shoulder, link.carrier, count, task_rows):
+    if is_point_held(shoulder, link.carrier, count, task_rows):
         return count
-    held, kept = min(row.kept_miss / MISSED, 1.0), row.kept_roots[end]
+    held, kept = min(row.kept_residual / LIMB_FALLS_SHORT, 1.0), row.kept_roots[end]
     x, y, z = kept[0] - shoulder[0], kept[1] - shoulder[1], kept[2] - shoulder[2]
-    count = add_point_rows(shoulder, link.carrier, x, y, z, owner, count, problem)
-    note_pull(task_rows.pulls[first], x, y, z, 0.0, shoulder, link.carrier)
+    count = add_point_rows(shoulder, link.carrier, x, y, z, weight_row, count, problem)
+    set_point_error(task_rows.point_errors[first], x, y, z, 0.0, shoulder, link.carrier)
     for other in range(first, count):
         task_rows.errors[other] *= held
         for joint in range(task_rows.jacobian.shape[1]):
@@ -133,164 +143,200 @@ def hold_root(link, row, end, owner, count, problem):
 
 
 @kernel
-def bound_link(link, owner, count, problem):
-    """Let the root of a limb that meets its goal go wherever the limb still reaches."""
+def bound_link(link, weight_row, count, problem):
+    """Add an inequality row that keeps the goal of a limb within its reach."""
     chain, positions, task_rows = problem.chain, problem.pose.positions, problem.search.rows
     span, fold, reach, (x, y, z) = link.span, link.fold, link.reach, link.way
     shoulder, side = positions[link.root], 1.0 if reach - span < span - fold else -1.0
     x, y, z = side * x, side * y, side * z
-    begin_row(task_rows, count, owner, span - reach if side > 0.0 else fold - span)
-    task_rows.roles[count] = BOUND if reach - fold > CLOSE_ENOUGH else HOLD
-    note_pull(task_rows.pulls[count], x, y, z, side * span, shoulder, link.carrier)
-    add_point_row(shoulder, x, y, z, link.carrier, chain.joints, positions, task_rows.jacobian[count])
+    begin_row(task_rows, count, weight_row, span - reach if side > 0.0 else fold - span)
+    task_rows.roles[count] = INEQUALITY_ROW if reach - fold > NEGLIGIBLE_ERROR else EQUALITY_ROW
+    set_point_error(task_rows.point_errors[count], x, y, z, side * span, shoulder, link.carrier)
+    add_point_jacobian(shoulder, x, y, z, link.carrier, chain.joints, positions, task_rows.jacobian[count])
     return count + 1
 
 
 @kernel
-def add_apart_row(c, owner, count, problem):
-    """Hold what is missed between two points of the body: limbs are links of their length from their roots, or, where
-    limits keep them from more, as if stiff.
+def add_separation_row(c, weight_row, count, problem):
+    """Add a row that holds the residual between two points of the body: limbs are links of their length from their
+    roots, or rigid where limits block them.
     """
     tasks, chain, pose = problem.tasks, problem.chain, problem.pose
     row, task_rows, limits = tasks[c], problem.search.rows, problem.body.limits
-    points = end_place(row, 0, pose), end_place(row, 1, pose)
-    x, y, z = between(points[0], row.places[0]) if asks_place(row) else between(points[0], points[1])
+    points = end_position(row, 0, pose), end_position(row, 1, pose)
+    x, y, z = (
+        offset_between(points[0], row.goal_positions[0]) if is_position(row) else offset_between(points[0], points[1])
+    )
     size = max(math.sqrt(x * x + y * y + z * z), 1e-9)
-    more = size if asks_place(row) else size - row.distance
+    more = size if is_position(row) else size - row.goal_distance
     scale = math.copysign(1.0 / size, more)
     x, y, z = scale * x, scale * y, scale * z
-    begin_row(task_rows, count, owner, abs(more) - row.kept_miss)
+    begin_row(task_rows, count, weight_row, abs(more) - row.kept_residual)
     for end in range(2):
-        point, carrier, limb = points[end], row.segments[end], row.limbs[end]
-        if limb >= 0 and row.freedoms[end, 0] > 0.0 and not (limits.shape[0] > 0 and limits[limb].blocks == c):
-            carrier, _, root = limb_parts(limb, pose.positions.shape[0] - 23)
+        point, parent, limb = points[end], row.segments[end], row.limbs[end]
+        if (
+            limb >= 0
+            and row.limb_weights[end, 0] > 0.0
+            and not (limits.shape[0] > 0 and limits[limb].blocked_task == c)
+        ):
+            parent, _, root = limb_parts(limb, pose.positions.shape[0] - 23)
             shoulder = pose.positions[root]
             point = shoulder[0], shoulder[1], shoulder[2]
-        part = 1.0 if end == 0 else -(row.share if asks_place(row) else 1.0)
-        add_point_row(
-            point, part * x, part * y, part * z, carrier, chain.joints, pose.positions, task_rows.jacobian[count]
+        fraction = 1.0 if end == 0 else -(row.activation if is_position(row) else 1.0)
+        add_point_jacobian(
+            point,
+            fraction * x,
+            fraction * y,
+            fraction * z,
+            parent,
+            chain.joints,
+            pose.positions,
+            task_rows.jacobian[count],
         )
     return count + 1
 
 
 @kernel
-def first_of(c, tasks):
-    """The place that the limb of a secondary task has to bring its point to first, -1 for none."""
+def primary_task_of(c, tasks):
+    """Index of the primary position task on the limb of a secondary task, -1 for none."""
     for before in range(c):
         first = tasks[before]
-        same = asks_place(first) and first.status == ACTIVE and first.limbs[0] == tasks[c].limbs[0]
-        if same and first.freedoms[0, 0] > 0.0:
+        same = is_position(first) and first.status == ACTIVE and first.limbs[0] == tasks[c].limbs[0]
+        if same and first.limb_weights[0, 0] > 0.0:
             return before
     return -1
 
 
 @kernel
-def add_secondary_row(c, owner, count, problem):
-    """A limb's secondary task for its elbow or knee: the root nears its place by what the upper bone does not span.
+def add_secondary_row(c, weight_row, count, problem):
+    """Add a row for a limb's secondary task at elbow or knee: the root nears its goal by what the upper bone does not
+    span.
 
-    The place is the nearest to what is wanted that is as far from the primary task's point as the bone between them is
-    long: the swivel about the axis to there (16) does the rest.
+    The goal is the nearest position at the bone's length from the primary task's point: the swivel (16) does the rest.
     """
     tasks, chain, pose = problem.tasks, problem.chain, problem.pose
-    row, task_rows, first = tasks[c], problem.search.rows, first_of(c, tasks)
-    carrier, upper, root = limb_parts(row.limbs[0], pose.positions.shape[0] - 23)
+    row, task_rows, first = tasks[c], problem.search.rows, primary_task_of(c, tasks)
+    parent, upper, root = limb_parts(row.limbs[0], pose.positions.shape[0] - 23)
     if (
         first < 0
         or row.segments[0] != upper
         or tasks[first].segments[0] == upper
         or row.stiff
-        or row.freedoms[0, 0] == 0
+        or row.limb_weights[0, 0] == 0
     ):
         return count
-    shoulder, goal = pose.positions[root], row.places[0]
-    point, held = end_place(row, 0, pose), end_place(tasks[first], 0, pose)
-    part = distance(point, held) / max(distance(goal, held), 1e-9)
-    x = held[0] + part * (goal[0] - held[0]) - shoulder[0]
-    y = held[1] + part * (goal[1] - held[1]) - shoulder[1]
-    z = held[2] + part * (goal[2] - held[2]) - shoulder[2]
+    shoulder, goal = pose.positions[root], row.goal_positions[0]
+    point, held = end_position(row, 0, pose), end_position(tasks[first], 0, pose)
+    fraction = distance(point, held) / max(distance(goal, held), 1e-9)
+    x = held[0] + fraction * (goal[0] - held[0]) - shoulder[0]
+    y = held[1] + fraction * (goal[1] - held[1]) - shoulder[1]
+    z = held[2] + fraction * (goal[2] - held[2]) - shoulder[2]
     span = max(math.sqrt(x * x + y * y + z * z), 1e-9)
     error = span - distance(point, shoulder)
-    if abs(error) < CLOSE_ENOUGH:
+    if abs(error) < NEGLIGIBLE_ERROR:
         return count
     x, y, z = x / span, y / span, z / span
-    begin_row(task_rows, count, owner, error)
-    add_point_row(shoulder, x, y, z, carrier, chain.joints, pose.positions, task_rows.jacobian[count])
-    pull = min(max(error, -LONGEST_ERROR), LONGEST_ERROR)
-    note_pull(task_rows.pulls[count], pull * x, pull * y, pull * z, math.copysign(span, error), shoulder, carrier)
+    begin_row(task_rows, count, weight_row, error)
+    add_point_jacobian(shoulder, x, y, z, parent, chain.joints, pose.positions, task_rows.jacobian[count])
+    clamped_error = min(max(error, -MAX_ERROR), MAX_ERROR)
+    set_point_error(
+        task_rows.point_errors[count],
+        clamped_error * x,
+        clamped_error * y,
+        clamped_error * z,
+        math.copysign(span, error),
+        shoulder,
+        parent,
+    )
     return count + 1
 
 
 @kernel
-def add_swivel_row(c, end, owner, count, problem):
-    """Hold what a limb's secondary task misses, where the swivel that its first leaves was not to be had.
+def add_swivel_row(c, end, weight_row, count, problem):
+    """Add a row that holds the residual of a limb's secondary task whose swivel is limited.
 
-    It begins at the motion's own and ends at limits: it goes with what carries the limb about the axis from its root to
-    its first point.
+    The swivel begins at the motion's own and ends at limits: it follows the parent's rotation about the axis from the
+    limb's root to its primary point.
     """
     tasks, chain, pose = problem.tasks, problem.chain, problem.pose
     row, task_rows = tasks[c], problem.search.rows
-    carrier, _, root = limb_parts(row.limbs[end], pose.positions.shape[0] - 23)
-    origin, point = pose.positions[root], end_place(row, end, pose)
-    ax, ay, az = between(origin, end_place(tasks[first_of(c, tasks)], 0, pose))
-    x, y, z = between(point, row.places[end])
-    px, py, pz = between(origin, point)
+    parent, _, root = limb_parts(row.limbs[end], pose.positions.shape[0] - 23)
+    origin, point = pose.positions[root], end_position(row, end, pose)
+    ax, ay, az = offset_between(origin, end_position(tasks[primary_task_of(c, tasks)], 0, pose))
+    x, y, z = offset_between(point, row.goal_positions[end])
+    px, py, pz = offset_between(origin, point)
     size = math.sqrt(x * x + y * y + z * z)
-    scale = STEEP / max((ax * ax + ay * ay + az * az) * size, 1e-12)
+    scale = SWIVEL_AMPLIFICATION / max((ax * ax + ay * ay + az * az) * size, 1e-12)
     arm = scale * (ax * (py * z - pz * y) + ay * (pz * x - px * z) + az * (px * y - py * x))
-    if arm * arm * (ax * ax + ay * ay + az * az) < SWIVELS**2:
+    if arm * arm * (ax * ax + ay * ay + az * az) < LEAST_SWIVEL_LEVER**2:
         return count
-    begin_row(task_rows, count, owner, size - row.kept_miss)
-    add_turn_row(0, arm * ax, carrier, chain.joints, task_rows.jacobian[count])
-    add_turn_row(1, arm * ay, carrier, chain.joints, task_rows.jacobian[count])
-    add_turn_row(2, arm * az, carrier, chain.joints, task_rows.jacobian[count])
+    begin_row(task_rows, count, weight_row, size - row.kept_residual)
+    add_rotation_jacobian(0, arm * ax, parent, chain.joints, task_rows.jacobian[count])
+    add_rotation_jacobian(1, arm * ay, parent, chain.joints, task_rows.jacobian[count])
+    add_rotation_jacobian(2, arm * az, parent, chain.joints, task_rows.jacobian[count])
     return count + 1
 
 
 @kernel
-def add_limited_row(row, end, owner, is_held, count, aim, problem):
-    """Carry a limb that lies at a limit along what it misses (29): to the first order as if it were stiff.
+def add_limited_row(row, end, weight_row, is_held, count, aim, problem):
+    """Add a row that moves a limb at a limit along its residual (29), to first order rigidly.
 
-    Held, it keeps the miss that it had. ``aim`` as of ``bent_point``.
+    Held, it keeps its residual. ``aim`` as from ``effective_point``.
     """
     chain, pose, task_rows = problem.chain, problem.pose, problem.search.rows
-    (point, wanted), kept = aim, 0.0
-    x, y, z = between(point, wanted)
-    if is_held and row.kept_miss > CLOSE_ENOUGH:
-        x, y, z = between(end_place(row, end, pose), row.places[end])
-        kept = row.kept_miss
+    (point, goal), kept = aim, 0.0
+    x, y, z = offset_between(point, goal)
+    if is_held and row.kept_residual > NEGLIGIBLE_ERROR:
+        x, y, z = offset_between(end_position(row, end, pose), row.goal_positions[end])
+        kept = row.kept_residual
     size = math.sqrt(x * x + y * y + z * z)
-    if size < CLOSE_ENOUGH:
+    if size < NEGLIGIBLE_ERROR:
         return count
-    carrier, _, root = limb_parts(row.limbs[end], pose.positions.shape[0] - 23)
+    parent, _, root = limb_parts(row.limbs[end], pose.positions.shape[0] - 23)
     x, y, z, error = x / size, y / size, z / size, size - kept
-    begin_row(task_rows, count, owner, error)
-    add_point_row(point, x, y, z, carrier, chain.joints, pose.positions, task_rows.jacobian[count])
-    pull = min(max(error, -LONGEST_ERROR), LONGEST_ERROR)
-    radius = radius_of_reach(x, y, z, point, pose.positions[root])
+    begin_row(task_rows, count, weight_row, error)
+    add_point_jacobian(point, x, y, z, parent, chain.joints, pose.positions, task_rows.jacobian[count])
+    clamped_error = min(max(error, -MAX_ERROR), MAX_ERROR)
+    radius = reach_curvature_radius(x, y, z, point, pose.positions[root])
     centre = point[0] - radius * x, point[1] - radius * y, point[2] - radius * z
-    note_pull(task_rows.pulls[count], pull * x, pull * y, pull * z, radius + size, centre, carrier)
+    set_point_error(
+        task_rows.point_errors[count],
+        clamped_error * x,
+        clamped_error * y,
+        clamped_error * z,
+        radius + size,
+        centre,
+        parent,
+    )
     return count + 1
 
 
 @kernel
-def radius_of_reach(x, y, z, point, root):
-    """Metres by which what a limb reaches curves about ``point``, seen along the unit (x, y, z) of its miss (30).
+def reach_curvature_radius(x, y, z, point, root):
+    """Radius of curvature in metres of a limb's reach about ``point``, along the unit (x, y, z) of its residual (30).
 
-    A free limb reaches a ball about its ``root``, and misses along itself; the further it misses aside, at limits, the
-    more it is a stiff one.
+    A free limb reaches a ball about its ``root``, and its residual is radial; the more sideways the residual, at
+    limits, the more rigid the limb.
     """
     rx, ry, rz = point[0] - root[0], point[1] - root[1], point[2] - root[2]
     squared = max(rx * rx + ry * ry + rz * rz, 1e-12)
     aside = max(1.0 - (x * rx + y * ry + z * rz) ** 2 / squared, 0.0)
-    return math.sqrt(squared) * (LIMITED_ROUND + (1.0 - LIMITED_ROUND) * ASIDE / (ASIDE + aside))
+    return math.sqrt(squared) * (
+        LIMITED_REACH_RADIUS + (1.0 - LIMITED_REACH_RADIUS) * SIDEWAYS_RESIDUAL / (SIDEWAYS_RESIDUAL + aside)
+    )
 
 
 @kernel
-def holds_already(point, carrier, count, task_rows):
-    """Whether a higher constraint holds the same point: the same three rows once more would say nothing."""
+def is_point_held(point, segment, count, task_rows):
+    """True if a higher task holds the same point: the same three rows would be redundant."""
     for row in range(count):
-        pull = task_rows.pulls[row]
-        same = pull.carrier == carrier and pull.span == 0.0 and task_rows.roles[row] == HOLD
-        if same and pull.point[0] == point[0] and pull.point[1] == point[1] and pull.point[2] == point[2]:
+        clamped_error = task_rows.point_errors[row]
+        same = clamped_error.segment == segment and clamped_error.span == 0.0 and task_rows.roles[row] == EQUALITY_ROW
+        if (
+            same
+            and clamped_error.point[0] == point[0]
+            and clamped_error.point[1] == point[1]
+            and clamped_error.point[2] == point[2]
+        ):
             return True
     return False

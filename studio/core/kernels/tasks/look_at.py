@@ -1,61 +1,63 @@
-"""A segment's x axis, begun at a point, through a place or a point of its own body."""
+"""Look-at tasks: a segment's x axis, from a point of it, through a position or a point of its own body."""
 
 import math
 
-from studio.core.kernels.algebra.turns import product, put_turn, shortest, turn_in
+from studio.core.kernels.algebra.rotation_tuples import compose, rotation_from_matrix, shortest_rotation, write_rotation
 from studio.core.kernels.algebra.vectors import copy_matrix, copy_point
 from studio.core.kernels.compiling import kernel
-from studio.core.kernels.tasks.goals import LOOK_AT, end_place
-from studio.core.kernels.tasks.task import PINNED, PINNED_TURN
+from studio.core.kernels.tasks.goals import LOOK_AT_TASK, end_position
+from studio.core.kernels.tasks.task import PINNED_TO_RESIDUAL, PINNED_TO_ROTATION
 
-AWAY = 1.0
-"""Radians of miss from which on a look that is held keeps its turn: what it misses has no clear direction there."""
+LOOKS_AWAY = 1.0
+"""Residual in radians from which a held look keeps its rotation: its residual has no clear direction there."""
 
 
 @kernel
-def begin_look(row, target, start):
-    """Note where it is to look, and where ``start`` looks."""
-    copy_point(target, row.places[0])
+def set_look_goal(row, target, start):
+    """Set the target of the look, and its direction in ``start``."""
+    copy_point(target, row.goal_positions[0])
     for axis in range(3):
-        row.places[1, axis] = start.rotations[row.segments[0], axis, 0]
-    row.distance = row.share
+        row.goal_positions[1, axis] = start.rotations[row.segments[0], axis, 0]
+    row.goal_distance = row.activation
 
 
 @kernel
 def follow_look(row, pose):
-    """Its goal: the nearest turn to that of now that looks where it is to, by how much it acts."""
-    if row.pinned == PINNED_TURN:
+    """Set the goal rotation: the nearest to the present one that looks at the target, by activation."""
+    if row.pinned == PINNED_TO_ROTATION:
         return
-    now = turn_in(pose.rotations[row.segments[0]])
-    x, y, z = gaze_goal(row.places[1], row.places[0], end_place(row, 0, pose), row.distance)
-    put_turn(product(shortest(now[0], now[3], now[6], x, y, z), now), row.turn)
+    now = rotation_from_matrix(pose.rotations[row.segments[0]])
+    x, y, z = gaze_direction(
+        row.goal_positions[1], row.goal_positions[0], end_position(row, 0, pose), row.goal_distance
+    )
+    write_rotation(compose(shortest_rotation(now[0], now[3], now[6], x, y, z), now), row.goal_rotation)
 
 
 @kernel
 def keeps_looking(row):
-    """Whether a look that is held keeps what it misses of its target, wherever the eyes go: unless it looks away."""
-    return row.kind == LOOK_AT and row.kept_miss < AWAY
+    """True if a held look keeps its residual to the target wherever the eyes move, unless it looks away."""
+    return row.kind == LOOK_AT_TASK and row.kept_residual < LOOKS_AWAY
 
 
 @kernel
-def gaze_goal(start, target, eye, share):
-    """Unit direction (x, y, z) that is ``share`` of the way from ``start`` to the line from ``eye`` to ``target``."""
+def gaze_direction(start, target, eye, fraction):
+    """Unit direction (x, y, z) at ``fraction`` of the arc from ``start`` to the line from ``eye`` to ``target``."""
     x, y, z = target[0] - eye[0], target[1] - eye[1], target[2] - eye[2]
     length = max(math.sqrt(x * x + y * y + z * z), 1e-9)
     x, y, z = x / length, y / length, z / length
     cosine = min(max(start[0] * x + start[1] * y + start[2] * z, -1.0), 1.0)
     angle = math.acos(cosine)
     sine = math.sin(angle)
-    keep, take = 1.0 - share, share
+    keep, take = 1.0 - fraction, fraction
     if sine > 1e-6:
-        keep, take = math.sin((1.0 - share) * angle) / sine, math.sin(share * angle) / sine
+        keep, take = math.sin((1.0 - fraction) * angle) / sine, math.sin(fraction * angle) / sine
     return keep * start[0] + take * x, keep * start[1] + take * y, keep * start[2] + take * z
 
 
 @kernel
 def pin_look(row, pose):
-    """Ask of it to miss what it does in a ``pose``; where it looks away, to stay turned so."""
-    row.pinned = PINNED
-    if row.blended_miss >= AWAY:
-        row.pinned, row.blended_miss = PINNED_TURN, 0.0
-        copy_matrix(pose.rotations[row.segments[0]], row.turn)
+    """Pin the task to its residual in ``pose``, or to its rotation if it looks away."""
+    row.pinned = PINNED_TO_RESIDUAL
+    if row.blended_residual >= LOOKS_AWAY:
+        row.pinned, row.blended_residual = PINNED_TO_ROTATION, 0.0
+        copy_matrix(pose.rotations[row.segments[0]], row.goal_rotation)

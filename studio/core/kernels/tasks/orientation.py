@@ -1,24 +1,35 @@
-"""A segment turned one way, in the world or as a segment of its own body is."""
+"""Orientation tasks: a segment rotated to a target in the world, or to a segment of its own body."""
 
-from studio.core.kernels.algebra.turns import ease_turn, product, put_turn, turn_error, turn_in
+from studio.core.kernels.algebra.rotation_tuples import (
+    compose,
+    interpolate_rotation,
+    rotation_error,
+    rotation_from_matrix,
+    write_rotation,
+)
 from studio.core.kernels.algebra.vectors import length
 from studio.core.kernels.compiling import kernel
 
 
 @kernel
-def begin_orientation(row, wanted, start):
-    """Its goal: by how much it acts on the shortest way from how ``start`` has its segment to what is ``wanted``."""
-    put_turn(ease_turn(turn_in(start.rotations[row.segments[0]]), wanted, row.share), row.turn)
+def set_orientation_goal(row, goal, start):
+    """Set the goal on the shortest arc from the segment's rotation in ``start`` to the target ``goal``, by
+    activation.
+    """
+    write_rotation(
+        interpolate_rotation(rotation_from_matrix(start.rotations[row.segments[0]]), goal, row.activation),
+        row.goal_rotation,
+    )
 
 
 @kernel
 def follow_orientation(row, start, pose):
-    """Its goal with the segment that it follows."""
-    axes = turn_in(pose.rotations[row.segments[1]])
-    begin_orientation(row, product(axes, turn_in(row.relative)), start)
+    """Set the goal from the segment that it follows."""
+    axes = rotation_from_matrix(pose.rotations[row.segments[1]])
+    set_orientation_goal(row, compose(axes, rotation_from_matrix(row.relative)), start)
 
 
 @kernel
-def miss_turn(row, pose):
-    """Radians by which its segment is turned off its goal."""
-    return length(turn_error(row.turn, pose.rotations[row.segments[0]]))
+def rotation_residual(row, pose):
+    """Angle in radians from its segment's rotation to the goal."""
+    return length(rotation_error(row.goal_rotation, pose.rotations[row.segments[0]]))

@@ -1,42 +1,49 @@
-"""A point at a place, or at a point of its own body."""
+"""Position tasks: a point at a target, or at a point of its own body."""
 
-from studio.core.kernels.algebra.turns import beside, inverse, put_beside, turn_in
-from studio.core.kernels.algebra.vectors import ORIGIN, between, copy_point, distance
+from studio.core.kernels.algebra.rotation_tuples import (
+    inverse_rotation,
+    rotation_from_matrix,
+    transform_point,
+    write_transformed_point,
+)
+from studio.core.kernels.algebra.vectors import ZERO_VECTOR, copy_point, distance, offset_between
 from studio.core.kernels.compiling import kernel
-from studio.core.kernels.tasks.goals import ease_goal, end_place
-from studio.core.kernels.tasks.task import FREE
+from studio.core.kernels.tasks.goals import end_position, interpolate_point
+from studio.core.kernels.tasks.task import UNPINNED
 
 
 @kernel
-def begin_position(row, target, start):
-    """Its goal (METHOD 5, (12)), by how much it acts between where ``start`` has its point and its ``target``."""
-    copy_point(ease_goal(end_place(row, 0, start), target, row.share), row.places[0])
+def set_position_goal(row, target, start):
+    """Set the goal between its point in ``start`` and its ``target``, by activation (METHOD 5, (12))."""
+    copy_point(interpolate_point(end_position(row, 0, start), target, row.activation), row.goal_positions[0])
 
 
 @kernel
 def follow_position(row, start, pose):
-    """Its goal with the point that it follows; where it is pinned, in the axes of that."""
-    place = end_place(row, 1, pose)
-    if row.pinned == FREE:
-        copy_point(ease_goal(end_place(row, 0, start), place, row.share), row.places[0])
+    """Set the goal from the point that it follows; pinned, from the offset in the axes of that point's segment."""
+    position = end_position(row, 1, pose)
+    if row.pinned == UNPINNED:
+        copy_point(interpolate_point(end_position(row, 0, start), position, row.activation), row.goal_positions[0])
     else:
-        axes = turn_in(pose.rotations[row.segments[1]])
-        put_beside(place, axes, row.relative[0, 0], row.relative[0, 1], row.relative[0, 2], row.places[0])
+        axes = rotation_from_matrix(pose.rotations[row.segments[1]])
+        write_transformed_point(
+            position, axes, row.relative[0, 0], row.relative[0, 1], row.relative[0, 2], row.goal_positions[0]
+        )
 
 
 @kernel
-def miss_position(row, pose):
-    """Metres from its point to its goal."""
-    return distance(end_place(row, 0, pose), row.places[0])
+def position_residual(row, pose):
+    """Distance in metres from its point to the goal."""
+    return distance(end_position(row, 0, pose), row.goal_positions[0])
 
 
 @kernel
 def pin_position(row, pose):
-    """Ask of it to stay where a ``pose`` has it: in the axes of what it follows on its own body, or in the world."""
-    point = end_place(row, 0, pose)
+    """Pin the task to its point in ``pose``: in the axes of the segment that it follows, or in the world."""
+    point = end_position(row, 0, pose)
     if row.points[1] < 0:
-        copy_point(point, row.places[0])
+        copy_point(point, row.goal_positions[0])
     else:
-        x, y, z = between(end_place(row, 1, pose), point)
-        axes = turn_in(pose.rotations[row.segments[1]])
-        copy_point(beside(ORIGIN, inverse(axes), x, y, z), row.relative[0])
+        x, y, z = offset_between(end_position(row, 1, pose), point)
+        axes = rotation_from_matrix(pose.rotations[row.segments[1]])
+        copy_point(transform_point(ZERO_VECTOR, inverse_rotation(axes), x, y, z), row.relative[0])

@@ -1,1 +1,1 @@
-"""What has to do with other moments: the edges of activations, easing where single frames jolt."""
+"""Relations between frames: activation transitions, and smoothing where single frames have acceleration peaks."""

@@ -1,49 +1,69 @@
-"""Frames on the edge of a constraint's activation: what is solved is blended there, not what is asked (METHOD (31)).
+"""Activation transitions: solutions are blended there, and not targets (METHOD (31)).
 
-On the straight way from where a point is to where it is to be, a hand passes by its own shoulder, where the arm whirls
-about, or is out of reach after a moment, where elbow and trunk stop at once. So such a frame is solved with all its
-constraints, then without the one that acts least, and so on until what is wholly active is left, and each pose is
-blended with the one before, joint by joint. Those that both have then get back what the blend has cost them.
+On the straight line from a point to its target a hand may pass its own shoulder, where the arm whirls about, or be out
+of reach after a moment, where elbow and trunk stop at once. So such a frame is solved with all its tasks, then without
+the one of least activation, and so on until the fully active ones are left, and each pose is blended with the one
+before, joint by joint. Tasks of both poses are then restored.
 
-The pose before is the ``kept`` state and turns of a ``Search``, that just solved its ``before`` and ``solved_turns``,
-and the blend its ``state`` and ``blended_turns``; misses are ``blended`` in the records of the tasks.
+The pose before is ``kept_state`` and ``kept_rotations`` of a ``SearchState``, the pose just solved its ``level_start``
+and ``solved_rotations``, and the blend its ``state`` and ``blended_rotations``; blended residuals are in the tasks.
 """
 
 import math
 
-from studio.core.kernels.algebra.turns import ease_turn, put_turn, turn_between, turn_error, turn_in
+from studio.core.kernels.algebra.rotation_tuples import (
+    interpolate_rotation,
+    relative_rotation,
+    rotation_error,
+    rotation_from_matrix,
+    write_rotation,
+)
 from studio.core.kernels.algebra.vectors import (
-    between,
     blend_points,
     copy_matrix,
     copy_point,
     copy_points,
     distance,
     length,
-    length_along,
+    length_in_axes,
+    offset_between,
 )
 from studio.core.kernels.body.parts import limb_parts
 from studio.core.kernels.compiling import kernel
-from studio.core.kernels.limbs.limb_limits import bent_point
-from studio.core.kernels.limbs.limb_tasks import BLENDED, CLOSE_ENOUGH
-from studio.core.kernels.search.levels import disturbance, mend, note_kept
-from studio.core.kernels.search.placing import carry_body, place_limbs
-from studio.core.kernels.search.step import KEPT
-from studio.core.kernels.tasks.goals import TURN_ARM, asks_place, ease_goal, has_own_goal, moves_mass, turns_segment
-from studio.core.kernels.tasks.kinds import miss_of
-from studio.core.kernels.tasks.limb_rows import MISSED
-from studio.core.kernels.tasks.task import ACTIVE, FREE, INACTIVE, ON_EDGE, PINNED, STRICT
+from studio.core.kernels.limbs.limb_limits import effective_point
+from studio.core.kernels.limbs.limb_tasks import KEEPS_BLEND, NEGLIGIBLE_ERROR
+from studio.core.kernels.search.body_placement import pose_body, solve_limbs
+from studio.core.kernels.search.level_step import ALLOWED_VIOLATION
+from studio.core.kernels.search.levels import priority_violation, restore_feasibility, save_task_results
+from studio.core.kernels.tasks.goals import (
+    RADIAN_LENGTH,
+    has_own_goal,
+    interpolate_point,
+    is_balance,
+    is_position,
+    is_rotation,
+)
+from studio.core.kernels.tasks.limb_rows import LIMB_FALLS_SHORT
+from studio.core.kernels.tasks.residuals import residual_of
+from studio.core.kernels.tasks.task import (
+    ACTIVE,
+    IN_TRANSITION,
+    INACTIVE,
+    PINNED_TO_RESIDUAL,
+    PRIORITY_TOLERANCE,
+    UNPINNED,
+)
 
-GIVEN_UP_THERE = 2
-"""What a limb is whose constraint was given up in what is kept, while the next is solved."""
+DROPPED_IN_KEPT = 2
+"""Value of ``blended_limbs`` for a limb whose task was dropped in the saved pose, while the next is solved."""
 
-STRAIGHT = 0.01
-"""Part of its length that a limb has to spare from which on it bends as its place wants, rather than the trunk."""
+STRAIGHT_LIMB = 0.01
+"""Fraction of its length, short of full extension, from which a limb bends for its goal rather than the trunk."""
 
 
 @kernel
-def next_edge(least, frame, tasks, activations):
-    """The smallest activation above ``least`` of what is on its edge; 1 where there is none."""
+def next_activation(least, frame, tasks, activations):
+    """Least activation above ``least`` of a task in transition; 1 where there is none."""
     found = 1.0
     for c in range(tasks.shape[0]):
         if least < activations[c, frame] < found and tasks[c].blends:
@@ -52,207 +72,218 @@ def next_edge(least, frame, tasks, activations):
 
 
 @kernel
-def keep_solution(first, problem):
-    """Note a pose, to be blended with the next; what is missed by the ``first``."""
+def save_solution(first, problem):
+    """Save a pose to be blended with the next; residuals of the ``first``."""
     tasks, search, pose = problem.tasks, problem.search, problem.pose
-    copy_points(search.state, search.kept)
-    note_turns(search.kept_turns, pose)
+    copy_points(search.state, search.kept_state)
+    write_limb_joint_rotations(search.kept_rotations, pose)
     for limb in range(4):
-        search.blended[limb] = 0
+        search.blended_limbs[limb] = 0
     for c in range(tasks.shape[0]):
         row = tasks[c]
         if first:
-            row.blended_miss = miss_of(c, problem) if row.status != INACTIVE else 0.0
-        mark_blended(row, GIVEN_UP_THERE, search.blended)
+            row.blended_residual = residual_of(c, problem) if row.status != INACTIVE else 0.0
+        mark_blended_limbs(row, DROPPED_IN_KEPT, search.blended_limbs)
 
 
 @kernel
-def note_turns(out_turns, pose):
-    """Note the rotations of all limbs' segments in what carries each, (16, 3, 3), four a limb."""
+def write_limb_joint_rotations(out_rotations, pose):
+    """Write the rotations of all limbs' segments in their parents, (16, 3, 3), four a limb."""
     for limb in range(4):
         before, upper, _ = limb_parts(limb, pose.positions.shape[0] - 23)
         for bone in range(3 if limb < 2 else 4):
-            put_turn(turn_between(pose.rotations[before], pose.rotations[upper + bone]), out_turns[4 * limb + bone])
+            write_rotation(
+                relative_rotation(pose.rotations[before], pose.rotations[upper + bone]), out_rotations[4 * limb + bone]
+            )
             before = upper + bone
 
 
 @kernel
-def mark_blended(row, how, out_blended):
-    """A limb whose constraint is given up, or on its edge, is not to be solved anew from the motion."""
-    if row.status > ACTIVE and not moves_mass(row):
+def mark_blended_limbs(row, value, out_blended):
+    """Mark the limbs of a task that is dropped, or in transition, with ``value``."""
+    if row.status > ACTIVE and not is_balance(row):
         for end in range(2):
-            if row.limbs[end] >= 0 and row.freedoms[end, 0] > 0.0:
-                out_blended[row.limbs[end]] = how
+            if row.limbs[end] >= 0 and row.limb_weights[end, 0] > 0.0:
+                out_blended[row.limbs[end]] = value
 
 
 @kernel
-def note_blended(part, problem):
-    """Note the pose just solved, and what is missed where that which is kept counts ``part``."""
+def blend_residuals(fraction, problem):
+    """Blend the residuals of the pose just solved with those of the saved one, which has the weight ``fraction``."""
     tasks, search, pose = problem.tasks, problem.search, problem.pose
-    copy_points(search.state, search.before)
-    note_turns(search.solved_turns, pose)
+    copy_points(search.state, search.level_start)
+    write_limb_joint_rotations(search.solved_rotations, pose)
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        now = miss_of(c, problem) if row.status != INACTIVE else 0.0
-        row.miss_change = abs(row.blended_miss - now)
-        row.blended_miss = part * row.blended_miss + (1.0 - part) * now
+        now = residual_of(c, problem) if row.status != INACTIVE else 0.0
+        row.residual_change = abs(row.blended_residual - now)
+        row.blended_residual = fraction * row.blended_residual + (1.0 - fraction) * now
 
 
 @kernel
-def blend_kept(part, search):
-    """Blend state and limbs of what is kept, which counts ``part``, into those of what was just solved."""
-    blend_points(part, search.before, search.kept, search.state)
+def blend_states(fraction, search):
+    """Blend state and limbs of the saved pose, with the weight ``fraction``, into those just solved."""
+    blend_points(fraction, search.level_start, search.kept_state, search.state)
     for limb in range(4):
-        blend_limb(part, limb, search)
+        blend_limb(fraction, limb, search)
 
 
 @kernel
-def blend_limb(part, limb, search):
-    """``blend_kept`` of one limb alone."""
+def blend_limb(fraction, limb, search):
+    """Blend one limb as ``blend_states`` does."""
     for bone in range(4 * limb, 4 * limb + (3 if limb < 2 else 4)):
-        solved, kept = turn_in(search.solved_turns[bone]), turn_in(search.kept_turns[bone])
-        put_turn(ease_turn(solved, kept, part), search.blended_turns[bone])
+        solved, kept = (
+            rotation_from_matrix(search.solved_rotations[bone]),
+            rotation_from_matrix(search.kept_rotations[bone]),
+        )
+        write_rotation(interpolate_rotation(solved, kept, fraction), search.blended_rotations[bone])
 
 
 @kernel
-def pose_between(part, frame, activations, problem):
-    """Pose the body ``part`` of the way from what was just solved to what was kept; what both have is held.
+def pose_blend(fraction, frame, activations, problem):
+    """Pose the body at ``fraction`` from the pose just solved to the saved one, and hold the tasks of both.
 
-    Where that cannot be held in between, the body is as the nearer of both has it.
+    Where they cannot be held in between, the body takes the nearer of both poses.
     """
     search = problem.search
-    note_blended(part, problem)
-    blend_kept(part, search)
-    pose_kept(frame, activations, problem)
-    if loses(problem):
-        blend_kept(1.0 if part >= 0.5 else 0.0, search)
+    blend_residuals(fraction, problem)
+    blend_states(fraction, search)
+    pose_blended_state(frame, activations, problem)
+    if loses_tasks(problem):
+        blend_states(1.0 if fraction >= 0.5 else 0.0, search)
         for limb in range(4):
-            search.blended[limb] = BLENDED
-        carry_body(problem)
+            search.blended_limbs[limb] = KEEPS_BLEND
+        pose_body(problem)
         for limb in range(4):
-            search.blended[limb] = 0
+            search.blended_limbs[limb] = 0
 
 
 @kernel
-def loses(problem):
-    """Whether anything that was to be held is missed by more than what is blended."""
+def loses_tasks(problem):
+    """True if the residual of a held task exceeds the blended one."""
     tasks = problem.tasks
     lost = False
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        may = STRICT + (row.blended_miss if row.pinned == FREE else row.miss_change)
-        lost = lost or (row.status == ACTIVE and miss_of(c, problem) > may)
+        may = PRIORITY_TOLERANCE + (row.blended_residual if row.pinned == UNPINNED else row.residual_change)
+        lost = lost or (row.status == ACTIVE and residual_of(c, problem) > may)
     return lost
 
 
 @kernel
-def note_misses(frame, problem, out_residuals):
-    """By how much each constraint is missed at one frame."""
+def write_residuals(frame, problem, out_residuals):
+    """Write the residual of each task at one frame."""
     tasks = problem.tasks
     for c in range(tasks.shape[0]):
         out_residuals[c, frame] = math.nan
-        if tasks[c].status == ON_EDGE:
-            out_residuals[c, frame] = tasks[c].blended_miss
+        if tasks[c].status == IN_TRANSITION:
+            out_residuals[c, frame] = tasks[c].blended_residual
         elif tasks[c].status != INACTIVE:
-            out_residuals[c, frame] = miss_of(c, problem)
+            out_residuals[c, frame] = residual_of(c, problem)
 
 
 @kernel
-def pose_kept(frame, activations, problem):
-    """Pose the body as state and limbs were kept, and give what was ``blended`` with little missing what it asks.
+def pose_blended_state(frame, activations, problem):
+    """Pose the body from the blended state and limbs, and restore tasks with small blended residuals.
 
-    What has a goal of its own is pinned to where it misses what is ``blended`` of both poses: so it stays as far off
-    whatever acts below it.
+    A task with its own goal is pinned to its blended residual, so that its residual does not depend on tasks below.
     """
     tasks, chain, search = problem.tasks, problem.chain, problem.search
-    level = chain.mobilities.shape[0] - tasks.shape[0]
-    blended = search.blended
+    level = chain.weights.shape[0] - tasks.shape[0]
+    blended = search.blended_limbs
     for c in range(tasks.shape[0]):
         row = tasks[c]
         on_edge = row.status == INACTIVE and 0.0 < activations[c, frame] < 1.0
-        both = row.miss_change < math.inf  # else it is eased, and there is no other pose
-        missed = max(row.blended_miss, row.miss_change if both else 0.0) * (TURN_ARM if turns_segment(row) else 1.0)
-        if on_edge or (row.status == ACTIVE and row.pinned == FREE and missed > MISSED):
-            row.status = ON_EDGE
-        mark_blended(row, BLENDED, blended)
+        both = row.residual_change < math.inf  # else it is eased, and there is no other pose
+        residual = max(row.blended_residual, row.residual_change if both else 0.0) * (
+            RADIAN_LENGTH if is_rotation(row) else 1.0
+        )
+        if on_edge or (row.status == ACTIVE and row.pinned == UNPINNED and residual > LIMB_FALLS_SHORT):
+            row.status = IN_TRANSITION
+        mark_blended_limbs(row, KEEPS_BLEND, blended)
         if both and row.status != INACTIVE and not on_edge and has_own_goal(row):
-            row.status, row.pinned = ACTIVE, PINNED
+            row.status, row.pinned = ACTIVE, PINNED_TO_RESIDUAL
     for limb in range(4):
-        blended[limb] = BLENDED if blended[limb] else 0
-    carry_body(problem)
-    note_kept(0, level, problem)
+        blended[limb] = KEEPS_BLEND if blended[limb] else 0
+    pose_body(problem)
+    save_task_results(0, level, problem)
     for c in range(tasks.shape[0]):
         if tasks[c].status == ACTIVE:
-            note_held(tasks[c], problem)
-    place_limbs(level, problem)
-    mend_kept(level, problem)
+            hold_blended_task(tasks[c], problem)
+    solve_limbs(level, problem)
+    restore_blended_tasks(level, problem)
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        missed = row.pinned == FREE and row.blended_miss > KEPT
-        if row.status == ACTIVE and missed and row.limbs[0] >= 0 and blended[row.limbs[0]]:
-            row.status = ON_EDGE  # its place was where the blend has it, and not where it wants to be
+        residual = row.pinned == UNPINNED and row.blended_residual > ALLOWED_VIOLATION
+        if row.status == ACTIVE and residual and row.limbs[0] >= 0 and blended[row.limbs[0]]:
+            row.status = IN_TRANSITION  # its place was where the blend has it, and not where it wants to be
     for limb in range(4):
         blended[limb] = 0
 
 
 @kernel
-def mend_kept(level, problem):
-    """Give what was blended with little missing what it asks; where steps lead away from that, none is taken."""
+def restore_blended_tasks(level, problem):
+    """Restore the tasks of the blend; no step is kept that increases the violation."""
     search = problem.search
-    copy_points(search.state, search.tried)
-    missed = disturbance(level, False, problem)
-    if mend(level, CLOSE_ENOUGH, False, problem) > missed:
-        copy_points(search.tried, search.state)
-        carry_body(problem)
-        place_limbs(level, problem)
+    copy_points(search.state, search.trial_state)
+    residual = priority_violation(level, False, problem)
+    if restore_feasibility(level, NEGLIGIBLE_ERROR, False, problem) > residual:
+        copy_points(search.trial_state, search.state)
+        pose_body(problem)
+        solve_limbs(level, problem)
 
 
 @kernel
-def note_held(row, problem):
-    """What both poses have keeps what it asks, or as much of it as they brought."""
+def hold_blended_task(row, problem):
+    """Hold a task of both poses at its goal, or at its blended residual."""
     search, pose = problem.search, problem.pose
-    blended = search.blended
-    pinned = row.pinned != FREE and has_own_goal(row)
-    row.kept_miss, left = (0.0, row.blended_miss) if pinned else (row.blended_miss, 0.0)
-    part = min(max(1.1 * (1.0 - row.kept_miss * (TURN_ARM if turns_segment(row) else 1.0) / MISSED), 0.0), 1.0)
-    if turns_segment(row):
+    blended = search.blended_limbs
+    pinned = row.pinned != UNPINNED and has_own_goal(row)
+    row.kept_residual, left = (0.0, row.blended_residual) if pinned else (row.blended_residual, 0.0)
+    fraction = min(
+        max(1.1 * (1.0 - row.kept_residual * (RADIAN_LENGTH if is_rotation(row) else 1.0) / LIMB_FALLS_SHORT), 0.0), 1.0
+    )
+    if is_rotation(row):
         now = pose.rotations[row.segments[0]]
-        part *= 1.0 - left / max(length(turn_error(row.turn, now)), left, 1e-9)
-        put_turn(ease_turn(turn_in(now), turn_in(row.turn), part), row.kept_turn)
+        fraction *= 1.0 - left / max(length(rotation_error(row.goal_rotation, now)), left, 1e-9)
+        write_rotation(
+            interpolate_rotation(rotation_from_matrix(now), rotation_from_matrix(row.goal_rotation), fraction),
+            row.kept_rotation,
+        )
         if pinned or (row.limbs[0] >= 0 and blended[row.limbs[0]]):
-            copy_matrix(row.kept_turn, row.turn)
+            copy_matrix(row.kept_rotation, row.goal_rotation)
         return
     for end in range(2):
-        wanted = row.places[1 if moves_mass(row) else end]
-        way = length_along(between(row.kept_places[end], wanted), row.axes if moves_mass(row) else 3)
-        more = part * (1.0 - left / max(way, 1e-9))
-        copy_point(ease_goal(row.kept_places[end], wanted, more), row.kept_places[end])
-        if asks_place(row) and row.limbs[end] >= 0 and blended[row.limbs[end]]:
-            copy_point(row.kept_places[end], row.places[end])
-            row.comforts[end], row.easings[end] = 1.0, 0.0
-            if row.longest[end] > 0.0:  # a shoulder has no limb before it
-                note_stretch(row, end, row.limbs[end] >= 2 or search.ends[row.limbs[end]] >= 0, pose)
+        goal = row.goal_positions[1 if is_balance(row) else end]
+        displacement = length_in_axes(offset_between(row.kept_positions[end], goal), row.axes if is_balance(row) else 3)
+        more = fraction * (1.0 - left / max(displacement, 1e-9))
+        copy_point(interpolate_point(row.kept_positions[end], goal, more), row.kept_positions[end])
+        if is_position(row) and row.limbs[end] >= 0 and blended[row.limbs[end]]:
+            copy_point(row.kept_positions[end], row.goal_positions[end])
+            row.soft_thresholds[end], row.flexion_thresholds[end] = 1.0, 0.0
+            if row.max_reach[end] > 0.0:  # a shoulder has no limb before it
+                update_blended_reach(row, end, row.limbs[end] >= 2 or search.end_tasks[row.limbs[end]] >= 0, pose)
     if pinned:
-        copy_point(row.kept_places[0], row.places[0])
-        copy_point(row.kept_places[0], row.places[1])
+        copy_point(row.kept_positions[0], row.goal_positions[0])
+        copy_point(row.kept_positions[0], row.goal_positions[1])
 
 
 @kernel
-def note_stretch(row, end, holds_end, pose):
-    """How far a limb that was blended is to stretch for its place: the straighter it is, the less it does.
+def update_blended_reach(row, end, holds_end, pose):
+    """Update the reach of a blended limb for its goal: the straighter it is, the less it extends.
 
-    With d of its length to spare as it was blended, and w for its place, it keeps d s(w) / s(d) (``softly``); what that
-    is beside w is for the trunk (METHOD (31)).
+    With d of its length to spare in the blend, and w at its goal, it keeps d s(w) / s(d) (``soft_positive``); the
+    difference to w is left to the trunk (METHOD (31)).
     """
-    root, longest = limb_parts(row.limbs[end], pose.positions.shape[0] - 23)[2], row.longest[end]
-    point, goal = bent_point(row, end, row.places[end], holds_end, pose)
-    shoulder, edge = pose.positions[root], STRAIGHT * longest
+    root, longest = limb_parts(row.limbs[end], pose.positions.shape[0] - 23)[2], row.max_reach[end]
+    point, goal = effective_point(row, end, row.goal_positions[end], holds_end, pose)
+    shoulder, edge = pose.positions[root], STRAIGHT_LIMB * longest
     span, spare = distance(goal, shoulder), max(longest - distance(point, shoulder), 0.0)
-    row.reaches[end] = longest - spare * softly(longest - span, edge) / softly(spare, edge)
-    row.folds[end] = row.reaches[end]
+    row.goal_reaches[end] = longest - spare * soft_positive(longest - span, edge) / soft_positive(spare, edge)
+    row.min_reach[end] = row.goal_reaches[end]
 
 
 @kernel
-def softly(value, edge):
-    """``value`` where it is well above ``edge``, and ever less but never 0 below."""
+def soft_positive(value, edge):
+    """``value`` well above ``edge``, decaying to 0 below, always positive."""
     return 0.5 * (value + math.sqrt(value * value + 4.0 * edge * edge))

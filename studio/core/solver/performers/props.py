@@ -1,4 +1,4 @@
-"""Where props are: fixed, keyed, moving by a rule, or with a performer; on the stage, as arrays over time."""
+"""Tracks of props: fixed, keyed, procedural, or held by a performer; on the stage, as arrays over time."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import AnyMorphology
-from studio.core.constraints.activation import EaseShape, ease
+from studio.core.constraints.activation import EASE_PEAK, EaseShape, ease
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowProp
 from studio.core.constraints.keyed import KeyedNumber
@@ -25,18 +25,16 @@ from studio.core.stage.timing import Timing
 
 FloatArray = NDArray[np.float64]
 
-HANDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)
-
-
-HANDING = 0.3
-"""Seconds in which a prop comes to where it is held, from where it was taken, and to where it is put."""
+CARRYING_HANDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)
+HANDING, LIFTING = 0.3, 1.2
+"""Least seconds in which a prop blends into a hand and to where it is put, and its greatest speed, m/s."""
 
 
 class Hands(Protocol):
-    """Who may hold a prop, at the times that are asked about."""
+    """Hands of a performer that may hold a prop, at given times."""
 
     def track(self, hold: InHand | Carried) -> Track:
-        """Where what it holds so is on the stage; one frame for each time."""
+        """Track of a held prop on the stage; one frame for each time."""
 
     def at(self, time: float) -> "Hands":
         """The same at one second of the stage."""
@@ -44,9 +42,9 @@ class Hands(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Holder:
-    """A performer with whom a prop goes: its motion, which frames (F,) of it, not rounded, and where it stands.
+    """A performer that holds a prop: its motion, fractional frames ``rows`` (F,), and placement.
 
-    ``whole`` are all frames of it, ``timing`` is when they play: of a prop that is picked up or put down.
+    ``whole`` are all its frames, ``timing`` when they play: for a prop that is picked up or put down.
     """
 
     motion: AdaptedMotion
@@ -64,7 +62,7 @@ class Holder:
         return replace(self, motion=whole, rows=rows)
 
     def track(self, hold: InHand | Carried) -> Track:
-        """Where what it holds so is on the stage."""
+        """Track of a held prop on the stage."""
         motion, placement = self.motion, self.placement
         if isinstance(hold, InHand):
             return performer_track(hold.point, hold.turn, motion, self.rows, placement, Placement())
@@ -76,9 +74,9 @@ class Holder:
 
 @dataclass(frozen=True, eq=False)
 class OwnHands:
-    """The hands of a body that stands at ``placement``, as its motion has them in some frames ``rows`` (F,).
+    """Hands of a grounded body at ``placement``, in frames ``rows`` (F,) of its motion.
 
-    Hands that constraints hold on the prop do not move it.
+    Constraints that keep hands on the prop do not move it.
     """
 
     unasked: Unasked
@@ -93,7 +91,7 @@ class OwnHands:
         return replace(self, rows=rows)
 
     def track(self, hold: InHand | Carried) -> Track:
-        """Where what it holds so is on the stage."""
+        """Track of a held prop on the stage."""
         rows = self.rows.clip(0, len(self.unasked.positions) - 1)
         positions, rotations = self.unasked.positions[rows], self.unasked.rotations[rows]
         if isinstance(hold, Carried):
@@ -104,19 +102,19 @@ class OwnHands:
 
 
 def stage_track(prop: Prop, seconds: ArrayLike, hands: Mapping[str, Hands] = MappingProxyType({})) -> Track:
-    """A prop's centre and axes on the stage at ``seconds`` (F,); one frame for all where it stays.
+    """Track of a prop on the stage at ``seconds`` (F,); one frame for all if it is fixed.
 
-    ``hands`` are of those who hold it, at these seconds. Who is not among them does not play yet: it does not hold it.
+    ``hands`` are of its holders, at these seconds; a holder that is missing does not play yet, and does not hold it.
     """
     times = np.atleast_1d(np.asarray(seconds, dtype=np.float64))
     return _left_by([place for place, each in enumerate(prop.holds) if each.performer_id in hands], prop, times, hands)
 
 
 def _left_by(places: Sequence[int], prop: Prop, times: FloatArray, hands: Mapping[str, Hands]) -> Track:
-    """A prop as those leave it who hold it in these ``places`` of their order, as if nobody held it after them.
+    """Track of a prop after its holders ``places`` in order, as if nobody held it later.
 
-    What it is away from the hands as it is taken goes with them and dies away; so is what it is away from its place as
-    it is put there.
+    When taken, it blends from where it lies, or from the giver's hands, into the holder's; when put down, from there to
+    its position.
     """
     if not places:
         return _unheld(prop, times)
@@ -126,17 +124,29 @@ def _left_by(places: Sequence[int], prop: Prop, times: FloatArray, hands: Mappin
         return theirs.track(hold)
     track = _spread(theirs.track(hold), len(times))
     lasting = np.inf if hold.begin is None or hold.end is None else hold.end - hold.begin
-    for moment, way, before in ((hold.begin, 1.0, places[:-1]), (hold.end if put else None, -1.0, ())):
-        if moment is not None:
-            shares = 1.0 - ease(way * (times - moment) / max(min(HANDING, lasting / 2), 1e-6), EaseShape.QUINTIC)
-            there, here = _at(moment, before, prop, hands), theirs.at(moment).track(hold)
-            track.places[:] += shares[:, None] * (there.places - here.places)
-            track.rotations[:] = _part_of(there.rotations[0] @ here.rotations[0].T, shares) @ track.rotations
+    for moment, sign, before in ((hold.begin, 1.0, places[:-1]), (hold.end if put else None, -1.0, ())):
+        if moment is None:
+            continue
+        there, here = _at(moment, before, prop, hands), theirs.at(moment).track(hold)
+        far = float(np.linalg.norm(there.places[0] - here.places[0]))
+        seconds = min(handing_time(far), lasting / 2)
+        weights = ease(sign * (times - moment) / max(seconds, 1e-6), EaseShape.QUINTIC)
+        giver = prop.holds[before[-1]] if before else None
+        gone_on = hands[giver.performer_id].track(giver) if giver is not None and giver.end == moment else there
+        other = _spread(gone_on, len(times))
+        track.places[:] = other.places + weights[:, None] * (track.places - other.places)
+        turns = _part_of(other.rotations.transpose(0, 2, 1) @ track.rotations, weights)
+        track.rotations[:] = other.rotations @ turns
     if hold.begin is not None:
         _put(track, times < hold.begin, _left_by(places[:-1], prop, times, hands))
     if hold.end is not None and (times > hold.end).any():
         _put(track, times > hold.end, _unheld(prop, times) if put else _at(hold.end, places, prop, hands))
     return track
+
+
+def handing_time(distance: float) -> float:
+    """Seconds in which a prop is brought ``distance`` metres into the hands."""
+    return max(HANDING, EASE_PEAK * distance / LIFTING)
 
 
 def _at(moment: float, places: Sequence[int], prop: Prop, hands: Mapping[str, Hands]) -> Track:
@@ -145,13 +155,13 @@ def _at(moment: float, places: Sequence[int], prop: Prop, hands: Mapping[str, Ha
 
 
 def _spread(track: Track, count: int) -> Track:
-    """A copy of so many frames."""
+    """Copy of a track with ``count`` frames."""
     places, rotations = np.broadcast_to(track.places, (count, 3)), np.broadcast_to(track.rotations, (count, 3, 3))
     return Track(places.copy(), rotations.copy())
 
 
 def _put(track: Track, chosen: NDArray[np.bool_], other: Track) -> None:
-    """Where another one is in the ``chosen`` (F,) frames, in place."""
+    """Copy another track in the ``chosen`` (F,) frames, in place."""
     other = _spread(other, len(chosen))
     track.places[chosen], track.rotations[chosen] = other.places[chosen], other.rotations[chosen]
 
@@ -164,15 +174,16 @@ def _unheld(prop: Prop, times: FloatArray) -> Track:
     return Track(np.broadcast_to(places, (count, 3)), np.broadcast_to(turned_by(angles), (count, 3, 3)))
 
 
-def _part_of(turn: FloatArray, shares: FloatArray) -> FloatArray:
-    """(F, 3, 3) so much of a turn (3, 3) as ``shares`` (F,) say."""
+def _part_of(rotations: FloatArray, weights: FloatArray) -> FloatArray:
+    """Fractions ``weights`` (F,) of the rotations (F, 3, 3), as matrices (F, 3, 3)."""
     from scipy.spatial.transform import Rotation  # late: it takes longer than a window
 
-    return np.asarray(Rotation.from_rotvec(shares[:, None] * Rotation.from_matrix(turn).as_rotvec()).as_matrix())
+    vectors = Rotation.from_matrix(rotations).as_rotvec()
+    return np.asarray(Rotation.from_rotvec(weights[:, None] * vectors).as_matrix())
 
 
 def seen_from(follow: FollowProp, prop: Prop, track: Track, own: Placement) -> Track:
-    """What is followed of a prop that is at ``track`` on the stage, as who stands at ``own`` sees it."""
+    """Track of the followed point of a prop at ``track`` on the stage, in the space of a performer at ``own``."""
     offset = np.array(follow.offset) + np.array(follow.share) * np.array(prop.size) / 2
     places = track.places + track.rotations @ offset
     return Track(own.to_motion(places), own.rotation.T @ track.rotations @ to_matrix(np.array(follow.turn)))
@@ -184,17 +195,20 @@ def own_hands(unasked: Unasked, body: AnyMorphology, timing: Timing, own: Placem
 
 
 def carried_track(held: Carried, positions: FloatArray, rotations: FloatArray, body: AnyMorphology) -> Track:
-    """What a body carries that has these positions (F, P, 3) and rotations (F, S, 3, 3), in the space of its motion."""
+    """Track of a prop carried by a body with positions (F, P, 3) and rotations (F, S, 3, 3), in the space of its
+    motion.
+    """
     layout = body.still.layout
-    ends = [point_indices(BodyPoint(part, at_end=end), layout)[0] for part in HANDS for end in (False, True)]
+    ends = [point_indices(BodyPoint(part, at_end=end), layout)[0] for part in CARRYING_HANDS for end in (False, True)]
     chest = rotations[:, layout.segment(BodyPart.THORAX), :, 0]
-    axes = turned_by(np.arctan2(chest[:, 1], chest[:, 0]))
+    heading = np.arctan2(chest[:, 1], chest[:, 0])
     middle = positions[:, ends].mean(axis=1)
-    return Track(middle + body.leg_length * axes @ np.array(held.offset), axes)
+    places = middle + body.leg_length * turned_by(heading) @ np.array(held.offset)
+    return Track(places, turned_by(heading + held.heading))
 
 
 def turned_by(angles: FloatArray) -> FloatArray:
-    """(F, 3, 3) turns about Z by ``angles`` (F,)."""
+    """Rotations (F, 3, 3) about Z by ``angles`` (F,)."""
     turns = np.zeros((len(angles), 3, 3))
     turns[:, 0, 0] = turns[:, 1, 1] = np.cos(angles)
     turns[:, 1, 0], turns[:, 0, 1], turns[:, 2, 2] = np.sin(angles), -np.sin(angles), 1.0

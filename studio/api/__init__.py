@@ -1,0 +1,95 @@
+"""The public interface of Morpho Studio for scripts: open, edit, adapt, measure, export, render, search.
+
+    from studio import api
+
+    scene = api.new_scene()
+    walk = scene.add_capture("walk.bvh")
+    child = scene.add_performer(scene.add_character("child"), walk)
+    scene.export(child, "child.bvh")
+
+Lengths are metres, angles radians, times seconds, Z is up; quaternions are (x, y, z, w). Everything that is named here
+keeps its meaning as long as the first number of ``VERSION`` stays; other modules of the studio may change at any time.
+Errors that a user can mend are ``StudioError``, a sentence each.
+"""
+
+from studio.api.results import Adapted
+from studio.api.scene import Scene, new_scene, open_scene
+from studio.core.body.canonical import BodyPart
+from studio.core.body.character import Character
+from studio.core.captures.capture import Capture
+from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
+from studio.core.constraints.activation import ActivationCurve, EaseShape
+from studio.core.constraints.area import AreaConstraint
+from studio.core.constraints.balance import BalanceConstraint
+from studio.core.constraints.base import BodyPoint, Chain, Constraint
+from studio.core.constraints.clear import ClearConstraint
+from studio.core.constraints.distance import DistanceConstraint
+from studio.core.constraints.follow import FollowBody, FollowPerformer, FollowProp, FollowTracked
+from studio.core.constraints.keyed import KeyedPlace, KeyedTurn
+from studio.core.constraints.look_at import LookAtConstraint
+from studio.core.constraints.orientation import OrientationConstraint
+from studio.core.constraints.own_place import OwnPlace
+from studio.core.constraints.position import PositionConstraint
+from studio.core.constraints.upright import UprightConstraint
+from studio.core.errors import StudioError
+from studio.core.grounds.ground import Ground
+from studio.core.project import Motion, Performer, Project
+from studio.core.stage.clip import Clip
+from studio.core.stage.prop import Prop
+from studio.core.stage.scope import Scope
+from studio.io.export_options import ExportOptions
+from studio.io.importing import ImportOptions
+from studio.library.clips import Kind, Limb
+from studio.library.searching import Result
+from studio.resources_folder import example_captures_folder
+
+VERSION = "1.0.0"
+"""Semantic version of this interface, apart from that of the program."""
+
+__all__ = [
+    "VERSION",
+    "ActivationCurve",
+    "Adapted",
+    "AreaConstraint",
+    "BalanceConstraint",
+    "BodyPart",
+    "BodyPoint",
+    "Capture",
+    "Chain",
+    "Character",
+    "ClearConstraint",
+    "Clip",
+    "Constraint",
+    "ContactInterval",
+    "ContactPoint",
+    "DistanceConstraint",
+    "EaseShape",
+    "ExportOptions",
+    "FollowBody",
+    "FollowPerformer",
+    "FollowProp",
+    "FollowTracked",
+    "Ground",
+    "ImportOptions",
+    "KeyedPlace",
+    "KeyedTurn",
+    "Kind",
+    "Limb",
+    "LookAtConstraint",
+    "Motion",
+    "OrientationConstraint",
+    "OwnPlace",
+    "Performer",
+    "PositionConstraint",
+    "Project",
+    "Prop",
+    "Result",
+    "Scene",
+    "Scope",
+    "StudioError",
+    "Touch",
+    "UprightConstraint",
+    "example_captures_folder",
+    "new_scene",
+    "open_scene",
+]

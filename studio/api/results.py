@@ -1,0 +1,73 @@
+"""What became of a performer: where its body is, and how well each constraint holds."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.constraints.base import BodyPoint
+from studio.core.project import Project
+from studio.core.solver.adapt import place_of
+from studio.core.solver.performers.performing import Performance
+from studio.core.solver.source import played_on
+from studio.core.solver.standing.stand import standing_of
+from studio.core.stage.placement import Placement
+from studio.jobs.adapt_report import figures
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Adapted:
+    """The F frames that a performer plays on the stage, adapted to its body."""
+
+    project: Project
+    performer_id: str
+    performance: Performance
+
+    @property
+    def name(self) -> str:
+        """Name of the performer."""
+        return self.project.performers[self.performer_id].name
+
+    @property
+    def frame_rate(self) -> float:
+        """Frames per second."""
+        return self.performance.composite.timing.frame_rate
+
+    @cached_property
+    def times(self) -> FloatArray:
+        """(F,) seconds of the stage."""
+        timing = self.performance.composite.timing
+        return timing.start + np.arange(self.performance.played.frame_count) / self.frame_rate
+
+    def frame_at(self, time: float) -> int:
+        """The frame that is nearest to ``time``, in seconds of the stage."""
+        return int(np.argmin(np.abs(self.times - time)))
+
+    def place_of(self, point: BodyPoint) -> FloatArray:
+        """(F, 3) metres on the stage: where a point of the body is."""
+        placement = Placement.of(self.project.performers[self.performer_id])
+        return placement.to_stage(place_of(point, self.performance.played))
+
+    @property
+    def residuals(self) -> dict[str, FloatArray]:
+        """(F,) residual of each constraint by its id, in metres or radians, NaN where it is not active.
+
+        A constraint that applies to several clips of the performer, or to repeats of one, has the residual of the clip
+        that plays.
+        """
+        found: dict[str, FloatArray] = {}
+        for asked, row in zip(self.performance.asked, self.performance.played.residuals, strict=True):
+            earlier = found.get(asked.constraint_id)
+            found[asked.constraint_id] = row if earlier is None else np.where(np.isnan(row), earlier, row)
+        return found
+
+    @cached_property
+    def report(self) -> dict[str, Any]:
+        """The figures that ``adapt`` writes to ``report.json``: foot slide, penetration, constraints held, ..."""
+        request, composite = self.performance.request, self.performance.composite
+        source = played_on(composite.motion, request.actor or request.morphology.still)
+        return figures(standing_of(request), request, self.performance.played, source, by_frame=False)

@@ -1,0 +1,25 @@
+"""``script``: run a Python file that uses ``studio.api``."""
+
+import runpy
+import sys
+from argparse import Namespace
+
+from studio.core.errors import StudioError
+from studio.startup.kernel_warm_up import compile_first
+
+
+def run(arguments: Namespace) -> int:
+    """Run the file as ``__main__``, with its own arguments in ``sys.argv``; an error of its own shows its traceback."""
+    if not arguments.file.is_file():
+        raise StudioError(f"There is no script '{arguments.file}'.")
+    compile_first()
+    before = sys.argv, sys.path[:]
+    sys.argv = [str(arguments.file), *arguments.arguments]
+    sys.path.insert(0, str(arguments.file.resolve().parent))
+    try:
+        runpy.run_path(str(arguments.file), run_name="__main__")
+    except SystemExit as ended:
+        return ended.code if isinstance(ended.code, int) else int(ended.code is not None)
+    finally:
+        sys.argv, sys.path[:] = before
+    return 0

@@ -1,0 +1,97 @@
+"""Where the travel of a body is kept: in its hips, in a root joint on the floor, or nowhere."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.canonical import BodyPart
+from studio.core.body.humanoid import BodyMap
+from studio.core.body.kinematics import joint_world, rest_poses
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
+from studio.core.captures.capture import Capture
+from studio.core.normalized.normalize import heading
+from studio.core.rotations import IDENTITY, inverse, multiply, rotate
+
+FloatArray = NDArray[np.float64]
+
+ROOT = "root"
+"""The name of the joint that is added."""
+
+
+def with_root_joint(capture: Capture) -> Capture:
+    """The same motion with a joint above all others, on the floor below the hips and turned as they head.
+
+    At rest it stands at the origin. Without a body map it keeps its heading.
+    """
+    skeleton, poses = capture.skeleton, capture.poses
+    name = ROOT
+    while name in skeleton.names:
+        name += "_"
+    travel, turns = _travel(capture), _headings(capture)
+    back = inverse(turns)
+    hips = multiply(back, poses.local_rotations[:, 0])
+    moved = rotate(back, poses.local_translations[:, 0] - travel)
+    return replace(
+        capture,
+        skeleton=Skeleton(
+            (name, *skeleton.names),
+            np.concatenate([[-1], skeleton.parents + 1]),
+            np.concatenate([np.zeros((1, 3)), skeleton.offsets]),
+            np.concatenate([[False], skeleton.end_sites]),
+        ),
+        poses=PoseSequence(
+            np.concatenate([turns[:, None], hips[:, None], poses.local_rotations[:, 1:]], axis=1),
+            np.concatenate([travel[:, None], moved[:, None], poses.local_translations[:, 1:]], axis=1),
+        ),
+        body_map=_shifted(capture.body_map),
+        reference_rotations=np.concatenate([IDENTITY[None], capture.reference_rotations]),
+    )
+
+
+def in_place(capture: Capture) -> Capture:
+    """The same motion with its hips always above the place where they begin."""
+    translations = np.array(capture.poses.local_translations)
+    travel = _travel(capture)
+    translations[:, 0] -= travel - travel[0]
+    return replace(capture, poses=PoseSequence(capture.poses.local_rotations, translations))
+
+
+def _travel(capture: Capture) -> FloatArray:
+    """(F, 3) the floor below the hips, or below the root of what has none; metres."""
+    joint = capture.body_map.spine[0] if capture.body_map else 0
+    chain = capture.skeleton.path(0, joint)
+    above = Skeleton(
+        tuple(capture.skeleton.names[each] for each in chain),
+        np.arange(-1, len(chain) - 1),
+        capture.skeleton.offsets[list(chain)],
+        np.zeros(len(chain), dtype=bool),
+    )
+    rows = list(chain)
+    poses = PoseSequence(capture.poses.local_rotations[:, rows], capture.poses.local_translations[:, rows])
+    travel = joint_world(above, poses)[0][:, -1].copy()
+    travel[:, 2] = capture.floor
+    return travel
+
+
+def _headings(capture: Capture) -> FloatArray:
+    """(F, 4) smoothed rotations about Z by which the pelvis has left its reference pose."""
+    turns = np.zeros((capture.frame_count, 4))
+    if capture.body_map is None:
+        turns[:, 3] = 1.0
+        return turns
+    pelvis = capture.body_map[BodyPart.PELVIS]
+    standing = rest_poses(capture.skeleton, capture.reference_rotations)
+    rotations = joint_world(capture.skeleton, capture.poses)[1][:, pelvis]
+    reference = joint_world(capture.skeleton, standing)[1][0, pelvis]
+    half = heading(rotations @ reference.T, capture.frame_rate) / 2.0
+    turns[:, 2], turns[:, 3] = np.sin(half), np.cos(half)
+    return turns
+
+
+def _shifted(body: BodyMap | None) -> BodyMap | None:
+    """The same parts, of joints behind a new one."""
+    if body is None:
+        return None
+    return BodyMap({part: joint + 1 for part, joint in body.parts.items()}, tuple(joint + 1 for joint in body.spine))

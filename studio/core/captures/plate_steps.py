@@ -1,0 +1,64 @@
+"""Contacts of feet on force plates: a plate shows to the millisecond when a foot comes and goes."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.captures.contacts import ContactPoint, Span, contact_mask, spans_of
+from studio.core.markers.force_plates import PlateLoad
+
+FloatArray = NDArray[np.float64]
+
+OVERHANG = 0.03
+"""Metres that heel, ball or tip of a foot on a plate may lie beyond its edge: markers lie beside a foot."""
+SURE = 0.5
+"""Least part of a load in which the foot on the plate is found standing by its motion."""
+LATEST = 0.2
+"""Seconds before or after a load for which a foot rests on the plate at most without loading it."""
+
+
+def fit_to_plates(
+    feet: Mapping[ContactPoint, list[Span]], soles: FloatArray, loads: Sequence[PlateLoad], frame_rate: float
+) -> dict[ContactPoint, list[Span]]:
+    """Contacts of ``feet``, each step on a plate from the first to the last frame of its load.
+
+    ``soles`` (F, 2, 3, 3) metres as in ``detect_contacts``. A load under both feet, or under a foot that reaches beyond
+    the plate, changes nothing. Frames of a load without a contact take that of the nearest frame with one.
+    """
+    found = dict(feet)
+    reach = round(LATEST * frame_rate)
+    for load in loads:
+        frames = np.arange(load.first, min(load.last + 1, len(soles)))
+        masks = {point: contact_mask(spans, len(soles)) for point, spans in found.items()}
+        sides = [[point for point in masks if point.side == side] for side in range(2)]
+        stands = np.array([np.any([masks[point] for point in points], axis=0) for points in sides])
+        over = np.all(_over(soles[frames][..., :2], load.corners), axis=2).T
+        treads = np.flatnonzero((over & stands[:, frames]).any(axis=1))
+        if len(treads) != 1:
+            continue
+        (side,) = treads
+        known = np.flatnonzero(stands[side, frames])
+        if len(known) < SURE * len(frames) or not over[side, known].all():
+            continue
+        nearest = known[np.rint(np.interp(np.arange(len(frames)), known, np.arange(len(known)))).astype(int)]
+        stances = [(a, b) for a, b in spans_of(stands[side]) if a <= frames[-1] and b >= frames[0]]
+        begin, end = stances[0][0], stances[-1][1]
+        for point in sides[side]:
+            mask = masks[point]
+            mask[frames] = mask[frames[nearest]]
+            if load.first - begin <= reach:
+                mask[begin : load.first] = False
+            if end - load.last <= reach:
+                mask[load.last + 1 : end + 1] = False
+            found[point] = spans_of(mask)
+    return found
+
+
+def _over(points: FloatArray, corners: FloatArray) -> NDArray[np.bool_]:
+    """True for each of ``points`` (..., 2) over a plate with ``corners`` (4, 2), or ``OVERHANG`` beside it."""
+    edges = np.roll(corners, -1, axis=0) - corners
+    inward = np.stack([-edges[:, 1], edges[:, 0]], axis=1) / np.linalg.norm(edges, axis=1, keepdims=True)
+    inward *= np.sign(np.sum((corners.mean(axis=0) - corners) * inward, axis=1, keepdims=True))
+    distances = np.einsum("...cd,cd->...c", points[..., None, :] - corners, inward)
+    return np.asarray((distances > -OVERHANG).all(axis=-1))

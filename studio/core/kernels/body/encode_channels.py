@@ -1,0 +1,250 @@
+"""Channels of a posed capture: the inverse of ``kernels.body.pose_from_channels``, in the same order (METHOD 2)."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from studio.core.kernels import layout as at
+from studio.core.kernels.algebra import rotation_tuples
+from studio.core.kernels.algebra.rotation_matrices import matrix_product, matrix_product_transposed
+from studio.core.kernels.compiling import allocating_kernel, kernel
+from studio.core.kernels.records import Array, Pose
+
+SHORTEST_HINGE = 1e-12
+"""Length of a hinge's part across its limb below which it has no direction."""
+
+
+class ActorSizes(NamedTuple):
+    """Measures of the captured actor that a motion without a body leaves out."""
+
+    rests: Array
+    """(3, 3, 3) rest rotations of neck and clavicles in the thorax."""
+    hips: Array
+    """(2, 3) metres in the pelvis."""
+    limbs: Array
+    """(4,) metres, lengths of arms and legs."""
+    ankle_height: float
+    leg: float
+    neck: float
+    """Metres."""
+
+
+class EncodeScratch(NamedTuple):
+    """Scratch rotations (3, 3)."""
+
+    carriers: Array
+    """(2, 3, 3) the thorax rotated along with each clavicle: the frames of the arms."""
+    limb_frame: Array
+    turn: Array
+    local: Array
+
+
+@kernel
+def align_segments(joint_rotations, joints, alignments, out_rotations):
+    """R_canonical = R_joint A (METHOD 2): ``joint_rotations`` (F, J, 3, 3), ``joints`` (S,) that move the segments,
+    ``alignments`` (S, 3, 3), out (F, S, 3, 3).
+    """
+    for frame in range(out_rotations.shape[0]):
+        for segment in range(out_rotations.shape[1]):
+            joint = joint_rotations[frame, joints[segment]]
+            matrix_product(joint, alignments[segment], out_rotations[frame, segment])
+
+
+@allocating_kernel
+def encode_frames(points, rotations, yaw, actor, out_channels):
+    """Write the channels (F, 93 + 4 (K - 1)) of a moving body (METHOD 2), each frame by itself.
+
+    ``points`` (F, K + 23, 3) and ``rotations`` (F, K + 18, 3, 3) are canonical, in the motion's space; ``yaw`` (F,) is
+    the low-passed heading; ``actor`` has the measures to remove. ``unwrap_channels`` makes the result continuous in
+    time.
+    """
+    scratch = EncodeScratch(np.empty((2, 3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)))
+    for frame in range(out_channels.shape[0]):
+        pose, channels = Pose(points[frame], rotations[frame]), out_channels[frame]
+        channels[at.YAW] = yaw[frame]
+        encode_trunk(pose, actor, scratch, channels)
+        for limb in range(4):
+            encode_limb(limb, pose, actor.limbs[limb], scratch, channels)
+
+
+@kernel
+def unwrap_channels(quaternion_columns, channels):
+    """Make quaternions at ``turn_columns``, and limb twists, continuous from frame to frame, in place.
+
+    Each quaternion takes the sign nearer to the frame before, each twist the nearest multiple of 2 pi.
+    """
+    for frame in range(1, channels.shape[0]):
+        before, now = channels[frame - 1], channels[frame]
+        for column in quaternion_columns:
+            dot = 0.0
+            for component in range(4):
+                dot += now[column + component] * before[column + component]
+            if dot < 0.0:
+                for component in range(4):
+                    now[column + component] = -now[column + component]
+        for column in range(at.LIMB_TWIST, at.LIMB_TWIST + 8):
+            beyond = now[column] - before[column] + math.pi
+            now[column] -= 2.0 * math.pi * math.floor(beyond / (2.0 * math.pi))
+
+
+@kernel
+def encode_trunk(pose, actor, scratch, out):
+    """Write root, spine, neck, head, clavicles, hip and head shifts of one frame with a known heading (METHOD 3.1 to
+    3.3 inverted), and the frames of both arms into ``scratch``.
+    """
+    points, rotations = pose
+    spine_count = rotations.shape[0] - 18
+    pelvis, thorax, neck = rotations[0], rotations[spine_count - 1], spine_count
+    encode_hips(points[0], pelvis, actor, out)
+    rotation, local = scratch.turn, scratch.local
+    c, s = math.cos(out[at.YAW]), math.sin(out[at.YAW])
+    for column in range(3):
+        rotation[0, column] = c * pelvis[0, column] + s * pelvis[1, column]
+        rotation[1, column] = c * pelvis[1, column] - s * pelvis[0, column]
+        rotation[2, column] = pelvis[2, column]
+    write_quaternion(out, at.PELVIS, rotation)
+    for segment in range(1, spine_count):
+        write_relative_quaternion(out, at.SPINE + 4 * (segment - 1), pelvis, rotations[segment], local)
+    matrix_product_transposed(rotations[neck], actor.rests[0], rotation)
+    write_relative_quaternion(out, at.NECK, thorax, rotation, local)
+    write_relative_quaternion(out, at.HEAD, rotation, rotations[neck + 1], local)
+    for side in range(2):
+        parent = scratch.carriers[side]
+        matrix_product_transposed(rotations[spine_count + 2 + 4 * side], actor.rests[1 + side], parent)
+        write_relative_quaternion(out, at.CLAVICLE + 4 * side, thorax, parent, local)
+        for axis in range(3):
+            hip = offset_along_axis(points[0], points[spine_count + 13 + 5 * side], pelvis, axis)
+            out[at.HIP_SHIFT + 3 * side + axis] = (hip - actor.hips[side, axis]) / actor.leg
+    for axis in range(3):
+        head = offset_along_axis(points[neck], points[neck + 1], rotations[neck], axis)
+        out[at.HEAD_SHIFT + axis] = head / actor.neck - (1.0 if axis == 2 else 0.0)
+
+
+@kernel
+def encode_hips(root, pelvis, actor, out_channel):
+    """Write the middle of the hips above the ankles' plane, in leg lengths."""
+    for axis in range(3):
+        position = root[axis] - (actor.ankle_height if axis == 2 else 0.0)
+        for column in range(3):
+            position += pelvis[axis, column] * 0.5 * (actor.hips[0, column] + actor.hips[1, column])
+        out_channel[at.HIPS + axis] = position / actor.leg
+
+
+@kernel
+def encode_limb(limb, pose, length, scratch, out):
+    """Write frame, slack, bend, twists and end rotation of one arm (limb 0, 1) or leg (2, 3) that is ``length`` metres
+    long (METHOD 2, "limb encoding").
+    """
+    points, rotations = pose
+    spine_count = rotations.shape[0] - 18
+    side, is_leg = limb % 2, limb >= 2
+    root = spine_count + (13 if is_leg else 4) + 5 * side
+    upper = spine_count + (10 if is_leg else 3) + 4 * side
+    parent = rotations[0] if is_leg else scratch.carriers[side]
+    limb_frame, arc, local = scratch.limb_frame, scratch.turn, scratch.local
+    ux, uy, uz, _ = direction_and_length(points[root], points[root + 1])
+    fx, fy, fz, _ = direction_and_length(points[root + 1], points[root + 2])
+    zx, zy, zz, reach = direction_and_length(points[root], points[root + 2])
+    rotation_tuples.write_rotation(rotation_tuples.shortest_rotation(ux, uy, uz, zx, zy, zz), arc)
+    frame_of_hinge(arc, rotations[upper], zx, zy, zz, limb_frame)
+    write_relative_quaternion(out, at.LIMB_FRAME + 4 * limb, parent, limb_frame, local)
+    out[at.LIMB_SLACK + limb] = 1.0 - reach / length
+    out[at.LIMB_OFF_PLANE + limb] = offset_along_axis(points[root], points[root + 1], limb_frame, 0) / length
+    out[at.LIMB_BEND + limb] = -1.0 if offset_along_axis(points[root], points[root + 1], limb_frame, 1) < 0.0 else 1.0
+    for bone in range(2):
+        dx, dy, dz = (ux, uy, uz) if bone == 0 else (fx, fy, fz)
+        straight = rotation_tuples.compose(
+            rotation_tuples.shortest_rotation(zx, zy, zz, dx, dy, dz), rotation_tuples.rotation_from_matrix(limb_frame)
+        )
+        rotation = rotation_tuples.compose(
+            rotation_tuples.inverse_rotation(straight), rotation_tuples.rotation_from_matrix(rotations[upper + bone])
+        )
+        out[at.LIMB_TWIST + 2 * limb + bone] = math.atan2(rotation[3] - rotation[1], rotation[0] + rotation[4])
+    if is_leg:
+        write_relative_quaternion(out, at.FOOT + 4 * side, rotations[0], rotations[upper + 2], local)
+        write_relative_quaternion(out, at.TOE + 4 * side, rotations[upper + 2], rotations[upper + 3], local)
+    else:
+        write_relative_quaternion(out, at.HAND + 4 * side, rotations[upper + 1], rotations[upper + 2], local)
+
+
+@kernel
+def frame_of_hinge(arc, upper, zx, zy, zz, out_frame):
+    """Limb frame (3, 3): z towards the end of the limb, x as near as possible to the hinge of ``upper`` rotated by
+    ``arc``.
+    """
+    x = arc[0, 0] * upper[0, 0] + arc[0, 1] * upper[1, 0] + arc[0, 2] * upper[2, 0]
+    y = arc[1, 0] * upper[0, 0] + arc[1, 1] * upper[1, 0] + arc[1, 2] * upper[2, 0]
+    w = arc[2, 0] * upper[0, 0] + arc[2, 1] * upper[1, 0] + arc[2, 2] * upper[2, 0]
+    out_of_plane = x * zx + y * zy + w * zz
+    x, y, w = x - out_of_plane * zx, y - out_of_plane * zy, w - out_of_plane * zz
+    scale = 1.0 / max(math.sqrt(x * x + y * y + w * w), SHORTEST_HINGE)
+    x, y, w = scale * x, scale * y, scale * w
+    out_frame[0, 0], out_frame[1, 0], out_frame[2, 0] = x, y, w
+    out_frame[0, 1], out_frame[1, 1], out_frame[2, 1] = zy * w - zz * y, zz * x - zx * w, zx * y - zy * x
+    out_frame[0, 2], out_frame[1, 2], out_frame[2, 2] = zx, zy, zz
+
+
+@kernel
+def direction_and_length(start, end):
+    """Unit direction (x, y, z) from one point (3,) to another, and their distance in metres; a zero direction where
+    they meet.
+    """
+    x, y, z = end[0] - start[0], end[1] - start[1], end[2] - start[2]
+    length = math.sqrt(x * x + y * y + z * z)
+    scale = 1.0 / length if length > 0.0 else 1.0
+    return x * scale, y * scale, z * scale, length
+
+
+@kernel
+def offset_along_axis(start, end, axes, column):
+    """Offset of ``end`` from ``start``, both (3,), along one column of ``axes`` (3, 3)."""
+    return (
+        axes[0, column] * (end[0] - start[0])
+        + axes[1, column] * (end[1] - start[1])
+        + axes[2, column] * (end[2] - start[2])
+    )
+
+
+@kernel
+def write_relative_quaternion(out_channel, column, parent, rotation, scratch):
+    """Write the quaternion of parent^T rotation."""
+    rotation_tuples.write_rotation(
+        rotation_tuples.compose(
+            rotation_tuples.inverse_rotation(rotation_tuples.rotation_from_matrix(parent)),
+            rotation_tuples.rotation_from_matrix(rotation),
+        ),
+        scratch,
+    )
+    write_quaternion(out_channel, column, scratch)
+
+
+@kernel
+def write_quaternion(out_channel, column, matrix):
+    """Write a rotation (3, 3) as unit quaternion, by its largest component (Shepperd 1978), into four columns of a
+    frame.
+    """
+    trace = matrix[0, 0] + matrix[1, 1] + matrix[2, 2]
+    i = 3
+    largest = trace
+    for axis in range(2, -1, -1):
+        if matrix[axis, axis] >= largest:
+            i, largest = axis, matrix[axis, axis]
+    quaternion = out_channel[column : column + 4]
+    if i == 3:
+        quaternion[0] = matrix[2, 1] - matrix[1, 2]
+        quaternion[1] = matrix[0, 2] - matrix[2, 0]
+        quaternion[2] = matrix[1, 0] - matrix[0, 1]
+        quaternion[3] = 1.0 + trace
+    else:
+        j, k = (i + 1) % 3, (i + 2) % 3
+        quaternion[i] = 1.0 - trace + 2.0 * matrix[i, i]
+        quaternion[j] = matrix[j, i] + matrix[i, j]
+        quaternion[k] = matrix[k, i] + matrix[i, k]
+        quaternion[3] = matrix[k, j] - matrix[j, k]
+    size = 0.0
+    for component in range(4):
+        size += quaternion[component] * quaternion[component]
+    scale = 1.0 / math.sqrt(size)
+    for component in range(4):
+        quaternion[component] *= scale

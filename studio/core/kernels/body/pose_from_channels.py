@@ -1,0 +1,353 @@
+"""Poses from channels: a morphology-independent motion takes the measures of one body (METHOD 3)."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from studio.core.kernels import layout as at
+from studio.core.kernels.algebra.rotation_tuples import (
+    compose,
+    rotation_from_matrix,
+    rotation_from_quaternion,
+    rotation_with_z_axis,
+    shortest_rotation,
+    sine_and_cosine,
+    write_rotation,
+    write_transformed_point,
+)
+from studio.core.kernels.algebra.smooth_steps import smoothstep
+from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
+from studio.core.kernels.limbs.limb import match_bone_lines, place_limb, soft_flexion
+from studio.core.kernels.records import Array, LimbShape, Pose
+
+CLAVICLE_NARROWING = 0.003
+"""Fraction of a clavicle by which it may move further inwards than the actor's before half of the excess is
+held back.
+"""
+
+
+class ActorProportions(NamedTuple):
+    """Proportions of the actor relative to the posed body."""
+
+    lengths: Array
+    """(F or 1,) clavicle length ratio, actor to body, both relative to the shoulders' breadth, 1 at most."""
+    rests: Array
+    """(2, 3) rest directions of the actor's clavicles in the thorax."""
+    hips: Array
+    """(F or 1,) hip breadth ratio, actor to body, both relative to the legs' length, 1 at most."""
+    lines: Array
+    """(F, 2) lateral direction across the feet, as in ``NormalizedMotion.across``."""
+    limbs: Array
+    """(4,) upper bone as a fraction of each of the actor's limbs."""
+
+
+class FrameProportions(NamedTuple):
+    """``ActorProportions`` in one frame."""
+
+    length: float
+    rests: Array
+    hips: float
+    line: Array
+    limbs: Array
+
+
+@allocating_kernel
+def realize_frames(channels, positions, measures, actor, play, out_positions, out_rotations):
+    """Pose a body in every frame (METHOD 3; eq. 2 of K05).
+
+    ``channels`` (F, 89 + 4 K_motion); ``positions`` (K_motion,) along the trunk; ``measures`` (F or 1, 57 + 3 K);
+    ``actor`` the ActorProportions; ``play`` 1 keeps the actor's shifts of hips and head, 0 drops them. Writes (F, K +
+    23, 3) metres and (F, K + 18, 3, 3), motion space.
+    """
+    spine_from, spine_share = sample_spine(positions, measures[0])
+    realize_each(channels, measures, actor, spine_from, spine_share, play, out_positions, out_rotations)
+
+
+@kernel
+def realize_each(channels, measures, actor, spine_from, spine_share, play, out_positions, out_rotations):
+    """Pose all frames with a sampled spine."""
+    for frame in range(channels.shape[0]):
+        row = measures[frame if measures.shape[0] > 1 else 0]
+        pose = Pose(out_positions[frame], out_rotations[frame])
+        length, hips = actor.lengths[frame % actor.lengths.shape[0]], actor.hips[frame % actor.hips.shape[0]]
+        girdle = FrameProportions(length, actor.rests, hips, actor.lines[frame], actor.limbs)
+        realize_frame(channels[frame], row, girdle, spine_from, spine_share, play, pose)
+
+
+@allocating_kernel
+def sample_spine(positions, measures):
+    """Index (K,) of the motion's spine segment below each of a body's K spine segments, and the fraction (K,) to the
+    next.
+
+    Pelvis maps to pelvis and thorax to thorax; segments between are sampled by their position along the trunk, so that
+    arms hang alike on any number of vertebrae. ``positions`` (K_motion,) run from 0 to 1.
+    """
+    count, last = (measures.shape[0] - at.M_SPINE) // 3, positions.shape[0] - 1
+    own, index, share = np.zeros(count), np.zeros(count, np.int64), np.zeros(count)
+    for k in range(1, count):
+        m = at.M_SPINE + 3 * (k - 1)
+        own[k] = own[k - 1] + math.sqrt(measures[m] ** 2 + measures[m + 1] ** 2 + measures[m + 2] ** 2)
+    for k in range(count):
+        position = own[k] / own[count - 1]
+        while index[k] < last and positions[index[k] + 1] <= position + 1e-9:
+            index[k] += 1
+        begin = positions[index[k]]
+        span = positions[index[k] + 1] - begin if index[k] < last else 1.0
+        fraction = min(max((position - begin) / span, 0.0), 1.0)
+        share[k] = fraction if fraction >= 1e-6 else 0.0
+    return index, share
+
+
+@kernel
+def realize_frame(channels, measures, girdle, spine_from, spine_share, play, pose):
+    """Pose one frame; ``girdle`` are the FrameProportions of the actor."""
+    root, pelvis, neck_base, thorax = realize_trunk(channels, measures, girdle, spine_from, spine_share, pose)
+    realize_head(channels, measures, play, neck_base, thorax, pose)
+    for side in range(2):
+        realize_arm(channels, measures, girdle, side, neck_base, thorax, pose)
+        realize_leg(channels, measures, girdle.limbs, side, play, root, pelvis, pose)
+
+
+@small_kernel
+def realize_trunk(channels, measures, girdle, spine_from, spine_share, pose):
+    """Pose pelvis and spine (METHOD 3.1, 3.2); position and rotation of the pelvis and, at the neck base, of the
+    thorax.
+
+    The pelvis segment rotates less where hips are wider than the actor's (``girdle``), so that they stay as near over
+    standing feet; trunk and legs do not follow that rotation.
+    """
+    upright = pelvis_rotation(channels)
+    pelvis = upright if girdle.hips == 1.0 else level_hips(upright, girdle.hips, girdle.line)
+    leg, m = mean_leg_length(measures), at.M_HIP_OFFSET
+    middle = (
+        channels[at.HIPS] * leg,
+        channels[at.HIPS + 1] * leg,
+        channels[at.HIPS + 2] * leg + 0.5 * (measures[at.M_ANKLE_HEIGHT] + measures[at.M_ANKLE_HEIGHT + 1]),
+    )
+    root = write_transformed_point(
+        middle,
+        pelvis,
+        -0.5 * (measures[m] + measures[m + 3]),
+        -0.5 * (measures[m + 1] + measures[m + 4]),
+        -0.5 * (measures[m + 2] + measures[m + 5]),
+        pose.positions[0],
+    )
+    position, rotation = root, pelvis
+    for k in range(spine_from.shape[0]):
+        if k > 0:
+            rotation = compose(upright, spine_rotation(channels, spine_from[k], spine_share[k]))
+        write_rotation(rotation, pose.rotations[k])
+        m = at.M_SPINE + 3 * k
+        position = write_transformed_point(
+            position, rotation, measures[m], measures[m + 1], measures[m + 2], pose.positions[k + 1]
+        )
+    return root, upright, position, rotation
+
+
+@small_kernel
+def level_hips(pelvis, share, line):
+    """Pelvis rotation with the tilt and yaw of its hip line scaled by ``share`` relative to the level ``line`` (2,)
+    across its feet.
+
+    The scaling fades where the feet are turned away from it, or lie on their sides.
+    """
+    own = 1.0 / max(math.hypot(line[0], line[1]), 1e-9)
+    x, y = own * line[0], own * line[1]
+    faces = min(max(line[0] * pelvis[1] + line[1] * pelvis[4], 0.0), 1.0)  # one foot that does is enough
+    fraction = 1.0 - (1.0 - share) * smoothstep(faces)
+    if fraction == 1.0:
+        return pelvis
+    ahead, up = fraction * (x * pelvis[4] - y * pelvis[1]), fraction * pelvis[7]
+    along = math.sqrt(1.0 - ahead * ahead - up * up)
+    return compose(
+        shortest_rotation(pelvis[1], pelvis[4], pelvis[7], along * x - ahead * y, along * y + ahead * x, up), pelvis
+    )
+
+
+@small_kernel
+def mean_leg_length(measures):
+    """Mean length of both legs from hip to ankle, metres."""
+    return 0.5 * (measures[at.M_LEG] + measures[at.M_LEG + 1] + measures[at.M_LEG + 2] + measures[at.M_LEG + 3])
+
+
+@small_kernel
+def pelvis_rotation(channels):
+    """World rotation of the pelvis: heading times the pelvis relative to it."""
+    a = rotation_from_quaternion(channels, at.PELVIS)
+    s, c = sine_and_cosine(channels[at.YAW])
+    return (
+        c * a[0] - s * a[3], c * a[1] - s * a[4], c * a[2] - s * a[5],
+        s * a[0] + c * a[3], s * a[1] + c * a[4], s * a[2] + c * a[5],
+        a[6], a[7], a[8],
+    )  # fmt: skip
+
+
+@small_kernel
+def spine_rotation(channels, index, fraction):
+    """Rotation of a spine segment relative to the pelvis: normalised blend of two neighbours' quaternions."""
+    a = at.SPINE + 4 * (index - 1)
+    ax, ay, az, aw = 0.0, 0.0, 0.0, 1.0
+    if index > 0:
+        ax, ay, az, aw = channels[a], channels[a + 1], channels[a + 2], channels[a + 3]
+    if fraction > 0.0:
+        b = a + 4
+        bx, by, bz, bw = channels[b], channels[b + 1], channels[b + 2], channels[b + 3]
+        flip = -1.0 if ax * bx + ay * by + az * bz + aw * bw < 0.0 else 1.0
+        keep, take = 1.0 - fraction, flip * fraction
+        ax, ay, az, aw = (
+            keep * ax + take * bx,
+            keep * ay + take * by,
+            keep * az + take * bz,
+            keep * aw + take * bw,
+        )
+    scale = 1.0 / math.sqrt(ax * ax + ay * ay + az * az + aw * aw)
+    return rotation_from_quaternion((ax * scale, ay * scale, az * scale, aw * scale), 0)
+
+
+@small_kernel
+def realize_head(channels, measures, play, neck_base, thorax, pose):
+    """Pose neck and head (METHOD 3.3).
+
+    The neck rotates from its own rest in the thorax, because bodies and captures draw it along different lines: the
+    motion carries the rotation over, and not the line. Clavicles likewise.
+    """
+    neck, m = (measures.shape[0] - at.M_SPINE) // 3, at.M_NECK_REST
+    parent = compose(thorax, rotation_from_quaternion(channels, at.NECK))
+    rotation = compose(parent, rotation_with_z_axis(measures[m], measures[m + 1], measures[m + 2]))
+    write_rotation(rotation, pose.rotations[neck])
+    length = measures[at.M_NECK]
+    stray, c = play * length, at.HEAD_SHIFT
+    x, y, z = stray * channels[c], stray * channels[c + 1], stray * channels[c + 2]
+    joint = write_transformed_point(neck_base, rotation, x, y, length + z, pose.positions[neck + 1])
+    rotation = compose(parent, rotation_from_quaternion(channels, at.HEAD))
+    write_rotation(rotation, pose.rotations[neck + 1])
+    write_transformed_point(joint, rotation, 0.0, 0.0, measures[at.M_HEAD], pose.positions[neck + 2])
+
+
+@small_kernel
+def scaled_rotation(channels, column, fraction):
+    """Rotation by ``fraction`` of the shorter angle of the quaternion in four columns of a frame."""
+    x, y, z, w = channels[column], channels[column + 1], channels[column + 2], channels[column + 3]
+    size = math.sqrt(x * x + y * y + z * z)
+    angle = fraction * math.atan2(size, abs(w))
+    scale = math.copysign(math.sin(angle) / max(size, 1e-12), w)
+    return rotation_from_quaternion((scale * x, scale * y, scale * z, math.cos(angle)), 0)
+
+
+@small_kernel
+def clavicle_rotation(channels, measures, girdle, side):
+    """Rotation of a clavicle in the thorax: the actor's rotation from rest applied to the body's own rest, scaled for
+    longer clavicles.
+
+    Its lateral reach is never less than the actor's, whatever its rest. The same rotation takes more breadth from a
+    clavicle that rises at rest than from one that falls, and shoulders that meet tear the skin.
+    """
+    length = girdle.length
+    m, column, out = at.M_CLAVICLE_REST + 3 * side, at.CLAVICLE + 4 * side, 1.0 - 2.0 * side
+    own = rotation_from_quaternion(channels, column)
+    rotation = own if length == 1.0 else scaled_rotation(channels, column, length)
+    rotation = compose(rotation, rotation_with_z_axis(measures[m], measures[m + 1], measures[m + 2]))
+    rest = girdle.rests[side]
+    lost = out * (rest[1] - (own[3] * rest[0] + own[4] * rest[1] + own[5] * rest[2]))
+    reach = out * rotation[5]
+    beyond = out * measures[m + 1] - length * max(lost, 0.0) - reach
+    if beyond <= 0.0:
+        return rotation
+    held = reach + beyond * beyond / (beyond + CLAVICLE_NARROWING)
+    drawn = math.sqrt((1.0 - held * held) / (1.0 - reach * reach))
+    return compose(
+        shortest_rotation(rotation[2], rotation[5], rotation[8], drawn * rotation[2], out * held, drawn * rotation[8]),
+        rotation,
+    )
+
+
+@small_kernel
+def realize_arm(channels, measures, girdle, side, neck_base, thorax, pose):
+    """Pose clavicle, arm and hand (METHOD 3.3, 3.4); the arm lies in the thorax rotated along with the actor's
+    clavicle.
+
+    ``girdle`` is the actor's.
+    """
+    spine_count = (measures.shape[0] - at.M_SPINE) // 3
+    point, segment = spine_count + 3 + 5 * side, spine_count + 2 + 4 * side
+    parent = compose(thorax, rotation_from_quaternion(channels, at.CLAVICLE + 4 * side))
+    m = at.M_COLLAR_BASE + 3 * side
+    collar = write_transformed_point(
+        neck_base, thorax, measures[m], measures[m + 1], measures[m + 2], pose.positions[point]
+    )
+    rotation = compose(thorax, clavicle_rotation(channels, measures, girdle, side))
+    write_rotation(rotation, pose.rotations[segment])
+    write_transformed_point(collar, rotation, 0.0, 0.0, measures[at.M_CLAVICLE + side], pose.positions[point + 1])
+    m = at.M_ARM + 2 * side
+    bones, fraction = (measures[m], measures[m + 1]), girdle.limbs[side]
+    wrist, forearm = realize_limb(side, channels, bones, fraction, parent, point + 1, segment + 1, pose)
+    hand = compose(forearm, rotation_from_quaternion(channels, at.HAND + 4 * side))
+    write_rotation(hand, pose.rotations[segment + 3])
+    m = at.M_HAND + 3 * side
+    write_transformed_point(wrist, hand, measures[m], measures[m + 1], measures[m + 2], pose.positions[point + 4])
+
+
+@small_kernel
+def realize_leg(channels, measures, limbs, side, play, root, pelvis, pose):
+    """Pose leg, foot and toe (METHOD 3.4, 3.5); leg and foot lie in the ``pelvis`` as the actor rotates it.
+
+    ``limbs`` (4,) are the actor's upper bones as fractions of the limbs.
+    """
+    spine_count = (measures.shape[0] - at.M_SPINE) // 3
+    point, segment = spine_count + 13 + 5 * side, spine_count + 10 + 4 * side
+    write_hip(channels, measures, side, play, root, rotation_from_matrix(pose.rotations[0]), pose.positions[point])
+    bones = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
+    ankle, _ = realize_limb(2 + side, channels, bones, limbs[2 + side], pelvis, point, segment, pose)
+    foot = compose(pelvis, rotation_from_quaternion(channels, at.FOOT + 4 * side))
+    toe = compose(foot, rotation_from_quaternion(channels, at.TOE + 4 * side))
+    write_foot(side, measures, ankle, foot, toe, pose)
+
+
+@small_kernel
+def realize_limb(limb, channels, bones, fraction, parent, point, segment, pose):
+    """Pose both bones of an arm (limb 0, 1) or leg (2, 3) from its root ``point`` on; position and rotation at their
+    end.
+
+    ``bones`` are their lengths; ``fraction`` is the actor's upper bone relative to the limb.
+    """
+    length, reach = bones[0] + bones[1], 1.0 - channels[at.LIMB_SLACK + limb]
+    twist = at.LIMB_TWIST + 2 * limb
+    shape = LimbShape(
+        bones,
+        soft_flexion(reach * length, bones),
+        channels[at.LIMB_OFF_PLANE + limb] * length,
+        channels[at.LIMB_BEND + limb],
+        (channels[twist], channels[twist + 1]),
+    )
+    frame = match_bone_lines(
+        compose(parent, rotation_from_quaternion(channels, at.LIMB_FRAME + 4 * limb)), shape, fraction, reach
+    )
+    return place_limb(point, segment, frame, shape, pose)
+
+
+@small_kernel
+def write_hip(channels, measures, side, play, root, pelvis, out_hip):
+    """Write the hip joint (3,) and return it: its position in the pelvis and, for the actor, its shift from there."""
+    m, c, stray = at.M_HIP_OFFSET + 3 * side, at.HIP_SHIFT + 3 * side, play * mean_leg_length(measures)
+    return write_transformed_point(
+        root,
+        pelvis,
+        measures[m] + stray * channels[c],
+        measures[m + 1] + stray * channels[c + 1],
+        measures[m + 2] + stray * channels[c + 2],
+        out_hip,
+    )
+
+
+@small_kernel
+def write_foot(side, measures, ankle, foot, toe, pose):
+    """Pose foot and toe by their rotations, beginning at the ankle."""
+    spine_count = (measures.shape[0] - at.M_SPINE) // 3
+    point, segment = spine_count + 16 + 5 * side, spine_count + 12 + 4 * side
+    write_rotation(foot, pose.rotations[segment])
+    write_rotation(toe, pose.rotations[segment + 1])
+    m = at.M_FOOT + 3 * side
+    joint = write_transformed_point(ankle, foot, measures[m], measures[m + 1], measures[m + 2], pose.positions[point])
+    m = at.M_TOE + 3 * side
+    write_transformed_point(joint, toe, measures[m], measures[m + 1], measures[m + 2], pose.positions[point + 1])

@@ -1,0 +1,90 @@
+"""Root retreat for a leg whose target is too near for the flexion of hip and knee (METHOD 6).
+
+The reachable arc of such a leg curves round its target, so that the residual does not tell the root which way to move:
+to first order the root would move straight to the target, where a planted foot holds it.
+
+Records are those of ``kernels.records``.
+"""
+
+import math
+
+from studio.core.kernels.algebra.vectors import add_vectors, copy_point, copy_points
+from studio.core.kernels.body.parts import limb_parts
+from studio.core.kernels.compiling import kernel
+from studio.core.kernels.limits.root_reach_limit import limit_root_step
+from studio.core.kernels.search.body_placement import pose_body, solve_limbs
+from studio.core.kernels.search.level_step import TASK_MET
+from studio.core.kernels.tasks.goals import end_position, is_position
+from studio.core.kernels.tasks.limb_rows import LIMB_FALLS_SHORT
+from studio.core.kernels.tasks.residuals import residual_of
+from studio.core.kernels.tasks.task import ACTIVE
+
+ROOT_RETREAT_STEPS = 30
+"""Retreat steps at most. Each leaves a third to two thirds of the residual; more than ``TASK_MET`` left over misleads
+the steps that follow.
+"""
+KEPT_RESIDUAL_FRACTION = 0.8
+"""Fraction of the residual that may be left for the retreat to be kept."""
+
+
+@kernel
+def retreat_root(level, problem):
+    """Move the root back from the target of a leg at its limits; True if this level has such a leg.
+
+    Each step is as long as the residual, which is never too far: no point comes nearer to a position by more than its
+    displacement. The state is restored where the residual does not decrease.
+    """
+    tasks, chain, search = problem.tasks, problem.chain, problem.search
+    c = limited_leg_task(level, problem)
+    first = residual_of(c, problem) if c >= 0 else 0.0
+    if first < LIMB_FALLS_SHORT:
+        return False
+    residual = first
+    copy_points(search.state, search.trial_state)
+    for attempt in range(ROOT_RETREAT_STEPS):
+        move_root_back(residual, tasks[c], chain.joint_of_segment[-1], problem)
+        pose_body(problem)
+        solve_limbs(level, problem)
+        residual = residual_of(c, problem)
+        if residual < TASK_MET or (attempt > 0 and residual > first):
+            break
+    if residual > KEPT_RESIDUAL_FRACTION * first:
+        copy_points(search.trial_state, search.state)
+        pose_body(problem)
+        solve_limbs(level, problem)
+    return True
+
+
+@kernel
+def limited_leg_task(level, problem):
+    """Index of the position task that a leg misses for its limits and for which the root may move, -1 for none."""
+    tasks, chain, body = problem.tasks, problem.chain, problem.body
+    limits, root = body.limits, chain.joint_of_segment[-1]
+    if limits.shape[0] == 0 or root < 0:
+        return -1
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
+        limb = row.limbs[0]
+        asks = is_position(row) and row.status == ACTIVE and row.level == level and chain.weights[c, root] > 0.0
+        if asks and limb >= 2 and limits[limb].blocked_task == c:
+            return c
+    return -1
+
+
+@kernel
+def move_root_back(residual, row, root, problem):
+    """Move the root horizontally by ``residual`` metres, away from the target of ``row`` and across its residual,
+    within the reach of planted feet.
+    """
+    body, search, start, pose = problem.body, problem.search, problem.start, problem.pose
+    point, goal = end_position(row, 0, pose), row.goal_positions[0]
+    hip = pose.positions[limb_parts(row.limbs[0], pose.positions.shape[0] - 23)[2]]
+    along = 0.0
+    for axis in range(3):
+        along += (hip[axis] - goal[axis]) * (goal[axis] - point[axis]) / (residual * residual)
+    x, y = hip[0] - goal[0] - along * (goal[0] - point[0]), hip[1] - goal[1] - along * (goal[1] - point[1])
+    scale = residual / max(math.sqrt(x * x + y * y), 1e-9)
+    displacement = limit_root_step(
+        body, start, search.segment_rotations, search.state[root], (scale * x, scale * y, 0.0)
+    )
+    copy_point(add_vectors(search.state[root], displacement), search.state[root])

@@ -1,0 +1,209 @@
+"""Poses of the whole body from the joints' state, and limbs solved on it (METHOD 6).
+
+Records are those of ``kernels.records``.
+"""
+
+from studio.core.kernels.algebra.rotation_tuples import (
+    rotation_from_gibbs,
+    rotation_from_matrix,
+)
+from studio.core.kernels.algebra.vectors import copy_matrix, copy_point
+from studio.core.kernels.body.parts import limb_parts, rotate_part
+from studio.core.kernels.compiling import kernel, small_kernel
+from studio.core.kernels.limbs.legs import place_leg, place_leg_points
+from studio.core.kernels.limbs.limb_tasks import KEEPS_BLEND, NEGLIGIBLE_ERROR, solve_limb
+from studio.core.kernels.limbs.stiffness import carry_leg
+from studio.core.kernels.limits.limb_joint_limits import clamp_joint, is_well_within
+from studio.core.kernels.records import FrameProblem
+from studio.core.kernels.search.joints import pose_arm, pose_limb, pose_point, pose_trunk
+from studio.core.kernels.tasks.area_shapes import engage_area
+from studio.core.kernels.tasks.goals import (
+    has_own_goal,
+    is_considered,
+    is_distance,
+    is_dormant,
+    limb_follows,
+)
+from studio.core.kernels.tasks.residuals import residual_of, update_goals
+from studio.core.kernels.tasks.task import ACTIVE
+
+POINTS_ONLY = 2
+"""Value of ``idle_limbs`` for a limb whose points alone were posed."""
+LIMB_REPEATS = 3
+"""Repetitions of the limbs' solution because a point entered an area or a distance was not shared well."""
+
+
+@small_kernel
+def with_pose(problem, pose):
+    """The same problem with another pose."""
+    return FrameProblem(problem.tasks, problem.areas, problem.chain, problem.body, problem.search, problem.start, pose)
+
+
+@kernel
+def pose_body(problem):
+    """Pose the whole body from the joints' state: trunk in one pass, arms on their clavicles, legs on their ankles."""
+    chain, search, start, pose = problem.chain, problem.search, problem.start, problem.pose
+    pose_trunk(search.state, chain.joint_of_segment, start, search.segment_rotations, pose)
+    for limb in range(4):
+        reset_limb_pose(limb, problem)
+
+
+@kernel
+def reset_limb_pose(limb, problem):
+    """Pose one limb as the unsolved pose has it: arms on their clavicles, legs on their ankles; an idle one by its
+    points.
+    """
+    chain, body, search, start, pose = problem.chain, problem.body, problem.search, problem.start, problem.pose
+    joint_of_segment, state = chain.joint_of_segment, search.state
+    if search.idle_limbs[limb]:
+        search.idle_limbs[limb] = POINTS_ONLY
+        pose_limb_points(limb, problem)
+        return
+    if search.blended_limbs[limb] == KEEPS_BLEND:
+        parent, upper, root = limb_parts(limb, pose.positions.shape[0] - 23)
+        pose_limb(parent, upper, root, 4 * limb, search.blended_rotations, start, pose)
+        return
+    if limb < 2:
+        pose_arm(limb, state, joint_of_segment, start, search.segment_rotations, pose)
+        limit_redundant_limb(limb, state, joint_of_segment, body.limits, pose)
+        return
+    positions, rotations = pose
+    side = limb - 2
+    spine_count = positions.shape[0] - 23
+    thigh = spine_count + 10 + 4 * side
+    joint = joint_of_segment[thigh]
+    if joint_of_segment[joint_of_segment.shape[0] - 1] < 0 and joint_of_segment[0] < 0 and joint < 0:
+        copy_leg(side, start, pose)
+        return
+    place_leg(side, body.measures, body.legs, pose)
+    if joint < 0:
+        return
+    x, y, z = state[joint, 0], state[joint, 1], state[joint, 2]
+    if x != 0.0 or y != 0.0 or z != 0.0:
+        hip = positions[spine_count + 13 + 5 * side]
+        rotate_part(rotation_from_gibbs(x, y, z), thigh, spine_count, hip, positions, rotations)
+    limit_redundant_limb(limb, state, joint_of_segment, body.limits, pose)
+
+
+@kernel
+def pose_limb_points(limb, problem):
+    """Pose the points of a limb that affects only the centre of mass."""
+    body, start, pose, segment_rotations = problem.body, problem.start, problem.pose, problem.search.segment_rotations
+    spine_count = pose.positions.shape[0] - 23
+    if limb < 2:
+        shoulder, rotation = (
+            spine_count + 4 + 5 * limb,
+            rotation_from_matrix(segment_rotations[spine_count + 2 + 4 * limb]),
+        )
+        for bone in range(1, 4):
+            pose_point(shoulder + bone, shoulder, rotation, start, pose.positions)
+        return
+    place_leg_points(limb - 2, body.measures, body.legs, start.positions, pose)
+
+
+@kernel
+def find_idle_limbs(tasks, joint_of_segment, spine_count, out_idle):
+    """Mark limbs (4,) without tasks and joints in the search: their rotations can wait until all is solved.
+
+    Legs on a fixed root are not marked.
+    """
+    stays = joint_of_segment[joint_of_segment.shape[0] - 1] < 0 and joint_of_segment[0] < 0
+    for limb in range(4):
+        _, upper, _ = limb_parts(limb, spine_count)
+        out_idle[limb] = 1 if joint_of_segment[upper] < 0 and (limb < 2 or not stays) else 0
+    for c in range(tasks.shape[0]):
+        for end in range(2):
+            segment = tasks[c].segments[end]
+            if tasks[c].points[end] >= 0 and segment >= spine_count + 2:
+                out_idle[(segment - spine_count - 2) // 4] = 0
+
+
+@kernel
+def limit_redundant_limb(limb, state, joint_of_segment, limits, pose):
+    """Clamp a limb that the search has rotated to its limits."""
+    joint = joint_of_segment[limb_parts(limb, pose.positions.shape[0] - 23)[1]]
+    if limits.shape[0] == 0 or joint < 0:
+        return
+    moves = state[joint, 0] != 0.0 or state[joint, 1] != 0.0 or state[joint, 2] != 0.0
+    if moves and not is_well_within(limb, 0, limits, pose.rotations):
+        clamp_joint(limb, 0, True, True, limits, pose)
+
+
+@kernel
+def copy_leg(side, start, pose):
+    """Copy one leg from the motion, where its hip cannot move."""
+    spine_count = pose.positions.shape[0] - 23
+    for bone in range(5):
+        point = spine_count + 13 + 5 * side + bone
+        copy_point(start.positions[point], pose.positions[point])
+    for bone in range(4):
+        segment = spine_count + 10 + 4 * side + bone
+        copy_matrix(start.rotations[segment], pose.rotations[segment])
+
+
+@kernel
+def solve_limbs(level, problem):
+    """Solve every limb with a task down to ``level``, from the pose of the body.
+
+    The solution is repeated where a point ends in a forbidden area, or a distance is not shared well.
+    """
+    tasks, search, start, pose = problem.tasks, problem.search, problem.start, problem.pose
+    busy, stiff, moving = 0, 0, False
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
+        if is_considered(row) and row.level <= level:
+            moving = moving or not has_own_goal(row)
+            row.engaged = 0
+            for end in range(2):
+                if row.limbs[end] >= 0 and row.status == ACTIVE:
+                    busy |= 1 << row.limbs[end]
+                    stiff |= row.stiff << row.limbs[end]
+    for attempt in range(1 + LIMB_REPEATS):
+        if moving:
+            update_goals(level, False, problem)
+        for limb in range(4):
+            if busy >> limb & 1:
+                if stiff >> limb & 1:
+                    if attempt > 0:
+                        reset_limb_pose(limb, problem)
+                    if limb >= 2:
+                        carry_leg(limb - 2, start, search.segment_rotations, pose)
+                solve_limb(limb, level, problem)
+        if not moving:
+            return
+        update_goals(level, True, problem)
+        if attempt == LIMB_REPEATS:
+            return
+        if engage_areas(level, problem):
+            for limb in range(4):
+                if busy >> limb & 1:
+                    reset_limb_pose(limb, problem)
+        elif not has_unshared_residual(level, problem):
+            return
+
+
+@kernel
+def has_unshared_residual(level, problem):
+    """True if one limb of a distance could not take its part, so that the other has to take more.
+
+    Also true if a limb misses a point of its own body that has moved with it.
+    """
+    tasks = problem.tasks
+    short = False
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
+        if (is_distance(row) or limb_follows(row)) and row.status == ACTIVE and row.level <= level:
+            short = short or residual_of(c, problem) > NEGLIGIBLE_ERROR
+    return short
+
+
+@kernel
+def engage_areas(level, problem):
+    """Engage areas whose points are inside them after all else was solved; True if there are new ones."""
+    tasks = problem.tasks
+    found = False
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
+        if is_dormant(row) and row.status == ACTIVE and row.level <= level:
+            found = engage_area(row, problem.areas[c], problem.pose) or found
+    return found

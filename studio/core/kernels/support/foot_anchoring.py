@@ -1,0 +1,109 @@
+"""Ankles of standing feet, anchored through each contact (METHOD 4).
+
+``states`` (F,) and ``soles`` (F or 1, 6) as in ``kernels.support.sole``.
+"""
+
+import math
+
+import numpy as np
+
+from studio.core.kernels.algebra.medians import geometric_median
+from studio.core.kernels.compiling import allocating_kernel, kernel
+from studio.core.kernels.support.gap_interpolation import interpolate_gaps_smoothly
+from studio.core.kernels.support.sole import HEEL_STANDS, TOE_STANDS, pivot_offsets, sole_height, tip_offset
+
+SMALLEST_SIZE = 1.02
+"""Size of a growing body, relative to its least in a contact, up to which positions count: those it always reaches."""
+
+
+@allocating_kernel
+def anchor_ankles(ankles, feet, states, soles, ground, pitches, reach, out_ankles):
+    """Write ankle targets (F, 3): anchored through every contact, with interpolated corrections in between (METHOD 4).
+
+    ``ankles`` (F, 3) as retargeted, ``feet`` (F, 3, 3) corrected; ``ground`` (F,) height under the foot; ``pitches``
+    (F,) of toes that stand on their tips. Each contact has one anchor: the heel's median position in its longest run
+    (the toe's, if no heel stands). Every other pivot is where the foot is when the contact passes from heel to ball or
+    tip, or back, so that nothing jumps. A foot that grows is anchored where it is while it is small.
+    """
+    count = states.shape[0]
+    shift = np.zeros((count, 3))
+    known = states != 0
+    begin = 0
+    while begin < count:
+        if not known[begin]:
+            begin += 1
+            continue
+        end = begin
+        while end < count and known[end]:
+            end += 1
+        anchor_contact((begin, end), ankles, feet, states, soles, ground, pitches, out_ankles)
+        for frame in range(begin, end):
+            for axis in range(3):
+                shift[frame, axis] = out_ankles[frame, axis] - ankles[frame, axis]
+        begin = end
+    interpolate_gaps_smoothly(shift, known, reach)
+    for frame in range(count):
+        for axis in range(3):
+            out_ankles[frame, axis] = ankles[frame, axis] + shift[frame, axis]
+
+
+@allocating_kernel
+def anchor_contact(span, ankles, feet, states, soles, ground, pitches, out_ankles):
+    """Write ankle targets of one contact, a ``span`` of frames (begin, end excluded), from its anchor in both
+    directions.
+
+    METHOD (6).
+    """
+    begin, end = span
+    first, last = longest_run(states, HEEL_STANDS, begin, end)
+    heel = last > first
+    if not heel:
+        first, last = longest_run(states, TOE_STANDS, begin, end)
+    reach, count, least = np.zeros((last - first, 2)), 0, math.inf
+    for frame in range(first, last):
+        least = min(least, soles[frame if soles.shape[0] > 1 else 0, 0])
+    offsets = np.zeros((3, 3))
+    for frame in range(first, last):
+        sole = soles[frame if soles.shape[0] > 1 else 0]
+        if sole[0] - least > (SMALLEST_SIZE - 1.0) * abs(least):
+            continue
+        pivot_offsets(feet[frame], sole, offsets)
+        for axis in range(2):
+            reach[count, axis] = offsets[0 if heel else 1, axis] + ankles[frame, axis]
+        count += 1
+    anchor = geometric_median(reach[:count])
+    pivots = np.zeros((3, 2))
+    for sweep_direction in range(2):
+        previous, pitched = HEEL_STANDS if heel else TOE_STANDS, False
+        pivots[0 if heel else 1] = anchor
+        frame = first
+        while begin <= frame < end:
+            sole = soles[frame if soles.shape[0] > 1 else 0]
+            pivot_offsets(feet[frame], sole, offsets)
+            rise = tip_offset(feet[frame], sole, pitches[frame], offsets)
+            stands = 2 if pitched or pitches[frame] > 0.0 else 1
+            if states[frame] & HEEL_STANDS and previous & HEEL_STANDS:
+                stands = 0
+            for axis in range(2):
+                out_ankles[frame, axis] = pivots[stands, axis] - offsets[stands, axis]
+                for other in range(3):
+                    if other != stands:
+                        pivots[other, axis] = out_ankles[frame, axis] + offsets[other, axis]
+            out_ankles[frame, 2] = ground[frame] + rise + sole_height(feet[frame], offsets[1, 2], sole)
+            previous, pitched = states[frame], pitches[frame] > 0.0
+            frame += 1 if sweep_direction == 0 else -1
+
+
+@kernel
+def longest_run(states, bit, begin, end):
+    """Frames (first, last excluded) of the longest run in [begin, end) whose states have ``bit``; equal if there is
+    none.
+    """
+    best_first, best_last, first = begin, begin, begin
+    for frame in range(begin, end):
+        if states[frame] & bit:
+            if frame + 1 - first > best_last - best_first:
+                best_first, best_last = first, frame + 1
+        else:
+            first = frame + 1
+    return best_first, best_last

@@ -1,0 +1,191 @@
+"""Restricted areas: the nearest allowed position of a point (METHOD 5, "area")."""
+
+import math
+
+from studio.core.kernels.algebra.rotation_tuples import compose, rotation_from_matrix
+from studio.core.kernels.algebra.vectors import copy_matrix, copy_point
+from studio.core.kernels.compiling import kernel
+from studio.core.kernels.tasks.goals import end_position, interpolate_point
+from studio.core.kernels.tasks.mesh_distance_field import nearest_allowed_in_field
+
+HALF_SPACE_SHAPE, BOX_SHAPE, SPHERE_SHAPE, CYLINDER_SHAPE, TABLE_SHAPE, MESH_SHAPE = 0, 1, 2, 3, 4, 5
+"""Shapes of an area."""
+OUTSIDE_AREA, INSIDE_AREA, ON_AREA_SURFACE = 0, 1, 2
+"""Allowed side of the point."""
+AREA_SHAPE, AREA_SIDE, CENTRE_X, CENTRE_Y, CENTRE_Z, SIZE_X, SIZE_Y, SIZE_Z, AREA_COSINE, AREA_SINE = range(10)
+"""Columns of an area; a half-space has its normal for its size, cosine and sine are those of the heading."""
+AREA_NUMBERS = 10
+"""Number of these columns; the field of a mesh follows (``kernels.tasks.mesh_distance_field``), in the area's own
+space.
+"""
+
+TABLE_EDGE = 0.1
+"""Distance in metres from a table's edge within which its outward direction turns sideways, so that a hand from the
+side does not pop, and from its lower face within which it turns back down.
+"""
+AREA_ENGAGED = 1e-6
+"""Penetration in metres from which an area is engaged."""
+
+
+@kernel
+def set_area_goal(row, area, centre, rotation):
+    """Set the pose of an ``area`` at this frame."""
+    row.goal_distance = row.activation
+    copy_matrix(rotation, row.goal_rotation)
+    place_area(area, centre, row.goal_rotation)
+
+
+@kernel
+def follow_area(row, area, pose):
+    """Move an ``area`` to the point of the own body that it follows, with its heading."""
+    rotation = compose(rotation_from_matrix(pose.rotations[row.segments[1]]), rotation_from_matrix(row.relative))
+    c, s = rotation[0] + rotation[4], rotation[3] - rotation[1]
+    size = max(math.sqrt(c * c + s * s), 1e-9)
+    place_area(area, end_position(row, 1, pose), row.goal_rotation)
+    cosine, sine = area[AREA_COSINE], area[AREA_SINE]
+    area[AREA_COSINE], area[AREA_SINE] = (c * cosine - s * sine) / size, (s * cosine + c * sine) / size
+
+
+@kernel
+def engage_area(row, area, pose):
+    """Engage a task whose point is in its area, with the nearest allowed position as its goal; True if it is."""
+    point = end_position(row, 0, pose)
+    depth, position = nearest_allowed_point(area, point)
+    if depth > AREA_ENGAGED:
+        row.engaged = 1
+        copy_point(interpolate_point(point, position, row.goal_distance), row.goal_positions[0])
+        return True
+    return False
+
+
+@kernel
+def area_residual(row, area, pose):
+    """Distance in metres from its point to the nearest allowed position, which may differ from the goal."""
+    return row.goal_distance * nearest_allowed_point(area, end_position(row, 0, pose))[0]
+
+
+@kernel
+def place_area(area, centre, rotation):
+    """Move an area (10,) to ``centre`` (3,) with the heading of ``rotation`` (3, 3); a centre of NaN leaves it.
+
+    The normal of a half-space is the first column of its rotation.
+    """
+    if math.isnan(centre[0]):
+        return
+    area[CENTRE_X], area[CENTRE_Y], area[CENTRE_Z] = centre[0], centre[1], centre[2]
+    if int(area[AREA_SHAPE]) == HALF_SPACE_SHAPE:
+        area[SIZE_X], area[SIZE_Y], area[SIZE_Z], area[AREA_COSINE], area[AREA_SINE] = (
+            rotation[0, 0],
+            rotation[1, 0],
+            rotation[2, 0],
+            1.0,
+            0.0,
+        )
+    else:
+        area[AREA_COSINE], area[AREA_SINE] = rotation[0, 0], rotation[1, 0]
+
+
+@kernel
+def nearest_allowed_point(area, point):
+    """(distance in metres, (x, y, z)) of the nearest allowed position, 0 if ``point`` (3,) is allowed itself."""
+    x, y, z = point[0] - area[CENTRE_X], point[1] - area[CENTRE_Y], point[2] - area[CENTRE_Z]
+    c, s = area[AREA_COSINE], area[AREA_SINE]
+    x, y = c * x + s * y, c * y - s * x
+    side = int(area[AREA_SIDE])
+    if int(area[AREA_SHAPE]) == MESH_SHAPE:
+        nx, ny, nz = nearest_allowed_in_field(area[AREA_NUMBERS:], x, y, z, side)
+    else:
+        nx, ny, nz = nearest_on_shape(area, x, y, z, side == INSIDE_AREA)
+        if side == ON_AREA_SURFACE and nx == x and ny == y and nz == z:
+            nx, ny, nz = nearest_on_shape(area, x, y, z, True)
+    distance = math.sqrt((nx - x) ** 2 + (ny - y) ** 2 + (nz - z) ** 2)
+    return distance, (area[CENTRE_X] + c * nx - s * ny, area[CENTRE_Y] + s * nx + c * ny, area[CENTRE_Z] + nz)
+
+
+@kernel
+def nearest_on_shape(area, x, y, z, inside):
+    """Nearest position on the allowed side of a shape, in the area's own space."""
+    shape = int(area[AREA_SHAPE])
+    if shape == HALF_SPACE_SHAPE:
+        return nearest_on_half_space(area, x, y, z, inside)
+    if shape == SPHERE_SHAPE:
+        return nearest_on_sphere(x, y, z, 0.5 * area[SIZE_X], inside)
+    if shape == CYLINDER_SHAPE:
+        return nearest_on_cylinder(x, y, z, 0.5 * area[SIZE_X], 0.5 * area[SIZE_Z], inside)
+    return nearest_on_box(
+        x, y, z, 0.5 * area[SIZE_X], 0.5 * area[SIZE_Y], 0.5 * area[SIZE_Z], inside, shape == TABLE_SHAPE
+    )
+
+
+@kernel
+def nearest_on_half_space(area, x, y, z, inside):
+    """Nearest position on the allowed side of the plane through 0 with the normal of an area."""
+    nx, ny, nz = area[SIZE_X], area[SIZE_Y], area[SIZE_Z]
+    length = math.sqrt(nx * nx + ny * ny + nz * nz)
+    nx, ny, nz = nx / length, ny / length, nz / length
+    height = x * nx + y * ny + z * nz
+    wrong = height > 0.0 if inside else height < 0.0
+    if wrong:
+        return x - height * nx, y - height * ny, z - height * nz
+    return x, y, z
+
+
+@kernel
+def nearest_on_sphere(x, y, z, radius, inside):
+    """Nearest position inside, or outside, a sphere about 0; from its centre, upwards."""
+    length = math.sqrt(x * x + y * y + z * z)
+    if (length > radius) if inside else (length < radius):
+        if length < 1e-9:
+            return 0.0, 0.0, radius
+        return x * radius / length, y * radius / length, z * radius / length
+    return x, y, z
+
+
+@kernel
+def nearest_on_cylinder(x, y, z, radius, half, inside):
+    """Nearest position inside, or outside, an upright cylinder about 0."""
+    length = math.sqrt(x * x + y * y)
+    if inside:
+        scale = min(1.0, radius / max(length, 1e-9))
+        return x * scale, y * scale, min(max(z, -half), half)
+    if length >= radius or abs(z) >= half:
+        return x, y, z
+    if radius - length < half - abs(z):
+        scale = radius / max(length, 1e-9)
+        return (x * scale, y * scale, z) if length > 1e-9 else (radius, 0.0, z)
+    return x, y, half if z >= 0.0 else -half
+
+
+@kernel
+def nearest_on_box(x, y, z, a, b, h, inside, upwards):
+    """Nearest position inside, or outside, a box about 0; out of a table upwards, fading at edges and below."""
+    if inside:
+        return min(max(x, -a), a), min(max(y, -b), b), min(max(z, -h), h)
+    if abs(x) >= a or abs(y) >= b or abs(z) >= h:
+        return x, y, z
+    if upwards and h + z > min(TABLE_EDGE, h):
+        return nearest_on_table(x, y, z, a, b, h)
+    left, right, over = a - abs(x), b - abs(y), h - abs(z)
+    if left <= right and left <= over:
+        return (a if x >= 0.0 else -a), y, z
+    if right <= over:
+        return x, (b if y >= 0.0 else -b), z
+    return x, y, (h if z >= 0.0 else -h)
+
+
+@kernel
+def nearest_on_table(x, y, z, a, b, h):
+    """Position out of a table: straight up, near its edge increasingly outwards, away from the opposite inner point.
+
+    It is continuous inside, and at the top and sides, where a point stays.
+    """
+    edge = min(TABLE_EDGE, a, b)
+    inner_x, inner_y = min(max(x, edge - a), a - edge), min(max(y, edge - b), b - edge)
+    below = max(z - TABLE_EDGE, -h)
+    out_x, out_y, up = x - inner_x, y - inner_y, z - below
+    far = (h - below) / up
+    if out_x != 0.0:
+        far = min(far, edge / abs(out_x))
+    if out_y != 0.0:
+        far = min(far, edge / abs(out_y))
+    return inner_x + far * out_x, inner_y + far * out_y, below + far * up

@@ -1,0 +1,48 @@
+"""Restricted areas as rows of numbers for ``kernels.tasks.area_shapes``, and the nearest allowed position
+of a point.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from studio.core.constraints.area import AreaConstraint, AreaShape
+from studio.core.kernels.tasks import area_shapes
+from studio.core.mesh.distance_field import distance_field
+
+FloatArray = NDArray[np.float64]
+
+AREA_ORIGIN = np.zeros(3)
+
+_SHAPES = {
+    AreaShape.HALF_SPACE: area_shapes.HALF_SPACE_SHAPE,
+    AreaShape.BOX: area_shapes.BOX_SHAPE,
+    AreaShape.SPHERE: area_shapes.SPHERE_SHAPE,
+    AreaShape.CYLINDER: area_shapes.CYLINDER_SHAPE,
+    AreaShape.TABLE: area_shapes.TABLE_SHAPE,
+    AreaShape.MESH: area_shapes.MESH_SHAPE,
+}
+
+
+def area_row(constraint: AreaConstraint, centre: FloatArray = AREA_ORIGIN, heading: float = 0.0) -> FloatArray:
+    """Row (10,) of an area for ``kernels.tasks.area_shapes``, followed by its distance field for a mesh.
+
+    The kernel moves it frame by frame (``place_area``).
+    """
+    shape, rotation = _SHAPES[constraint.shape], (np.cos(heading), np.sin(heading))
+    side = (
+        area_shapes.ON_AREA_SURFACE
+        if constraint.on_surface
+        else area_shapes.INSIDE_AREA
+        if constraint.inside
+        else area_shapes.OUTSIDE_AREA
+    )
+    row = np.array([shape, side, *centre, *constraint.size, *rotation], dtype=np.float64)
+    if constraint.shape is not AreaShape.MESH or constraint.mesh is None:
+        return row
+    return np.concatenate([row, distance_field(constraint.mesh)])
+
+
+def nearest_allowed_position(constraint: AreaConstraint, point: ArrayLike) -> FloatArray:
+    """Nearest allowed position (3,) in metres of ``point`` (3,) for a fixed area."""
+    row = area_row(constraint, np.array(constraint.centre), float(np.array(constraint.heading)))
+    return np.array(area_shapes.nearest_allowed_point(row, np.array(point, dtype=np.float64))[1])

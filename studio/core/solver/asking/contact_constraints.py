@@ -1,0 +1,142 @@
+"""Contacts of hands, knees and seat as constraints above all of the user's."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import AnyMorphology, at_frames
+from studio.core.captures.contacts import ContactPoint
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.base import BodyPoint, Chain, Constraint
+from studio.core.constraints.orientation import OrientationConstraint
+from studio.core.constraints.position import PositionConstraint
+from studio.core.kernels import layout as at
+from studio.core.kernels import records
+from studio.core.kernels.support.body_settling import place_arms
+from studio.core.single import PoseArray
+from studio.core.solver.asking.task_rows import TaskRecords
+from studio.core.solver.standing.blends import release_weight
+from studio.core.solver.standing.body_support import GroundContact, track_of
+from studio.core.solver.standing.footing import Footing
+from studio.core.solver.standing.settling import ArmStance
+
+FloatArray = NDArray[np.float64]
+
+CONTACT_CHAIN = Chain(trunk=1.0, root=1.0)
+HAND_CHAIN = Chain(clavicle=0.0, end_segment=1.0)
+CONTACT_ACTIVATION = ActivationCurve(0.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class ContactConstraint:
+    """Generated constraint, the frames of its contact (F,), and the positions (F, 3) and rotations (F, 3, 3) that it
+    keeps.
+    """
+
+    constraint: Constraint
+    standing: NDArray[np.bool_]
+    places: FloatArray
+    turns: FloatArray
+
+
+def contact_constraints(
+    holds: Sequence[GroundContact], footing: Footing, body: AnyMorphology, positions: PoseArray, rotations: PoseArray
+) -> list[ContactConstraint]:
+    """Constraints that keep all contacts where the grounded body has them, ``positions`` (F, P, 3), ``rotations``.
+
+    A leg in contact at knee and foot keeps both: a hip at its limits would rotate the one about the other.
+    """
+    found = []
+    for hold in holds:
+        place = track_of(hold.point, body, positions)
+        rotation = rotations[:, body.layout.segment(_part(hold.point, "hand"))] if hold.point.member == "hand" else None
+        rotation_matrices = np.broadcast_to(np.eye(3), (len(place), 3, 3)) if rotation is None else rotation
+        point = _body_point(hold.point, body)
+        name, standing = f"{hold.point.words} contact", hold.standing
+        found.append(
+            ContactConstraint(
+                PositionConstraint("", name, point, CONTACT_CHAIN, 0, CONTACT_ACTIVATION),
+                standing,
+                place,
+                rotation_matrices,
+            )
+        )
+        if rotation is not None:
+            hand = BodyPoint(_part(hold.point, "hand"))
+            found.append(
+                ContactConstraint(
+                    OrientationConstraint("", name, hand, HAND_CHAIN, 0, CONTACT_ACTIVATION),
+                    standing,
+                    place,
+                    rotation_matrices,
+                )
+            )
+        both = standing & (footing.states[hold.point.side] != 0)
+        if hold.point.member == "knee" and both.any():
+            ankle = BodyPoint(_part(hold.point, "shank"), at_end=True)
+            place = positions[:, body.layout.ankle(hold.point.side)]
+            found.append(
+                ContactConstraint(
+                    PositionConstraint("", name, ankle, CONTACT_CHAIN, 0, CONTACT_ACTIVATION),
+                    both,
+                    place,
+                    rotation_matrices,
+                )
+            )
+    return found
+
+
+def _part(point: ContactPoint, bone: str) -> BodyPart:
+    return BodyPart(f"{('left', 'right')[point.side]}_{bone}")
+
+
+def _body_point(point: ContactPoint, body: AnyMorphology) -> BodyPoint:
+    if point is ContactPoint.SEAT:
+        middle = body.rows[0, at.M_HIP_OFFSET : at.M_LEG].reshape(2, 3).mean(axis=0)
+        return BodyPoint(BodyPart.PELVIS, tuple(middle.tolist()))
+    return BodyPoint(_part(point, "forearm" if point.member == "hand" else "thigh"), at_end=True)
+
+
+def write_contact_targets(rows: TaskRecords, held: Sequence[ContactConstraint], window: slice) -> None:
+    """Write the targets of contact constraints, the first of the packed tasks, in the frames of ``window``."""
+    for row, each in enumerate(held):
+        rows.positions[row], rows.rotations[row] = each.places[window], each.turns[window]
+
+
+def release_hands(
+    arms: ArmStance,
+    holds: Sequence[GroundContact],
+    body: AnyMorphology,
+    channels: FloatArray,
+    frame_rate: float,
+    window: slice,
+    positions: FloatArray,
+    rotations: FloatArray,
+) -> None:
+    """Blend arms that are about to touch the ground, or have just left it, between their constraints and their
+    contacts.
+
+    ``positions`` (F, P, 3) and ``rotations`` of the window's frames, in place.
+    """
+    layout = body.layout
+    wrists, hands = arms.wrists[:, window].copy(), arms.hands[:, window].copy()
+    soft_thresholds = np.zeros(wrists.shape[:2])
+    for hold in holds:
+        if hold.point.member != "hand":
+            continue
+        side = hold.point.side
+        firm = (1.0 - release_weight(hold.standing, frame_rate))[window]
+        leaving = (firm > 0.0) & (firm < 1.0)
+        soft_thresholds[side, leaving] = arms.soft_thresholds[side, window][leaving]
+        own = positions[:, layout.wrist(side)]
+        wrists[side] = own + firm[:, None] * (wrists[side] - own)
+        turned = rotations[:, layout.spine_count + 5 + 4 * side]
+        apart = Rotation.from_matrix(hands[side] @ np.swapaxes(turned, 1, 2)).as_rotvec()
+        hands[side] = Rotation.from_rotvec(firm[:, None] * apart).as_matrix() @ turned
+    bends = np.ascontiguousarray(arms.bends[:, window])
+    stance = records.ArmTargets(channels, soft_thresholds, wrists, hands, bends)
+    place_arms(at_frames(body.rows, window), stance, positions, rotations)

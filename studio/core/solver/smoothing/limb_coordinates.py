@@ -1,0 +1,92 @@
+"""Swing-twist coordinates of limb joints: their means are rotations again, within the joints' limits (METHOD (37)).
+
+A joint with limits has its angles about the middles of the limits (``kernels.limits.swing_twist_coordinates``). The
+limits are convex there, so that the path from one side of a shoulder to the other leads through its front. Joints
+without limits have quaternions.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.canonical import BodyLayout
+from studio.core.kernels.limits.swing_twist_coordinates import (
+    clamp_limb_angles,
+    write_limb_angles,
+    write_limb_rotations,
+    write_rotations_from_angles,
+)
+from studio.core.rotations import from_matrix, sign_continuous, to_matrix
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+LIMB_SEGMENTS = np.array([[3, 4, 5, 5], [7, 8, 9, 9], [10, 11, 12, 13], [14, 15, 16, 17]])
+"""Segments of arms and legs after those of the spine, four a limb: a hand stands in for the missing toe of an arm."""
+ALL_LIMBS = np.ones(4, dtype=np.int64)
+
+
+class LimbCoordinates:
+    """Coordinates of the 16 limb joints about their unsolved rotations in F frames."""
+
+    def __init__(
+        self, layout: BodyLayout, unsolved: FloatArray, limits: NDArray[np.void], limbs: IntArray = ALL_LIMBS
+    ) -> None:
+        """``unsolved`` rotations (F, S, 3, 3); ``limits`` (4,) of ``kernels.limits.limb_joint_limits``, or none.
+
+        Joints of other limbs than ``limbs`` (4,) stay unchanged.
+        """
+        self._limbs, self._limits = limbs, limits
+        self._segments = (layout.spine_count + LIMB_SEGMENTS).ravel()
+        self._carriers = np.array(layout.parent_segments())[self._segments]
+        self._unsolved = self.turns_of(unsolved)
+        self._own = self._angles(self._unsolved)
+
+    @property
+    def unturned(self) -> FloatArray:
+        """Coordinates (F, 16, n) of the unsolved rotations."""
+        return self.values(self._unsolved)
+
+    def turns_of(self, rotations: FloatArray) -> FloatArray:
+        """Joint rotations (F, 16, 3, 3) of poses."""
+        rotation_matrices = np.empty((len(rotations), 16, 3, 3))
+        write_limb_rotations(self._carriers, self._segments, rotations, rotation_matrices)
+        return rotation_matrices
+
+    def values(self, rotation_matrices: FloatArray, beside: FloatArray | None = None) -> FloatArray:
+        """Coordinates (F, 16, n) of joint rotations (F, 16, 3, 3) relative to the unsolved ones; signs follow
+        ``beside``.
+        """
+        if len(self._limits):
+            return self._angles(rotation_matrices) - self._own
+        quaternions, joints = np.zeros((*rotation_matrices.shape[:2], 4)), np.flatnonzero(np.repeat(self._limbs, 4))
+        quaternions[..., 3] = 1.0
+        quaternions[:, joints] = from_matrix(
+            np.swapaxes(self._unsolved[:, joints], 2, 3) @ rotation_matrices[:, joints]
+        )
+        if beside is None:
+            return sign_continuous(quaternions)
+        return np.where((quaternions * beside).sum(axis=-1, keepdims=True) < 0.0, -quaternions, quaternions)
+
+    def turns(self, values: FloatArray) -> FloatArray:
+        """Joint rotations of coordinates."""
+        if not len(self._limits):
+            length = np.linalg.norm(values, axis=-1, keepdims=True)
+            return np.ascontiguousarray(self._unsolved @ to_matrix(values / length))
+        rotation_matrices = self._unsolved.copy()
+        write_rotations_from_angles(self._limbs, self._own + values, self._limits, rotation_matrices)
+        return rotation_matrices
+
+    def within(self, values: FloatArray) -> FloatArray:
+        """Coordinates clamped to the limits, or to the motion itself."""
+        if not len(self._limits):
+            return np.asarray(values / np.linalg.norm(values, axis=-1, keepdims=True))
+        angles = self._own + values
+        clamp_limb_angles(self._limbs, self._own, self._limits, angles)
+        return angles - self._own
+
+    def _angles(self, rotation_matrices: FloatArray) -> FloatArray:
+        """Angles (F, 16, 3) in radians about the middles of limits, zero without limits."""
+        angles = np.zeros(rotation_matrices.shape[:-1])
+        if len(self._limits):
+            write_limb_angles(self._limbs, rotation_matrices, self._limits, angles)
+        return angles

@@ -1,0 +1,398 @@
+"""Inertialised transition of a grounded motion from the previous pose of a body.
+
+Grounding looks ahead: footprints, root height and arm clearance depend on later frames. So the motion that takes over
+is grounded by itself, as smoothly as ever, and the difference to the previous pose decays on top of it, as in
+``normalized.transition``: of the root, of every joint, and of feet over the ground. A standing foot keeps its contact
+until it is lifted; one in the air lands where its own motion does.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.morphology import AnimatedMorphology, sole_rows
+from studio.core.captures.contacts import FOOT_POINTS
+from studio.core.kernels import layout as at
+from studio.core.kernels.limbs.legs import required_root_lowering
+from studio.core.kernels.solve_clip import place_frames
+from studio.core.normalized.differences import rotation_vectors
+from studio.core.normalized.encode import encode
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.transition import SHORTEST, halts_of, pace_left, place_left, seconds_of
+from studio.core.rotations import from_matrix, sign_continuous
+from studio.core.solver.standing.blends import smooth_drops
+from studio.core.solver.standing.footing import Footing, foot_contacts, leg_extensions
+from studio.core.solver.standing.held_foot import FootPath, HeldFoot, turned
+from studio.core.solver.standing.stepping import FootFlight, carrying, flights_of, states_of
+from studio.core.solver.standing.tipping import depths_of, out_of_ground, seen_coming
+
+if TYPE_CHECKING:
+    from studio.core.solver.standing.stand import Standing
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Stance:
+    """Last two frames of a body before a transition, without constraints.
+
+    ``positions`` (2, P, 3), ``rotations`` (2, S, 3, 3); ``ankles`` (2, 2, 3), ``feet`` and ``toes`` (2, 2, 3, 3) of
+    each side in each frame; ``states`` (2,) of contacts in both, ``soft_thresholds`` (2,) of the last footing;
+    ``peaks`` (S,) and ``root_peak`` of the previous motion.
+    """
+
+    positions: FloatArray
+    rotations: FloatArray
+    ankles: FloatArray
+    feet: FloatArray
+    toes: FloatArray
+    states: NDArray[np.int64]
+    soft_thresholds: FloatArray
+    peaks: FloatArray
+    root_peak: float
+
+    @classmethod
+    def of(cls, standing: "Standing", frames: NDArray[np.int64]) -> "Stance":
+        """Stance in the last two of ``frames``."""
+        rows, footing = frames[-2:], standing.footing
+        legs = footing.ankles[:, rows, :3], footing.feet[:, rows], footing.toes[:, rows]
+        stood = footing.states[:, rows[0]] & footing.states[:, rows[-1]]  # what comes down only now still moves
+        known = stood, footing.soft_thresholds[:, rows[-1]], standing.peaks
+        return cls(standing.positions[rows], standing.rotations[rows], *legs, *known, standing.root_peak)
+
+    @classmethod
+    def last_of(cls, standing: "Standing") -> "Stance":
+        """Stance in the last two frames."""
+        last = standing.motion.frame_count - 1
+        return cls.of(standing, np.array([max(last - 1, 0), last]))
+
+    @classmethod
+    def before(cls, standing: "Standing", first: int) -> "Stance":
+        """Stance in two frames extrapolated before ``first``."""
+        rows, footing = [first, min(first + 1, standing.motion.frame_count - 1)], standing.footing
+        places = standing.positions[rows], *footing.ankles[:, rows, :3]
+        rotation_matrices = standing.rotations[rows], *footing.feet[:, rows], *footing.toes[:, rows]
+        positions, *ankles = (np.stack([3.0 * now - 2.0 * then, 2.0 * now - then]) for now, then in places)
+        rotations, *legs = (_turned_back(*each) for each in rotation_matrices)
+        known = footing.states[:, first], footing.soft_thresholds[:, first], standing.peaks
+        stance = np.array(ankles), np.array(legs[:2]), np.array(legs[2:])
+        return cls(positions, rotations, *stance, *known, standing.root_peak)
+
+
+def led_from(standing: "Standing", first: int, seen: Stance, seconds: float = 0.0) -> "Standing":
+    """``standing`` from frame ``first`` on, inertialised from the previous stance ``seen`` in ``seconds``.
+
+    0 takes as many as the joints need.
+    """
+    change = _Change(standing, first, seen, Stance.before(standing, first), seconds)
+    positions, rotations = standing.positions[:].copy(), standing.rotations[:].copy()
+    bases = [change.held_foot(side, flight) for side, flight in enumerate(change.flights)]
+    near = change.lead_body(np.mean([each.carries for each in bases], axis=0), positions, rotations)
+    positions[first:, :, 2] += change.carried(bases, positions)[:, None]
+    motion = _with_limbs(standing, near, positions, rotations)
+    footing = change.footing(motion, bases, positions, rotations)
+    drops = np.zeros(motion.frame_count)
+    drops[first:] = change.drops(motion, footing, positions, rotations)
+    place_frames(standing.morphology.rows, drops, footing.legs(motion), positions, rotations)
+    positions[:first], rotations[:first] = seen.positions[1], seen.rotations[1]
+    others = [each for each in standing.contacts if each.point not in FOOT_POINTS]
+    touching = np.append(np.zeros(first), 1.0 - place_left(change.times, change.seconds))
+    return replace(
+        standing,
+        motion=motion,
+        contacts=(*others, *foot_contacts(footing.states)),
+        footing=footing,
+        positions=positions,
+        rotations=rotations,
+        self_contact=standing.self_contact and standing.self_contact.led(touching, positions, rotations),
+    )
+
+
+def _with_limbs(standing: "Standing", near: slice, positions: FloatArray, rotations: FloatArray) -> NormalizedMotion:
+    """The motion with limb channels of posed frames ``near`` the transition: knees keep their directions."""
+    body, channels = standing.morphology, standing.motion.channels.copy()
+    still = body.at(near.start) if isinstance(body, AnimatedMorphology) else body
+    limbs = slice(at.LIMB_FRAME, at.HAND)
+    posed = encode(positions[near], rotations[near], still, standing.motion.frame_rate)
+    channels[near, limbs] = posed.channels[:, limbs]
+    return replace(standing.motion, channels=channels)
+
+
+class _LedFoot(NamedTuple):
+    """Path of a foot; ``carries`` (F, 3) its horizontal offset, which the body follows."""
+
+    path: FootPath
+    carries: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class _Change:
+    """Transition to ``standing`` at ``first``: its ``own`` stance before, and the previous one ``seen``."""
+
+    standing: "Standing"
+    first: int
+    seen: Stance
+    own: Stance
+    given: float
+
+    @property
+    def rate(self) -> float:
+        return self.standing.motion.frame_rate
+
+    @cached_property
+    def times(self) -> FloatArray:
+        """Seconds (F,) after the previous pose."""
+        return np.arange(1, self.standing.motion.frame_count - self.first + 1) / self.rate
+
+    @cached_property
+    def peaks(self) -> FloatArray:
+        """Acceleration peaks (S,) in rad/s2, the greater of both motions."""
+        return np.maximum(self.standing.peaks, self.seen.peaks)
+
+    @cached_property
+    def legs(self) -> FloatArray:
+        """Acceleration peaks (2, 3) of each leg: of the quieter bone, the foot and the toes."""
+        four = self.peaks[self.standing.morphology.layout.spine_count + 10 :].reshape(2, 4)
+        return np.stack([four[:, :2].min(axis=1), four[:, 2], four[:, 3]], axis=1)
+
+    @cached_property
+    def root_peak(self) -> float:
+        """Acceleration peak in rad/s2 of a leg by the root's travel, at most that of the quieter leg."""
+        return min(float(self.legs[:, 0].min()), max(self.standing.root_peak, self.seen.root_peak))
+
+    @property
+    def leg(self) -> float:
+        return self.standing.morphology.leg_length
+
+    @cached_property
+    def turns(self) -> FloatArray:
+        """Rotation vectors (2, S, 3) of each segment in its parent from its own pose to the previous one."""
+        parents = np.array(self.standing.morphology.layout.parent_segments())
+        own, seen = (_in_carriers(each.rotations, parents) for each in (self.own, self.seen))
+        return _ways(own, seen)
+
+    @cached_property
+    def seconds(self) -> float:
+        """Duration of the decay, except for feet."""
+        return self.given or max(seconds_of(np.linalg.norm(self.turns[1], axis=1), self.peaks), self.root_seconds)
+
+    @cached_property
+    def root_seconds(self) -> float:
+        """Duration of the decay of the root's offset."""
+        displacement = np.linalg.norm(self.seen.positions[1, 0] - self.own.positions[1, 0]) / self.leg
+        return self.given or seconds_of(np.array([displacement]), np.array([self.root_peak]))
+
+    def left(self, gaps: FloatArray, peak: float, scale: float = 1.0, seconds: float = 0.0) -> FloatArray:
+        """Remainder (F, N) of ``gaps`` (2, N), the last two differences; ``scale`` converts them to radians."""
+        speed, seconds = (gaps[1] - gaps[0]) * self.rate, seconds or self.seconds
+        halting = float(halts_of(np.array([np.linalg.norm(speed)]) / scale, np.array([peak]), seconds)[0])
+        place, pace = place_left(self.times, seconds), pace_left(self.times, halting)
+        return np.asarray(place[:, None] * gaps[1] + pace[:, None] * speed)
+
+    @cached_property
+    def feet(self) -> tuple[HeldFoot, HeldFoot]:
+        """Both feet, with own and previous paths."""
+        left, right = (self.foot(side) for side in range(2))
+        return left, right
+
+    def foot(self, side: int) -> HeldFoot:
+        """One of ``feet``."""
+        footing, seen, body = self.standing.footing, self.seen, self.standing.morphology.still
+        on, state = slice(self.first, None), int(seen.states[side])
+        own = FootPath(footing.ankles[side, on, :3], footing.feet[side, on], footing.toes[side, on])
+        before = FootPath(seen.ankles[side], seen.feet[side], seen.toes[side])
+        heel = np.array([-body.heel_length[side], 0.0, -body.ankle_height[side]])
+        known = own, footing.states[side, on], before, state, heel, np.asarray(body.foot[side])
+        return HeldFoot(*known, self.legs[side, 1:], self.rate)
+
+    @cached_property
+    def flights(self) -> tuple[FootFlight, ...]:
+        """Flight of each foot to its own position."""
+        displacements = np.array([np.linalg.norm(foot.aside) for foot in self.feet]) / self.leg
+        joints = np.linalg.norm(self.turns[1], axis=1)
+        rotation_matrices = [abs(foot.heading) for foot in self.feet]
+        stepping = [
+            seconds_of(np.array(each), leg[:2])
+            for *each, leg in zip(displacements, rotation_matrices, self.legs, strict=True)
+        ]
+        swinging = [seconds_of(joints[legs], self.peaks[legs]) for legs in self.leg_segments]
+        needed = np.array([stepping, swinging])
+        own = self.standing.footing.states[:, self.first :]
+        return flights_of(own, self.seen.states, displacements, needed, self.given, self.rate)
+
+    @property
+    def leg_segments(self) -> tuple[slice, slice]:
+        legs = self.standing.morphology.layout.spine_count + 10
+        return slice(legs, legs + 4), slice(legs + 4, legs + 8)
+
+    def footing(
+        self, motion: NormalizedMotion, bases: Sequence[_LedFoot], positions: FloatArray, rotations: FloatArray
+    ) -> Footing:
+        """Footing of an inertialised body: swing feet follow the joints of their legs, others their ``bases``."""
+        own, on = self.standing.footing, slice(self.first, None)
+        states, soft_thresholds, ankles = own.states.copy(), own.soft_thresholds.copy(), own.ankles.copy()
+        feet, toes = own.feet[:].copy(), own.toes[:].copy()
+        for side, flight in enumerate(self.flights):
+            states[side, : self.first], states[side, on] = self.seen.states[side], self.states(side, flight)
+            swung = self.swung_foot(side, flight, bases[side].path, positions, rotations)
+            foot = self.above_ground(side, swung, states[side, on])
+            ankles[side, on, :3], feet[side, on], toes[side, on] = foot.ankles, foot.feet, foot.toes
+        soft_thresholds[:, on] += place_left(self.times, self.seconds) * (
+            self.seen.soft_thresholds[:, None] - soft_thresholds[:, on]
+        )
+        _, runs = leg_extensions(motion, states)
+        return replace(
+            own, states=states, soft_thresholds=soft_thresholds, runs=runs, ankles=ankles, feet=feet, toes=toes
+        )
+
+    def states(self, side: int, flight: FootFlight) -> NDArray[np.int64]:
+        """States (F,) of a foot from the transition on."""
+        foot = self.feet[side]
+        return states_of(foot.states, foot.state, flight, round(foot.settling(flight, self.seconds) * self.rate))
+
+    def held_foot(self, side: int, flight: FootFlight) -> _LedFoot:
+        """Path of a foot that keeps its contact until it is lifted, with an offset that decays until it lands."""
+        foot = self.feet[side]
+        if not flight.held:
+            return _LedFoot(foot.own, np.zeros_like(foot.own.ankles))
+        path, carries = foot.path(flight, self.seconds, self.times)
+        if flight.height > 0.0:  # who steps with both feet goes there in one way
+            lands = max(each.lands for each in self.flights if each.height > 0.0)
+            carries = place_left(self.times, lands / self.rate)[:, None] * foot.aside * [1.0, 1.0, 0.0]
+        path.ankles[:, 2] += flight.rise(self.times, self.rate) * self.leg
+        return _LedFoot(path, carries)
+
+    def carried(self, bases: Sequence[_LedFoot], positions: FloatArray) -> FloatArray:
+        """Rise (F,) in metres of the body for standing legs to keep the lengths of their joints.
+
+        Nearly straight knees so move as joints do.
+        """
+        layout, displacements, fractions = self.standing.morphology.layout, [], []
+        for side, (flight, base) in enumerate(zip(self.flights, bases, strict=True)):
+            hips, ankles = (positions[self.first :, point] for point in (layout.hip(side), layout.ankle(side)))
+            off = base.path.ankles - hips
+            below = self.leg_lengths(side, ankles - hips, off) ** 2 - np.sum(off[:, :2] ** 2, axis=1)
+            displacements.append(off[:, 2] + np.sqrt(np.maximum(below, 0.0)))
+            fractions.append(carrying(self.states(side, flight), self.rate))
+        both = np.array(fractions) / (1.0 + fractions[0] * fractions[1])
+        return np.asarray((both * np.array(displacements)).sum(axis=0))
+
+    def leg_lengths(self, side: int, led: FloatArray, off: FloatArray) -> FloatArray:
+        """Length (F,) in metres of a leg whose joints put its ankle at ``led`` (F, 3) from its hip, while its foot is
+        at ``off``.
+
+        It extends to a foot farther aside, by METHOD (11), before the body sinks.
+        """
+        aside, own = (np.sum(each[:, :2] ** 2, axis=1) for each in (off, led))
+        whole, length = self.standing.morphology.still.leg[side].sum(), np.sum(led**2, axis=1)
+        soft_threshold = np.maximum(self.standing.footing.soft_thresholds[side, self.first :], np.sqrt(length) / whole)
+        needed, more = np.sqrt(length + np.maximum(aside - own, 0.0)) / whole, np.maximum(1.0 - soft_threshold, 1e-3)
+        soft = np.minimum(needed, soft_threshold + more * -np.expm1(np.minimum(soft_threshold - needed, 0.0) / more))
+        return np.asarray(whole * soft)
+
+    def drops(
+        self, motion: NormalizedMotion, footing: Footing, positions: FloatArray, rotations: FloatArray
+    ) -> FloatArray:
+        """Root lowering (F,) in metres for legs to reach displaced feet, fading in."""
+        on = slice(self.first, None)
+        rows, needed = self.standing.morphology.rows, np.empty(len(self.times))
+        ankles = footing.ankles[:, on, :3] - positions[on, 0]
+        required_root_lowering(
+            motion.channels[on], rows if len(rows) == 1 else rows[on], rotations[on], ankles,
+            np.ascontiguousarray(footing.soft_thresholds[:, on]), np.ascontiguousarray(footing.states[:, on]), needed,
+        )  # fmt: skip
+        return smooth_drops(needed, self.rate) * (1.0 - place_left(self.times, SHORTEST))
+
+    def swung_foot(
+        self, side: int, flight: FootFlight, base: FootPath, positions: FloatArray, rotations: FloatArray
+    ) -> FootPath:
+        """Path of a swing foot with the joints of its leg, blended with its ``base`` at both ends."""
+        if flight.height > 0.0:
+            return base
+        layout, free = self.standing.morphology.layout, flight.free(self.times, self.rate)[:, None]
+        segment = layout.spine_count + 12 + 4 * side
+        feet, toes = (
+            turned(free * _ways(part, rotations[self.first :, segment + off]), part)
+            for off, part in enumerate((base.feet, base.toes))
+        )
+        ankles = base.ankles + free * (positions[self.first :, layout.ankle(side)] - base.ankles)
+        return FootPath(ankles, feet, toes)
+
+    def above_ground(self, side: int, foot: FootPath, states: NDArray[np.int64]) -> FootPath:
+        """The foot, no deeper in the ground than its own motion."""
+        measures, ground = sole_rows(self.standing.morphology, side), self.standing.ground
+        measures = measures if len(measures) == 1 else measures[self.first :]
+        own = depths_of(self.feet[side].own, measures, ground)
+        deeper = np.maximum(depths_of(foot, measures, ground) - own, 0.0)
+        return out_of_ground(foot, measures, seen_coming(deeper, states != 0, self.rate))
+
+    def lead_body(self, goes: FloatArray, positions: FloatArray, rotations: FloatArray) -> slice:
+        """Displace the root by ``goes`` (F, 3), and add the remaining differences to root and joints, in place.
+
+        Legs are placed on their ankles later. Returns the frames of the transition.
+        """
+        layout = self.standing.morphology.layout
+        parents, proximal = layout.parent_segments(), layout.proximal_points()
+        gaps = self.seen.positions[:, 0] - self.own.positions[:, 0] - goes[0]
+        goes = goes + self.left(gaps, self.root_peak, self.leg, self.root_seconds)
+        near = slice(self.first, self.first + int(np.searchsorted(self.times, self.seconds, "right")) + 1)
+        led = _Led(positions[near].copy(), rotations[near].copy(), positions[near], rotations[near])
+        count = len(led.places)
+        led.places[:, 0] += goes[:count]
+        seconds = np.zeros(len(self.peaks))  # a leg in the air has until it lands
+        for legs, flight in zip(self.leg_segments, self.flights, strict=True):
+            seconds[legs] = 0.0 if flight.held else flight.seconds
+        for segment in range(len(self.peaks)):
+            left = self.left(self.turns[:, segment], float(self.peaks[segment]), 1.0, seconds[segment])[:count]
+            if segment == 0:
+                led.turns[:, 0] = turned(left, led.old_turns[:, 0])
+                continue
+            parent = parents[segment]
+            led.carry(proximal[segment], parent, proximal[parent])
+            local = np.swapaxes(led.old_turns[:, parent], 1, 2) @ led.old_turns[:, segment]
+            led.turns[:, segment] = led.turns[:, parent] @ turned(left, local)
+        hands = [(layout.wrist(side) + 1, layout.spine_count + 5 + 4 * side) for side in range(2)]
+        toes = [(layout.ankle(side) + 2, layout.spine_count + 13 + 4 * side) for side in range(2)]
+        for end, segment in ((layout.head_end, layout.spine_count + 1), *hands, *toes):
+            led.carry(end, segment, proximal[segment])
+        positions[near.stop :] += goes[count:, None]
+        return near
+
+
+@dataclass(frozen=True, eq=False)
+class _Led:
+    """Frames of a body before the transition, and the inertialised ones, which are written."""
+
+    old_places: FloatArray
+    old_turns: FloatArray
+    places: FloatArray
+    turns: FloatArray
+
+    def carry(self, point: int, segment: int, origin: int) -> None:
+        """Write a point that moves with its parent segment about ``origin``."""
+        arm = self.old_places[:, point] - self.old_places[:, origin]
+        rotation = self.turns[:, segment] @ np.swapaxes(self.old_turns[:, segment], 1, 2)
+        self.places[:, point] = self.places[:, origin] + (rotation @ arm[:, :, None])[:, :, 0]
+
+
+def _turned_back(now: FloatArray, then: FloatArray) -> FloatArray:
+    """Rotations (2, ..., 3, 3) two frames and one frame before ``now``, extrapolated from ``then``, one frame later."""
+    back = now @ np.swapaxes(then, -1, -2)
+    return np.stack([back @ back @ now, back @ now])
+
+
+def _in_carriers(rotations: FloatArray, parents: NDArray[np.int64]) -> FloatArray:
+    """Rotations (N, S, 3, 3) in the axes of the parents, of the pelvis in the world."""
+    local = rotations[:].copy()
+    local[:, 1:] = np.swapaxes(rotations[:, parents[1:]], 2, 3) @ rotations[:, 1:]
+    return np.asarray(local)
+
+
+def _ways(own: FloatArray, led: FloatArray) -> FloatArray:
+    """Rotation vectors (F, ..., 3) from ``own`` (F, ..., 3, 3) to ``led``, continuous backwards from the last frame."""
+    rotation_matrices = sign_continuous(from_matrix(led @ np.swapaxes(own, -1, -2))[::-1])[::-1]
+    return rotation_vectors(rotation_matrices * np.where(rotation_matrices[-1, ..., 3:] < 0.0, -1.0, 1.0))

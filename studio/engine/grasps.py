@@ -1,0 +1,92 @@
+"""Moments in which captured hands hold a thing: where it is, and how high."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.canonical import BodyPart
+from studio.core.captures.contacts import Touch
+from studio.core.project import Project
+from studio.core.stage.holding import REACHING
+from studio.core.stage.prop import Carried, Prop
+from studio.engine.performance import Posed, Results, posed_performers, stage_time
+
+FloatArray = NDArray[np.float64]
+SAMPLES = 16
+"""Moments of a grasp at which the height of the hands is looked at."""
+
+
+@dataclass(frozen=True)
+class Grasp:
+    """A moment in which the motion of a body holds a thing, seconds of the stage, and the body then.
+
+    ``lowest`` is the least height of the middle of its hands above the ground while it holds it, in metres.
+    """
+
+    seconds: float
+    holder: Posed
+    lowest: float
+
+    def lift(self, prop: Prop) -> float:
+        """Metres by which the prop is held above the middle of the hands, for it not to go into the ground."""
+        return max(prop.size[2] / 2 - self.lowest, 0.0)
+
+
+def grasp_near(project: Project, results: Results, performer_id: str, now: float) -> Grasp | None:
+    """The grasp of a performer at a second of the stage, else the next one, else the last."""
+    spans = captured_grasps(project, performer_id)
+    if not spans:
+        return None
+    first, last = next((span for span in spans if now <= span[1]), spans[-1])
+    return _grasp(project, results, performer_id, (first, last), max(first, now) if now <= last else first)
+
+
+def grasp_at(project: Project, results: Results, performer_id: str, now: float) -> Grasp | None:
+    """The grasp of a performer at a second of the stage, or as soon as hands reach a thing from then."""
+    for first, last in captured_grasps(project, performer_id):
+        if first - REACHING <= now <= last:
+            return _grasp(project, results, performer_id, (first, last), max(first, now))
+    return None
+
+
+def _grasp(
+    project: Project, results: Results, performer_id: str, span: tuple[float, float], seconds: float
+) -> Grasp | None:
+    moments = (seconds, *np.linspace(*span, SAMPLES).tolist())
+    posed = [posed_performers(project, results, moment).get(performer_id) for moment in moments]
+    holders = [each for each in posed if each is not None]
+    if len(holders) < len(moments):
+        return None
+    places = np.array([captured_grasp(each) for each in holders])
+    return Grasp(seconds, holders[0], float((places[:, 2] - project.ground.height_at(places)).min()))
+
+
+def captured_grasps(project: Project, performer_id: str) -> list[tuple[float, float]]:
+    """Spans of stage seconds in which a performer's clips, as captured, hold a thing in both hands."""
+    performer = project.performers.get(performer_id)
+    spans = []
+    for clip in performer.clips if performer else ():
+        rate = project.frame_rate_of(clip)
+        for contact in project.contacts_for(performer_id, clip).values():
+            first, last = max(contact.first, clip.first), min(contact.last, clip.last)
+            if contact.point is Touch.HANDS_ON_THING and first < last:
+                begin, end = (stage_time(clip, rate, frame / rate) for frame in (first, last))
+                spans.append((begin, end))
+    return sorted(spans)
+
+
+def chest_heading(holder: Posed) -> float:
+    """Radians about Z on the stage in which a chest faces."""
+    layout = holder.motion.morphology.layout
+    ahead = holder.placement.rotation @ holder.motion.rotations[holder.row, layout.segment(BodyPart.THORAX), :, 0]
+    return math.atan2(ahead[1], ahead[0])
+
+
+def captured_grasp(holder: Posed) -> FloatArray:
+    """(3,) middle of the hands on the stage, as the motion has them without constraints."""
+    from studio.core.solver.performers.props import Holder  # loads kernels
+
+    track = Holder(holder.over_time, [holder.frame - holder.over_time.first_frame], holder.placement)
+    return np.asarray(track.track(Carried("")).places[0])

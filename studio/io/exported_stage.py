@@ -1,0 +1,133 @@
+"""A whole stage on its way out to one file: all performers and props on one clock, each where it stands."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.errors import StudioError
+from studio.core.mesh.appearance import Material
+from studio.core.mesh.prop_shapes import PROP_COLOUR, Surface, prop_surface
+from studio.core.project import Project
+from studio.core.rotations import from_matrix, sign_continuous
+from studio.core.solver.performers.performing import Performance
+from studio.core.stage.placement import Placement
+from studio.core.stage.prop import Prop
+from studio.io.export import Take, format_for
+from studio.io.export_options import ExportOptions
+from studio.io.registry import Format, Progress
+from studio.io.staged_export import take_of_performer
+
+if TYPE_CHECKING:
+    from studio.core.solver.performers.props import Hands
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ExportedProp:
+    """A prop in every frame: the ``places`` (F, 3) of its centre and its ``rotations`` (F, 4) on the stage."""
+
+    name: str
+    surface: Surface
+    places: FloatArray
+    rotations: FloatArray
+
+    @property
+    def material(self) -> Material:
+        """What it is made of."""
+        return Material(self.name, PROP_COLOUR)
+
+    @property
+    def is_still(self) -> bool:
+        """Whether it never moves."""
+        return not (np.ptp(self.places, axis=0).any() or np.ptp(self.rotations, axis=0).any())
+
+
+@dataclass(frozen=True, eq=False)
+class ExportedStage:
+    """Everybody and everything on a stage, in the same ``frame_count`` frames; names are unique."""
+
+    name: str
+    takes: tuple[Take, ...]
+    props: tuple[ExportedProp, ...]
+    frame_rate: float
+    frame_count: int
+
+    @property
+    def names(self) -> list[str]:
+        """Of all performers, then of all props."""
+        return [*(take.name for take in self.takes), *(prop.name for prop in self.props)]
+
+
+def exported_stage(
+    project: Project, performances: Mapping[str, Performance], options: ExportOptions, path: Path
+) -> ExportedStage:
+    """The stage as it is written to ``path``: at its own frame rate from its first second to its last, or as
+    ``options`` say. Who begins later or ends earlier holds still meanwhile. Raises StudioError.
+    """
+    options.check(path)
+    if not performances:
+        raise StudioError("Nobody who is shown plays anything: there is no stage to export.")
+    timings = {key: each.composite.timing for key, each in performances.items()}
+    rate = options.frame_rate or max(timing.frame_rate for timing in timings.values())
+    begin = min(timing.start for timing in timings.values()) if options.begin is None else options.begin
+    end = max(timing.end for timing in timings.values()) if options.end is None else options.end
+    if end < begin:
+        raise StudioError(f"The stage ends at second {end:.2f}, before the range begins. Choose another range.")
+    seconds = begin + np.arange(int((end - begin) * rate + 1e-6) + 1) / rate
+    names = _unique(
+        [project.performers[key].name for key in performances] + [each.name for each in project.props.values()]
+    )
+    takes = []
+    for (key, performance), name in zip(performances.items(), names, strict=False):
+        take = take_of_performer(project, key, performance, along=options.carries(path))
+        take = replace(take, capture=replace(take.capture, name=name))
+        takes.append(options.applied_over(take, seconds, rate, path))
+    from studio.core.solver.performers.props import Holder  # here: it loads kernels
+
+    hands: dict[str, Hands] = {
+        key: Holder(
+            each.adapted,
+            timings[key].frames_at(seconds) - each.adapted.first_frame,
+            Placement.of(project.performers[key]),
+            timing=timings[key],
+        )
+        for key, each in performances.items()
+    }
+    props = tuple(
+        _prop(name, prop, seconds, hands)
+        for name, prop in zip(names[len(takes) :], project.props.values(), strict=True)
+    )
+    return ExportedStage(path.stem, tuple(takes), props, rate, len(seconds))
+
+
+def write_stage(stage: ExportedStage, path: Path, progress: Progress = lambda share, text: None) -> Format:
+    """Write a stage in the format that the suffix of ``path`` asks for, which is returned. Raises StudioError."""
+    chosen = format_for(path, "stage_writer")
+    chosen.write_stage(path, stage, progress)
+    return chosen
+
+
+def _prop(name: str, prop: Prop, seconds: FloatArray, hands: "Mapping[str, Hands]") -> ExportedProp:
+    from studio.core.solver.performers.props import stage_track
+
+    track = stage_track(prop, seconds, hands)
+    places = np.broadcast_to(track.places, (len(seconds), 3))
+    rotations = sign_continuous(from_matrix(np.broadcast_to(track.rotations, (len(seconds), 3, 3))))
+    return ExportedProp(name, prop_surface(prop), places, rotations)
+
+
+def _unique(names: Iterable[str]) -> list[str]:
+    """The names, with numbers where several are the same."""
+    found: list[str] = []
+    for name in names:
+        unique, number = name, 1
+        while unique in found:
+            number += 1
+            unique = f"{name} {number}"
+        found.append(unique)
+    return found

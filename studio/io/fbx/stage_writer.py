@@ -1,0 +1,56 @@
+"""A whole stage as binary FBX 7.4: a node for each performer with its joints and skin, a mesh for each prop."""
+
+from pathlib import Path
+
+import numpy as np
+
+from studio.io.exported_stage import ExportedProp, ExportedStage
+from studio.io.fbx.binary import element
+from studio.io.fbx.document import WHOLE_SCENE, Document, animated
+from studio.io.fbx.euler import euler_curves
+from studio.io.fbx.take_writer import (
+    CURVES_SHARE,
+    WORLD_TO_FILE,
+    geometry,
+    node,
+    positions_in_file,
+    put_curves,
+    put_material,
+    put_take,
+    write_document,
+)
+from studio.io.registry import Progress
+
+
+def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
+    """Write everybody and everything of a stage, on one clock, where it stands.
+
+    As ``take_writer.write_take``. Raises StudioError when the file cannot be written.
+    """
+    document = Document(stage.name, stage.frame_rate, stage.frame_count)
+    for number, take in enumerate(stage.takes):
+
+        def reported(share: float, number: int = number) -> None:
+            progress(CURVES_SHARE * (number + share) / len(stage.takes), f"Writing {path.name}")
+
+        performer = document.add("Model", take.name, "Null", node(), within=WHOLE_SCENE)
+        document.add("NodeAttribute", take.name, "Null", [element("TypeFlags", "Null")], within=performer)
+        put_take(document, take, performer, reported)
+    for prop in stage.props:
+        _put_prop(document, prop)
+    write_document(path, document, progress)
+
+
+def _put_prop(document: Document, prop: ExportedProp) -> None:
+    places = positions_in_file(prop.places)
+    order, angles = euler_curves(prop.rotations[:, [*WORLD_TO_FILE, 3]])
+    begun = animated("Lcl Translation", places[0]), animated("Lcl Rotation", angles[0])
+    key = document.add("Model", prop.name, "Mesh", node(*begun, order=order), within=WHOLE_SCENE)
+    put_material(document, prop.material, key)
+    surface = prop.surface
+    kinds = np.zeros(len(surface.triangles), np.int32)
+    shape = geometry(surface.vertices, surface.normals, surface.triangles.astype(np.int32), kinds)
+    document.add("Geometry", prop.name, "Mesh", shape, within=key)
+    if not prop.is_still:
+        put_curves(document, key, "Lcl Translation", "T", places)
+        put_curves(document, key, "Lcl Rotation", "R", angles)

@@ -1,0 +1,178 @@
+"""What is measured of a motion adapted to one character."""
+
+import math
+import time
+from collections import Counter
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.morphology import Morphology
+from studio.core.captures.contacts import ContactPoint
+from studio.core.constraints.base import Constraint
+from studio.core.quality.metrics import SLOW, acceleration_ratio, knee_speeds, speed_ratio, worst_of
+from studio.core.solver.adapt import hold
+from studio.core.solver.report import (
+    BLOCKED_BY_CONTACTS,
+    BLOCKED_BY_LIMITS,
+    BLOCKED_BY_NOTHING,
+    BLOCKED_BY_REACH,
+    BLOCKED_BY_SMOOTHING,
+    Report,
+    report_of,
+)
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.standing.stand import Standing, standing_of
+from studio.core.solver.warm_up import warm_up
+from studio.core.stage.placement import Placement
+
+Record = dict[str, Any]
+FloatArray = NDArray[np.float64]
+
+REACHED_MM, REACHED_DEG = 0.2, 0.1
+"""Millimetres and degrees within which a target counts as met."""
+FULLY = 1.0 - 1e-9
+OTHERS = {
+    BLOCKED_BY_NOTHING: None,
+    BLOCKED_BY_CONTACTS: "contacts",
+    BLOCKED_BY_LIMITS: "joint limits",
+    BLOCKED_BY_REACH: "reach",
+    BLOCKED_BY_SMOOTHING: "easing",
+}
+"""Who else than another constraint keeps one from being met."""
+
+
+def character_report(
+    request: AdaptRequest, source: AdaptedMotion, first_frame: int, *, by_frame: bool = False
+) -> tuple[AdaptedMotion, Record]:
+    """The adapted motion from ``first_frame`` on, and the figures that are reported of it."""
+    warm(request.morphology.still)
+    start = time.perf_counter()
+    standing = standing_of(request)
+    adapted = hold(standing, request.constraints, first_frame, None, request.tracks, eased=request.eased)
+    seconds = time.perf_counter() - start
+    record = figures(standing, request, adapted, source, by_frame)
+    return adapted, {**record, "microseconds_per_frame": 1e6 * seconds / adapted.frame_count}
+
+
+def place_record(place: Placement) -> Record:
+    """Where a character stands on the stage: metres along X and Y, degrees about Z."""
+    return {"position": list(place.position), "heading_deg": math.degrees(place.heading)}
+
+
+def figures(
+    standing: Standing, request: AdaptRequest, adapted: AdaptedMotion, source: AdaptedMotion, by_frame: bool
+) -> Record:
+    """What is reported of an adapted motion beside its ``source``."""
+    report = report_of(standing, request, adapted)
+    quality = worst_of(report.slides, report.heights)
+    record: Record = {
+        "slide_mm": 1000.0 * quality.slide,
+        "float_mm": 1000.0 * max(quality.rise, 0.0),
+        "penetration_mm": 1000.0 * max(quality.penetration, 0.0),
+        "acceleration_ratio": acceleration_ratio(adapted, source),
+        "speed_ratio": speed_ratio(adapted, source),
+        "knee_speed_deg": math.degrees(float(report.knee_speeds.max())),
+        "knee_speed_ratio": knee_speed_ratio(report.knee_speeds, adapted.first_frame, source),
+        "mass_margin_mm": _least(1000.0 * report.mass_margins),
+        "constraints": constraint_records(request, adapted, report, by_frame),
+    }
+    if by_frame:
+        record["by_frame"] = frame_records(report)
+    return record
+
+
+@lru_cache(maxsize=16)
+def warm(body: Morphology) -> None:
+    """Have the kernels loaded, so that no time is measured in which they are."""
+    warm_up(body)
+
+
+def frame_records(report: Report) -> Record:
+    """What feet, knees and balance did, a number a frame from the first that was adapted; null where there is none."""
+    slides, depths = 1000.0 * report.slides, 1000.0 * np.maximum(-report.heights, 0.0)
+    return {
+        "slide_mm": {point.value: _numbers(row) for point, row in zip(ContactPoint, slides, strict=True)},
+        "penetration_mm": {point.value: _numbers(row) for point, row in zip(ContactPoint, depths, strict=True)},
+        "knee_speed_deg": {
+            side: _numbers(np.degrees(row)) for side, row in zip(("left", "right"), report.knee_speeds, strict=True)
+        },
+        "mass_margin_mm": _numbers(1000.0 * report.mass_margins),
+    }
+
+
+def constraint_records(request: AdaptRequest, adapted: AdaptedMotion, report: Report, by_frame: bool) -> list[Record]:
+    """For each constraint the frames in which it is asked for fully and in which it is met, its worst miss in them, and
+    in how many of those in which it is missed who kept it from being met.
+
+    Contacts that have its limb keep it from being met as anybody else. With ``by_frame`` also the residual and by whom
+    it was kept off in every frame, null where there is none.
+    """
+    records = []
+    frames = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
+    for row, asked in enumerate(fully_asked(request)[:, frames]):
+        constraint = request.constraints[row]
+        factor = math.degrees(1.0) if constraint.unit == "rad" else 1000.0
+        misses, kept_by = report.misses[row], [_winner(int(code), request.constraints) for code in report.winners[row]]
+        held = asked & (factor * misses <= (REACHED_DEG if constraint.unit == "rad" else REACHED_MM))
+        worst = np.nanmax(misses[asked], initial=-math.inf)
+        record: Record = {"name": constraint.name, "kind": constraint.kind}
+        record |= residual_record(constraint, float(worst) if math.isfinite(worst) else None)
+        record |= {"frames_asked": int(asked.sum()), "frames_held": int(held.sum())}
+        if asked.any():
+            record["reached"] = bool(held.sum() == asked.sum())
+        missed = Counter(kept_by[frame] or OTHERS[BLOCKED_BY_SMOOTHING] for frame in np.flatnonzero(asked & ~held))
+        record["kept_by"] = dict(missed.most_common())
+        if by_frame:
+            told = np.where(asked, misses, adapted.residuals[row])
+            record["by_frame"] = {"residual": _numbers(factor * told), "kept_by": kept_by}
+        records.append(record)
+    return records
+
+
+def _winner(code: int, constraints: Sequence[Constraint]) -> str | None:
+    return constraints[code].name if code >= 0 else OTHERS[code]
+
+
+def _numbers(values: FloatArray) -> list[float | None]:
+    """To a thousandth, with null where there is no number: JSON has none for that."""
+    return [round(value, 3) if math.isfinite(value) else None for value in values.tolist()]
+
+
+def _least(values: FloatArray) -> float | None:
+    known = values[np.isfinite(values)]
+    return float(known.min()) if len(known) else None
+
+
+def residual_record(constraint: Constraint, residual: float | None) -> Record:
+    """A residual (metres or radians, by the constraint's kind) as it is reported; None where there is none."""
+    is_angle = constraint.unit == "rad"
+    shown = None if residual is None else math.degrees(residual) if is_angle else 1000.0 * residual
+    return {
+        "residual_mm": None if is_angle else shown,
+        "residual_deg": shown if is_angle else None,
+        "reached": None if shown is None else shown <= (REACHED_DEG if is_angle else REACHED_MM),
+    }
+
+
+def fully_asked(request: AdaptRequest) -> NDArray[np.bool_]:
+    """(C, F) where each constraint is fully active as its curve has it, whatever stands."""
+    times = request.motion.times
+    return np.array([each.activation.at(times) >= FULLY for each in request.constraints]).reshape(-1, len(times))
+
+
+def knee_speed_ratio(speeds: FloatArray, first: int, source: AdaptedMotion) -> float:
+    """The worse knee's peak of its ``speeds`` (2, F) from the frame ``first`` on, beside the same knee's peak in the
+    source; a popping knee shows here.
+    """
+    ours, theirs = speeds.max(axis=1), source_knee_speeds(source)[:, first : first + speeds.shape[1]].max(axis=1)
+    return float((np.maximum(ours, SLOW) / np.maximum(theirs, SLOW)).max())
+
+
+@lru_cache(maxsize=4)
+def source_knee_speeds(source: AdaptedMotion) -> FloatArray:
+    """``knee_speeds`` of the source: the same for all characters."""
+    return knee_speeds(source)

@@ -1,0 +1,37 @@
+"""Everybody who is shown on a project's stage, adapted."""
+
+from studio.core.body.morphology import Morphology
+from studio.core.captures.capture import Capture
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.normalize import normalize
+from studio.core.project import Project
+from studio.core.solver.adapt import adapt
+from studio.core.solver.performers.performing import Staged, perform
+from studio.core.solver.performers.rows import timing_of
+from studio.core.solver.request import AdaptedMotion
+
+
+def adapted_performers(project: Project) -> dict[str, AdaptedMotion]:
+    """The adapted motion of every visible performer that plays human motions."""
+    return {key: each.adapted for key, each in performances(project).performances.items()}
+
+
+def performances(project: Project) -> Staged:
+    """What is asked and what comes of it, of every visible performer that has a clip, and why some fail."""
+    shown = [key for key, each in project.performers.items() if each.visible and each.clips]
+    made = perform(project, shown, prepared, adapt)
+    return Staged(
+        {key: made.performances[key] for key in shown if key in made.performances},
+        {key: made.failures[key] for key in shown if key in made.failures},
+    )
+
+
+def prepared(capture: Capture) -> tuple[NormalizedMotion, Morphology]:
+    """A capture's motion, and the measures of its actor."""
+    motion, actor = normalize(capture)
+    return motion, actor.morphology
+
+
+def stage_duration(project: Project, performer_id: str) -> float:
+    """Seconds on the stage until a performer's last clip has ended."""
+    return timing_of(project, project.performers[performer_id]).end

@@ -1,0 +1,264 @@
+"""Kernels are compiled or fetched from their cache in the background while the window opens.
+
+They are compiled once a machine, by child processes, ``python -m studio.startup.kernel_warm_up MODULE.FUNCTION ...``,
+which report their function and progress. Drawing a body comes first; then setting bodies on the ground, and in another
+process the solver of constraints, which takes longest.
+"""
+
+import gc
+import math
+import os
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import CancelledError
+from contextlib import ExitStack, contextmanager, suppress
+from importlib import import_module
+from pathlib import Path
+from subprocess import PIPE, Popen
+from typing import TYPE_CHECKING
+
+from studio.io.child_process import child_process
+from studio.startup.process import COLLECTED_AFTER, KERNELS
+from studio.startup.progress import progress_line
+
+if TYPE_CHECKING:
+    from studio.startup.compile_work import CompileWork
+
+LOOKED_AT_EVERY, TOLD_EVERY = 0.1, 0.5
+"""Seconds between two looks at the processes, and between two lines of theirs."""
+LONGEST_HELD = 10.0
+"""Seconds after which what is shown first has failed."""
+PICTURE = ("first_picture.run",)
+STANDING, REST, CONSTRAINTS = "first_run.run_standing", "first_run.run_rest", "first_run.run_constraints"
+SOLVER = ((STANDING, REST), (CONSTRAINTS,))
+"""Functions that each process runs in turn."""
+TOLD_FROM = 0.03
+"""Share of the work whose time is known when the time that is left is told."""
+COMPILED = 0.98
+"""How far it is when all is compiled: then it is fetched."""
+CHILD = (sys.executable, "-m", "studio.startup.kernel_warm_up")
+COMPLETE, LAST_TO_READ = "complete", "normalize.encode_frames-*.nbc"
+"""What stands in a cache that is full, and in one of which a capture has been read."""
+
+
+class WarmUp:
+    """Begins at once; whoever needs a kernel sooner waits for that one only. Stop it before the process ends."""
+
+    def __init__(self, held: bool = False) -> None:
+        """While it is ``held`` other processes compile, but this one is left to what is shown first."""
+        self.cold = is_cold()
+        """Whether there was something to be compiled when it began."""
+        self._stopped, self._ready, self._grounded = threading.Event(), threading.Event(), threading.Event()
+        self._let_go, self._drawable = threading.Event(), threading.Event()
+        if not held:
+            self.go_on()
+        self._shares = dict.fromkeys(SOLVER, 0.0)
+        self._running = {part: part[0] for part in SOLVER}
+        """The function that each process runs now."""
+        self._pace_from: tuple[float, float] | None = None
+        """When it was how far, as the first kernels were there."""
+        # Imported on the thread: numba alone takes a third of a second, which the window need not wait for.
+        self._thread = threading.Thread(target=self._run, name="warm-up", daemon=True)
+        self._thread.start()
+
+    @property
+    def running(self) -> bool:
+        """Whether there is something left to do."""
+        return self._thread.is_alive()
+
+    @property
+    def grounded(self) -> bool:
+        """Whether the kernels are there that set bodies on the ground, before any constraint."""
+        return self._grounded.is_set()
+
+    @property
+    def ready(self) -> bool:
+        """Whether every scene's kernels are there."""
+        return self._ready.is_set()
+
+    def join(self) -> None:
+        """Wait until every scene's kernels are there. Raises CancelledError when they are not to be any more."""
+        self._wait_for(self._ready)
+
+    def join_grounded(self) -> None:
+        """Wait until bodies can be set on the ground. Raises as ``join``."""
+        self._wait_for(self._grounded)
+
+    def join_picture(self) -> None:
+        """Wait until bodies can be drawn without compiling, or nobody is going to see to that."""
+        self._drawable.wait()
+
+    def go_on(self) -> None:
+        """Fetch the kernels, if it was held until now."""
+        self._let_go.set()
+
+    def stop(self, patience: float | None = None) -> None:
+        """End it, and the processes; a kernel that is compiled in this one is waited for, ``patience`` seconds."""
+        self._stopped.set()
+        self._end_waiting()
+        self.go_on()
+        self._thread.join(patience)
+
+    def follow(self, report: Callable[[float, str], None]) -> None:
+        """Report how much of the work is done, and the time that is left, until it is: a job for ``TaskRunner``."""
+        while self.running:
+            report(self.share, self.words)
+            time.sleep(LOOKED_AT_EVERY)
+
+    @property
+    def share(self) -> float:
+        """Share of the work that is done: that of the process which is furthest from its end."""
+        return COMPILED * min(self._shares.values()) if self.cold else 0.5 * self.grounded
+
+    @property
+    def words(self) -> str:
+        """What is told beside the share: nothing where all was compiled before."""
+        if not self.cold:
+            return ""
+        now = time.monotonic(), min(self._shares.values())
+        if self._pace_from is None and now[1] > 0.0:
+            self._pace_from = now  # what comes before, imports above all, is not repeated
+        begun = self._pace_from or now
+        if now[1] - begun[1] < TOLD_FROM:
+            return "once on this machine"
+        left = (1.0 - now[1]) * (now[0] - begun[0]) / (now[1] - begun[1])
+        return f"once on this machine, {math.ceil(left)} s left"
+
+    def _wait_for(self, event: threading.Event) -> None:
+        event.wait()
+        if self._stopped.is_set():
+            raise CancelledError
+
+    def _end_waiting(self) -> None:
+        for event in (self._drawable, self._grounded, self._ready):
+            event.set()
+
+    def _run(self) -> None:
+        try:
+            if self.cold:
+                with self._processes(PICTURE) as running:
+                    self._wait_while(running, lambda: True)
+            self._drawable.set()
+            if self.cold:
+                with self._processes(*SOLVER) as running:
+                    self._wait_while(running, lambda: SOLVER[0] in running and self._running[SOLVER[0]] == STANDING)
+                    self._fetch(STANDING, self._grounded)
+                    self._wait_while(running, lambda: True)
+            self._fetch(STANDING, self._grounded)  # what a process failed in fails here again, and is told
+            self._fetch("first_run.run", self._ready)
+        finally:
+            self._end_waiting()
+        self._fetch(REST)
+        if not self._stopped.is_set() and (folder := os.environ.get("NUMBA_CACHE_DIR")):
+            Path(folder, COMPLETE).touch()
+
+    def _fetch(self, function: str, event: threading.Event | None = None) -> None:
+        """Run a function in this process, once; ``event`` tells others of it."""
+        self._let_go.wait(LONGEST_HELD)
+        if not self._stopped.is_set() and not (event and event.is_set()):
+            run(function)
+            if event is not None:
+                event.set()
+
+    @contextmanager
+    def _processes(self, *parts: Sequence[str]) -> Iterator[dict[Sequence[str], "Popen[bytes]"]]:
+        """Processes that compile, by what they run.
+
+        They are as urgent as this one, which waits for them: of two processors that others keep busy they get half.
+        """
+        with ExitStack() as stack:
+            running = {
+                part: stack.enter_context(child_process((*CHILD, *part), stdout=PIPE, behind=0)) for part in parts
+            }
+            for part, child in running.items():
+                threading.Thread(target=self._listen, args=(part, child.stdout), daemon=True).start()
+            yield running
+
+    def _wait_while(self, running: dict[Sequence[str], "Popen[bytes]"], goes_on: Callable[[], bool]) -> None:
+        """Wait for processes as long as there are any and it ``goes_on``; those that have ended leave ``running``."""
+        while running and goes_on() and not self._stopped.wait(LOOKED_AT_EVERY):
+            for part, child in [*running.items()]:
+                if child.poll() is not None:
+                    del running[part]
+                    self._shares |= {part: 1.0} if part in self._shares else {}
+
+    def _listen(self, part: Sequence[str], lines: Iterable[bytes]) -> None:
+        with suppress(ValueError):  # of a process that is ended the last line is cut, or its stream closed
+            for line in lines:
+                function, share = line.decode().split()
+                if part in self._shares:
+                    self._running[part], self._shares[part] = function, max(float(share), self._shares[part])
+
+
+def compile_first() -> None:
+    """Compile all kernels where there are none yet, and tell on standard error what is waited for and how far it is."""
+    if not is_cold():
+        return
+    tell, warming = progress_line(), WarmUp()
+    try:
+        warming.follow(lambda share, words: tell(share, f"The solver is compiled, {words}"))
+    finally:
+        warming.stop()
+    tell(1.0, "The solver is ready")
+
+
+def tell_what_reading_waits_for() -> None:
+    """Say on standard error that what reads captures is compiled, where it is not there yet: that takes a while."""
+    if is_cold(LAST_TO_READ):
+        print("What reads motions is compiled, once on this machine: some ten seconds.", file=sys.stderr)
+
+
+def is_cold(last: str = COMPLETE) -> bool:
+    """Whether there is something still to be compiled; by itself anything that the warm-up compiles.
+
+    What was compiled before a file of kernels was written (a checkout made anew, say) is not taken by numba.
+    """
+    if (folder := os.environ.get("NUMBA_CACHE_DIR")) is None:
+        return False
+    written = max(file.stat().st_mtime for file in KERNELS.rglob("*.py"))
+    return not any(found.stat().st_mtime >= written for found in Path(folder).rglob(last))
+
+
+def run(function: str) -> None:
+    """Run ``MODULE.FUNCTION`` of this package."""
+    module, name = function.split(".")
+    getattr(import_module(f"studio.startup.{module}"), name)()
+
+
+def main() -> None:
+    """Run some functions in turn, and tell the process that listens how far it is."""
+    gc.set_threshold(*COLLECTED_AFTER)
+    functions = sys.argv[1:]
+    if functions[0] not in PICTURE:
+        threading.Thread(target=_tell, args=(functions, _work_of(functions)), daemon=True).start()
+    while functions:
+        run(functions[0])
+        functions.pop(0)
+
+
+def _work_of(functions: Sequence[str]) -> "CompileWork":
+    """What is compiled for ``CONSTRAINTS``, or for the others."""
+    from studio.core.kernels.solve_clip import solve_frames
+    from studio.startup.compile_work import LINKING, CompileWork, all_kernels, kernels_below
+
+    solver = kernels_below([solve_frames])
+    if CONSTRAINTS in functions:
+        return CompileWork(solver.values(), LINKING)
+    return CompileWork(each for each in all_kernels() if id(each) not in solver)
+
+
+def _tell(functions: list[str], work: "CompileWork") -> None:
+    """Write which of ``functions`` is run, and the share of all work that is done, until the last one has ended."""
+    try:
+        while left := [*functions]:
+            # A lock of print's might be held at Python's end.
+            os.write(sys.stdout.fileno(), b"%s %.3f\n" % (left[0].encode(), work.share_after(time.process_time())))
+            time.sleep(TOLD_EVERY)
+    except BrokenPipeError:
+        os._exit(0)  # whoever listened is gone, and needs no kernels
+
+
+if __name__ == "__main__":
+    main()

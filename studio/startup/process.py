@@ -1,0 +1,157 @@
+"""What a process of the studio sets up before anything else is imported."""
+
+import atexit
+import ctypes
+import faulthandler
+import gc
+import hashlib
+import os
+import platform
+import shutil
+import stat
+import sys
+import tempfile
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from importlib.metadata import version
+from pathlib import Path
+
+import platformdirs
+
+from studio.core.errors import StudioError
+from studio.startup.system_libraries import DRAWING, WINDOW, missing, sentence_about
+
+LARGEST_KEPT, MOST_KEPT = 32 << 20, 256 << 20
+"""Bytes of the largest piece of memory that is kept when it is freed, and of all that is."""
+ARENAS = 2
+"""Heaps that threads share: each keeps what was freed in it, and by itself glibc gives eight to every core."""
+COLLECTED_AFTER = (50_000, 20, 20)
+"""Objects made between two looks at what was lost (``gc.set_threshold``)."""
+_TRIM_THRESHOLD, _MMAP_THRESHOLD, _ARENA_MAX = -1, -3, -8
+MOST_CACHES = 16
+"""Caches of compiled kernels that are kept, of 9 MB each: one for each checkout, machine and version in use."""
+KERNELS = Path(__file__).resolve().parents[1] / "core" / "kernels"
+
+
+def prepare_process() -> None:
+    """Name the folder of compiled kernels, keep memory, let a crash in C++ print every stack, draw without a display.
+
+    Must run before numba and VTK are imported: both read the environment once.
+    """
+    # A window started from a desktop icon may have no standard error; tests watch for crashes by themselves.
+    if sys.stderr is not None and not faulthandler.is_enabled():
+        faulthandler.enable()
+    if "NUMBA_CACHE_DIR" not in os.environ:
+        os.environ["NUMBA_CACHE_DIR"] = str(writable_kernel_cache())
+    # numba colours sentences that nobody reads: a twentieth of compiling where colorama is installed.
+    os.environ.setdefault("NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING", "1")
+    if not has_display():
+        os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+    keep_freed_memory()
+    # Hardly one of the many objects that imports make is ever lost: looking among them costs a tenth of a start.
+    gc.set_threshold(*COLLECTED_AFTER)
+
+
+def keep_freed_memory() -> None:
+    """Let glibc hand out again what was freed instead of giving it back to the system.
+
+    Poses of a clip are a few megabytes. By itself glibc returns them when a clip has been solved and asks for them anew
+    for the next: the pages that the system then has to bring and clear cost more than to retarget the clip.
+    """
+    if (mallopt := _of_glibc("mallopt")) is not None:
+        mallopt(_MMAP_THRESHOLD, LARGEST_KEPT)
+        mallopt(_TRIM_THRESHOLD, MOST_KEPT)
+        mallopt(_ARENA_MAX, ARENAS)
+
+
+def give_back_freed_memory() -> None:
+    """Give the system what was freed and lies between what is still in use; for moments at which much has gone."""
+    if (malloc_trim := _of_glibc("malloc_trim")) is not None:
+        malloc_trim(0)
+
+
+def _of_glibc(name: str) -> Callable[..., int] | None:
+    return getattr(ctypes.CDLL(None), name, None) if sys.platform.startswith("linux") else None
+
+
+def writable_kernel_cache() -> Path:
+    """The lasting cache folder, or a temporary one where the user's folders cannot be written.
+
+    Of all caches the ``MOST_CACHES`` used last are kept.
+    """
+    folder = kernel_cache_folder()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        os.utime(folder)
+    except OSError:
+        return temporary_kernel_cache(folder.name)
+    by_use = sorted((each for each in folder.parent.iterdir() if each.is_dir()), key=lambda each: each.stat().st_mtime)
+    for old in by_use[:-MOST_CACHES]:
+        shutil.rmtree(old, ignore_errors=True)  # one that another user has made stays
+    return folder
+
+
+def temporary_kernel_cache(name: str) -> Path:
+    """A folder of this user alone in the temporary one, the same for all processes.
+
+    numba runs what it finds in its cache: where somebody else has taken the name, or may write there, the folder is one
+    that is made for this process and removed at its end.
+    """
+    shared = Path(tempfile.gettempdir(), f"morpho-studio-kernels-{os.getuid()}")
+    with suppress(OSError):
+        shared.mkdir(mode=0o700, exist_ok=True)
+        found = shared.lstat()
+        if stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & 0o077:
+            (shared / name).mkdir(exist_ok=True)
+            return shared / name
+    folder = tempfile.mkdtemp(prefix="morpho-studio-kernels-")
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return Path(folder)
+
+
+def kernel_cache_folder() -> Path:
+    """The cache folder of exactly these kernels, where they are, for this Python, numba and processor.
+
+    numba looks only at the file a kernel stands in, not at the kernels it calls from other files; a cache per
+    content of the whole package can never answer with old code. A checkout that was moved or copied compiles anew, as
+    numba keeps kernels by their path: a cache of its own says so. So does one for each kind of machine and program that
+    numba would not take kernels over from: a home is shared by several, or outlives them.
+    """
+    cache = Path(platformdirs.user_cache_dir("morpho-studio", appauthor=False))
+    maker = platform.python_version(), version("numba"), version("llvmlite"), processor()
+    where = hashlib.sha256("\0".join((str(KERNELS), *maker)).encode()).hexdigest()[:6]
+    return cache / "kernels" / f"{content_digest(sorted(KERNELS.rglob('*.py')))}-{where}"
+
+
+def processor() -> str:
+    """What the processor is and can do, by which a compiler chooses instructions."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.machine() + platform.processor()
+    return "\n".join(sorted({line for line in lines if line.split("\t")[0] in ("model name", "flags", "Features")}))
+
+
+def content_digest(files: Iterable[Path]) -> str:
+    """Twelve hexadecimal digits that change whenever a name or the content of one of the files does."""
+    digest = hashlib.sha256()
+    for file in files:
+        digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
+    return digest.hexdigest()[:12]
+
+
+def has_display() -> bool:
+    """Whether a window could be seen; on Linux that takes an X or a Wayland display."""
+    if not sys.platform.startswith("linux"):
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def check_libraries(window: bool = False) -> None:
+    """Raise StudioError with what to type where a library of the system is missing for pictures, or for a ``window``.
+
+    To be asked before Qt and VTK, which would end the process.
+    """
+    lacking = missing({**DRAWING, **WINDOW} if window else DRAWING) if sys.platform.startswith("linux") else {}
+    if lacking:
+        raise StudioError(sentence_about(lacking))

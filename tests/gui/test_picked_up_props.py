@@ -1,0 +1,137 @@
+"""Props that are picked up, handed over and dragged: what the hand does is what happens."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from studio.app.verbs.props import add_box
+from studio.core.captures.contacts import ContactInterval, Touch
+from studio.core.mesh.hand_shapes import OPEN
+from studio.core.stage.prop import Carried, Prop
+from studio.engine.performance import posed_performers
+from studio.engine.props import prop_at
+from tests.gui.viewport_use import drag, on_arrow, settle
+from tests.patience import PATIENCE
+
+FIRST = "performer 0"
+PICKED = 0.2
+
+
+def held_box(document, **values):
+    prop_id = document.add("props", Prop("Box", position=(0.9, 0.0, 0.2), **values), "Add")
+    document.selection.set(("performers", FIRST), ("props", prop_id))
+    return prop_id
+
+
+def test_a_box_dragged_at_its_pick_up_frame_is_picked_up_elsewhere(studio):
+    viewport, document, live = studio
+    prop_id = held_box(document, held=Carried(FIRST, (0.3, 0.0, 0.1), begin=PICKED))
+    viewport.frame_selection()
+    settle(viewport)
+    gizmo = viewport.gizmo()
+    begin, end = on_arrow(viewport, "z", 0.7), on_arrow(viewport, "z", 1.3)
+    expected = (gizmo.grip("z", end.x(), end.y()) - gizmo.grip("z", begin.x(), begin.y()))[2]
+    drag(viewport, begin, end)
+    prop = document.project.props[prop_id]
+    assert abs(expected) > 0.05
+    assert prop.position == pytest.approx((0.9, 0.0, 0.2 + expected), abs=1e-6)
+    assert prop.held.offset == (0.3, 0.0, 0.1)
+    posed = posed_performers(document.project, live.result, PICKED)
+    assert prop_at(document.project, posed, prop_id, PICKED).place == pytest.approx(prop.position)
+    document.playhead.set_time(0.45)  # once it is held, a drag moves it between the hands
+    settle(viewport)
+    drag(viewport, on_arrow(viewport, "z", 0.7), on_arrow(viewport, "z", 1.3))
+    later = document.project.props[prop_id]
+    assert later.position == prop.position
+    assert later.held.offset != prop.held.offset
+
+
+def test_hands_open_as_they_come_to_a_prop_and_close_again_when_they_have_left_it(studio):
+    _, document, live = studio
+    held_box(document, held=Carried(FIRST, begin=0.25, end=0.26))
+
+    def grip(time):
+        return posed_performers(document.project, live.result, time)[FIRST].grip(1.0)
+
+    assert grip(0.0) == 1.0
+    assert -1.0 < grip(0.15) < 1.0
+    assert grip(0.25) == OPEN
+    assert grip(0.5) == 1.0
+
+
+def pick_up(window, performer_id, prop_id, time):
+    document = window.bench.document
+    document.selection.set(("performers", performer_id), ("props", prop_id))
+    document.playhead.set_time(time)
+    window.actions_by_id.by_id["pick_up_prop"].trigger()
+
+
+@pytest.fixture
+def played(window, qtbot):
+    document = window.bench.document
+    document.playhead.pause()
+    qtbot.waitUntil(lambda: all(window.bench.live.result(key) for key in document.project.performers), timeout=PATIENCE)
+    return window
+
+
+def test_add_box_puts_it_where_the_capture_holds_a_thing_and_pick_up_takes_it_there(played):
+    document = played.bench.document
+    clip = document.project.performers[FIRST].clips[0]
+    rate = document.project.frame_rate_of(clip)
+    first = clip.last // 2
+    document.add("contacts", ContactInterval(clip.motion_id, Touch.HANDS_ON_THING, first, clip.last), "Add")
+    document.selection.set(("performers", FIRST))
+    document.playhead.set_time(0.0)
+    add_box(played.bench)
+    [prop_id] = document.project.props
+    holder = posed_performers(document.project, played.bench.live.result, first / rate)[FIRST]
+    layout = holder.motion.morphology.layout
+    hands = [layout.wrist(side) + end for side in range(2) for end in range(2)]
+    middle = holder.placement.to_stage(holder.motion.unasked.positions[first, hands].mean(axis=0))
+    assert document.project.props[prop_id].position[:2] == pytest.approx(middle[:2], abs=0.01)
+    document.replace("props", prop_id, replace(document.project.props[prop_id], position=(5.0, 5.0, 0.2)), "Move")
+    pick_up(played, FIRST, prop_id, first / rate)
+    assert document.project.props[prop_id].position[:2] == pytest.approx(middle[:2], abs=0.01)
+    assert document.project.props[prop_id].held.offset[:2] == (0.0, 0.0)
+
+
+def test_a_box_beyond_reach_is_moved_ahead_of_who_picks_it_up_and_a_message_says_so(played):
+    document, said = played.bench.document, []
+    played.bench.said.connect(said.append)
+    prop_id = document.add("props", Prop("Box", position=(4.0, 0.0, 0.2)), "Add box")
+    steps = document.undo_stack.count()
+    pick_up(played, FIRST, prop_id, PICKED)
+    root = posed_performers(document.project, played.bench.live.result, PICKED)[FIRST].points[0]
+    near = np.linalg.norm(np.array(document.project.props[prop_id].position)[:2] - root[:2])
+    assert near < 0.7
+    assert any("beyond reach" in each for each in said)
+    assert document.undo_stack.count() == steps + 1
+    document.undo_stack.undo()
+    assert document.project.props[prop_id].position == (4.0, 0.0, 0.2)
+
+
+def test_who_takes_a_box_face_to_face_leaves_it_its_heading_and_finds_free_places(played, qtbot):
+    document = played.bench.document
+    giver = document.project.performers[FIRST]
+    x, y = giver.position
+    taker = replace(giver, position=(x + 1.1, y), heading=math.pi)
+    other = document.add("performers", taker, "Add")
+    prop_id = document.add("props", Prop("Box", position=(x + 0.5, y, 0.9)), "Add box")
+    pick_up(played, FIRST, prop_id, 0.1)
+    document.selection.clear()
+    qtbot.waitUntil(lambda: played.bench.live.result(other) is not None, timeout=PATIENCE)
+    pick_up(played, other, prop_id, 0.4)
+    one, two = document.project.props[prop_id].holds
+    assert abs(math.remainder(two.heading - one.heading - math.pi, 2 * math.pi)) < 1e-9
+    wrists = {}
+    for each in document.project.constraints.values():
+        if " hand on " in each.name:
+            wrists[each.scope.performer_id, each.name] = (
+                np.array(each.target.offset)
+                + np.array(each.target.share) * np.array(document.project.props[prop_id].size) / 2
+            )
+    of_one, of_two = ([place for (key, _), place in wrists.items() if key == who] for who in (FIRST, other))
+    assert len(of_one) == len(of_two) == 2
+    assert min(np.linalg.norm(a - b) for a in of_one for b in of_two) > 0.09
