@@ -232,7 +232,7 @@ class EditedProject(QObject):
         self.playhead.pause()
         self._project = project
         self._revision += 1
-        self._active_before = self._clip_before = None
+        self._active_before = self._clip_before = self._mirrored = None
         self.selection.clear()  # first: who hears of the others asks what is selected
         self.undo_stack.clear()
         self.undo_stack.setClean()

@@ -172,7 +172,7 @@ class TrackView(QWidget):
             self.update(self.sheet.rect(found) if found is not None else self.sheet.plot)
 
     def _show_project(self) -> None:
-        self.handle = self.apart = None
+        self.handle = self.apart = self._remarked = None
         self.axis.fit()
         self.lay_out()
 

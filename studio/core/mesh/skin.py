@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from studio.core.mesh.appearance import Appearance
 from studio.core.mesh.hand_shapes import HandShapes
 from studio.core.mesh.rig import Rig
 from studio.core.plausible import SKIN
+from studio.core.project_cache import project_cache
 
 INFLUENCES = 4
 _FOOT_LENGTHS = (0.6, 1.6)
@@ -143,7 +143,7 @@ def skin_vertices(
     return vertices, normals
 
 
-@lru_cache(maxsize=64)
+@project_cache(maxsize=64)
 def gripping(mesh: SkinnedMesh, grip: float) -> SkinnedMesh:
     """``mesh`` with its hands from open (-1) over at ease (0) to fists (1); one whose hands have one shape as it is."""
     if mesh.hands is None or grip == 0.0:
@@ -157,7 +157,7 @@ def bound_pose(mesh: SkinnedMesh, morphology: Morphology) -> tuple[FloatArray, F
     return rest_pose(morphology) if mesh.stance is None else _standing(mesh, morphology)
 
 
-@lru_cache(maxsize=64)
+@project_cache(maxsize=64)
 def fit_skin(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> SkinnedMesh:
     """``mesh``, bound to ``build``, reshaped to stand around ``morphology`` as it stood around ``build``.
 
@@ -266,7 +266,7 @@ def _trunk_widths(body: Morphology) -> FloatArray:
     return np.array([np.ptp(body.hip_offset[:, 1]), shoulders])
 
 
-@lru_cache(maxsize=64)
+@project_cache(maxsize=64)
 def _standing(mesh: SkinnedMesh, morphology: Morphology) -> tuple[FloatArray, FloatArray]:
     assert mesh.stance is not None
     return standing_points(morphology, mesh.stance), mesh.stance

@@ -1,7 +1,7 @@
 """What keeps arms out of their own body, as arrays for ``kernels.limits.arm_clearance``."""
 
 from collections.abc import Sequence
-from functools import cache, lru_cache
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +17,7 @@ from studio.core.kernels.records import CapsuleArrays, ClearanceArrays
 from studio.core.mesh.volume import PROBES, BodyVolume, usual_volume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
+from studio.core.project_cache import project_cache
 from studio.core.solver.request import AdaptedMotion
 
 if TYPE_CHECKING:
@@ -110,13 +111,13 @@ def rooms(adapted: AdaptedMotion) -> FloatArray:
     return rooms_of(adapted.morphology, volume, adapted.positions[:], adapted.rotations[:])[0]
 
 
-@lru_cache(maxsize=8)
+@project_cache(maxsize=8)
 def actor_rooms(motion: NormalizedMotion, actor: Morphology) -> tuple[FloatArray, FloatArray]:
     """Signed distances of the captured actor, and the outward directions of its body (F, 2, 5, 3)."""
     return rooms_of(actor, usual_volume(actor), *realize(motion, actor, play=True))
 
 
-@lru_cache(maxsize=64)
+@project_cache(maxsize=64)
 def rest_rooms(body: Morphology, volume: BodyVolume) -> FloatArray:
     """Signed distances (2, 5) of a body in its rest pose, where a thick arm may be inside."""
     positions, rotations = rest_pose(body)

@@ -5,7 +5,6 @@ It acts first, on the grounded body, and last, on the solved one. A hand with co
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +26,7 @@ from studio.core.kernels.records import ActorClearance
 from studio.core.mesh.volume import CAPSULES_OF, BodyVolume, usual_volume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
+from studio.core.project_cache import project_cache
 from studio.core.solver.asking.clearance import actor_rooms, packed, rest_rooms, rooms_of
 from studio.core.solver.standing.blends import LET_GO, SLOWLY_LET_GO, hann_window, release_weight
 from studio.core.solver.standing.body_support import limb_freedom
@@ -289,7 +289,7 @@ def self_contact_of(
     )
 
 
-@lru_cache(maxsize=8)
+@project_cache(maxsize=8)
 def hand_contacts_of(motion: NormalizedMotion, actor: Morphology, touches: tuple[ContactInterval, ...]) -> HandContacts:
     """Contacts ``touches`` measured on the actor."""
     positions, rotations = realize(motion, actor, play=True)

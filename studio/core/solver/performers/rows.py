@@ -7,10 +7,9 @@ import numpy as np
 
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.carried_over import NEVER, Carry, carried_over
-from studio.core.normalized.compose import Composite, compose
+from studio.core.normalized.compose import Composite
 from studio.core.normalized.joining import Planar
 from studio.core.normalized.layers import Overlay, layered
-from studio.core.normalized.mirror import mirrored
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import Piece, Played
 from studio.core.project import Performer, Project
@@ -153,9 +152,3 @@ def _is_same(one: ClipConstraint, other: ClipConstraint) -> bool:
         name == "scope" or first[name] is second[name] or (name != "mesh" and first[name] == second[name])
         for name in first
     )
-
-
-def forget_rows() -> None:
-    """Clear the caches of rows, layers and mirrored motions."""
-    for kept in (compose, layered, mirrored):
-        kept.cache_clear()
