@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from studio.core.kernels.limits.clearance import NEARNESS
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
@@ -12,7 +13,6 @@ from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
-from studio.core.kernels.limits.clearance import NEARNESS
 from studio.core.quality.metrics import QUIET, angular_acceleration
 from studio.core.solver.adapt import hold
 from studio.core.solver.asking.clearance import rooms
