@@ -306,7 +306,8 @@ class Viewport(Canvas):
 
     def _open(self) -> None:
         self._opening_size = self.view_size
-        self.camera = self._opening = opening_camera(self.posed or self.resting, self.view_size, self.camera.parallel)
+        posed, parallel = self.posed or self.resting, self.camera.parallel
+        self.camera = self._opening = opening_camera(posed, self.view_size, parallel, self._document.project.ground)
         self._newcomers.meet(self._document.project.performers)
 
     def paint_over(self, painter: QPainter) -> None:
