@@ -16,7 +16,7 @@ from studio.app.pose_mapping import show_map
 from studio.app.relinking import relink_shown, shown_capture
 from studio.app.striking import label_strike, show_strikes, strike_chosen
 from studio.app.verbs import behaviours, clips, editing, files, playback, props, view
-from studio.app.verbs.constraining import adder, choose_joint, load_area_mesh, selected_area
+from studio.app.verbs.constraining import adder, choose_joint, load_area_mesh, selected_area, selected_constraint, shift
 from studio.app.workbench import Workbench
 from studio.core.constraints.base import Shown
 from studio.core.constraints.kinds import KINDS
@@ -195,6 +195,12 @@ CONSTRAINT = (
     Action("area_mesh", "Constraint", "Load mesh for area…", load_area_mesh,
            tooltip="The surface of an OBJ, STL or PLY file becomes the shape of the selected area",
            enabled=lambda bench: selected_area(bench) is not None, ends_group=True),
+    Action("raise_priority", "Constraint", "Raise priority", shift(-1), ("Alt+Up",),
+           "The selected constraint goes before the one above it",
+           lambda bench: selected_constraint(bench) is not None),
+    Action("lower_priority", "Constraint", "Lower priority", shift(1), ("Alt+Down",),
+           "The selected constraint goes after the one below it",
+           lambda bench: selected_constraint(bench) is not None, ends_group=True),
     Action("add_box", "Constraint", "Add box", props.add_box,
            tooltip="A prop in front of the body, for targets to follow", enabled=_viewing),
     Action("add_prop", "Constraint", "Add prop…", props.choose,

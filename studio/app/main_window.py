@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from PySide6.QtCore import QPoint, Qt, QTimer, Signal
-from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QMouseEvent, QResizeEvent
-from PySide6.QtWidgets import QDockWidget, QGridLayout, QMainWindow, QTabWidget, QVBoxLayout, QWidget
+from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDragLeaveEvent, QDropEvent, QMouseEvent, QResizeEvent
+from PySide6.QtWidgets import QDockWidget, QGridLayout, QMainWindow, QRubberBand, QTabWidget, QVBoxLayout, QWidget
 
 from studio.app import casting, importing
 from studio.app.action_set import ActionSet
@@ -56,6 +56,8 @@ class MainWindow(QMainWindow):
         self._leaving = False
         self._after_save: Callable[[], object] | None = None
         self.setAcceptDrops(True)
+        self.drop_frame = QRubberBand(QRubberBand.Shape.Rectangle, self)
+        self.drop_frame.setObjectName("drop_frame")
         self.setDockNestingEnabled(True)
         self.actions_by_id = ActionSet(bench, self)
         self.addActions(list(self.actions_by_id.by_id.values()))
@@ -300,9 +302,17 @@ class MainWindow(QMainWindow):
         """Take any file: what cannot be read is answered by a sentence that says what to do."""
         if _dropped(event):
             event.acceptProposedAction()
+            self.drop_frame.setGeometry(self.rect())
+            self.drop_frame.show()
+
+    def dragLeaveEvent(self, event: QDragLeaveEvent) -> None:
+        """Nothing is dropped here."""
+        self.drop_frame.hide()
+        super().dragLeaveEvent(event)
 
     def dropEvent(self, event: QDropEvent) -> None:
         """Open or import, without a dialog."""
+        self.drop_frame.hide()
         event.acceptProposedAction()
         self.open_paths(_dropped(event))
 

@@ -40,10 +40,10 @@ class PoseMapping:
             return made, groups_of(made, library)
 
         def done(made: "tuple[PoseMap, list[PoseGroup]]") -> None:
-            from studio.core.retrieval import ROW_STICKS
+            from studio.core.retrieval import ROW_STICKS, STICK_SIDES
 
             self._library, self._map = library, made[0]
-            self.view.show_groups(made[1], ROW_STICKS)
+            self.view.show_groups(made[1], ROW_STICKS, STICK_SIDES)
 
         self._striking.bench.runner.run("Drawing the map of the library", work, done)
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from studio.app.importing import ReadMotion, add_motion
 from studio.app.strike_target import StrikeTarget
 from studio.app.workbench import Workbench
+from studio.core.captures.capture import Capture
 from studio.core.constraints.target import Place
 from studio.core.errors import StudioError
 from studio.core.mesh.hand_shapes import FIST
@@ -41,6 +42,16 @@ class Wish:
     frozen: FloatArray | None
 
 
+def _known_capture(project: Project, capture: Capture) -> str | None:
+    """The capture of the project that has the same frames and a motion, as one that was imported or saved has."""
+    performed = {motion.capture_id for motion in project.motions.values()}
+    for key, each in project.captures.items():
+        same = each.skeleton.names == capture.skeleton.names and each.frame_rate == capture.frame_rate
+        if key in performed and same and np.array_equal(each.poses.local_rotations, capture.poses.local_rotations):
+            return key
+    return None
+
+
 def put_strike(bench: Workbench, wish: Wish, source: ReadMotion | str) -> None:
     """Let the performer play it; ``source`` is its capture as read, or the id of one that the project has.
 
@@ -58,11 +69,12 @@ def put_strike(bench: Workbench, wish: Wish, source: ReadMotion | str) -> None:
         raise StudioError(f"{project.performers[key].name} is still being solved. Try again in a moment.")
     text = f"Strike {wish.target.name(project)}"
     with document.group(text):
-        if isinstance(source, ReadMotion):
+        known = _known_capture(project, source.capture) if isinstance(source, ReadMotion) else source
+        if known is not None:
+            capture_id = known
+        elif isinstance(source, ReadMotion):
             capture_id = add_motion(document, source, text)
             bench.sources[capture_id] = Path(found.clip.take.path)
-        else:
-            capture_id = source
         entries = document.project.motions.items()
         motion_id = next(each for each, motion in entries if motion.capture_id == capture_id)
         performer = document.project.performers[key]

@@ -66,6 +66,8 @@ ROW_STICKS: IntArray = np.array(
     + [(limb + k, limb + k + 1) for limb in (*_ARMS, *_LEGS) for k in range(3)]
 )
 """(S, 2) which of a row's points a picture joins."""
+STICK_SIDES: IntArray = np.array([-1, -1, -1, *((end - _ARMS[0]) // 4 % 2 for _, end in ROW_STICKS[3:].tolist())])
+"""(S,) side of each of them: -1 the middle, 0 the left, 1 the right."""
 
 
 @dataclass(frozen=True, eq=False)

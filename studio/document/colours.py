@@ -30,6 +30,8 @@ KINDS = {**{kind: each.shown.colour for kind, each in CONSTRAINTS.items()}, "con
 HELD = "#3f7f57"
 PARTLY = "#E3A23C"
 NOT_REACHED = "#E4574F"
+LEFT, RIGHT = "#6aa5e3", "#e3a23c"
+"""The sides of a body, where a figure tells them apart."""
 
 
 def character_colour(number: int) -> str:

@@ -38,7 +38,7 @@ class CaptureEditor(Editor):
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         self._facts = Section("Capture")
-        self._actor = press_button("Make a character", lambda: self.character_wanted.emit(self.entity_id), "link")
+        self._actor = press_button("Make a character", lambda: self.character_wanted.emit(self.entity_id))
         self._actor.setToolTip("The captured actor as a character of exactly these measures")
         self._facts.head.addWidget(self._actor)
         self._values = {name: labelled("", "value") for name in ("File", "Frames", "Length", "Joints")}

@@ -28,6 +28,7 @@ from studio.panels.library_rows import Row, rows_of
 
 ROW_ROLE = Qt.ItemDataRole.UserRole
 ROW_HEIGHT = 26
+EYE_HINT = "Click the eye to show or hide it, with all that are selected. Alt and click shows it alone."
 Index = QModelIndex | QPersistentModelIndex
 
 
@@ -60,7 +61,8 @@ class LibraryModel(QAbstractListModel):
                 shown = {None: "", True: ", shown", False: ", hidden"}[row.shown]
                 return f"{row.text} {row.detail}{shown}".strip()
             case Qt.ItemDataRole.ToolTipRole if row.item is not None:
-                return f"{row.text}  {row.detail}"
+                eye = "" if row.shown is None else f"\n{EYE_HINT}"
+                return f"{row.text}  {row.detail}{eye}"
         return row if role == ROW_ROLE else None
 
     def flags(self, index: Index) -> Qt.ItemFlag:
@@ -83,12 +85,14 @@ class LibraryView(QListView):
     """A list whose eyes can be clicked."""
 
     eye_clicked = Signal(object)
+    solo_clicked = Signal(object)
     opened = Signal(object)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         row = self._row_at(event)
         if row is not None and row.shown is not None and self._eye(event).contains(event.position().toPoint()):
-            self.eye_clicked.emit(row)
+            solo = event.modifiers() & Qt.KeyboardModifier.AltModifier
+            (self.solo_clicked if solo else self.eye_clicked).emit(row)
             return
         super().mousePressEvent(event)
 
@@ -148,6 +152,7 @@ class Library(QWidget):
         self.view.selectionModel().selectionChanged.connect(self._select)
         self.view.clicked.connect(self._select)  # a row that is lit already may stand beside what is current
         self.view.eye_clicked.connect(self._toggle)
+        self.view.solo_clicked.connect(self._solo)
         self.view.opened.connect(self._open)
         document.entity_changed.connect(self._entity_changed)
         document.project_opened.connect(self.refresh)
@@ -203,12 +208,31 @@ class Library(QWidget):
     def _toggle(self, row: Row) -> None:
         collection, entity_id = row.item or ("", "")
         if collection == "performers":
-            performer = self.document.project.performers[entity_id]
-            verb = "Hide" if performer.visible else "Show"
-            shown = replace(performer, visible=not performer.visible)
-            self.document.replace("performers", entity_id, shown, f"{verb} {performer.name}")
+            chosen = self.document.selection.of("performers")
+            visible = not self.document.project.performers[entity_id].visible
+            keys = chosen if entity_id in chosen else (entity_id,)
+            self._show_performers(dict.fromkeys(keys, visible), "Show" if visible else "Hide")
         else:
             self._put_on_stage(entity_id)
+
+    def _solo(self, row: Row) -> None:
+        """Show one performer, or those selected with it, alone; show all where they are alone already."""
+        collection, entity_id = row.item or ("", "")
+        if collection != "performers":
+            return
+        performers, chosen = self.document.project.performers, self.document.selection.of("performers")
+        kept = chosen if entity_id in chosen else (entity_id,)
+        alone = all(each.visible == (key in kept) for key, each in performers.items())
+        self._show_performers({key: alone or key in kept for key in performers}, "Show all" if alone else "Solo")
+
+    def _show_performers(self, visible: dict[str, bool], verb: str) -> None:
+        """Show and hide performers in one undo step."""
+        performers = self.document.project.performers
+        names = [performers[key].name for key in visible]
+        what = names[0] if len(names) == 1 else f"{len(names)} bodies"
+        with self.document.group(f"{verb} {what}"):
+            for key, shown in visible.items():
+                self.document.replace("performers", key, replace(performers[key], visible=shown), verb)
 
     def _put_on_stage(self, character_id: str) -> None:
         project = self.document.project

@@ -99,7 +99,7 @@ class LibraryDelegate(QStyledItemDelegate):
         name.setWeight(QFont.Weight.DemiBold if row.strong else QFont.Weight.Normal)
         painter.setFont(name)
         painter.setPen(QColor(colours.TEXT_THIRD if hidden else colours.TEXT))
-        text = painter.fontMetrics().elidedText(row.text, Qt.TextElideMode.ElideRight, right - left)
+        text = painter.fontMetrics().elidedText(row.text, Qt.TextElideMode.ElideMiddle, right - left)
         place = QRect(left, rect.top(), right - left, rect.height())
         painter.drawText(place, Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft, text)
 

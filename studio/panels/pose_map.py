@@ -49,15 +49,16 @@ class PoseMapView(QWidget):
         self.setMouseTracking(True)
         self._groups: Sequence[PoseGroup] = ()
         self._sticks: NDArray[np.intp] = np.empty((0, 2), dtype=np.intp)
+        self._sides: NDArray[np.intp] = np.empty(0, dtype=np.intp)
         self._cells: list[QRectF] = []
         self._under = self._clicked = -1
 
     def sizeHint(self) -> QSize:
         return QSize(900, 260)
 
-    def show_groups(self, groups: Sequence[PoseGroup], sticks: NDArray[np.intp]) -> None:
-        """Show other groups, whose points ``sticks`` (S, 2) join."""
-        self._groups, self._sticks = groups, sticks
+    def show_groups(self, groups: Sequence[PoseGroup], sticks: NDArray[np.intp], sides: NDArray[np.intp]) -> None:
+        """Show other groups, whose points ``sticks`` (S, 2) join, of ``sides`` (S,): -1 middle, 0 left, 1 right."""
+        self._groups, self._sticks, self._sides = groups, sticks, sides
         self._under = self._clicked = -1
         self._arrange()
         self.update()
@@ -165,7 +166,9 @@ class PoseMapView(QWidget):
         figure = cell.adjusted(0.0, 0.0, 0.0, -CAPTION)
         colour = colours.TEXT if looked or near else colours.TEXT_SECOND
         paint_sticks(painter, group.points, self._sticks, Look(turned, tallest), figure, colours.PANEL, 5.0)
-        paint_sticks(painter, group.points, self._sticks, Look(turned, tallest), figure, colour, 2.0)
+        for side, hue in ((-1, colour), (1, colours.RIGHT), (0, colours.LEFT)):
+            sticks = self._sticks[self._sides == side]
+            paint_sticks(painter, group.points, sticks, Look(turned, tallest), figure, hue, 2.0)
         painter.setPen(QColor(colours.TEXT if looked else colours.TEXT_THIRD))
         words = QRectF(cell.left(), cell.bottom() - CAPTION, cell.width(), CAPTION)
         painter.drawText(words, Qt.AlignmentFlag.AlignCenter, group.words)

@@ -16,7 +16,6 @@ FloatArray = NDArray[np.float64]
 
 _HEIGHT, _MARGIN, _CAPTION = 150, 10.0, 16.0
 _WIDTH = 2.0
-LEFT_COLOUR, RIGHT_COLOUR = "#6aa5e3", "#e3a23c"
 _CHAINS = (
     ("CLAVICLE", "UPPER_ARM", "FOREARM", "HAND"),
     ("THIGH", "SHANK", "FOOT", "TOE"),
@@ -80,7 +79,7 @@ def _chains(capture: Capture, body_map: BodyMap) -> list[tuple[str, list[int]]]:
     """Joints in a row with their colour: trunk and head, then arms and legs with all that ends in them."""
     top = [joint for part in (BodyPart.NECK, BodyPart.HEAD) if (joint := body_map.get(part)) is not None]
     chains = [(colours.TEXT, _to_the_end(capture, [*body_map.spine, *top]))]
-    for side, colour in (("RIGHT", RIGHT_COLOUR), ("LEFT", LEFT_COLOUR)):  # the left is nearer in its view
+    for side, colour in (("RIGHT", colours.RIGHT), ("LEFT", colours.LEFT)):  # the left is nearer in its view
         for names, root in zip(_CHAINS, (body_map.spine[-1], body_map.spine[0]), strict=True):
             joints = [joint for name in names if (joint := body_map.get(BodyPart[f"{side}_{name}"])) is not None]
             chains.append((colour, _to_the_end(capture, [root, *joints])))

@@ -16,7 +16,7 @@ from studio.jobs.performances import performances
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.following import gone_on, way_place
 from studio.viewport.overlay import Overlay
-from studio.viewport.paths import stage_paths
+from studio.viewport.paths import trails
 from studio.viewport.scene import Pixels, StageScene
 from studio.viewport.shots import Shots, View
 from studio.viewport.stills import FILM_SAMPLES, smooth_picture
@@ -41,7 +41,7 @@ def render_shots(shots: Shots) -> Generator[Pixels, None, None]:
             posed = posed_performers(project, results.get, time)
             seen = posed | resting_performers(project, posed)
             props = props_at(project, posed, time)
-            scene.sync(project, seen, props, view.bones, stage_paths(project, posed, view.trail))
+            scene.sync(project, seen, props, view.bones, trails(project, posed, view.trail))
             own = replace(view, camera=cameras(time))
             picture = smooth_picture(scene, own.camera, shots.size, FILM_SAMPLES)
             if source is not None and view.ghost_of in posed:

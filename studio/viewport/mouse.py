@@ -103,6 +103,9 @@ def _gizmo_part(viewport: Viewport, x: float, y: float) -> str | None:
 def _hover(viewport: Viewport, x: float, y: float) -> None:
     part = _gizmo_part(viewport, x, y)
     joint = None if part else picking.joint_at(viewport.posed, viewport.camera, viewport.view_size, x, y)
-    if (part, joint) != (viewport.gizmo_part_hovered, viewport.joint_hovered):
-        viewport.gizmo_part_hovered, viewport.joint_hovered = part, joint
+    body = joint.performer_id if joint else None
+    if part is None and body is None:
+        body = picking.body_at(viewport.posed, viewport.camera, viewport.view_size, x, y)
+    if (part, joint, body) != (viewport.gizmo_part_hovered, viewport.joint_hovered, viewport.body_hovered):
+        viewport.gizmo_part_hovered, viewport.joint_hovered, viewport.body_hovered = part, joint, body
         viewport.update()

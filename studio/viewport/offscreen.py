@@ -23,7 +23,7 @@ def render_frame(project: Project, results: Results, time: float, size: tuple[in
     opens, and frames the bodies as they are at that moment.
     """
     posed = posed_performers(project, results.get, time)
-    camera = opening_camera(posed, size)
+    camera = opening_camera(posed, size, ground=project.ground)
     if posed:
         camera = camera.framing(np.concatenate([pose.points for pose in posed.values()]), size)
     return next(_frames(project, results, (time,), camera, size, SAMPLES))
@@ -34,7 +34,9 @@ def render_video(
 ) -> Generator[Pixels, None, None]:
     """One picture for each of ``times`` (seconds), all with the camera with which the viewport opens on the first."""
     times = list(times)
-    camera = opening_camera(posed_performers(project, results.get, times[0] if times else 0.0), size)
+    camera = opening_camera(
+        posed_performers(project, results.get, times[0] if times else 0.0), size, ground=project.ground
+    )
     return _frames(project, results, times, camera, size, FILM_SAMPLES)
 
 

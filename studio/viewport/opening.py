@@ -6,11 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 
+from studio.core.grounds.ground import Ground
 from studio.engine.performance import Posed
 from studio.viewport.camera import FloatArray, OrbitCamera
 
 AZIMUTHS = tuple(math.radians(degrees) for degrees in (-52, 52, -40, 40, -30, 30))
 """From where the bodies face; an earlier one is the more pleasant if both show the bodies equally well."""
+ASIDE = tuple(math.radians(degrees) for degrees in (-105, 105, -80, 80))
+"""The same over ground that rises or falls: from before the bodies, risers of steps are not seen."""
+UNEVEN = 0.15
+"""Metres by which the ground under the bodies rises or falls for that."""
 ENOUGH_APART = 0.8
 """Metres between two bodies, as seen, beyond which more makes nothing clearer."""
 ROWS = 24
@@ -33,11 +38,15 @@ def performed_points(posed: Mapping[str, Posed]) -> FloatArray:
     return np.concatenate(paths) if paths else np.array([[-1.0, -1.0, 0.0], [1.0, 1.0, 1.8]])
 
 
-def opening_camera(posed: Mapping[str, Posed], size: tuple[float, float], parallel: bool = False) -> OrbitCamera:
-    """The first camera for these performers."""
+def opening_camera(
+    posed: Mapping[str, Posed], size: tuple[float, float], parallel: bool = False, ground: Ground | None = None
+) -> OrbitCamera:
+    """The first camera for these performers, more from the side where the ``ground`` goes up or down before them."""
     places = np.array([pose.points[0] for pose in posed.values()]).reshape(-1, 3)
     front = _facing(posed)
-    cameras = [replace(OrbitCamera(), azimuth=front + azimuth, parallel=parallel) for azimuth in AZIMUTHS]
+    heights = ground.height_at(performed_points(posed)) if ground is not None else np.zeros(1)
+    azimuths = ASIDE if float(np.ptp(heights)) > UNEVEN else AZIMUTHS
+    cameras = [replace(OrbitCamera(), azimuth=front + azimuth, parallel=parallel) for azimuth in azimuths]
     best = max(cameras, key=lambda camera: round(5 * _apart(camera, places)) - _tall_in_front(camera, posed))
     return below_chips(best.framing(performed_points(posed), size), posed, size)
 

@@ -24,6 +24,10 @@ NOTICE_ABOVE = 150.0
 """Pixels from the lower edge up to what is said while nobody performs: clear of a sentence of two lines."""
 
 
+JOINT = QColor(colours.SELECTED_HANDLE)
+"""Of the dots at joints that can be picked."""
+
+
 class Overlay:
     """Paints stage things with one painter and one camera; sizes in logical pixels."""
 
@@ -86,6 +90,13 @@ class Overlay:
         self._painter.drawText(where + QPointF(1.0, 1.0), words)
         self._painter.setPen(CHOSEN_MARKER if strong else MARKER)
         self._painter.drawText(where, words)
+
+    def joints(self, places: FloatArray) -> None:
+        """Dots at the joints (J, 3) of a body that can be picked."""
+        pixels, depth = self._camera.project(places, self._size)
+        for pixel, ahead in zip(pixels, depth, strict=True):
+            if ahead > 0:
+                self._disc(pixel, 3.0, JOINT)
 
     def joint(self, place: FloatArray, colour: str, strong: bool) -> None:
         """A ring round a joint: strong for the picked one, thin for the one under the mouse."""

@@ -21,6 +21,7 @@ from studio.engine.moments import Moment
 from studio.engine.performance import Posed, has_moved_on, pose_of, resting_performers, seen_now
 from studio.engine.props import PropPose, props_at
 from studio.viewport import mouse
+from studio.viewport.body_points import body_joints
 from studio.viewport.camera import VIEWS, FloatArray, OrbitCamera
 from studio.viewport.canvas import Canvas
 from studio.viewport.chips import Chips
@@ -66,6 +67,8 @@ class Viewport(Canvas):
         self.joint_picked: PickedJoint | None = None
         self.joint_hovered: PickedJoint | None = None
         self.gizmo_part_hovered: str | None = None
+        self.body_hovered: str | None = None
+        """The performer under the mouse, whose joints can be seen."""
         self.gesture: Gesture | None = None
         self.recording = RecordingView(self.show_again)
         self._recorded: Recording | None = None
@@ -302,7 +305,8 @@ class Viewport(Canvas):
 
     def _open(self) -> None:
         self._opening_size = self.view_size
-        self.camera = self._opening = opening_camera(self.posed or self.resting, self.view_size, self.camera.parallel)
+        posed, parallel = self.posed or self.resting, self.camera.parallel
+        self.camera = self._opening = opening_camera(posed, self.view_size, parallel, self._document.project.ground)
         self._newcomers.meet(self._document.project.performers)
 
     def paint_over(self, painter: QPainter) -> None:
@@ -317,6 +321,9 @@ class Viewport(Canvas):
             overlay.markers(self._recorded, self.recording.marked, self.recording.named)
         chosen = set(self._document.selection.of("constraints"))
         overlay.handles(self.handles(chosen if self.moving else None), chosen)  # more cost pictures and hide bodies
+        under = self.posed.get(self.body_hovered or "") if self.gesture is None else None
+        if under is not None:
+            overlay.joints(under.points[[joint.index for joint in body_joints(under.motion.morphology.layout)]])
         for picked, strong in ((self.joint_hovered, False), (self.joint_picked, True)):
             pose = self.posed.get(picked.performer_id) if picked else None
             if picked is not None and pose is not None:
@@ -463,7 +470,7 @@ class Viewport(Canvas):
 
     def leaveEvent(self, event: QEvent) -> None:
         """Nothing is under the mouse any more."""
-        self.joint_hovered = self.gizmo_part_hovered = None
+        self.joint_hovered = self.gizmo_part_hovered = self.body_hovered = None
         self.update()
 
     def wheelEvent(self, event: QWheelEvent) -> None:

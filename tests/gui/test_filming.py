@@ -14,14 +14,17 @@ from PySide6.QtGui import QImage
 from studio.app import filming
 from studio.app.application import make_application, make_window
 from studio.app.settings import Settings
+from studio.core.captures.contacts import ContactPoint
 from studio.core.errors import StudioError
 from studio.document.document import Document
 from studio.io.project.character_file import bundled_characters
 from studio.viewport.camera import OrbitCamera
 from studio.viewport.film_pictures import render_shots
+from studio.viewport.paths import contact_marks
+from studio.viewport.scene import StageScene
 from studio.viewport.shots import Shots, View
 from studio.viewport.widget import Viewport
-from tests.builders import make_project
+from tests.builders import make_contact, make_project
 from tests.patience import PATIENCE
 
 SMALL = (160, 90)
@@ -101,6 +104,21 @@ def test_where_bones_are_seen_bones_are_filmed(window, viewport):
     assert viewport.view == bones
     filmed = {view: next(render_shots(Shots(project, view, (0.1,), (640, 360)))) for view in (skin, bones)}
     assert differing(filmed[bones], viewport) < 0.002 < differing(filmed[skin], viewport)
+
+
+def test_marks_of_contacts_are_not_filmed(window, monkeypatch):
+    project, drawn, sync = window.bench.document.project, [], StageScene.sync
+    project = project.with_entity("contacts", "heel", make_contact(point=ContactPoint.LEFT_HEEL, first=0, last=20))
+
+    def noted(scene, stage, posed, props, bones, paths):
+        drawn.append((contact_marks(stage, posed), paths))
+        return sync(scene, stage, posed, props, bones, paths)
+
+    monkeypatch.setattr(StageScene, "sync", noted)
+    next(render_shots(Shots(project, VIEW, (0.1,), SMALL)))
+    [(marks, paths)] = drawn
+    assert marks
+    assert paths == []
 
 
 def test_a_film_of_a_camera_that_follows_goes_with_the_character(qtbot, window, viewport):

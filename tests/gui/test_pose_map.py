@@ -9,6 +9,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
 from studio.core.retrieval import pose_distances
+from studio.document import colours
 from studio.panels import strikes
 from tests.gui.window_use import PATIENCE, wait_until_idle
 
@@ -62,3 +63,9 @@ def test_similar_poses_lie_side_by_side(view, window):
     neighbours = [pose_distances(poses[a], poses[b : b + 1])[0][0] for a, b in pairwise(order)]
     ends = pose_distances(poses[order[0]], poses[order[-1] : order[-1] + 1])[0][0]
     assert np.mean(neighbours) < ends
+
+
+def test_figures_tell_left_from_right(view):
+    image = view.grab().toImage()
+    seen = {image.pixelColor(x, y).name() for x in range(0, image.width(), 2) for y in range(image.height())}
+    assert {colours.LEFT, colours.RIGHT} <= seen

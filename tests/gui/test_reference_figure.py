@@ -5,7 +5,8 @@ import pytest
 from PySide6.QtGui import QColor, QImage
 from pytestqt.qtbot import QtBot
 
-from studio.panels.reference_figure import LEFT_COLOUR, RIGHT_COLOUR, ReferenceFigure
+from studio.document.colours import LEFT, RIGHT
+from studio.panels.reference_figure import ReferenceFigure
 from tests.builders import make_capture
 
 
@@ -23,7 +24,7 @@ def test_the_body_is_seen_from_the_front_with_its_left_at_the_right(qtbot: QtBot
     qtbot.addWidget(figure)
     figure.resize(400, 160)
     image = figure.grab().toImage()
-    left, right = (_columns(image, colour, 200) for colour in (LEFT_COLOUR, RIGHT_COLOUR))
+    left, right = (_columns(image, colour, 200) for colour in (LEFT, RIGHT))
     assert len(left)
     assert len(right)
     assert left.mean() > right.mean() + 20
@@ -37,7 +38,7 @@ def test_toes_show_whether_sides_are_exchanged(qtbot: QtBot, exchanged: bool) ->
     figure = ReferenceFigure(capture, body_map)
     qtbot.addWidget(figure)
     figure.resize(400, 160)
-    columns = _columns(figure.grab().toImage(), LEFT_COLOUR, 400)
+    columns = _columns(figure.grab().toImage(), LEFT, 400)
     side_view = columns[columns >= 200]
     leg = np.median(side_view)
     assert (side_view.max() - leg > leg - side_view.min()) == exchanged

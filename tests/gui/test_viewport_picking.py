@@ -2,10 +2,24 @@
 
 import pytest
 from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 
 from studio.core.project import Project
-from tests.gui.viewport_use import LEFT, NONE, chip, joint_pixel, select_performer, settle, targets_of, wrists
+from studio.document.colours import SELECTED_HANDLE
+from tests.gui.viewport_use import (
+    LEFT,
+    NONE,
+    chip,
+    joint_pixel,
+    select_performer,
+    send_move,
+    settle,
+    targets_of,
+    wrists,
+)
+
+NO_BUTTON = Qt.MouseButton.NoButton
 
 
 def test_a_click_on_a_joint_selects_its_performer_and_offers_to_constrain_it(studio):
@@ -97,3 +111,23 @@ def test_joints_of_the_feet_go_before_the_handles_about_them(studio):
     select_performer(viewport, document)
     QTest.mouseClick(viewport, LEFT, NONE, joint_pixel(viewport, "performer 1", "left ankle"))
     assert viewport.joint_picked.joint.name == "left ankle"
+
+
+def test_the_joints_of_the_body_under_the_mouse_are_seen(studio):
+    viewport, _, _ = studio
+    hip, knee = (joint_pixel(viewport, "performer 1", f"right {name}") for name in ("hip", "knee"))
+    thigh = (hip + knee) / 2  # far from any joint
+
+    def dots():
+        colour = QColor(SELECTED_HANDLE).name()
+        image = viewport.grab().toImage()
+        pixels = [joint_pixel(viewport, "performer 1", name) for name in ("left knee", "right elbow", "left wrist")]
+        return [image.pixelColor(pixel).name() == colour for pixel in pixels]
+
+    send_move(viewport, QPoint(3, 3), NO_BUTTON, NONE)
+    settle(viewport)
+    assert not any(dots())
+    send_move(viewport, thigh, NO_BUTTON, NONE)
+    settle(viewport)
+    assert viewport.body_hovered == "performer 1"
+    assert all(dots())

@@ -196,6 +196,19 @@ def test_the_order_of_priorities_can_be_changed_by_keys_as_one_step(inspector, d
     assert [order.item(k).text().split()[-1] for k in range(3)] == ["0", "2", "1"]
 
 
+def test_a_constraint_dropped_between_two_of_one_priority_joins_them(inspector, document):
+    wrist, elbow = BodyPoint(BodyPart.LEFT_HAND), BodyPoint(BodyPart.RIGHT_HAND)
+    for key, priority, point in (("constraint 0", 0, wrist), ("constraint 1", 0, elbow)):
+        document.replace(
+            "constraints", key, replace(document.project.constraints[key], priority=priority, point=point), "Tie"
+        )
+    document.selection.set(("constraints", "constraint 2"))
+    first, second, _ = document.project.constraints_of("motion")
+    inspector.findChild(OrderList).move_row(2, 1)
+    priorities = {key: each.priority for key, each in document.project.constraints_of("motion").items()}
+    assert priorities == {first: 0, second: 0, "constraint 2": 0}
+
+
 def test_a_tied_constraint_shares_the_place_of_the_one_above_and_has_a_weight_among_equals(inspector, document):
     constraint = document.project.constraints["constraint 1"]
     document.replace("constraints", "constraint 1", replace(constraint, point=BodyPoint(BodyPart.LEFT_HAND)), "Other")

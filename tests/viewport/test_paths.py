@@ -3,6 +3,7 @@ import pytest
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
+from studio.core.grounds.steps import Steps
 from studio.engine.performance import posed_performers
 from studio.viewport.opening import opening_camera
 from studio.viewport.paths import contact_marks, selection_rings, trails
@@ -52,5 +53,16 @@ def test_the_opening_camera_looks_at_the_faces_and_holds_every_body(stage):
     size = (1200.0, 700.0)
     camera = opening_camera(posed, size)
     assert camera.axes[2, 0] > 0.5
+    pixels, _ = camera.project(np.concatenate([pose.points for pose in posed.values()]), size)
+    assert ((pixels > 0) & (pixels < size)).all()
+
+
+def test_the_opening_camera_sees_the_risers_of_steps_before_the_bodies(stage):
+    _, posed = stage
+    size = (1200.0, 700.0)
+    flat, steps = Steps(rise=0.1, count=1, start=(50.0, 0.0)), Steps(rise=0.17, tread=0.2, start=(0.1, 0.0))
+    assert opening_camera(posed, size, ground=flat) == opening_camera(posed, size)
+    camera = opening_camera(posed, size, ground=steps)
+    assert camera.axes[2, 0] < 0.0  # risers face -X
     pixels, _ = camera.project(np.concatenate([pose.points for pose in posed.values()]), size)
     assert ((pixels > 0) & (pixels < size)).all()

@@ -9,6 +9,7 @@ from studio.app.file_dialogs import ask_file
 from studio.app.workbench import Workbench
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.errors import StudioError
+from studio.document.priorities import shift_priority
 from studio.io.meshes.mesh_file import SUFFIXES, MeshFile, read_mesh
 
 NO_JOINT = "Click a joint in the 3D view first, or press Shift+J to choose one: the constraint will hold it."
@@ -70,3 +71,21 @@ def selected_area(bench: Workbench) -> str | None:
     constraints = bench.document.project.constraints
     selected = bench.document.selection.of("constraints")
     return next((key for key in selected if isinstance(constraints.get(key), AreaConstraint)), None)
+
+
+def shift(step: int) -> Callable[[Workbench], None]:
+    """A verb that moves the selected constraint a place up (-1) or down (1) in its motion's order."""
+
+    def run(bench: Workbench) -> None:
+        key = selected_constraint(bench)
+        if key is None:
+            raise StudioError("Select a constraint first: its priority changes then.")
+        shift_priority(bench.document, key, step)
+
+    return run
+
+
+def selected_constraint(bench: Workbench) -> str | None:
+    """The constraint that was selected last."""
+    chosen = bench.document.selection.of("constraints")
+    return chosen[-1] if chosen and chosen[-1] in bench.document.project.constraints else None

@@ -1,13 +1,11 @@
 """Priorities as an order: the list of the motion's constraints, to be dragged; some may share a place by weight."""
 
-from dataclasses import replace
-from itertools import accumulate, pairwise
-
 from PySide6.QtCore import QSignalBlocker, QSize, Qt
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QAbstractItemView, QCheckBox, QListWidget, QListWidgetItem
 
 from studio.core.errors import StudioError
+from studio.document.priorities import put_priorities, ties_of, ties_with_moved
 from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section
 
@@ -69,7 +67,7 @@ class PrioritySection(Section):
         self._list.setFixedHeight(ROW * len(rows))
         order = list(constraints)
         place = order.index(self._editor.entity_id)
-        ties = self._ties(order)
+        ties = ties_of(constraints, order)
         with QSignalBlocker(self._tied):
             self._tied.setChecked(ties[place])
         self._tied.setEnabled(place > 0)
@@ -91,31 +89,35 @@ class PrioritySection(Section):
 
     def _put_order(self) -> None:
         order = [self._list.item(place).data(ID) for place in range(self._list.count())]
-        self._put_places(order, self._ties(order), f"Reorder priority of {self._editor.entity.name}")
+        constraints = self._editor.document.project.constraints
+        before = list(self._editor.document.project.constraints_of(self._editor.entity.motion_id))
+        current = self._list.currentItem()
+        moved = _moved([current.data(ID)] if current else [], before, order) or self._editor.entity_id
+        ties = ties_with_moved(constraints, order, moved)
+        self._put_places(order, ties, f"Reorder priority of {constraints[moved].name}")
 
     def _tie(self, tied: bool) -> None:
-        order = list(self._editor.document.project.constraints_of(self._editor.entity.motion_id))
-        ties = self._ties(order)
+        constraints = self._editor.document.project.constraints_of(self._editor.entity.motion_id)
+        order = list(constraints)
+        ties = ties_of(constraints, order)
         ties[order.index(self._editor.entity_id)] = tied
         self._put_places(order, ties, f"{'Tie' if tied else 'Untie'} priority of {self._editor.entity.name}")
 
-    def _ties(self, order: list[str]) -> list[bool]:
-        """Which of the constraints have the priority of the one above them."""
-        constraints = self._editor.document.project.constraints
-        priorities = [constraints[key].priority for key in order]
-        return [False, *(above == below for above, below in pairwise(priorities))]
-
     def _put_places(self, order: list[str], ties: list[bool], text: str) -> None:
-        document = self._editor.document
-        priorities = accumulate(int(not tied) for tied in ties)
         try:
-            with document.group(text):
-                for key, priority in zip(order, priorities, strict=True):
-                    constraint = document.project.constraints[key]
-                    document.replace("constraints", key, replace(constraint, priority=priority - 1), text)
+            put_priorities(self._editor.document, order, ties, text)
         except StudioError as error:
-            document.problem.emit(f"{error}")
+            self._editor.document.problem.emit(f"{error}")
             self.refresh()
 
     def _set_weight(self, weight: float) -> None:
         self._editor.change(f"Set weight of {self._editor.entity.name}", weight=weight)
+
+
+def _moved(likely: list[str], before: list[str], after: list[str]) -> str | None:
+    """The one that was moved between two orders: of two neighbours that changed places a ``likely`` one."""
+
+    def without(order: list[str], moved: str) -> list[str]:
+        return [key for key in order if key != moved]
+
+    return next((key for key in (*likely, *before) if without(before, key) == without(after, key)), None)

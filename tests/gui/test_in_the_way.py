@@ -1,0 +1,88 @@
+"""Small things of a first day: eyes of the library, priorities by keys, a file that hovers, names that are too long."""
+
+from dataclasses import replace
+
+import pytest
+from PySide6.QtCore import QMimeData, QPoint, Qt, QUrl
+from PySide6.QtGui import QDragEnterEvent, QDragLeaveEvent
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication
+
+from studio.app.strike_edit import _known_capture
+from studio.panels.library_delegate import EYE_WIDTH
+from tests.builders import make_capture, make_project
+from tests.gui.viewport_use import LEFT, NONE
+from tests.gui.window_use import drop
+
+ALT = Qt.KeyboardModifier.AltModifier
+
+
+@pytest.fixture
+def project():
+    """What is open in the window."""
+    return make_project(characters=4, constraints=3)
+
+
+def eye(library, performer_id):
+    rect = library.row_rect(("performers", performer_id))
+    return QPoint(rect.right() - EYE_WIDTH // 2, rect.center().y())
+
+
+def shown(document):
+    return [key for key, each in document.project.performers.items() if each.visible]
+
+
+def test_an_eye_hides_all_that_are_selected_in_one_step_and_alt_shows_one_alone(window):
+    document, library = window.bench.document, window.library
+    one, two, three, four = document.project.performers
+    document.selection.set(("performers", one), ("performers", two), ("performers", three))
+    steps = document.undo_stack.count()
+    QTest.mouseClick(library.view.viewport(), LEFT, NONE, eye(library, two))
+    assert shown(document) == [four]
+    assert document.undo_stack.count() == steps + 1
+    document.undo_stack.undo()
+    document.selection.set(("performers", one))
+    QTest.mouseClick(library.view.viewport(), LEFT, ALT, eye(library, three))
+    assert shown(document) == [three]
+    QTest.mouseClick(library.view.viewport(), LEFT, ALT, eye(library, three))
+    assert shown(document) == [one, two, three, four]
+    assert document.undo_stack.count() == steps + 2
+
+
+def test_priorities_change_by_keys_wherever_the_keyboard_is(window):
+    document = window.bench.document
+    order = list(document.project.constraints_of("motion"))
+    document.selection.set(("constraints", order[-1]))
+    window.setFocus()
+    QApplication.processEvents()
+    raise_it = window.actions_by_id.by_id["raise_priority"]
+    assert raise_it.isEnabled()
+    assert raise_it.shortcut().toString() == "Alt+Up"
+    raise_it.trigger()
+    assert list(document.project.constraints_of("motion"))[-2] == order[-1]
+    window.actions_by_id.by_id["lower_priority"].trigger()
+    assert list(document.project.constraints_of("motion")) == order
+
+
+def test_a_file_that_hovers_is_answered_by_a_frame_until_it_leaves_or_is_dropped(window, walk):
+    content = QMimeData()
+    content.setUrls([QUrl.fromLocalFile(str(walk))])
+    assert window.drop_frame.isHidden()
+    enter = QDragEnterEvent(QPoint(400, 300), Qt.DropAction.CopyAction, content, LEFT, NONE)
+    window.dragEnterEvent(enter)
+    assert window.drop_frame.isVisible()
+    assert window.drop_frame.geometry() == window.rect()
+    window.dragLeaveEvent(QDragLeaveEvent())
+    assert window.drop_frame.isHidden()
+    window.dragEnterEvent(enter)
+    drop(window, walk)
+    assert window.drop_frame.isHidden()
+
+
+def test_a_strike_whose_capture_the_project_has_does_not_bring_it_again():
+    project = make_project()
+    [(key, capture)] = project.captures.items()
+    read_again = replace(capture, name="the same file", source="elsewhere.bvh")
+    assert _known_capture(project, read_again) == key
+    assert _known_capture(project, make_capture(frames=capture.frame_count + 1)) is None
+    assert _known_capture(replace(project, motions={}), read_again) is None
