@@ -27,7 +27,7 @@ SAME_TIME = 1e-4
 
 
 class Keys:
-    """What all keyed values share: ``times`` in seconds, each later than the one before, and as many ``values``."""
+    """Common part of keyed values: ``times`` in seconds, in increasing order."""
 
     kind: ClassVar[str] = "keyed"
     size: ClassVar[int]
@@ -57,12 +57,12 @@ class Keys:
         return tuple(numbers.tolist()) if self.size > 1 else float(numbers[0])
 
     def key_at(self, time: float) -> int | None:
-        """Which key stands at ``time``; None where none does."""
+        """Index of the key at ``time``; None where there is none."""
         place = bisect_left(self.times, time - SAME_TIME)
         return place if place < len(self.times) and self.times[place] <= time + SAME_TIME else None
 
     def with_key(self, time: float, value: Any) -> Self:
-        """The same with a key of ``value`` at ``time``, in the place of one that stands there."""
+        """The same with a key of ``value`` at ``time``, replacing one at that time."""
         kept = [pair for pair in zip(self.times, self.values, strict=True) if abs(pair[0] - time) > SAME_TIME]
         insort(kept, (float(time), value), key=lambda pair: pair[0])
         return self._with(kept)
@@ -73,7 +73,7 @@ class Keys:
         return self._with(kept)
 
     def with_time(self, place: int, time: float) -> Self:
-        """The same with one key at another ``time``, or as near to it as those beside it let it come."""
+        """The same with one key at another ``time``, or as near to it as its neighbours allow."""
         times = [-math.inf, *self.times, math.inf]
         between = max(min(time, times[place + 2] - 2.0 * SAME_TIME), times[place] + 2.0 * SAME_TIME)
         return replace(self, times=(*self.times[:place], between, *self.times[place + 1 :]))  # type: ignore[type-var]
@@ -87,7 +87,7 @@ class Keys:
         return replace(self, times=times, values=values)  # type: ignore[type-var]
 
     def _spans(self, times: ArrayLike) -> tuple[NDArray[np.int64], FloatArray, FloatArray, FloatArray]:
-        """(N,) the key before each of ``times`` (N,), seconds since it and to the next one (-), share of the ease."""
+        """Key before each of ``times`` (N,), seconds since it and to the next one."""
         keys, t = np.array(self.times), np.clip(np.asarray(times, dtype=np.float64), self.times[0], self.times[-1])
         before = np.clip(np.searchsorted(keys, t, "right") - 1, 0, max(len(keys) - 2, 0))
         after = np.minimum(before + 1, len(keys) - 1)
@@ -96,10 +96,10 @@ class Keys:
 
 
 class Line(Keys):
-    """Values that are points of a space of ``size`` numbers."""
+    """Keyed points of a space of ``size`` numbers."""
 
     def at(self, times: ArrayLike) -> FloatArray:
-        """(N, size) at ``times`` (N,) seconds."""
+        """Values (N, size) at ``times`` (N,) seconds."""
         values = self.points
         rates = passing_rates(np.array(self.times), np.diff(values, axis=0))
         before, since, until, share = self._spans(times)
@@ -109,18 +109,18 @@ class Line(Keys):
         return np.asarray(begin + share[:, None] * (end - begin))
 
     def path(self, time: float) -> FloatArray:
-        """(N, size) the whole way, from the first key to the last, whatever the ``time``."""
+        """Path (N, size) from the first key to the last."""
         return self.at(np.linspace(self.times[0], self.times[-1], 24 * len(self.times) + 1))
 
     @property
     def points(self) -> FloatArray:
-        """(K, size) the values of the keys."""
+        """Values (K, size) of the keys."""
         return np.array(self.values, dtype=np.float64).reshape(-1, self.size)
 
 
 @dataclass(frozen=True)
 class KeyedPlace(Line):
-    """Places (x, y, z) in metres, motion space."""
+    """Keyed positions (x, y, z) in metres, motion space."""
 
     size: ClassVar[int] = 3
     times: tuple[float, ...]
@@ -129,7 +129,7 @@ class KeyedPlace(Line):
 
 @dataclass(frozen=True)
 class KeyedNumber(Line):
-    """Numbers, such as a heading in radians or a distance in metres."""
+    """Keyed numbers, such as a heading in radians or a distance in metres."""
 
     size: ClassVar[int] = 1
     times: tuple[float, ...]
@@ -148,7 +148,7 @@ class KeyedTurn(Keys):
         return unit_quaternion(super()._checked(value))
 
     def at(self, times: ArrayLike) -> FloatArray:
-        """(N, 3, 3) at ``times`` (N,) seconds."""
+        """Rotations (N, 3, 3) at ``times`` (N,) seconds."""
         from scipy.spatial.transform import Rotation
 
         keys = Rotation.from_quat(np.array(self.values))
@@ -163,7 +163,7 @@ class KeyedTurn(Keys):
 
 
 def unit_quaternion(value: ArrayLike) -> Quaternion:
-    """The rotation that four numbers mean. Raises ValueError when they make none."""
+    """Unit quaternion of four numbers. Raises ValueError if they make no rotation."""
     numbers = np.array(value, dtype=np.float64)
     length = np.linalg.norm(numbers) if numbers.shape == (4,) and np.isfinite(numbers).all() else 0.0
     if length < 1e-9:
@@ -173,10 +173,10 @@ def unit_quaternion(value: ArrayLike) -> Quaternion:
 
 
 def passing_rates(times: FloatArray, steps: FloatArray) -> FloatArray:
-    """(N, D) a second: how fast each of N keys is passed; ``steps`` (N - 1, D) lead from each key to the next.
+    """Rates (N, D) a second of N keys; ``steps`` (N - 1, D) lead from each key to the next.
 
-    min(|a|, |b|) max(0, cos(a, b)) along a + b, for the rates a before and b after a key; zero at both ends, where
-    the motion begins and comes to rest.
+    min(|a|, |b|) max(0, cos(a, b)) along a + b, for the rates a before and b after a key; zero at both ends, where the
+    motion begins and comes to rest.
     """
     rates = np.zeros((len(times), steps.shape[1]))
     if len(times) > 2:
