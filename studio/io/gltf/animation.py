@@ -18,7 +18,7 @@ _STEP_SLACK = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Track:
+class AnimationTrack:
     """Keys of one property of one node."""
 
     node: int
@@ -58,7 +58,7 @@ class Track:
         return normalized(value) if self.path == "rotation" else value
 
 
-def read_tracks(animation: Record, accessors: Accessors, node_count: int) -> list[Track]:
+def read_tracks(animation: Record, accessors: Accessors, node_count: int) -> list[AnimationTrack]:
     """The tracks of one animation that move nodes. Raises StudioError for keys that make no sense."""
     samplers = animation.records("samplers")
     tracks = []
@@ -87,7 +87,7 @@ def read_tracks(animation: Record, accessors: Accessors, node_count: int) -> lis
             values = values.reshape(len(times), 3, -1)
         if path == "rotation" and not spline:
             values = _turns(values, sampler)
-        tracks.append(Track(node, path, times, values, interpolation))
+        tracks.append(AnimationTrack(node, path, times, values, interpolation))
     return tracks
 
 
