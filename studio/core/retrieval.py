@@ -111,10 +111,10 @@ class SearchTable:
         return Blocks.of(self)
 
     @cached_property
-    def searched(self) -> at.SearchTable:
+    def searched(self) -> at.FrameTable:
         """As the kernels take it."""
         blocks = self.blocks
-        return at.SearchTable(
+        return at.FrameTable(
             self.rows, self.paths, self.clips, blocks.spans, blocks.middles, blocks.radii, blocks.rings
         )
 

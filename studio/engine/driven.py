@@ -40,11 +40,11 @@ class Driven:
 
     @property
     def shown(self) -> Mapping[str, AdaptedMotion]:
-        """What everybody does now who is driven, and of whom something has come."""
+        """Present poses of all driven performers with input."""
         return self._shown
 
     def get(self, performer_id: str) -> AdaptedMotion | None:
-        """What a performer does now by what drives it; None where nothing does, or nothing has come."""
+        """Present pose of a driven performer; None without a driver or input."""
         return self._shown.get(performer_id)
 
     def bring(self, project: Project, seconds: float, results: Mapping[str, AdaptedMotion]) -> None:

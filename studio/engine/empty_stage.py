@@ -1,4 +1,4 @@
-"""What the views say while there is nothing to see, in the same words."""
+"""Text of the views on an empty stage."""
 
 from studio.core.project import Project
 
@@ -7,7 +7,7 @@ HIDDEN = "All characters are hidden. Shift+H shows them."
 
 
 def empty_words(project: Project) -> str:
-    """What to do, as one line; nothing where somebody is shown and has something to play."""
+    """Next step as one line; empty where a shown performer has a motion."""
     performers = project.performers.values()
     if performers and not any(performer.visible for performer in performers):
         return HIDDEN

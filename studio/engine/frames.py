@@ -53,9 +53,8 @@ class Frame:
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What became of a circle: its frames, none where it cannot be solved, or need not be.
-
-    It need not where whole motions answer ``current``, what the project asks. ``spent`` processor seconds.
+    """Result of a cycle: its frames, none where it cannot be solved, or where whole motions are ``current``; ``spent``
+    processor seconds.
     """
 
     circle: Circle
@@ -68,9 +67,8 @@ class Outcome:
 
 @dataclass(frozen=True, eq=False)
 class Instant:
-    """What is to be seen, and all that is known: ``answered`` by ``results`` is what was asked of whole motions.
-
-    Any thread may solve it; what it has solved is in ``frames`` for who follows that.
+    """Snapshot for solving one frame: ``results`` are whole motions for the requests ``answered``. Any thread may solve
+    it; solved ``frames`` are inputs for their followers.
     """
 
     project: Project
@@ -253,7 +251,7 @@ class Frames:
         return all(map(self._prepare.holds, _captures_of(project, project.performers[performer_id])))
 
     def _is_seen(self, circle: Circle, project: Project, seconds: float) -> bool:
-        """Whether the frames, or the whole motions, of a circle were found to be what ``project`` asks."""
+        """True if the frames, or the whole motions, of a cycle are up to date with ``project``."""
         if all(self._is_current(key, project) for key in circle):
             return True
         rows = {key: row_at(project, project.performers[key], seconds) for key in circle}
@@ -263,7 +261,7 @@ class Frames:
         )
 
     def _is_current(self, performer_id: str, project: Project) -> bool:
-        """Whether the newest whole motion was found to be what is asked, and neither has changed since."""
+        """True if the newest whole motion is up to date, and neither has changed since."""
         if performer_id in self._frames or performer_id not in self._current:
             return False
         outcome = self._current[performer_id]

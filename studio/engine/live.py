@@ -1,4 +1,4 @@
-"""What the views ask of the engine."""
+"""Interface of the engine for the views."""
 
 from typing import Any, Protocol
 
@@ -11,9 +11,9 @@ class Live(Protocol):
     adapted: Any
     """Signal(str): a newer result of that performer is there."""
     ready: bool
-    """Whether constraints can be solved: not before their kernels are compiled."""
+    """True once the kernels of constraints are compiled."""
     interactive: bool
-    """Whether something is being dragged: then whole clips are solved only when the hand rests."""
+    """True during a drag: whole clips are then solved when it rests."""
     interactive_changed: Any
     """Signal(bool): a drag has begun or ended."""
 
@@ -39,7 +39,7 @@ class Live(Protocol):
         """The newest adapted motion."""
 
     def failure(self, performer_id: str) -> str:
-        """Why a performer cannot be adapted, in a sentence; empty for who is, or is on the way."""
+        """Reason why a performer cannot be adapted, in a sentence; empty if it can, or is being solved."""
 
     def bring(self, seconds: float) -> None:
         """Solve the frame at ``seconds`` of the stage of all whose newest motion answers an older question.
@@ -48,10 +48,10 @@ class Live(Protocol):
         """
 
     def shown(self, performer_id: str) -> AdaptedMotion | None:
-        """What a picture shows: the frame that ``bring`` has solved, else the newest adapted motion."""
+        """Pose for a picture: the frame that ``bring`` has solved, else the newest adapted motion."""
 
     def is_eased(self, performer_id: str) -> bool:
-        """Whether what ``shown`` gives is eased in time where it jolts, if that is wanted; a solved frame is not."""
+        """True if the result of ``shown`` is smoothed as requested; a solved frame is not."""
 
     def source(self, motion_id: str) -> AdaptedMotion | None:
         """The capture on its actor's own body."""

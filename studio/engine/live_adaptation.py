@@ -32,7 +32,7 @@ from studio.startup.kernel_warm_up import WarmUp
 
 WINDOW_SECONDS = 0.75
 WINDOW_MILLISECONDS, REST_MILLISECONDS = 120, 150
-"""How often windows are solved while a hand moves, and after which rest whole motions are."""
+"""Interval between solved windows during a drag, and idle time before whole motions are solved."""
 TELL_MILLISECONDS = 100
 _SOURCE, _EXPECTED, _FRAMES, _TOGETHER = "source ", "expected ", "frames", "\n"
 
@@ -223,7 +223,7 @@ class LiveAdaptation(QObject):
         return told if told is self._results.get(performer_id) and self._is_current(performer_id) else None
 
     def _is_current(self, performer_id: str) -> bool:
-        """Whether the newest result answers, for the whole clip, what is asked now."""
+        """True if the newest result is up to date for the whole clip."""
         wanted = self._wanted.get(performer_id)
         if wanted is None or self._answered.get(performer_id) is not wanted:
             return False
@@ -372,7 +372,9 @@ class LiveAdaptation(QObject):
     def _stages(
         self, project: Project, circle: tuple[str, ...], wanted: Mapping[str, Wanted], whole: bool
     ) -> tuple[Callable[[], Solved], ...]:
-        """What is to be solved: all, or the frames round the playhead, not eased, where the rest is as before."""
+        """Stages of a solve: all frames, or first the frames round the playhead, unsmoothed, where the rest is
+        unchanged.
+        """
         asked_at, base = self._changed_at, self._results.get(circle[0])
         if whole or base is None or not _fits(base, wanted[circle[0]], project):
             self._unfinished.discard(circle)

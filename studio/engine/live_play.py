@@ -78,7 +78,7 @@ class LivePlay(QObject):
 
     @property
     def running(self) -> bool:
-        """Whether the stage plays live."""
+        """True while the stage plays live."""
         return self._worker is not None
 
     @property
@@ -213,7 +213,7 @@ class _Worker:
         return self._newest
 
     def ask(self, question: "Callable[[LiveStage], Any]") -> Any:
-        """What the stage answers between two steps; None where it has broken."""
+        """Answer of the stage between two steps; None where it has failed."""
         answers: list[Any] = []
         answered = threading.Event()
 

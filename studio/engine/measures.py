@@ -29,7 +29,7 @@ class Measure:
         return f"{value:.1f}{self.sign}" if value < 9.95 else f"{value:.0f}{self.sign}"
 
     def weight(self, amount: float) -> float:
-        """How bad an amount is, beside what the eye forgives: to compare lengths with angles."""
+        """Badness of an amount relative to its visible tolerance: compares lengths with angles."""
         return amount / self.partly_below
 
 
@@ -46,5 +46,5 @@ _BY_UNIT = {"m": LENGTH, "rad": ANGLE}
 
 
 def measure_of(constraint: Constraint) -> Measure:
-    """What a constraint's misses are."""
+    """Measure of a constraint's residuals."""
     return _BY_UNIT[constraint.unit]

@@ -86,11 +86,11 @@ class Moment:
 
     @cached_property
     def performer_id(self) -> str:
-        """Whose pose it is."""
+        """Performer of the pose."""
         return next(key for key, pose in self.posed.items() if pose is self.pose)
 
     def track(self, follow: Follow | OwnPlace) -> Track | None:
-        """Where a followed thing is now, in the space of this performer's motion."""
+        """Present track of a followed target, in the space of this performer's motion."""
         from studio.core.solver.performers.following import performer_track, tracked_track  # loads kernels
         from studio.core.solver.performers.props import seen_from
 

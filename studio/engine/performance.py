@@ -1,4 +1,4 @@
-"""What a performer does at a moment of the stage: its clip's frame, its pose, its place."""
+"""Present state of a performer on the stage: frame of its clip, pose and placement."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -54,7 +54,7 @@ class Posed:
     row: int
     placement: Placement
     resting: bool = False
-    """Whether it only stands and waits for its motion."""
+    """True if it stands still until its motion begins."""
     around: AdaptedMotion | None = None
     """The newest motion over time, where ``motion`` is only the frame that is shown."""
 
@@ -79,13 +79,13 @@ class Posed:
         return self.placement.to_stage(self.motion.positions[self.row])
 
     def is_as_in(self, newer: AdaptedMotion) -> bool:
-        """Whether a newer result of the same performer has the same pose at this moment."""
+        """True if a newer result of the same performer has the same pose at this moment."""
         row = self.frame - newer.first_frame
         return 0 <= row < newer.frame_count and np.array_equal(newer.positions[row], self.motion.positions[self.row])
 
     @cached_property
     def played(self) -> Played | None:
-        """What of its row plays; None for a motion of no stage."""
+        """Playing part of its row; None for a motion without stage."""
         composite = self.motion.composite
         return composite.playing(self.frame) if composite else None
 
@@ -123,7 +123,7 @@ class Posed:
 
     @cached_property
     def clip_placement(self) -> Placement:
-        """Where the motion that plays stands on the stage: of it constraints speak, and their targets."""
+        """Placement of the playing motion on the stage, the space of its constraints and targets."""
         played, leg = self.played, self.motion.body.leg_length
         if played is None:
             return self.placement
@@ -198,5 +198,5 @@ def resting_performers(project: Project, posed: Mapping[str, Posed]) -> dict[str
 
 
 def has_moved_on(project: Project, posed: Mapping[str, Posed], time: float) -> bool:
-    """Whether anybody does another frame at stage ``time`` than the one that it is posed in."""
+    """True if any performer has another frame at stage ``time`` than its pose."""
     return any(pose_of(project, one.performer, one.over_time, time).frame != one.frame for one in posed.values())

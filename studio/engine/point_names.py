@@ -1,4 +1,4 @@
-"""What the points of a body are called, in every view."""
+"""Labels of body points, for every view."""
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint

@@ -1,4 +1,4 @@
-"""Where props are at a moment of the stage, for every view."""
+"""Present positions of props, for every view."""
 
 import itertools
 import math

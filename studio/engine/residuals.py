@@ -41,30 +41,29 @@ class Residual:
 
     @property
     def weight(self) -> float:
-        """How bad it is, among misses of any measure."""
+        """Badness of the residual, comparable between measures."""
         return self.measure.weight(self.amount)
 
     @property
     def partly(self) -> bool:
-        """Whether the eye forgives it."""
+        """True if the residual is hardly visible."""
         return self.amount < self.measure.partly_below
 
     @property
     def held(self) -> bool:
-        """Whether nobody sees that it is missed."""
+        """True if the residual is invisible."""
         return self.amount < self.measure.held_below
 
     @property
     def remark(self) -> str:
-        """What has to be said beside the number; mostly nothing."""
+        """Remark beside the number; mostly empty."""
         return "" if self.fully_active else "never fully active"
 
 
 @dataclass(frozen=True, eq=False)
 class Missed:
-    """By how much a constraint is missed in frames of its own motion, from ``first_frame`` on, at ``frame_rate``.
-
-    ``amounts`` (F,) metres or radians, NaN where nothing is asked.
+    """Residuals of a constraint in frames of its own motion, from ``first_frame`` on, at ``frame_rate``. ``amounts``
+    (F,) metres or radians, NaN where inactive.
     """
 
     first_frame: int
@@ -73,7 +72,7 @@ class Missed:
 
 
 def missed_by(project: Project, performer_id: str, motion: AdaptedMotion | None, constraint_id: str) -> Missed | None:
-    """By how much a constraint is missed on a body; None without an answer, or where it is not asked.
+    """Residual of a constraint on a body; None without a result, or where it does not apply.
 
     Where a performer plays its motion more than once, the worse one counts.
     """
@@ -103,7 +102,7 @@ def missed_by(project: Project, performer_id: str, motion: AdaptedMotion | None,
 
 
 def is_asked(project: Project, performer_id: str, constraint_id: str) -> bool:
-    """Whether a constraint is asked of a performer at all: on, of a motion that it plays, and meant for it."""
+    """True if a constraint applies to a performer: enabled, on a motion that it plays, and in scope."""
     constraint, performer = project.constraints[constraint_id], project.performers[performer_id]
     return constraint.enabled and any(
         clip.motion_id == constraint.motion_id and constraint.scope.includes(performer_id, clip.id)

@@ -60,7 +60,7 @@ class SolveScheduler(QObject):
 
     @property
     def busy(self) -> bool:
-        """Whether anything waits, runs or is still to be delivered."""
+        """True if any job waits, runs or is not delivered yet."""
         with self._condition:
             return bool(self._waiting or self._running or self._undelivered)
 

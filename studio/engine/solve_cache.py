@@ -27,7 +27,7 @@ class SolveCache(Generic[Result]):
         self._lock = threading.Lock()
 
     def holds(self, key: Any) -> bool:
-        """Whether the result for ``key`` is there already."""
+        """True if the result for ``key`` is cached."""
         slot = self._slots.get(id(key))
         return slot is not None and bool(slot.results)
 

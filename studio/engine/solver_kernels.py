@@ -29,21 +29,21 @@ class SolverKernels(QObject):
 
     @property
     def ready(self) -> bool:
-        """Whether all are there: who calls one before waits seconds for it to be compiled."""
+        """True once all kernels are compiled: an earlier call waits seconds."""
         return self._warm_up is None or self._warm_up.ready
 
     @property
     def grounded(self) -> bool:
-        """Whether those are there that set bodies on the ground: all that is needed without constraints."""
+        """True once the kernels of grounding are compiled, enough without constraints."""
         return self._warm_up is None or self._warm_up.grounded
 
     @property
     def awaited(self) -> bool:
-        """Whether ``changed`` is still to come."""
+        """True if ``changed`` will be emitted again."""
         return self._looking.isActive()
 
     def can_solve(self, project: Project, performer_ids: Iterable[str]) -> bool:
-        """Whether the kernels are there that some performers need."""
+        """True if the kernels for some performers are compiled."""
         return self.ready or (self.grounded and not any(asked_of(project, key) for key in performer_ids))
 
     def join_grounded(self) -> None:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 KEPT_STANDING = 16
 
 Body = tuple[NormalizedMotion, AnyMorphology]
-"""What plays, and on which body."""
+"""Motion and body of a grounding."""
 Windows = tuple[tuple[int, int], ...]
 """First frames and those past the last."""
 
@@ -48,7 +48,7 @@ class StandingSolver:
             self._partly.clear()
 
     def _standing(self, request: AdaptRequest, windows: Windows | None) -> "Standing":
-        """How the body of ``request`` stands, in some ``windows`` at least."""
+        """Grounded motion of ``request``, in some ``windows`` at least."""
         from studio.core.solver.standing.lifted import lifted
         from studio.core.solver.standing.stand import standing_of
 
@@ -92,7 +92,7 @@ class Carried:
 
 @dataclass(frozen=True, eq=False)
 class Kept:
-    """How a body stands ``on`` what carries it, in some ``windows`` or, None, in all frames."""
+    """Grounded motion of a body, in some ``windows`` or, None, in all frames."""
 
     on: Carried
     windows: Windows | None

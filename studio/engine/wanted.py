@@ -1,4 +1,4 @@
-"""What one performer's result depends on, and the request that comes of it."""
+"""Dependencies of one performer's result, and its request."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -52,7 +52,7 @@ class Wanted:
     props: tuple[Prop, ...] = ()
 
     def stands_as(self, other: "Wanted | None") -> bool:
-        """Whether a body stands on the ground as another does before anything is asked of it."""
+        """True if a body's grounding equals another one's."""
         mine = self.motions, self.layers, self.morphology, self.ground, self.volume, self.limited, self.clears
         return other is not None and mine == (
             other.motions, other.layers, other.morphology, other.ground, other.volume, other.limited, other.clears
@@ -60,7 +60,7 @@ class Wanted:
 
 
 def wanted_of(project: Project, key: str, circle: tuple[str, ...], result_of: Results) -> Wanted | None:
-    """What a performer's result depends on; None while who it follows is not there yet."""
+    """Dependencies of a performer's result; None while a leader's result is missing."""
     performer = project.performers[key]
     character = project.characters[performer.character_id]
     followed = followed_by(project, key, result_of, circle)

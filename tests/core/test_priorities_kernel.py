@@ -113,7 +113,7 @@ class _Search:
 def test_steps_for_one_constraint_close_a_small_error(seed: int) -> None:
     search = _Search(seed, count=1)
     for _ in range(5):
-        search.level_step()
+        search.step()
     assert search.gained == pytest.approx(search.goals, abs=1e-4)
 
 
@@ -122,7 +122,7 @@ def test_steps_for_one_constraint_close_a_small_error(seed: int) -> None:
 def test_what_is_held_stays_while_others_ask(seed: int) -> None:
     search = _Search(seed, count=2, held=1)
     for _ in range(8):
-        search.level_step()
+        search.step()
     assert abs(search.gained[0]) < 2e-4
 
 
@@ -130,7 +130,7 @@ def test_what_is_held_stays_while_others_ask(seed: int) -> None:
 @settings(max_examples=25, deadline=None)
 def test_a_step_keeps_every_bone_of_the_trunk_and_the_arms(seed: int) -> None:
     search = _Search(seed)
-    search.level_step()
+    search.step()
     lengths = [body_twin.bone_lengths(LAYOUT, points)[: K + 10] for points in (search.pose.positions, POSITIONS)]
     assert np.allclose(*lengths, atol=1e-12)
 
@@ -141,7 +141,7 @@ def test_joints_never_turn_beyond_their_limits(seed: int) -> None:
     search = _Search(seed)
     search.goals *= 50
     for _ in range(20):
-        search.level_step()
+        search.step()
     turned = 2.0 * np.arctan(np.linalg.norm(search.search.state, axis=1))
     segments = search.free.joints["segment"]
     assert turned[(segments > 0) & (segments < K)].max() <= VERTEBRA_LIMIT + 1e-9
@@ -150,6 +150,6 @@ def test_joints_never_turn_beyond_their_limits(seed: int) -> None:
 
 def test_only_the_root_moves_where_only_the_root_is_free() -> None:
     search = _Search(4, chain=Chain(0.0, 0.0, 0.0, 0.0, 1.0))
-    assert search.level_step() > 0.0
+    assert search.step() > 0.0
     assert np.allclose(search.pose.rotations[: K + 10], ROTATIONS[: K + 10], atol=1e-12)
     assert not np.allclose(search.pose.positions[: K + 3], POSITIONS[: K + 3], atol=1e-6)

@@ -17,7 +17,7 @@ from studio.core.normalized.normalize import normalize
 from studio.core.normalized.round_trip import round_trip
 from studio.core.rotations import angle_between, slerp
 from studio.io.export import take_of_capture, write_take
-from studio.io.gltf.animation import Track
+from studio.io.gltf.animation import AnimationTrack
 from studio.io.importing import ImportOptions, load_capture, read_file
 from studio.io.registry import ReadCapture, ReadCharacter
 from tests.builders import make_capture
@@ -93,23 +93,23 @@ def test_a_unit_and_a_rate_can_be_overruled(tmp_path):
 def test_keys_are_followed_as_they_say():
     times, values = np.array([0.0, 1.0, 3.0]), np.array([[0.0, 1, 2], [4, 4, 4], [0, 0, 9]])
     at = np.array([-1.0, 0.0, 0.4, 1.0, 2.5, 9.0])
-    linear = Track(0, "translation", times, values, "LINEAR").at(at)
+    linear = AnimationTrack(0, "translation", times, values, "LINEAR").at(at)
     assert linear == pytest.approx(np.stack([np.interp(at, times, column) for column in values.T], axis=1))
-    step = Track(0, "translation", times, values, "STEP").at(at)
+    step = AnimationTrack(0, "translation", times, values, "STEP").at(at)
     assert step[2] == pytest.approx(values[0])
     assert step[3] == pytest.approx(values[1])
     assert step[5] == pytest.approx(values[2])
     slopes = np.array([[1.0, 0, 0], [0, 2, 0], [0, 0, -1]])
-    spline = Track(0, "translation", times, np.stack([slopes, values, slopes], axis=1), "CUBICSPLINE").at(at)
+    spline = AnimationTrack(0, "translation", times, np.stack([slopes, values, slopes], axis=1), "CUBICSPLINE").at(at)
     assert spline == pytest.approx(CubicHermiteSpline(times, values, slopes)(np.clip(at, 0.0, 3.0)))
-    single = Track(0, "translation", times[:1], values[:1], "LINEAR").at(at)
+    single = AnimationTrack(0, "translation", times[:1], values[:1], "LINEAR").at(at)
     assert single == pytest.approx(np.tile(values[0], (6, 1)))
 
 
 def test_a_step_shows_its_own_key_though_its_time_was_rounded_up():
     times = np.float32(np.arange(200) / 30.0).astype(np.float64)
     values = np.tile(np.arange(200.0)[:, None], (1, 3))
-    shown = Track(0, "translation", times, values, "STEP").at(np.arange(200) / 30.0)
+    shown = AnimationTrack(0, "translation", times, values, "STEP").at(np.arange(200) / 30.0)
     assert np.array_equal(shown, values)
 
 

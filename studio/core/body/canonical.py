@@ -14,8 +14,7 @@ Axes of the segments (columns of their world rotation):
 from dataclasses import dataclass
 from enum import StrEnum
 
-POINTS_BESIDE_SPINE = 23
-SEGMENTS_BESIDE_SPINE = 18
+from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE, SEGMENTS_BESIDE_SPINE
 
 
 class BodyPart(StrEnum):

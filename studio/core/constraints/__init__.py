@@ -1,1 +1,1 @@
-"""What the user asks of a motion: one file a kind; priority, chain and activation are common to all."""
+"""Constraints of the user: one file a kind; priority, chain and activation are common to all."""

@@ -1,4 +1,4 @@
-"""When a constraint acts: a curve in time from 0 to 1 and back."""
+"""Activation of a constraint: a curve in time from 0 to 1 and back."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -12,7 +12,7 @@ from studio.core.plausible import TIME
 
 
 class EaseShape(StrEnum):
-    """How an activation rises: the polynomial over its ramp."""
+    """Polynomial of an activation's ramp."""
 
     LINEAR = "linear"
     SMOOTH = "smooth"
@@ -93,7 +93,7 @@ class ActivationCurve:
         return ease(np.minimum(rise, fall), self.shape)
 
     def is_whole(self, first: float, last: float) -> bool:
-        """Whether it is 1 from ``first`` to ``last`` (seconds)."""
+        """True if it is 1 from ``first`` to ``last`` (seconds)."""
         return self.full <= first and last <= self.full_end
 
     def moved(self, seconds: float) -> "ActivationCurve":

@@ -1,4 +1,4 @@
-"""Restricted area: a point of the body is to stay inside, outside, or on the surface of a part of space."""
+"""Restricted areas: a point of the body stays inside, outside, or on the surface of a shape."""
 
 import math
 from dataclasses import dataclass, replace
@@ -14,7 +14,9 @@ from studio.core.plausible import TURN
 
 
 class AreaShape(StrEnum):
-    """Half-space: above the plane of its tilted top. Table: a box kept out of, left upwards, at its edges aside too."""
+    """Shape of an area. A half-space lies below its tilted top plane. A table is a box with upward, and at its edges
+    sideways, exits.
+    """
 
     HALF_SPACE = "half_space"
     BOX = "box"

@@ -1,4 +1,4 @@
-"""Balance: the centre of mass is to be over a place of the ground, or over what the feet stand on."""
+"""Balance: the centre of mass over a position of the ground, or over the support polygon."""
 
 import math
 from dataclasses import dataclass
@@ -11,10 +11,9 @@ from studio.core.plausible import PLACE
 
 @dataclass(frozen=True)
 class Support:
-    """Over the soles, hands, knees and seat that stand: where the motion has it, or the nearest place over them.
+    """Target over the support polygon: the motion's own centre of mass, or the nearest point within.
 
-    It is kept ``margin`` metres within their outline. Half the breadth of a sole is the most that is
-    kept: nobody stands more surely than over the middle line of a foot.
+    The polygon of soles, hands, knees and seat is shrunk by ``margin`` metres, at most to the middle line of a sole.
     """
 
     kind: ClassVar[str] = "support"
@@ -28,11 +27,11 @@ class Support:
 
 @dataclass(frozen=True)
 class BalanceConstraint(Constraint):
-    """The centre of mass stays over ``place``, or (None) over where the motion itself has it.
+    """The centre of mass stays over ``place``, or (None) over its path in the motion.
 
-    ``place`` is two numbers in metres, a place, a path or something followed, all in the motion's space, or the
-    support. With ``vertical`` its height is asked as well: that of the place, or the motion's own where the place has
-    none. ``point`` is not used: the whole body is meant. The miss is the distance, the horizontal one unless vertical.
+    ``place`` is two numbers in metres, a position, a path or a followed target, all in the motion's space, or the
+    support. ``vertical`` includes the height: that of the place, or the motion's own. ``point`` is not used. The
+    residual is the distance, horizontal unless vertical.
     """
 
     kind: ClassVar[str] = "balance"

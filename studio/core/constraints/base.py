@@ -1,4 +1,4 @@
-"""What every kind of constraint has: the paper's C = {point, type, chain, priority, activation}."""
+"""Common part of all constraints: the paper's C = {point, type, chain, priority, activation}."""
 
 import math
 from dataclasses import dataclass, field
@@ -36,9 +36,9 @@ class BodyPoint:
 
 
 LINKS = ("limb", "end_segment", "clavicle", "trunk", "root", "free_arms", "free_legs")
-"""The weights of a chain that stand for several segments at once."""
+"""Weights of a chain that stand for several segments at once."""
 FREE_LIMBS = ("free_arms", "free_legs")
-"""Those that only a balance has."""
+"""Weights of a balance alone."""
 TRUNK = (BodyPart.PELVIS, BodyPart.ABDOMEN, BodyPart.THORAX)
 CLAVICLES = (BodyPart.LEFT_CLAVICLE, BodyPart.RIGHT_CLAVICLE)
 UPPER_ARMS = (BodyPart.LEFT_UPPER_ARM, BodyPart.RIGHT_UPPER_ARM)
@@ -51,7 +51,7 @@ SINGLE = (*TRUNK, *CLAVICLES, BodyPart.NECK, BodyPart.HEAD, *BONES)
 
 
 def limb_bones(part: BodyPart) -> tuple[BodyPart, ...]:
-    """The upper and the lower segment of the limb that a part is of; none for other parts."""
+    """Upper and lower segment of the limb of a part; none for other parts."""
     side, _, bone = part.value.partition("_")
     if bone in ("upper_arm", "forearm", "hand"):
         return BodyPart(f"{side}_upper_arm"), BodyPart(f"{side}_forearm")
@@ -62,14 +62,14 @@ def limb_bones(part: BodyPart) -> tuple[BodyPart, ...]:
 
 @dataclass(frozen=True)
 class Chain:
-    """Which parts may move for a constraint, as weights: 0 is locked, 1 moves freely, between is stiffer.
+    """Weights of the parts that may move for a constraint: 0 is locked, 1 moves freely, between is stiffer.
 
-    ``segments`` gives single segments a weight of their own in place of that of their group; the abdomen stands for
-    all inner vertebrae. Of a limb that is to bring a point somewhere, the upper segment's is how much of what it would
-    turn it turns, the lower one's how much of what it would bend it bends; the rest of the chain does what is left.
+    ``segments`` gives single segments their own weight instead of that of their group; the abdomen stands for all inner
+    vertebrae. For a point on a limb, the weight of the upper segment is the fraction of its free rotation that it
+    makes, that of the lower one the fraction of its free bend; the rest of the chain does the remainder.
 
-    ``free_arms`` and ``free_legs`` are for a balance alone: how freely it turns, about shoulders and hips, the arms of
-    which nothing else is asked and the leg whose foot is in the air. An upper arm or thigh may there have its own.
+    ``free_arms`` and ``free_legs`` are for a balance alone: the weights of arms without constraint, and of the leg in
+    the air, about shoulders and hips. An upper arm or thigh may have its own weight there.
     """
 
     limb: float = 1.0
@@ -97,9 +97,9 @@ class Chain:
             raise ValueError("A chain without any free part cannot move its point.")
 
     def weight(self, part: BodyPart) -> float:
-        """How freely a segment moves: its own weight, or that of its group.
+        """Weight of a segment: its own, or that of its group.
 
-        The pelvis turns only with a weight of its own; neck and head are the limb of the head.
+        The pelvis rotates only with its own weight; neck and head are the limb of the head.
         """
         match part:
             case BodyPart.PELVIS:
@@ -115,36 +115,36 @@ class Chain:
         return dict(self.segments).get(part, usual)
 
     def recruited(self, part: BodyPart) -> float:
-        """How freely a balance turns an upper arm or a thigh: its own weight where its group has any, or that."""
+        """Weight of an upper arm or a thigh for a balance: its own if its group has any, or that of its group."""
         usual = self.free_arms if part in UPPER_ARMS else self.free_legs
         return dict(self.segments).get(part, usual) if usual > 0.0 else 0.0
 
 
 @dataclass(frozen=True)
 class Shown:
-    """What people see of a kind of constraint, beside its form."""
+    """Labels of a kind of constraint, beside its form."""
 
     action: str
-    """What the command that adds one is called."""
+    """Label of the command that adds one."""
     hint: str
     colour: str
     held_by: str = ""
-    """The value that is the place by which it is held, if any."""
+    """Name of the value with the position of its handle, if any."""
     handle: str = "target"
-    """What the handle there is called."""
+    """Label of the handle."""
     about: str = ""
-    """What of the body it is about, where that is no point."""
+    """Label of its subject, where that is no point."""
     picks: bool = False
-    """Whether it is made of a joint that was picked."""
+    """True if it is made of a picked joint."""
 
 
 @dataclass(frozen=True)
 class Constraint:
-    """What the user asks of a motion, apart from its kind. Priority 0 is the highest."""
+    """A user's constraint on a motion, apart from its kind. Priority 0 is the highest."""
 
     kind: ClassVar[str]
     unit: ClassVar[str] = "m"
-    """What its residual is counted in: metres, or radians (``rad``)."""
+    """Unit of its residual: metres, or radians (``rad``)."""
     shown: ClassVar[Shown]
     motion_id: str
     name: str
@@ -154,12 +154,12 @@ class Constraint:
     activation: ActivationCurve
     enabled: bool = True
     weight: float = field(default=1.0, kw_only=True)
-    """How much it counts among constraints of its priority that cannot all be met; only the ratio to theirs matters.
+    """Weight among constraints of the same priority that cannot all be met; only ratios matter.
 
-    Of two bodies that are to meet each other it is how much of the way each goes.
+    For two bodies that meet it is the fraction of the distance that each moves.
     """
     scope: Scope = field(default=EVERYONE, kw_only=True)
-    """Of whom it is asked: of all who play the motion, of one performer, or of one clip."""
+    """Performers that it applies to: all of the motion, one performer, or one clip."""
 
     def __post_init__(self) -> None:
         if self.priority < 0:
@@ -173,16 +173,18 @@ class Constraint:
         WEIGHT.check(self.weight)
 
     def carried(self, carry: "Carry") -> dict[str, Any]:
-        """What else of it changes where a clip plays (``constraints.carried_over``)."""
+        """Values that change where a clip plays (``constraints.carried_over``)."""
         return {}
 
     def sketch(self, place: NDArray[np.float64], turn: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-        """Lines (N, 3) by which it is drawn where its point has a ``place`` (3,) and its segment a ``turn`` (3, 3)."""
+        """Lines (N, 3) of its drawing where its point has a ``place`` (3,) and its segment a ``turn`` (3, 3)."""
         return ()
 
 
 def finite_vector(values: object, what: str) -> Vector:
-    """Three finite floats from any sequence, none too far to be a place; ValueError that says ``what`` otherwise."""
+    """Three finite floats from any sequence, within the range of positions; ValueError that names ``what``
+    otherwise.
+    """
     numbers = tuple(float(value) for value in values)  # type: ignore[attr-defined]
     if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
         raise ValueError(f"{what} is three finite numbers in metres, got {values}.")

@@ -49,7 +49,7 @@ class Carry:
     last: float
 
     def goes_on_in(self, after: "Carry", pause: float) -> bool:
-        """Whether a clip that plays no more than ``pause`` seconds later goes on as this one would."""
+        """True if a clip that plays no more than ``pause`` seconds later continues this one."""
         ours, others = (
             np.array([each.begin, each.speed, each.turn, *each.shift, each.mirrored]) for each in (self, after)
         )
@@ -60,17 +60,17 @@ class Carry:
         return self.begin + np.asarray(times, dtype=np.float64) / self.speed
 
     def ways(self, vectors: ArrayLike) -> FloatArray:
-        """(..., 3) vectors, turned and mirrored."""
+        """Vectors (..., 3), rotated and mirrored."""
         c, s = np.cos(self.turn), np.sin(self.turn)
         seen = np.asarray(vectors, dtype=np.float64) * [1.0, -1.0 if self.mirrored else 1.0, 1.0]
         return np.asarray(seen @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]))
 
     def places(self, places: ArrayLike) -> FloatArray:
-        """(..., 3) metres."""
+        """Positions (..., 3) in metres."""
         return np.asarray(self.ways(places) + np.array([*self.shift, 0.0]))
 
     def turns(self, turns: ArrayLike, part: BodyPart) -> FloatArray:
-        """(..., 4) rotations of a segment."""
+        """Rotations (..., 4) of a segment."""
         seen = np.asarray(turns, dtype=np.float64)
         if self.mirrored:
             seen = seen * [-1.0, 1.0, -1.0, 1.0]
@@ -86,7 +86,7 @@ class Carry:
         return seen * ([1.0, -1.0, -1.0] if is_hinged(part) else [-1.0, 1.0, -1.0])
 
     def point(self, point: BodyPoint) -> BodyPoint:
-        """A point of the body: of the other side in a mirror."""
+        """Point of the body; of the other side in a mirror."""
         if not self.mirrored:
             return point
         x, y, z = point.offset
@@ -95,12 +95,12 @@ class Carry:
 
 
 def is_hinged(part: BodyPart) -> bool:
-    """Whether the x axis of a segment is a hinge."""
+    """True if the x axis of a segment is a hinge."""
     return part.value.endswith(_HINGED)
 
 
 def other_side(part: BodyPart) -> BodyPart:
-    """The same of the other side; what is in the middle stays."""
+    """Part of the other side; a part in the middle stays."""
     swaps = {"left": "right", "right": "left"}
     side, _, rest = part.value.partition("_")
     return BodyPart(f"{swaps[side]}_{rest}") if side in swaps else part
@@ -191,7 +191,7 @@ def _plain(name: str, value: Any, constraint: Constraint, carry: Carry) -> Any:
 
 
 def _heading(heading: float, constraint: Constraint, carry: Carry) -> float:
-    """A heading counts from that of what the centre follows, where it follows something."""
+    """Heading relative to that of the followed object, if the centre follows one."""
     follows = isinstance(getattr(constraint, "centre", None), FOLLOWS)
     seen = -heading if _is_heading_mirrored(constraint, carry) else heading
     return seen if follows else seen + carry.turn
@@ -203,7 +203,7 @@ def _is_heading_mirrored(constraint: Constraint, carry: Carry) -> bool:
 
 
 def _own_turn(turn: Quaternion, part: BodyPart, carry: Carry) -> Quaternion:
-    """A rotation in a segment's axes, in those of the other side's segment."""
+    """Rotation in the axes of the other side's segment."""
     if not carry.mirrored:
         return turn
     x, y, z, w = turn

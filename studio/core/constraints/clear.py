@@ -1,4 +1,4 @@
-"""Clear of one's own body: hands, forearms and elbows are kept out of trunk, head and thighs."""
+"""Self-collision: hands, forearms and elbows stay out of trunk, head and thighs."""
 
 import math
 from dataclasses import dataclass
@@ -9,14 +9,14 @@ from studio.core.constraints.base import Constraint, Shown
 
 
 class Arms(StrEnum):
-    """Which arms are meant."""
+    """Arms of the constraint."""
 
     BOTH = "both"
     LEFT = "left"
     RIGHT = "right"
 
     def has(self, side: int) -> bool:
-        """Whether the arm of side 0 (left) or 1 (right) is among them."""
+        """True if it includes the arm of side 0 (left) or 1 (right)."""
         return self is Arms.BOTH or self is (Arms.RIGHT if side else Arms.LEFT)
 
 

@@ -1,4 +1,4 @@
-"""Distance: two points of the body, or one and a place outside, are to be so far apart."""
+"""Distance between two points of the body, or one and a fixed position."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What a target may follow: a point of the same body, of another performer, a prop, a joint of the capture.
+"""Followed targets: a point of the same body, of another performer, a prop, a joint of the capture.
 
 Each is a place and a rotation fixed to the thing. A position, the outside of a distance or the centre of an area takes
 the place; an orientation takes the rotation, an area's heading its turn about Z.
@@ -45,9 +45,9 @@ class FollowPerformer:
 
 @dataclass(frozen=True)
 class FollowProp:
-    """A place fixed to a prop, in its axes: ``offset`` metres from its centre, or from where ``share`` says.
+    """Point fixed to a prop, in its axes: ``offset`` metres from its centre plus ``share`` of its half size.
 
-    ``share`` is in halves of its size: (0, 1, 0) is the middle of its left side, whatever its size.
+    ``share`` (0, 1, 0) is the middle of its left side, whatever its size.
     """
 
     kind: ClassVar[str] = "follow_prop"

@@ -1,4 +1,4 @@
-"""All kinds of constraint, in the order in which menus and forms offer them."""
+"""All kinds of constraint, in the order of menus and forms."""
 
 from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.balance import BalanceConstraint

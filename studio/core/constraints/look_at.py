@@ -1,4 +1,4 @@
-"""Look-at: a segment faces a place, as eyes and head do."""
+"""Look-at: a segment faces a target, as eyes and head do."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -10,9 +10,9 @@ from studio.core.constraints.target import Place, checked_place
 
 @dataclass(frozen=True)
 class LookAtConstraint(Constraint):
-    """The x axis of the segment of ``point``, begun at the point, is to go through ``target``, as of a position.
+    """The x axis of the segment of ``point``, from the point, passes through ``target``, as of a position.
 
-    The usual point lies between the eyes. The miss is an angle.
+    The usual point lies between the eyes. The residual is an angle.
     """
 
     kind: ClassVar[str] = "look_at"
@@ -28,4 +28,4 @@ class LookAtConstraint(Constraint):
 
 
 EYES = BodyPoint(BodyPart.HEAD, (0.08, 0.0, 0.09))
-"""Between the eyes of an ordinary head."""
+"""Point between the eyes of an average head."""

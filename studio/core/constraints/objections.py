@@ -1,4 +1,4 @@
-"""Constraints that cannot go together: said of a set, in a sentence that names them."""
+"""Constraints that cannot be combined: sentences that name them."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import fields, replace
@@ -19,12 +19,7 @@ _MANY = {"area", "clear"}
 
 
 def objection(constraint: Constraint, others: Iterable[Constraint]) -> str | None:
-    """Why ``constraint`` cannot stand beside ``others`` of its motion; None when it can.
-
-    Two of one kind and priority contradict each other when they ask different things of the same point while both are
-    fully active, and are one too many when they ask the same. Of different priorities the higher one wins, which is no
-    contradiction; nor is one that fades while the other comes.
-    """
+    """Reason why ``constraint`` cannot be combined with ``others`` of its motion; None if it can."""
     if not constraint.enabled:
         return None
     if is_stuck(constraint):
@@ -62,7 +57,7 @@ def objection(constraint: Constraint, others: Iterable[Constraint]) -> str | Non
 
 
 def is_stuck(constraint: Constraint) -> bool:
-    """Whether no free part of the chain carries the point, nor the other end where that is on the body too."""
+    """True if no free part of the chain moves the point, nor the other end."""
     if constraint.kind in ("balance", "clear"):
         return False
     other = getattr(constraint, "other", None)
@@ -71,7 +66,7 @@ def is_stuck(constraint: Constraint) -> bool:
 
 
 def _moves(chain: Chain, part: BodyPart) -> bool:
-    """Whether any free part of the chain carries what is fixed to a part of the body."""
+    """True if a free part of the chain moves a part of the body."""
     side, _, bone = part.value.partition("_")
     links, carriers = ["root"], [*TRUNK]
     match bone or part:
@@ -91,7 +86,7 @@ def _moves(chain: Chain, part: BodyPart) -> bool:
 
 
 def _carries_its_goal(constraint: Constraint) -> bool:
-    """Whether a place on a limb is to be where a point further out on the same limb is."""
+    """True if a point on a limb follows a point further out on the same limb."""
     followed, own = _followed(constraint), constraint.point
     if followed is None or constraint.kind != "position":
         return False
@@ -103,13 +98,13 @@ def _carries_its_goal(constraint: Constraint) -> bool:
 
 
 def objections(constraints: Sequence[Constraint]) -> list[str]:
-    """What there is to say of a whole set, each pair once."""
+    """Objections to a whole set, each pair once."""
     found = (objection(each, constraints[:place]) for place, each in enumerate(constraints))
     return [sentence for sentence in found if sentence]
 
 
 def _rivals(first: Constraint, second: Constraint) -> bool:
-    """Of one kind and priority, about the same, and for some time both fully active."""
+    """True for two constraints of one kind and priority on one subject, fully active at the same time."""
     if first.kind != second.kind or first.priority != second.priority or _about(first) != _about(second):
         return False
     a, b = first.activation, second.activation
@@ -118,7 +113,7 @@ def _rivals(first: Constraint, second: Constraint) -> bool:
 
 
 def _about(constraint: Constraint) -> object:
-    """What of the body a constraint is about."""
+    """Subject of a constraint on the body."""
     other = getattr(constraint, "other", None)
     match constraint.kind:
         case "balance":
@@ -135,7 +130,7 @@ def _asked(constraint: Constraint) -> tuple[object, ...]:
 
 
 def _circle(constraint: Constraint, others: Sequence[Constraint]) -> list[Constraint]:
-    """The constraints, this one first, by which its own point follows itself; none when it does not."""
+    """Constraints, this one first, by which its own point follows itself."""
     way, found = [constraint], _followed(constraint)
     while found is not None:
         if _same_point(found, constraint):
@@ -157,7 +152,7 @@ def _circle(constraint: Constraint, others: Sequence[Constraint]) -> list[Constr
 
 
 def _followed(constraint: Constraint) -> BodyPoint | None:
-    """The point of the same body that this one's point is to be at, or is to be turned as."""
+    """Point of the same body that this one's point follows."""
     target = getattr(constraint, "target", None)
     moves = constraint.kind in ("position", "orientation")
     return target.point if moves and isinstance(target, FollowBody) else None

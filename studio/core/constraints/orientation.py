@@ -1,4 +1,4 @@
-"""Orientation: a segment of the body is to be turned one way."""
+"""Orientation: a segment of the body is rotated to a target."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -9,10 +9,10 @@ from studio.core.constraints.target import Turn, checked_turn
 
 @dataclass(frozen=True)
 class OrientationConstraint(Constraint):
-    """The segment of ``point`` is to have the rotation ``target`` (x, y, z, w), in the space of the motion.
+    """The segment of ``point`` takes the rotation ``target`` (x, y, z, w), in the space of the motion.
 
-    It may be keyed, or follow the rotation of something else. Raises ValueError when the four numbers make no rotation.
-    The miss is an angle.
+    It may be keyed, or follow the rotation of another object. Raises ValueError when the four numbers make no rotation.
+    The residual is an angle.
     """
 
     kind: ClassVar[str] = "orientation"

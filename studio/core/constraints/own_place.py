@@ -1,4 +1,4 @@
-"""Each body's own place: where a point of that very body is at one moment, before anything is asked of it."""
+"""Per-character position: a point of the grounded body itself at one time, before any constraint."""
 
 import math
 from dataclasses import dataclass, replace

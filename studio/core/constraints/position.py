@@ -1,4 +1,4 @@
-"""Position: a point of the body is to be at a place of the stage."""
+"""Position: a point of the body at a target."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -9,7 +9,7 @@ from studio.core.constraints.target import Place, checked_place
 
 @dataclass(frozen=True)
 class PositionConstraint(Constraint):
-    """``point`` is to be at ``target``: a place in the space of the motion, keyed places, or something it follows."""
+    """``point`` moves to ``target``: a position in the space of the motion, keyed positions, or a followed object."""
 
     kind: ClassVar[str] = "position"
     shown: ClassVar[Shown] = Shown(

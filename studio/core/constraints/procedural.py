@@ -22,14 +22,14 @@ SLOWEST_WAVE = 0.3
 
 @dataclass(frozen=True, kw_only=True)
 class RuledPlace(ABC):
-    """What all have: a ``centre`` in metres, one round in ``seconds``, begun at ``since`` seconds.
+    """Common part of all: a ``centre`` in metres, one round in ``seconds``, begun at ``since`` seconds.
 
     ``heading`` turns the whole way about Z, in radians.
     """
 
     kind: ClassVar[str]
     rounds: ClassVar[float] = 1.0
-    """How many of them show the whole way."""
+    """Number of them that shows the whole path."""
     centre: Vector = (0.0, 0.0, 1.0)
     heading: float = 0.0
     seconds: float = 2.0
@@ -45,30 +45,30 @@ class RuledPlace(ABC):
         TURN.check(self.heading)
 
     def at(self, times: ArrayLike) -> FloatArray:
-        """(N, 3) metres at ``times`` (N,) seconds."""
+        """Positions (N, 3) in metres at ``times`` (N,) seconds."""
         x, y, z = self._way((np.asarray(times, dtype=np.float64) - self.since) / self.seconds).T
         c, s = math.cos(self.heading), math.sin(self.heading)
         # No matrix product: on some processors that rounds one row otherwise than many.
         return np.stack([c * x - s * y, s * x + c * y, z], axis=-1) + self.centre
 
     def path(self, time: float) -> FloatArray:
-        """(N, 3) the way round ``time``."""
+        """Path (N, 3) around ``time``."""
         around = self.rounds * self.seconds / 2.0
         return self.at(np.linspace(time - around, time + around, round(96 * self.rounds) + 1))
 
     def passing(self, place: Vector, time: float) -> Self:
-        """The same way elsewhere, so that it is at ``place`` at ``time``."""
+        """The same path elsewhere, so that it is at ``place`` at ``time``."""
         x, y, z = (np.array(self.centre) + place - self.at([time])[0]).tolist()
         return replace(self, centre=(x, y, z))
 
     def mirrored(self) -> Self:
-        """With left for right: y is -y."""
+        """The mirror image, with -y for y."""
         x, y, z = self.centre
         return replace(self, centre=(x, -y, z), heading=-self.heading)
 
     @abstractmethod
     def _way(self, rounds: FloatArray) -> FloatArray:
-        """(N, 3) from the centre after so many ``rounds`` (N,), with heading 0."""
+        """Offsets (N, 3) from the centre after ``rounds`` (N,), with heading 0."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,9 +7,9 @@ from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.procedural import ProceduralPlace
 
 Place = Vector | KeyedPlace | ProceduralPlace | OwnPlace | Follow
-"""Metres in the motion's space (before a performer's placement)."""
+"""Position in the motion's space, in metres (before a performer's placement)."""
 Turn = Quaternion | KeyedTurn | Follow
-"""A rotation in the motion's space."""
+"""Rotation in the motion's space."""
 
 
 def checked_place(place: object, constraint: Constraint, what: str) -> Place:
@@ -22,7 +22,7 @@ def checked_place(place: object, constraint: Constraint, what: str) -> Place:
 
 
 def checked_turn(turn: object, constraint: Constraint) -> Turn:
-    """As ``checked_place``, for a rotation."""
+    """A valid rotation, checked as by ``checked_place``."""
     if isinstance(turn, KeyedTurn | Follow):
         if isinstance(turn, FollowBody) and turn.point.part == constraint.point.part:
             raise ValueError(f"'{constraint.name}': a segment cannot follow itself. Choose another one to follow.")
@@ -34,22 +34,22 @@ def checked_turn(turn: object, constraint: Constraint) -> Turn:
 
 
 def follows_of(constraint: Constraint) -> list[Follow]:
-    """All that a constraint follows."""
+    """All followed targets of a constraint."""
     return [value for value in vars(constraint).values() if isinstance(value, FOLLOWS)]
 
 
 def own_places_of(constraint: Constraint) -> list[OwnPlace]:
-    """All places of a constraint that are each body's own."""
+    """All per-character positions of a constraint."""
     return [value for value in vars(constraint).values() if isinstance(value, OwnPlace)]
 
 
 def key_times(constraint: Constraint) -> tuple[float, ...]:
-    """Seconds at which anything of a constraint has a key, in order."""
+    """Seconds of all keys of a constraint, in order."""
     keyed = (value for value in vars(constraint).values() if isinstance(value, Keys))
     return tuple(sorted({time for value in keyed for time in value.times}))
 
 
 def is_moving(constraint: Constraint) -> bool:
-    """Whether what it asks differs from frame to frame."""
+    """True if its target differs from frame to frame."""
     own_height = getattr(constraint, "vertical", False)
     return own_height or any(hasattr(value, "kind") for value in vars(constraint).values())

@@ -1,4 +1,4 @@
-"""Keep upright: an axis of a segment points one way, as a tray stays level and a head stays up."""
+"""Keep upright: an axis of a segment points in one direction, as a tray stays level."""
 
 import math
 from dataclasses import dataclass
@@ -13,16 +13,16 @@ if TYPE_CHECKING:
     from studio.core.constraints.carried_over import Carry
 
 LENGTH, SIDES = 0.25, 24
-"""Metres of the axis as it is drawn, and sides of its cone."""
+"""Length in metres of the drawn axis, and sides of its cone."""
 
 
 @dataclass(frozen=True)
 class UprightConstraint(Constraint):
-    """An ``axis`` of the segment of ``point``, in the segment's axes, is to lean no further than ``cone`` radians away
-    from a ``direction`` in the space of the motion.
+    """An ``axis`` of the segment of ``point``, in the segment's axes, leans no further than ``cone`` radians from a
+    ``direction`` in the space of the motion.
 
-    The segment turns about the direction as it likes. The miss is an angle. Raises ValueError for an axis or a
-    direction without a length, and for a cone that is below zero or half a turn and more.
+    The segment rotates freely about the direction. The residual is an angle. Raises ValueError for an axis or a
+    direction without a length, and for a cone below zero or of half a turn and more.
     """
 
     kind: ClassVar[str] = "upright"
@@ -47,12 +47,12 @@ class UprightConstraint(Constraint):
             raise ValueError(f"'{self.name}': a cone lies between 0 and half a turn, got {self.cone} radians.")
 
     def carried(self, carry: "Carry") -> dict[str, Any]:
-        """Its axis and direction where a clip plays, turned and mirrored."""
+        """Axis and direction where a clip plays, rotated and mirrored."""
         axis = carry.point(BodyPoint(self.point.part, self.axis)).offset
         return {"axis": axis, "direction": tuple(carry.ways(self.direction).tolist())}
 
     def sketch(self, place: NDArray[np.float64], turn: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-        """The axis as it is, and the cone that it may be in."""
+        """Lines of the axis, and of its cone."""
         wanted = np.array(self.direction)
         side = np.cross(wanted, np.eye(3)[np.argmin(np.abs(wanted))])
         side /= np.linalg.norm(side)
@@ -64,7 +64,7 @@ class UprightConstraint(Constraint):
         return (axis, ring, *spokes) if self.cone > 0.0 else (axis, np.stack([place, place + LENGTH * wanted]))
 
     def lean(self, turns: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(F,) radians by which the axis of a segment with rotations (F, 3, 3) leans beyond its cone."""
+        """Lean (F,) in radians beyond the cone, for segments with rotations (F, 3, 3)."""
         axes, wanted = turns @ np.array(self.axis), np.array(self.direction)
         leans = np.arctan2(np.linalg.norm(np.cross(axes, wanted), axis=1), axes @ wanted)
         return np.asarray(np.maximum(leans - self.cone, 0.0))

@@ -27,7 +27,7 @@ CLIP_COLUMN, FRAME_COLUMN, CONTACT_COLUMN = 0, 1, 2
 """Columns of the results: clip, row of the frame to play from, row of the path at which it hits."""
 
 
-class SearchTable(NamedTuple):
+class FrameTable(NamedTuple):
     """Data to be searched: F frames of C clips in B blocks."""
 
     rows: Array
@@ -72,7 +72,7 @@ class SearchHits(NamedTuple):
 
 @kernel
 def judge_blocks(blocks, rows, paths, clips, middles, out_radii, out_rings):
-    """Write bounds of each block's frames: ``radii`` and ``rings`` of a ``SearchTable``."""
+    """Write bounds of each block's frames: ``radii`` and ``rings`` of a ``FrameTable``."""
     for block in range(blocks.shape[0]):
         start, count = clips[blocks[block, 0], 2], clips[blocks[block, 0], 3]
         widest, ring = 0.0, out_rings[block]

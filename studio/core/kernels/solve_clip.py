@@ -29,9 +29,9 @@ from studio.core.kernels.records import (
 from studio.core.kernels.search.backtracking import BACKTRACKING
 from studio.core.kernels.search.levels import reset_rotations, solve_frame
 from studio.core.kernels.search.redundancy import update_joint_weights
-from studio.core.kernels.tasks.residuals import update_goals
 from studio.core.kernels.tasks.targets import set_goals, update_relative_weights
 from studio.core.kernels.tasks.task import IN_TRANSITION, INACTIVE
+from studio.core.kernels.tasks.task_kinds import update_goals
 from studio.core.kernels.time.acceleration_peaks import update_acceleration_peaks
 from studio.core.kernels.time.activation_blend import next_activation, pose_blend, save_solution, write_residuals
 from studio.core.kernels.time.smoothed_frames import pose_smoothed

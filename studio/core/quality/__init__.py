@@ -1,1 +1,1 @@
-"""How good adapted motions are, beside their sources."""
+"""Quality of adapted motions relative to their sources."""

@@ -1,4 +1,4 @@
-"""What stands, in every frame: how far it has slid since its contact began, and how high above the ground it is."""
+"""Slide of every contact since its beginning, and its height above the ground, in every frame."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -64,8 +64,8 @@ def contact_tracks(
 def _standing_joint(
     adapted: AdaptedMotion, point: ContactPoint, stances: _Stances, ground: Ground
 ) -> tuple[FloatArray, FloatArray]:
-    """How far (n,) a hand, a knee or the seat has moved along the ground in its contact, and its heights above it; a
-    wrist over finger tips that touch it is not.
+    """Slide (n,) of a hand, a knee or the seat along the ground, and its height; a wrist over its finger tips has
+    height 0.
     """
     body = adapted.body
     joint = track_of(point, body, adapted.positions[stances.frames])
@@ -81,13 +81,13 @@ def _standing_joint(
 
 
 def _slide(track: FloatArray, normals: FloatArray, stances: _Stances) -> FloatArray:
-    """(n,) distances of a track (n, 3) from where its contact begins, along planes of ``normals`` (n, 3)."""
+    """Distances (n,) of a track (n, 3) from the beginning of its contact, along the ground."""
     way = track - track[stances.begins][stances.of]
     return np.asarray(np.linalg.norm(_along(way, normals), axis=1))
 
 
 def _along(ways: FloatArray, normals: FloatArray) -> FloatArray:
-    """What of ``ways`` (n, 3) is along planes of ``normals`` (n, 3)."""
+    """Components of vectors (n, 3) along planes of ``normals`` (n, 3)."""
     return np.asarray(ways - np.einsum("nk,nk->n", ways, normals)[:, None] * normals)
 
 
@@ -101,9 +101,9 @@ def _stood_on(ball: FloatArray, tip: FloatArray, normals: FloatArray, stances: _
 def _standing_foot(
     adapted: AdaptedMotion, point: ContactPoint, stances: _Stances, ground: Ground
 ) -> tuple[FloatArray, FloatArray]:
-    """The same of a heel, or the lower one of ball and tip of the toes.
+    """Slide and height of a heel, or of the lower one of ball and tip of the toes.
 
-    Where the foot lies over an edge the ground is the plane of what it stands on.
+    Over an edge the ground is the plane on which the foot stands.
     """
     layout, side, frames, of, middles = (
         adapted.morphology.layout,

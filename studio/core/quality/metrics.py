@@ -1,4 +1,4 @@
-"""How good an adapted motion is, in millimetres and in ratios to its source."""
+"""Quality of an adapted motion, in millimetres and in ratios to its source."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ SLOW = 1.0
 LIMB_BONES = [
     place for place, part in enumerate(BodyPart) if part.value.endswith(("upper_arm", "forearm", "thigh", "shank"))
 ]
-"""Which of ``BodyPart`` are the long bones of arms and legs."""
+"""Indices in ``BodyPart`` of the long bones of arms and legs."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ def contact_quality(adapted: AdaptedMotion, contacts: Sequence[ContactInterval],
 
 
 def worst_of(slides: FloatArray, heights: FloatArray) -> ContactQuality:
-    """The worst of ``contact_tracks``."""
+    """Worst values of ``contact_tracks``."""
     if not np.isfinite(slides).any():
         return ContactQuality(0.0, 0.0, 0.0)
     rise, depth = float(np.nanmax(heights)), float(np.nanmax(-heights))
@@ -57,7 +57,7 @@ def worst_of(slides: FloatArray, heights: FloatArray) -> ContactQuality:
 
 
 def centre_of_mass(adapted: AdaptedMotion) -> FloatArray:
-    """(F, 3) metres, in the motion's space: where the body's centre of mass is (de Leva 1996; METHOD 7)."""
+    """Centre of mass (F, 3) in metres, in the motion's space (de Leva 1996; METHOD 7)."""
     return mass_path(adapted.positions[:], adapted.morphology)
 
 
@@ -78,7 +78,7 @@ def swing_depths(adapted: AdaptedMotion, contacts: Sequence[ContactInterval], gr
 
 
 def knee_speeds(adapted: AdaptedMotion) -> FloatArray:
-    """(2, F) rad/s: how fast the left and right knee bend or stretch; a popping knee is a narrow peak."""
+    """Angular speeds (2, F) in rad/s of the left and right knee; a popping knee has a peak."""
     layout = adapted.morphology.layout
     if adapted.frame_count < 2:
         return np.zeros((2, adapted.frame_count))
@@ -124,7 +124,7 @@ def _both_peaks(adapted: AdaptedMotion, source: AdaptedMotion) -> tuple[FloatArr
 
 
 def turning_peaks(motion: AdaptedMotion) -> FloatArray:
-    """(P, 2) rad/s and rad/s^2: how fast, and how sharply, each ``BodyPart`` turns in the world at most."""
+    """Peaks (P, 2) of angular speed (rad/s) and acceleration (rad/s^2) of each ``BodyPart``."""
     layout = motion.morphology.layout
     rotations = np.ascontiguousarray(motion.rotations[:])
     peaks = np.empty((layout.segment_count, 2))

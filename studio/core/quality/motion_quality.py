@@ -1,4 +1,4 @@
-"""What an animator would still clean by hand: an adapted motion beside its source, joint by joint.
+"""Defects that an animator would still clean by hand: an adapted motion compared with its source, joint by joint.
 
 Lengths are compared as if both bodies had legs of 85 cm; angles and ratios need no scale.
 """
@@ -43,14 +43,14 @@ PARTS = {
 
 @dataclass(frozen=True)
 class MotionQuality:
-    """Of one adapted motion; NaN where the motion shows nothing of the kind. Lengths in metres, angles in radians."""
+    """Quality measures of one adapted motion; NaN where a measure does not apply."""
 
     below: float
     """The lowest joint below the ground, in excess of the source's own."""
     drop: float
-    """How much lower the hips ride above standing ankles than the source's, mean."""
+    """Mean lowering of the hips above standing ankles, relative to the source."""
     knee_mean: float
-    """How much more stance knees are bent, mean and most."""
+    """Additional bend of stance knees, mean and greatest."""
     knee_most: float
     bob: float
     """Ups and downs of the hips, as parts of the source's."""
@@ -65,7 +65,7 @@ class MotionQuality:
     peaks: Mapping[str, float]
     """Greatest angular acceleration of the segments of each of ``PARTS`` beside their own in the source."""
     inside: float
-    """How much deeper an arm is in its own body than the actor's in the actor's, or than at rest, most."""
+    """Greatest penetration of an arm into its own body beyond that of the actor, or of the rest pose."""
 
     @property
     def peak(self) -> float:
@@ -80,10 +80,7 @@ def motion_quality(
     ground: Ground,
     first_frame: int = 0,
 ) -> MotionQuality:
-    """A whole adapted motion beside its ``source`` on the actor's own body, from ``first_frame`` on.
-
-    ``contacts`` say where feet stand.
-    """
+    """Quality of a whole adapted motion relative to its ``source`` on the actor's own body."""
     flat = _steady(foot_states(contacts, adapted.frame_count) == SOLE_STANDS, adapted.frame_rate)[:, first_frame:]
     adapted, source = _from(first_frame, adapted), _from(first_frame, source)
     knees = [_knee(adapted, side)[flat[side]] - _knee(source, side)[flat[side]] for side in range(2)]
@@ -135,7 +132,7 @@ def _hips(motion: AdaptedMotion) -> FloatArray:
 
 
 def _knee(motion: AdaptedMotion, side: int) -> FloatArray:
-    """(F,) radians that a knee is bent, 0 where the leg is straight."""
+    """Bend (F,) of a knee in radians, 0 for a straight leg."""
     hip = motion.morphology.layout.hip(side)
     thigh, shank = (np.diff(motion.positions[:, hip + k : hip + k + 2], axis=1)[:, 0] for k in (0, 1))
     return np.asarray(np.arctan2(np.linalg.norm(np.cross(thigh, shank), axis=1), np.einsum("fk,fk->f", thigh, shank)))

@@ -20,7 +20,7 @@ _STEP_SLACK = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Track:
+class AnimationTrack:
     """Keys of one property of one node."""
 
     node: int
@@ -60,13 +60,13 @@ class Track:
         return normalized(value) if self.path == "rotation" else value
 
 
-def read_tracks(animation: Record, accessors: Accessors, node_count: int, repairs: list[str]) -> list[Track]:
+def read_tracks(animation: Record, accessors: Accessors, node_count: int, repairs: list[str]) -> list[AnimationTrack]:
     """The tracks of one animation that move nodes; keys without numbers are filled and listed in ``repairs``.
 
     Raises StudioError for keys that make no sense.
     """
     samplers = animation.records("samplers")
-    tracks: list[Track] = []
+    tracks: list[AnimationTrack] = []
     lacking: list[float] = []
     for channel in animation.records("channels"):
         target = channel.inner("target")
@@ -101,8 +101,8 @@ def read_tracks(animation: Record, accessors: Accessors, node_count: int, repair
         if path == "rotation" and not spline:
             values = normalized(values)
         if interpolation == "LINEAR" and len(times) < len(every):  # the rate of all keys stays as it is
-            times, values = every, Track(node, path, times, values, interpolation).at(every)
-        tracks.append(Track(node, path, times, values, interpolation))
+            times, values = every, AnimationTrack(node, path, times, values, interpolation).at(every)
+        tracks.append(AnimationTrack(node, path, times, values, interpolation))
     if lacking:
         count = "1 key lacks" if len(lacking) == 1 else f"{len(lacking)} keys lack"
         where = f"{animation.where}, {min(lacking):.3g} s"

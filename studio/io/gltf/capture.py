@@ -18,7 +18,7 @@ from studio.core.rotations import from_matrix, to_matrix
 from studio.io.capture_guesses import ReadJoints, body_guesses, feet_guess, stood_capture
 from studio.io.figure.body_maps import FoundBody, find_body, loose_feet, named_sides
 from studio.io.gltf.accessors import Accessors
-from studio.io.gltf.animation import Track, read_tracks
+from studio.io.gltf.animation import AnimationTrack, read_tracks
 from studio.io.gltf.container import GltfFile, read_gltf
 from studio.io.gltf.nodes import Nodes, read_nodes
 from studio.io.gltf.vrm import vrm_bones
@@ -126,7 +126,7 @@ def _capture(file: GltfFile, options: ImportOptions, progress: Progress) -> Capt
 
 def _first_animation(
     file: GltfFile, accessors: Accessors, node_count: int, repairs: list[str]
-) -> tuple[list[Track], list[Guess]]:
+) -> tuple[list[AnimationTrack], list[Guess]]:
     animations = file.root.records("animations")
     for place, animation in enumerate(animations):
         tracks = read_tracks(animation, accessors, node_count, repairs)
@@ -138,7 +138,7 @@ def _first_animation(
     raise StudioError(f"{file.path.name} holds no animation: there is no motion to read. Export it with one.")
 
 
-def _figure(file: GltfFile, nodes: Nodes, tracks: list[Track], bones: dict[str, int]) -> _Figure:
+def _figure(file: GltfFile, nodes: Nodes, tracks: list[AnimationTrack], bones: dict[str, int]) -> _Figure:
     """The joints of all skins, else what is moved and what hangs from that, and all nodes above them."""
     wanted = {joint for skin in file.root.records("skins") for joint in skin.indices("joints", len(nodes.parents))}
     if not wanted:
@@ -162,7 +162,7 @@ def _figure(file: GltfFile, nodes: Nodes, tracks: list[Track], bones: dict[str, 
     return _Figure(tuple(chosen), tuple(parents), tuple(own if node < 0 else names[node] for node in chosen))
 
 
-def _frame_rate(tracks: list[Track], options: ImportOptions, guesses: list[Guess]) -> float:
+def _frame_rate(tracks: list[AnimationTrack], options: ImportOptions, guesses: list[Guess]) -> float:
     if options.frame_rate is not None:
         return options.frame_rate
     densest = max(tracks, key=lambda track: len(track.times)).times
@@ -180,7 +180,7 @@ def _frame_rate(tracks: list[Track], options: ImportOptions, guesses: list[Guess
     return rate
 
 
-def _times(tracks: list[Track], rate: float, node_count: int, file: GltfFile) -> FloatArray:
+def _times(tracks: list[AnimationTrack], rate: float, node_count: int, file: GltfFile) -> FloatArray:
     """(F,) seconds of every frame; StudioError for more than a file of its size can hold."""
     begin = min(float(track.times[0]) for track in tracks)
     end = max(float(track.times[-1]) for track in tracks)
@@ -194,7 +194,7 @@ def _times(tracks: list[Track], rate: float, node_count: int, file: GltfFile) ->
 
 
 def _world(
-    nodes: Nodes, figure: _Figure, tracks: list[Track], times: FloatArray, axes: FloatArray, progress: Progress
+    nodes: Nodes, figure: _Figure, tracks: list[AnimationTrack], times: FloatArray, axes: FloatArray, progress: Progress
 ) -> tuple[FloatArray, FloatArray]:
     """Places (F, J, 3) and turns (F, J, 3, 3) of the joints in world axes, whatever scales stand above them."""
     places = np.zeros((len(times), len(figure.nodes), 3))
@@ -214,7 +214,7 @@ def _world(
     return places @ axes.T, axes @ turns @ axes.T
 
 
-def _local(nodes: Nodes, node: int, tracks: list[Track], times: FloatArray) -> FloatArray:
+def _local(nodes: Nodes, node: int, tracks: list[AnimationTrack], times: FloatArray) -> FloatArray:
     """(F, 4, 4) node to parent; what no track moves is as the file has it."""
     still = nodes.local[node]
     scale = np.linalg.norm(still[:3, :3], axis=0)

@@ -8,6 +8,16 @@ import numpy as np
 from studio.core.kernels import layout as at
 from studio.core.kernels.algebra import rotation_tuples
 from studio.core.kernels.algebra.rotation_matrices import matrix_product, matrix_product_transposed
+from studio.core.kernels.body_indices import (
+    CLAVICLE_SEGMENT,
+    HIP_POINT,
+    POINTS_PER_LIMB,
+    SEGMENTS_BESIDE_SPINE,
+    SEGMENTS_PER_LIMB,
+    SHOULDER_POINT,
+    THIGH_SEGMENT,
+    UPPER_ARM_SEGMENT,
+)
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.records import Array, Pose
 
@@ -94,7 +104,7 @@ def encode_trunk(pose, actor, scratch, out):
     3.3 inverted), and the frames of both arms into ``scratch``.
     """
     points, rotations = pose
-    spine_count = rotations.shape[0] - 18
+    spine_count = rotations.shape[0] - SEGMENTS_BESIDE_SPINE
     pelvis, thorax, neck = rotations[0], rotations[spine_count - 1], spine_count
     encode_hips(points[0], pelvis, actor, out)
     rotation, local = scratch.turn, scratch.local
@@ -111,10 +121,12 @@ def encode_trunk(pose, actor, scratch, out):
     write_relative_quaternion(out, at.HEAD, rotation, rotations[neck + 1], local)
     for side in range(2):
         parent = scratch.carriers[side]
-        matrix_product_transposed(rotations[spine_count + 2 + 4 * side], actor.rests[1 + side], parent)
+        matrix_product_transposed(
+            rotations[spine_count + CLAVICLE_SEGMENT + SEGMENTS_PER_LIMB * side], actor.rests[1 + side], parent
+        )
         write_relative_quaternion(out, at.CLAVICLE + 4 * side, thorax, parent, local)
         for axis in range(3):
-            hip = offset_along_axis(points[0], points[spine_count + 13 + 5 * side], pelvis, axis)
+            hip = offset_along_axis(points[0], points[spine_count + HIP_POINT + POINTS_PER_LIMB * side], pelvis, axis)
             out[at.HIP_SHIFT + 3 * side + axis] = (hip - actor.hips[side, axis]) / actor.leg
     for axis in range(3):
         head = offset_along_axis(points[neck], points[neck + 1], rotations[neck], axis)
@@ -137,10 +149,10 @@ def encode_limb(limb, pose, length, scratch, out):
     long (METHOD 2, "limb encoding").
     """
     points, rotations = pose
-    spine_count = rotations.shape[0] - 18
+    spine_count = rotations.shape[0] - SEGMENTS_BESIDE_SPINE
     side, is_leg = limb % 2, limb >= 2
-    root = spine_count + (13 if is_leg else 4) + 5 * side
-    upper = spine_count + (10 if is_leg else 3) + 4 * side
+    root = spine_count + (HIP_POINT if is_leg else SHOULDER_POINT) + POINTS_PER_LIMB * side
+    upper = spine_count + (THIGH_SEGMENT if is_leg else UPPER_ARM_SEGMENT) + SEGMENTS_PER_LIMB * side
     parent = rotations[0] if is_leg else scratch.carriers[side]
     limb_frame, arc, local = scratch.limb_frame, scratch.turn, scratch.local
     ux, uy, uz, _ = direction_and_length(points[root], points[root + 1])

@@ -13,6 +13,18 @@ from studio.core.kernels.algebra.rotation_tuples import (
     write_transformed_point,
 )
 from studio.core.kernels.algebra.vectors import Point, add_vectors, copy_matrix, copy_point, offset_between
+from studio.core.kernels.body_indices import (
+    CLAVICLE_SEGMENT,
+    COLLAR_POINT,
+    HIP_POINT,
+    POINTS_BESIDE_SPINE,
+    POINTS_PER_LIMB,
+    SEGMENTS_BESIDE_SPINE,
+    SEGMENTS_PER_LIMB,
+    SHOULDER_POINT,
+    THIGH_SEGMENT,
+    UPPER_ARM_SEGMENT,
+)
 from studio.core.kernels.compiling import kernel, small_kernel
 
 
@@ -23,13 +35,13 @@ def distal_range(segment, spine_count):
     """
     if segment < spine_count:
         if segment == 0:
-            return 0, spine_count + 18, 1, spine_count + 23
+            return 0, spine_count + SEGMENTS_BESIDE_SPINE, 1, spine_count + POINTS_BESIDE_SPINE
         return segment, spine_count + 10, segment + 1, spine_count + 13
     number = segment - spine_count
     if number < 2:
         return segment, spine_count + 2, segment + 1, spine_count + 3
     chain, bone = (number - 2) // 4, (number - 2) % 4
-    first_point = spine_count + 3 + 5 * chain + bone + 1
+    first_point = spine_count + COLLAR_POINT + POINTS_PER_LIMB * chain + bone + 1
     return segment, segment + 4 - bone, first_point, first_point + 4 - bone
 
 
@@ -40,8 +52,16 @@ def limb_parts(limb, spine_count):
     """
     side = limb % 2
     if limb >= 2:
-        return 0, spine_count + 10 + 4 * side, spine_count + 13 + 5 * side
-    return spine_count + 2 + 4 * side, spine_count + 3 + 4 * side, spine_count + 4 + 5 * side
+        return (
+            0,
+            spine_count + THIGH_SEGMENT + SEGMENTS_PER_LIMB * side,
+            spine_count + HIP_POINT + POINTS_PER_LIMB * side,
+        )
+    return (
+        spine_count + CLAVICLE_SEGMENT + SEGMENTS_PER_LIMB * side,
+        spine_count + UPPER_ARM_SEGMENT + SEGMENTS_PER_LIMB * side,
+        spine_count + SHOULDER_POINT + POINTS_PER_LIMB * side,
+    )
 
 
 @kernel
@@ -87,7 +107,7 @@ class EndPose(NamedTuple):
 def end_pose(limb, pose):
     """World pose of the hand, or of foot and toe, of a limb."""
     positions, rotations = pose.positions, pose.rotations
-    _, upper, root = limb_parts(limb, positions.shape[0] - 23)
+    _, upper, root = limb_parts(limb, positions.shape[0] - POINTS_BESIDE_SPINE)
     end, toe, joint = upper + 2, upper + (3 if limb >= 2 else 2), root + 2
     last = joint + (2 if limb >= 2 else 1)
     tip, toe_tip = (
@@ -101,7 +121,7 @@ def end_pose(limb, pose):
 def restore_end(limb, end, pose):
     """Restore the world pose ``lifted`` of a hand, or of foot and toe, at the present wrist or ankle."""
     positions, rotations = pose.positions, pose.rotations
-    _, upper, root = limb_parts(limb, positions.shape[0] - 23)
+    _, upper, root = limb_parts(limb, positions.shape[0] - POINTS_BESIDE_SPINE)
     joint = positions[root + 2]
     write_rotation(end.turn, rotations[upper + 2])
     copy_point(add_vectors(joint, end.tip), positions[root + 3])

@@ -17,6 +17,16 @@ from studio.core.kernels.algebra.rotation_tuples import (
     write_transformed_point,
 )
 from studio.core.kernels.algebra.smooth_steps import smoothstep
+from studio.core.kernels.body_indices import (
+    CLAVICLE_SEGMENT,
+    COLLAR_POINT,
+    FOOT_SEGMENT,
+    HIP_POINT,
+    POINTS_PER_LIMB,
+    SEGMENTS_PER_LIMB,
+    THIGH_SEGMENT,
+    TOE_POINT,
+)
 from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
 from studio.core.kernels.limbs.limb import match_bone_lines, place_limb, soft_flexion
 from studio.core.kernels.records import Array, LimbShape, Pose
@@ -270,7 +280,10 @@ def realize_arm(channels, measures, girdle, side, neck_base, thorax, pose):
     ``girdle`` is the actor's.
     """
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
-    point, segment = spine_count + 3 + 5 * side, spine_count + 2 + 4 * side
+    point, segment = (
+        spine_count + COLLAR_POINT + POINTS_PER_LIMB * side,
+        spine_count + CLAVICLE_SEGMENT + SEGMENTS_PER_LIMB * side,
+    )
     parent = compose(thorax, rotation_from_quaternion(channels, at.CLAVICLE + 4 * side))
     m = at.M_COLLAR_BASE + 3 * side
     collar = write_transformed_point(
@@ -295,7 +308,10 @@ def realize_leg(channels, measures, limbs, side, play, root, pelvis, pose):
     ``limbs`` (4,) are the actor's upper bones as fractions of the limbs.
     """
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
-    point, segment = spine_count + 13 + 5 * side, spine_count + 10 + 4 * side
+    point, segment = (
+        spine_count + HIP_POINT + POINTS_PER_LIMB * side,
+        spine_count + THIGH_SEGMENT + SEGMENTS_PER_LIMB * side,
+    )
     write_hip(channels, measures, side, play, root, rotation_from_matrix(pose.rotations[0]), pose.positions[point])
     bones = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
     ankle, _ = realize_limb(2 + side, channels, bones, limbs[2 + side], pelvis, point, segment, pose)
@@ -344,7 +360,10 @@ def write_hip(channels, measures, side, play, root, pelvis, out_hip):
 def write_foot(side, measures, ankle, foot, toe, pose):
     """Pose foot and toe by their rotations, beginning at the ankle."""
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
-    point, segment = spine_count + 16 + 5 * side, spine_count + 12 + 4 * side
+    point, segment = (
+        spine_count + TOE_POINT + POINTS_PER_LIMB * side,
+        spine_count + FOOT_SEGMENT + SEGMENTS_PER_LIMB * side,
+    )
     write_rotation(foot, pose.rotations[segment])
     write_rotation(toe, pose.rotations[segment + 1])
     m = at.M_FOOT + 3 * side

@@ -15,6 +15,14 @@ from studio.core.kernels.algebra.rotation_tuples import (
 )
 from studio.core.kernels.algebra.smooth_steps import smoothstep
 from studio.core.kernels.body.pose_from_channels import write_foot, write_hip
+from studio.core.kernels.body_indices import (
+    ANKLE_POINT,
+    FOOT_SEGMENT,
+    HIP_POINT,
+    POINTS_PER_LIMB,
+    SEGMENTS_PER_LIMB,
+    THIGH_SEGMENT,
+)
 from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
 from studio.core.kernels.limbs.limb import middle_joint, place_limb, soft_extension, soft_least_reach
 from studio.core.kernels.records import LimbShape
@@ -81,7 +89,13 @@ def place_leg(side, measures, legs, pose):
     """
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
     _, frame, limb = aim_leg(side, measures, legs, pose)
-    end, _ = place_limb(spine_count + 13 + 5 * side, spine_count + 10 + 4 * side, frame, limb, pose)
+    end, _ = place_limb(
+        spine_count + HIP_POINT + POINTS_PER_LIMB * side,
+        spine_count + THIGH_SEGMENT + SEGMENTS_PER_LIMB * side,
+        frame,
+        limb,
+        pose,
+    )
     write_foot(side, measures, end, rotation_from_matrix(legs.feet[side]), rotation_from_matrix(legs.toes[side]), pose)
 
 
@@ -208,7 +222,10 @@ def is_placed(side, measures, legs, pose):
     """True if ``place_leg`` would leave a realised leg where it is."""
     channels, ankle = legs.channels, legs.ankles[side]
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
-    point, segment = spine_count + 15 + 5 * side, spine_count + 12 + 4 * side
+    point, segment = (
+        spine_count + ANKLE_POINT + POINTS_PER_LIMB * side,
+        spine_count + FOOT_SEGMENT + SEGMENTS_PER_LIMB * side,
+    )
     upper, lower = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
     stretch = 1.0 - channels[at.LIMB_SLACK + 2 + side]
     if channels[at.LIMB_BEND + 2 + side] != 1.0 or stretch > legs.soft_thresholds[side]:

@@ -5,6 +5,7 @@ METHOD 6, (25) to (28). Records are those of ``kernels.records``.
 
 from studio.core.kernels.algebra.vectors import copy_point, distance
 from studio.core.kernels.body.parts import end_pose, limb_parts, restore_end
+from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.limbs.limb import soft_extension
 from studio.core.kernels.limits.limb_joint_limits import clamp_elbow_or_knee, clamp_joint, is_well_within
@@ -25,7 +26,7 @@ def effective_point(row, end, goal, holds_end, pose):
     """(point, goal) of the bend and aim of a limb, both (x, y, z): a task's own point and ``goal`` or, where hand or
     foot keeps its world orientation, wrist or ankle displaced alike.
     """
-    _, upper, root = limb_parts(row.limbs[end], pose.positions.shape[0] - 23)
+    _, upper, root = limb_parts(row.limbs[end], pose.positions.shape[0] - POINTS_BESIDE_SPINE)
     point, tip = end_position(row, end, pose), pose.positions[root + 2]
     x, y, z = goal[0], goal[1], goal[2]
     if holds_end and row.segments[end] >= upper + 2:
@@ -76,7 +77,7 @@ def step_along_limits(limb, problem):
     """Move a limb that lies at its limits along these to the least residual of its primary task (METHOD (28))."""
     pose, state, limit = problem.pose, problem.search.limbs[limb], problem.body.limits[limb]
     row, end = problem.tasks[state.primary], state.primary_end
-    parts = limb_parts(limb, pose.positions.shape[0] - 23)
+    parts = limb_parts(limb, pose.positions.shape[0] - POINTS_BESIDE_SPINE)
     wanted, root = row.goal_positions[end], pose.positions[parts[2]]
     surely = interpolate_point(end_position(row, end, pose), wanted, limit.certainty)
     for attempt in range(LIMITED_STEPS + (LATE_LIMITED_STEPS if row.assisted else 0)):

@@ -16,6 +16,7 @@ from studio.core.kernels.algebra.rotation_tuples import (
 )
 from studio.core.kernels.algebra.vectors import copy_point, distance
 from studio.core.kernels.body.parts import end_pose, limb_parts, restore_end, rotate_part
+from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limbs.limb_limits import allowed_reach, effective_point, limit_limb
 from studio.core.kernels.limbs.reach import aim_at, bend_and_aim, bend_range, distance_range, swivel_rotation, swivel_to
@@ -72,7 +73,7 @@ def reach_range(limb, segment, holds_end, point, limits, pose):
     With ``limits``, elbow or knee bends within them, or as far as the unsolved ``pose``.
     """
     positions, rotations = pose
-    _, upper, root = limb_parts(limb, positions.shape[0] - 23)
+    _, upper, root = limb_parts(limb, positions.shape[0] - POINTS_BESIDE_SPINE)
     if segment == upper:
         span = distance(point, positions[root])
         return span, span, span
@@ -120,7 +121,7 @@ def solve_limb(limb, level, problem):
 def reset_limb(limb, problem):
     """Reset the state of a limb, and rotate its hand or foot to the orientation of its task."""
     tasks, search, limits, state = problem.tasks, problem.search, problem.body.limits, problem.search.limbs[limb]
-    _, upper, root = limb_parts(limb, problem.pose.positions.shape[0] - 23)
+    _, upper, root = limb_parts(limb, problem.pose.positions.shape[0] - POINTS_BESIDE_SPINE)
     turns_end = search.end_tasks[limb] >= 0 and tasks[search.end_tasks[limb]].status == ACTIVE
     state.has_limits = limits.shape[0] > 0 and search.blended_limbs[limb] != KEEPS_BLEND
     state.end_has_task, state.holds_end = turns_end, limb >= 2 or turns_end
@@ -140,7 +141,7 @@ def solve_limb_point(c, end, problem):
     tasks, pose, limits = problem.tasks, problem.pose, problem.body.limits
     row, segment, limb = tasks[c], tasks[c].segments[end], tasks[c].limbs[end]
     state, free = problem.search.limbs[limb], row.limb_weights[end, 0] > 0.0
-    _, upper, root = limb_parts(limb, pose.positions.shape[0] - 23)
+    _, upper, root = limb_parts(limb, pose.positions.shape[0] - POINTS_BESIDE_SPINE)
     before = rotation_from_matrix(pose.rotations[upper + 1 if state.aims_upper else upper])
     is_primary = state.freedoms_used == 0
     if free and is_primary:
@@ -168,7 +169,7 @@ def rotate_bone(row, limb, problem):
     comes first.
     """
     pose, limits, state = problem.pose, problem.body.limits, problem.search.limbs[limb]
-    _, upper, root = limb_parts(limb, pose.positions.shape[0] - 23)
+    _, upper, root = limb_parts(limb, pose.positions.shape[0] - POINTS_BESIDE_SPINE)
     segment = row.segments[0]
     if segment >= upper + 2:
         return
@@ -178,7 +179,14 @@ def rotate_bone(row, limb, problem):
         rotation = compose(
             rotation_from_matrix(row.goal_rotation), inverse_rotation(rotation_from_matrix(pose.rotations[segment]))
         )
-        rotate_part(rotation, upper, pose.positions.shape[0] - 23, pose.positions[root], pose.positions, pose.rotations)
+        rotate_part(
+            rotation,
+            upper,
+            pose.positions.shape[0] - POINTS_BESIDE_SPINE,
+            pose.positions[root],
+            pose.positions,
+            pose.rotations,
+        )
     state.freedoms_used += 2
     state.swivels = 0
     state.lower_rotated = state.lower_rotated or (segment == upper + 1 and state.freedoms_used > 2)
@@ -188,7 +196,14 @@ def rotate_bone(row, limb, problem):
 def rotate_segment(goal, segment, pivot, pose):
     """Rotate a segment of a limb about its point ``pivot`` to the rotation ``goal`` (3, 3)."""
     rotation = compose(rotation_from_matrix(goal), inverse_rotation(rotation_from_matrix(pose.rotations[segment])))
-    rotate_part(rotation, segment, pose.positions.shape[0] - 23, pose.positions[pivot], pose.positions, pose.rotations)
+    rotate_part(
+        rotation,
+        segment,
+        pose.positions.shape[0] - POINTS_BESIDE_SPINE,
+        pose.positions[pivot],
+        pose.positions,
+        pose.rotations,
+    )
 
 
 @kernel
@@ -200,11 +215,11 @@ def solve_primary_task(row, end, before, problem):
     """
     pose, limits, limb = problem.pose, problem.body.limits, row.limbs[end]
     positions, rotations, holds_end = pose.positions, pose.rotations, problem.search.limbs[limb].holds_end
-    _, upper, root = limb_parts(limb, positions.shape[0] - 23)
+    _, upper, root = limb_parts(limb, positions.shape[0] - POINTS_BESIDE_SPINE)
     lifted = end_pose(limb, pose)
     point, goal = effective_point(row, end, row.goal_positions[end], holds_end, pose)
     if row.segments[end] == upper:
-        aim_at(goal, point, upper, positions.shape[0] - 23, positions[root], positions, rotations)
+        aim_at(goal, point, upper, positions.shape[0] - POINTS_BESIDE_SPINE, positions[root], positions, rotations)
     else:
         span = distance(goal, positions[root])
         is_kept = problem.search.blended_limbs[limb] == KEEPS_BLEND and is_position(row)
@@ -230,7 +245,7 @@ def solve_secondary_task(row, end, before, problem):
     """
     pose, limits, limb = problem.pose, problem.body.limits, row.limbs[end]
     positions, rotations, state = pose.positions, pose.rotations, problem.search.limbs[limb]
-    spine_count = positions.shape[0] - 23
+    spine_count = positions.shape[0] - POINTS_BESIDE_SPINE
     _, upper, root = limb_parts(limb, spine_count)
     lifted = end_pose(limb, pose)
     point, goal = effective_point(row, end, row.goal_positions[end], state.holds_end, pose)
@@ -252,12 +267,12 @@ def solve_secondary_task(row, end, before, problem):
 def limited_swivel(limb, target, point, held, limits, pose):
     """Swivel as ``swivel_to`` does, within the limits of the limb."""
     positions, rotations = pose
-    parent, upper, root = limb_parts(limb, positions.shape[0] - 23)
+    parent, upper, root = limb_parts(limb, positions.shape[0] - POINTS_BESIDE_SPINE)
     (x, y, z), sine, cosine = swivel_rotation(target, point, held, positions[root])
     desired = math.atan2(sine, cosine)
     angle = damped_swivel(limits[limb], rotations[parent], rotations[upper], x, y, z, desired)
     rotation = rotation_from_vector(angle * x, angle * y, angle * z)
-    rotate_part(rotation, upper, positions.shape[0] - 23, positions[root], positions, rotations)
+    rotate_part(rotation, upper, positions.shape[0] - POINTS_BESIDE_SPINE, positions[root], positions, rotations)
 
 
 @kernel
@@ -268,4 +283,4 @@ def aim_hand_or_foot(row, end, joint, segment, pose):
     if distance(point, target) < NEGLIGIBLE_ERROR:
         return
     goal = interpolate_point(point, target, weight)
-    aim_at(goal, point, segment, positions.shape[0] - 23, positions[joint], positions, rotations)
+    aim_at(goal, point, segment, positions.shape[0] - POINTS_BESIDE_SPINE, positions[joint], positions, rotations)

@@ -18,6 +18,7 @@ from studio.core.kernels.algebra.rotation_tuples import (
 )
 from studio.core.kernels.algebra.smooth_steps import smoothstep
 from studio.core.kernels.body.parts import distal_range, rotate_part
+from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel, small_kernel
 
 SWIVEL_LEVER = 2.0 * 0.08 * 0.08
@@ -86,7 +87,7 @@ def bend_and_aim(target, distance, upper, point_index, point, positions, rotatio
     )
     write_rotation(compose(aim, rotation_from_matrix(rotations[upper])), rotations[upper])
     bent, rotation = write_transformed_point((rx, ry, rz), aim, mx - rx, my - ry, mz - rz, middle), compose(aim, bend)
-    first, past, first_point, past_point = distal_range(upper + 1, positions.shape[0] - 23)
+    first, past, first_point, past_point = distal_range(upper + 1, positions.shape[0] - POINTS_BESIDE_SPINE)
     for other in range(first_point, past_point):
         position = positions[other]
         write_transformed_point(bent, rotation, position[0] - mx, position[1] - my, position[2] - mz, position)

@@ -10,14 +10,15 @@ import math
 
 from studio.core.kernels.algebra.vectors import add_vectors, copy_point, copy_points
 from studio.core.kernels.body.parts import limb_parts
+from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limits.root_reach_limit import limit_root_step
 from studio.core.kernels.search.body_placement import pose_body, solve_limbs
 from studio.core.kernels.search.level_step import TASK_MET
 from studio.core.kernels.tasks.goals import end_position, is_position
 from studio.core.kernels.tasks.limb_rows import LIMB_FALLS_SHORT
-from studio.core.kernels.tasks.residuals import residual_of
 from studio.core.kernels.tasks.task import ACTIVE
+from studio.core.kernels.tasks.task_kinds import residual_of
 
 ROOT_RETREAT_STEPS = 30
 """Retreat steps at most. Each leaves a third to two thirds of the residual; more than ``TASK_MET`` left over misleads
@@ -78,7 +79,7 @@ def move_root_back(residual, row, root, problem):
     """
     body, search, start, pose = problem.body, problem.search, problem.start, problem.pose
     point, goal = end_position(row, 0, pose), row.goal_positions[0]
-    hip = pose.positions[limb_parts(row.limbs[0], pose.positions.shape[0] - 23)[2]]
+    hip = pose.positions[limb_parts(row.limbs[0], pose.positions.shape[0] - POINTS_BESIDE_SPINE)[2]]
     along = 0.0
     for axis in range(3):
         along += (hip[axis] - goal[axis]) * (goal[axis] - point[axis]) / (residual * residual)

@@ -18,6 +18,13 @@ from studio.core.kernels.algebra.rotation_tuples import (
 )
 from studio.core.kernels.algebra.vectors import copy_matrix, length
 from studio.core.kernels.body.parts import rotate_part
+from studio.core.kernels.body_indices import (
+    HIP_POINT,
+    POINTS_BESIDE_SPINE,
+    POINTS_PER_LIMB,
+    SEGMENTS_PER_LIMB,
+    THIGH_SEGMENT,
+)
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.search.joints import pose_point
 from studio.core.kernels.tasks.task import ACTIVE
@@ -58,10 +65,10 @@ def restrict_stiff_limbs(level, tasks):
 @kernel
 def carry_leg(side, start, segment_rotations, pose):
     """Pose a leg in its pelvis as in the motion, with the motion's foot rotation: a stiff leg moves with the hips."""
-    spine_count = pose.positions.shape[0] - 23
+    spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
     hip, thigh, pelvis = (
-        spine_count + 13 + 5 * side,
-        spine_count + 10 + 4 * side,
+        spine_count + HIP_POINT + POINTS_PER_LIMB * side,
+        spine_count + THIGH_SEGMENT + SEGMENTS_PER_LIMB * side,
         rotation_from_matrix(segment_rotations[0]),
     )
     for bone in range(4):
@@ -97,5 +104,12 @@ def limit_rotation(fraction, most, segment, pivot, before, pose):
     if left < angle:
         scale = left / angle - 1.0
         less = rotation_from_vector(scale * x, scale * y, scale * z)
-        rotate_part(less, segment, pose.positions.shape[0] - 23, pose.positions[pivot], pose.positions, pose.rotations)
+        rotate_part(
+            less,
+            segment,
+            pose.positions.shape[0] - POINTS_BESIDE_SPINE,
+            pose.positions[pivot],
+            pose.positions,
+            pose.rotations,
+        )
     return angle

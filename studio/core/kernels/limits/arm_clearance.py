@@ -13,6 +13,13 @@ import numpy as np
 from studio.core.kernels.algebra.rotation_tuples import rotation_from_vector
 from studio.core.kernels.algebra.vectors import copy_matrix, copy_point, distance, offset_between
 from studio.core.kernels.body.parts import body_point_position, rotate_part
+from studio.core.kernels.body_indices import (
+    POINTS_BESIDE_SPINE,
+    POINTS_PER_LIMB,
+    SEGMENTS_PER_LIMB,
+    SHOULDER_POINT,
+    UPPER_ARM_SEGMENT,
+)
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.limbs.limb import MAX_EXTENSION, SOFT_IK_THRESHOLD, soft_extension
 from studio.core.kernels.limbs.reach import bend_and_aim, distance_range
@@ -138,7 +145,7 @@ def probe_centre(probe, shoulder, positions, out_point):
 @allocating_kernel
 def measure_arm_distances(side, volume, capsules, positions, out_distances, out_directions):
     """Write the signed distances (5,) in metres and outward directions (5, 3) of the probes of one arm."""
-    shoulder, point = positions.shape[0] - 19 + 5 * side, np.empty(3)
+    shoulder, point = positions.shape[0] - POINTS_BESIDE_SPINE + SHOULDER_POINT + POINTS_PER_LIMB * side, np.empty(3)
     for probe in range(PROBE_COUNT):
         probe_centre(probe, shoulder, positions, point)
         girth = volume.girths[probe]
@@ -183,8 +190,11 @@ def push_arm_out(side, touch, frame, fractions, clearance, clearing, pose):
     default. An arm with enough clearance stays, and ``clearing.distances`` become its distances.
     """
     positions, rotations = pose
-    spine_count = positions.shape[0] - 23
-    shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
+    spine_count = positions.shape[0] - POINTS_BESIDE_SPINE
+    shoulder, upper = (
+        spine_count + SHOULDER_POINT + POINTS_PER_LIMB * side,
+        spine_count + UPPER_ARM_SEGMENT + SEGMENTS_PER_LIMB * side,
+    )
     saved, rotation = clearing.saved, clearing.rotation
     moved, move, step = False, np.zeros(ARM_STEP_SIZE), np.empty(ARM_STEP_SIZE)
     for _ in range(CLEARANCE_ITERATIONS):
@@ -214,7 +224,7 @@ def arm_step(side, near, frame, fractions, clearance, clearing, positions, out_s
         clearance.actor_distances[frame, side],
         clearance.actor_directions[frame, side],
     )
-    shoulder = positions.shape[0] - 19 + 5 * side
+    shoulder = positions.shape[0] - POINTS_BESIDE_SPINE + SHOULDER_POINT + POINTS_PER_LIMB * side
     position, arc, lever, direction, entry = np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(3)
     line = stretched_line(shoulder, positions)
     out_step[:] = 0.0
@@ -335,8 +345,11 @@ def move_arm(side, fraction, move, saved, rotation, pose):
     unless it is straighter already: the elbow of a straight arm whirls.
     """
     positions, rotations = pose
-    spine_count = positions.shape[0] - 23
-    shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
+    spine_count = positions.shape[0] - POINTS_BESIDE_SPINE
+    shoulder, upper = (
+        spine_count + SHOULDER_POINT + POINTS_PER_LIMB * side,
+        spine_count + UPPER_ARM_SEGMENT + SEGMENTS_PER_LIMB * side,
+    )
     copy_arm(saved, Pose(positions[shoulder : shoulder + 4], rotations[upper : upper + 3]))
     root, wrist, target = positions[shoulder], positions[shoulder + 2], np.empty(3)
     reach = distance_range(root, positions[shoulder + 1], rotations[upper, :, 0], wrist)[1]

@@ -11,6 +11,7 @@ import numpy as np
 
 from studio.core.kernels.algebra.vectors import copy_matrix, copy_points
 from studio.core.kernels.body.parts import limb_parts
+from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.limbs.limb_tasks import KEEPS_BLEND
 from studio.core.kernels.limits.arm_clearance import place_capsules
@@ -26,8 +27,8 @@ from studio.core.kernels.search.backtracking import (
 from studio.core.kernels.search.body_placement import pose_body
 from studio.core.kernels.search.joints import pose_limb
 from studio.core.kernels.search.level_step import ALLOWED_VIOLATION
-from studio.core.kernels.tasks.residuals import residual_of, update_goals
 from studio.core.kernels.tasks.task import IN_TRANSITION, INACTIVE
+from studio.core.kernels.tasks.task_kinds import residual_of, update_goals
 from studio.core.kernels.time.activation_blend import blend_states, write_limb_joint_rotations
 
 
@@ -144,7 +145,7 @@ def pose_tier_fraction(fraction, tier, frame, clip, problem):
     for limb in range(4):
         search.blended_limbs[limb] = 0
     for side in range(2):
-        parent, upper, root = limb_parts(side, pose.positions.shape[0] - 23)
+        parent, upper, root = limb_parts(side, pose.positions.shape[0] - POINTS_BESIDE_SPINE)
         pose_limb(parent, upper, root, 4 * side, search.blended_rotations, start, pose)
     return report_tier_residuals(fraction, tier, frame, clip, problem)
 

@@ -4,6 +4,13 @@ import numpy as np
 
 from studio.core.kernels.algebra.rotation_tuples import rotation_from_matrix, transform_point
 from studio.core.kernels.algebra.vectors import add_vectors
+from studio.core.kernels.body_indices import (
+    POINTS_BESIDE_SPINE,
+    POINTS_PER_LIMB,
+    SEGMENTS_PER_LIMB,
+    SHOULDER_POINT,
+    UPPER_ARM_SEGMENT,
+)
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.limits.arm_clearance import (
     ARM_STEP_SIZE,
@@ -71,8 +78,11 @@ def move_wrist(side, shift, saved, rotation, pose):
     """Move the wrist of an arm by a step ``shift`` (7,), as far as it reaches."""
     if shift[0] == 0.0 and shift[1] == 0.0 and shift[2] == 0.0:
         return
-    spine_count = pose.positions.shape[0] - 23
-    shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
+    spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
+    shoulder, upper = (
+        spine_count + SHOULDER_POINT + POINTS_PER_LIMB * side,
+        spine_count + UPPER_ARM_SEGMENT + SEGMENTS_PER_LIMB * side,
+    )
     copy_arm(Pose(pose.positions[shoulder : shoulder + 4], pose.rotations[upper : upper + 3]), saved)
     move_arm(side, 1.0, shift, saved, rotation, pose)
 
@@ -90,7 +100,12 @@ def solve_hand_body_contact(side, members, contact_points, contact_weight, volum
             continue
         pose = Pose(positions[frame], rotations[frame])
         place_capsules(volume, pose, proximal, capsules)
-        probe_centre(PALM_PROBE, pose.positions.shape[0] - 19 + 5 * side, pose.positions, position)
+        probe_centre(
+            PALM_PROBE,
+            pose.positions.shape[0] - POINTS_BESIDE_SPINE + SHOULDER_POINT + POINTS_PER_LIMB * side,
+            pose.positions,
+            position,
+        )
         for axis in range(3):
             shift[axis] = -contact_weight[frame] * position[axis]
         for m in range(members.shape[0]):
@@ -126,7 +141,11 @@ def push_out_steps(required, actor, free, proximal, positions, rotations, out_mo
     ``required`` (F, 2, 5) are the signed distances of the probes; ``actor`` the record ``ActorClearance``; ``free`` (F,
     2, 2) the weights of wrist, with the hand, and swivel. Poses stay unchanged.
     """
-    clearing, step, spine_count = make_clearance_scratch(actor.volume), np.empty(ARM_STEP_SIZE), positions.shape[1] - 23
+    clearing, step, spine_count = (
+        make_clearance_scratch(actor.volume),
+        np.empty(ARM_STEP_SIZE),
+        positions.shape[1] - POINTS_BESIDE_SPINE,
+    )
     saved, rotation = clearing.saved, clearing.rotation
     for frame in range(positions.shape[0]):
         pose = Pose(positions[frame], rotations[frame])
@@ -142,7 +161,10 @@ def push_out_steps(required, actor, free, proximal, positions, rotations, out_mo
                 placed = True
             for probe in range(required.shape[2]):
                 clearing.required_distances[probe] = required[frame, side, probe]
-            shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
+            shoulder, upper = (
+                spine_count + SHOULDER_POINT + POINTS_PER_LIMB * side,
+                spine_count + UPPER_ARM_SEGMENT + SEGMENTS_PER_LIMB * side,
+            )
             moved = False
             for _ in range(PUSH_OUT_ITERATIONS):
                 if not arm_step(side, CONTACT_MARGIN, frame, fractions, actor, clearing, pose.positions, step):
@@ -160,11 +182,14 @@ def push_out_steps(required, actor, free, proximal, positions, rotations, out_mo
 def apply_arm_steps(moves, positions, rotations):
     """Apply steps (F, 2, 7) to both arms in all frames, in place."""
     saved, rotation = Pose(np.empty((4, 3)), np.empty((3, 3, 3))), np.empty((3, 3))
-    spine_count = positions.shape[1] - 23
+    spine_count = positions.shape[1] - POINTS_BESIDE_SPINE
     for frame in range(positions.shape[0]):
         for side in range(2):
             move, pose = moves[frame, side], Pose(positions[frame], rotations[frame])
             if move.any():
-                shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
+                shoulder, upper = (
+                    spine_count + SHOULDER_POINT + POINTS_PER_LIMB * side,
+                    spine_count + UPPER_ARM_SEGMENT + SEGMENTS_PER_LIMB * side,
+                )
                 copy_arm(Pose(pose.positions[shoulder : shoulder + 4], pose.rotations[upper : upper + 3]), saved)
                 move_arm(side, 1.0, move, saved, rotation, pose)

@@ -33,6 +33,7 @@ from studio.core.kernels.algebra.rotation_tuples import (
 )
 from studio.core.kernels.algebra.vectors import copy_point
 from studio.core.kernels.body.parts import limb_parts, rotate_part
+from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE, SEGMENTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limits.swing_twist import (
     bend_slant_turn,
@@ -131,7 +132,7 @@ def half_turn_certainty(angle, edge):
 def note_unsolved_angles(limb, joints, limits, pose):
     """Write the angles of one limb in the unsolved ``pose``: of its root, and with ``joints`` 2 of wrist or ankle."""
     row, rotations = limits[limb], pose.rotations
-    carrier, upper, _ = limb_parts(limb, rotations.shape[0] - 18)
+    carrier, upper, _ = limb_parts(limb, rotations.shape[0] - SEGMENTS_BESIDE_SPINE)
     for joint in range(joints):
         parent = rotations[carrier if joint == 0 else upper + 1]
         x, y, twist = swing_of(row, joint, parent, rotations[upper + 2 * joint])
@@ -167,7 +168,7 @@ def restore_caps(limits):
 def is_well_within(limb, joint, limits, rotations):
     """True if a joint is far within its limits, so that nothing has to be computed."""
     row = limits[limb]
-    carrier, upper, _ = limb_parts(limb, rotations.shape[0] - 18)
+    carrier, upper, _ = limb_parts(limb, rotations.shape[0] - SEGMENTS_BESIDE_SPINE)
     parent, child = rotations[carrier if joint == 0 else upper + 1], rotations[upper + 2 * joint]
     axes, well = row.axes[joint], row.inner_cosines[joint]
     z = direction_in_axes(parent, axes, child[0, 2], child[1, 2], child[2, 2])
@@ -296,7 +297,7 @@ def clamp_joint(limb, joint, anew, noting, limits, pose):
     """
     positions, rotations = pose
     row, fraction = limits[limb], 1.0
-    parent, segment, root = limb_parts(limb, positions.shape[0] - 23)
+    parent, segment, root = limb_parts(limb, positions.shape[0] - POINTS_BESIDE_SPINE)
     if joint == 1:
         parent, segment, root, fraction = segment + 1, segment + 2, root + 2, row.release
         if fraction == 0.0:
@@ -319,7 +320,7 @@ def clamp_joint(limb, joint, anew, noting, limits, pose):
 @kernel
 def clamp_elbow_or_knee(limb, limits, pose):
     """Clamp a forearm or shank that was rotated for itself to the limits of elbow or knee."""
-    _, upper, root = limb_parts(limb, pose.positions.shape[0] - 23)
+    _, upper, root = limb_parts(limb, pose.positions.shape[0] - POINTS_BESIDE_SPINE)
     return clamp_bend(limits[limb], upper, pose.positions[root + 1], pose)
 
 
@@ -375,4 +376,4 @@ def rotate_towards(segment, pivot, required, fraction, positions, rotations):
     angle = math.atan2(size, rotation[0] + rotation[4] + rotation[8] - 1.0)
     scale = fraction * (angle / size if size > 1e-12 else 0.5)
     exact = rotation_from_vector(scale * x, scale * y, scale * z)
-    rotate_part(exact, segment, positions.shape[0] - 23, pivot, positions, rotations)
+    rotate_part(exact, segment, positions.shape[0] - POINTS_BESIDE_SPINE, pivot, positions, rotations)

@@ -14,6 +14,7 @@ from studio.core.kernels.algebra.rotation_tuples import (
     rotation_from_vector,
 )
 from studio.core.kernels.body.parts import rotate_part
+from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.limbs.reach import bend_range
 from studio.core.kernels.limits.swing_twist import (
@@ -68,7 +69,7 @@ def limited_limb_step(fraction, limit, parts, moved, goal, spans, pose):
     """
     positions, rotations = pose
     parent, upper, root = parts
-    shoulder, middle, spine_count = positions[root], positions[root + 1], positions.shape[0] - 23
+    shoulder, middle, spine_count = positions[root], positions[root + 1], positions.shape[0] - POINTS_BESIDE_SPINE
     frame = compose(rotation_from_matrix(rotations[parent]), rotation_from_matrix(limit.axes[0]))
     back = inverse_rotation(frame)
     hinge = rotations[upper, 0, 0], rotations[upper, 1, 0], rotations[upper, 2, 0]

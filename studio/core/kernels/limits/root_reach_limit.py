@@ -4,6 +4,7 @@ import math
 
 from studio.core.kernels import layout as at
 from studio.core.kernels.algebra.vectors import distance
+from studio.core.kernels.body_indices import HIP_POINT, POINTS_BESIDE_SPINE, POINTS_PER_LIMB
 from studio.core.kernels.compiling import kernel
 
 ROOT_REACH_ITERATIONS = 6
@@ -19,7 +20,7 @@ def root_reach_of(side, body, start):
     """(length, braking margin) in metres of the distance hip-ankle, at least that of the motion."""
     measures, root_reaches, legs = body.measures, body.root_reaches, body.legs
     length = measures[at.M_LEG + 2 * side] + measures[at.M_LEG + 2 * side + 1]
-    hip = start.positions[start.positions.shape[0] - 10 + 5 * side]
+    hip = start.positions[start.positions.shape[0] - POINTS_BESIDE_SPINE + HIP_POINT + POINTS_PER_LIMB * side]
     own = distance(hip, legs.ankles[side])
     root_reach = max(root_reaches[side] * length, own)
     return root_reach, min(root_reach - own, ROOT_REACH_DAMPING * length)
@@ -43,13 +44,13 @@ def limit_root_step(body, start, segment_rotations, moved, displacement):
     """
     ankles, (wx, wy, wz) = body.legs.ankles, displacement
     positions, pelvis = start.positions, segment_rotations[0]
-    spine_count = positions.shape[0] - 23
+    spine_count = positions.shape[0] - POINTS_BESIDE_SPINE
     for _ in range(ROOT_REACH_ITERATIONS):
         kept = True
         for side in range(2):
             if body.root_reaches[side] == math.inf:
                 continue
-            hip, ankle = positions[spine_count + 13 + 5 * side], ankles[side]
+            hip, ankle = positions[spine_count + HIP_POINT + POINTS_PER_LIMB * side], ankles[side]
             length = root_reach_of(side, body, start)[0]
             x, y, z = hip[0] - positions[0, 0], hip[1] - positions[0, 1], hip[2] - positions[0, 2]
             dx = positions[0, 0] + moved[0] + wx + pelvis[0, 0] * x + pelvis[0, 1] * y + pelvis[0, 2] * z - ankle[0]

@@ -4,6 +4,14 @@ import math
 
 import numpy as np
 
+from studio.core.kernels.body_indices import (
+    POINTS_BESIDE_SPINE,
+    POINTS_PER_LIMB,
+    SEGMENTS_PER_LIMB,
+    SHOULDER_POINT,
+    UPPER_ARM_SEGMENT,
+    WRIST_POINT,
+)
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.limits.arm_clearance import (
     CONTACT_MARGIN,
@@ -15,8 +23,8 @@ from studio.core.kernels.limits.arm_clearance import (
 )
 from studio.core.kernels.records import CAPSULE, ClearanceScratch, Pose
 from studio.core.kernels.tasks.goals import is_considered, is_rotation
-from studio.core.kernels.tasks.residuals import residual_of, update_goals
 from studio.core.kernels.tasks.task import INACTIVE, PRIORITY_TOLERANCE
+from studio.core.kernels.tasks.task_kinds import residual_of, update_goals
 
 TASK_BELOW, TASK_BESIDE, TASK_ABOVE, TASK_IS_CONTACT = range(4)
 """Relation of a task to a self-collision constraint; a contact stands above all."""
@@ -96,7 +104,7 @@ def clear_after_tasks(frame, tier, acted, waited, clip, problem):
     further up holds the whole arm. An arm stays where it is if a residual above would change.
     """
     clearance, clearing, pose = clip.clearance, clip.clearing, problem.pose
-    spine_count = pose.positions.shape[0] - 23
+    spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
     if acted or tier > 0:
         place_capsules(clearance.volume, pose, clearance.proximal, clearing.capsules)
     for side in range(2):
@@ -124,7 +132,10 @@ def clear_after_tasks(frame, tier, acted, waited, clip, problem):
                         )
                 moves = push_arm_out(side, 0.0 if late else CONTACT_MARGIN, frame, free, clearance, clearing, pose)
                 if moves and violates_priority(frame, clearance.above[q], clip, problem):
-                    first, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
+                    first, upper = (
+                        spine_count + SHOULDER_POINT + POINTS_PER_LIMB * side,
+                        spine_count + UPPER_ARM_SEGMENT + SEGMENTS_PER_LIMB * side,
+                    )
                     copy_arm(clearing.saved, Pose(pose.positions[first : first + 4], pose.rotations[upper : upper + 3]))
                 moved = moved or moves or late
         if moved:
@@ -168,7 +179,10 @@ def arm_holds(side, tasks, above, spine_count, out_holds):
     swivel.
     """
     out_holds[0], out_holds[1], out_holds[2] = 0.0, 0.0, 0.0
-    upper, wrist = spine_count + 3 + 4 * side, spine_count + 6 + 5 * side
+    upper, wrist = (
+        spine_count + UPPER_ARM_SEGMENT + SEGMENTS_PER_LIMB * side,
+        spine_count + WRIST_POINT + POINTS_PER_LIMB * side,
+    )
     for c in range(tasks.shape[0]):
         row = tasks[c]
         if above[c] == TASK_BELOW or row.status == INACTIVE:

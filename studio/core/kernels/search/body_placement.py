@@ -9,6 +9,15 @@ from studio.core.kernels.algebra.rotation_tuples import (
 )
 from studio.core.kernels.algebra.vectors import copy_matrix, copy_point
 from studio.core.kernels.body.parts import limb_parts, rotate_part
+from studio.core.kernels.body_indices import (
+    CLAVICLE_SEGMENT,
+    HIP_POINT,
+    POINTS_BESIDE_SPINE,
+    POINTS_PER_LIMB,
+    SEGMENTS_PER_LIMB,
+    SHOULDER_POINT,
+    THIGH_SEGMENT,
+)
 from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.limbs.legs import place_leg, place_leg_points
 from studio.core.kernels.limbs.limb_tasks import KEEPS_BLEND, NEGLIGIBLE_ERROR, solve_limb
@@ -24,8 +33,8 @@ from studio.core.kernels.tasks.goals import (
     is_dormant,
     limb_follows,
 )
-from studio.core.kernels.tasks.residuals import residual_of, update_goals
 from studio.core.kernels.tasks.task import ACTIVE
+from studio.core.kernels.tasks.task_kinds import residual_of, update_goals
 
 POINTS_ONLY = 2
 """Value of ``idle_limbs`` for a limb whose points alone were posed."""
@@ -60,7 +69,7 @@ def reset_limb_pose(limb, problem):
         pose_limb_points(limb, problem)
         return
     if search.blended_limbs[limb] == KEEPS_BLEND:
-        parent, upper, root = limb_parts(limb, pose.positions.shape[0] - 23)
+        parent, upper, root = limb_parts(limb, pose.positions.shape[0] - POINTS_BESIDE_SPINE)
         pose_limb(parent, upper, root, 4 * limb, search.blended_rotations, start, pose)
         return
     if limb < 2:
@@ -69,8 +78,8 @@ def reset_limb_pose(limb, problem):
         return
     positions, rotations = pose
     side = limb - 2
-    spine_count = positions.shape[0] - 23
-    thigh = spine_count + 10 + 4 * side
+    spine_count = positions.shape[0] - POINTS_BESIDE_SPINE
+    thigh = spine_count + THIGH_SEGMENT + SEGMENTS_PER_LIMB * side
     joint = joint_of_segment[thigh]
     if joint_of_segment[joint_of_segment.shape[0] - 1] < 0 and joint_of_segment[0] < 0 and joint < 0:
         copy_leg(side, start, pose)
@@ -80,7 +89,7 @@ def reset_limb_pose(limb, problem):
         return
     x, y, z = state[joint, 0], state[joint, 1], state[joint, 2]
     if x != 0.0 or y != 0.0 or z != 0.0:
-        hip = positions[spine_count + 13 + 5 * side]
+        hip = positions[spine_count + HIP_POINT + POINTS_PER_LIMB * side]
         rotate_part(rotation_from_gibbs(x, y, z), thigh, spine_count, hip, positions, rotations)
     limit_redundant_limb(limb, state, joint_of_segment, body.limits, pose)
 
@@ -89,11 +98,11 @@ def reset_limb_pose(limb, problem):
 def pose_limb_points(limb, problem):
     """Pose the points of a limb that affects only the centre of mass."""
     body, start, pose, segment_rotations = problem.body, problem.start, problem.pose, problem.search.segment_rotations
-    spine_count = pose.positions.shape[0] - 23
+    spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
     if limb < 2:
         shoulder, rotation = (
-            spine_count + 4 + 5 * limb,
-            rotation_from_matrix(segment_rotations[spine_count + 2 + 4 * limb]),
+            spine_count + SHOULDER_POINT + POINTS_PER_LIMB * limb,
+            rotation_from_matrix(segment_rotations[spine_count + CLAVICLE_SEGMENT + SEGMENTS_PER_LIMB * limb]),
         )
         for bone in range(1, 4):
             pose_point(shoulder + bone, shoulder, rotation, start, pose.positions)
@@ -121,7 +130,7 @@ def find_idle_limbs(tasks, joint_of_segment, spine_count, out_idle):
 @kernel
 def limit_redundant_limb(limb, state, joint_of_segment, limits, pose):
     """Clamp a limb that the search has rotated to its limits."""
-    joint = joint_of_segment[limb_parts(limb, pose.positions.shape[0] - 23)[1]]
+    joint = joint_of_segment[limb_parts(limb, pose.positions.shape[0] - POINTS_BESIDE_SPINE)[1]]
     if limits.shape[0] == 0 or joint < 0:
         return
     moves = state[joint, 0] != 0.0 or state[joint, 1] != 0.0 or state[joint, 2] != 0.0
@@ -132,12 +141,12 @@ def limit_redundant_limb(limb, state, joint_of_segment, limits, pose):
 @kernel
 def copy_leg(side, start, pose):
     """Copy one leg from the motion, where its hip cannot move."""
-    spine_count = pose.positions.shape[0] - 23
+    spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
     for bone in range(5):
-        point = spine_count + 13 + 5 * side + bone
+        point = spine_count + HIP_POINT + POINTS_PER_LIMB * side + bone
         copy_point(start.positions[point], pose.positions[point])
     for bone in range(4):
-        segment = spine_count + 10 + 4 * side + bone
+        segment = spine_count + THIGH_SEGMENT + SEGMENTS_PER_LIMB * side + bone
         copy_matrix(start.rotations[segment], pose.rotations[segment])
 
 

@@ -23,6 +23,17 @@ from studio.core.kernels.algebra.rotation_tuples import (
 )
 from studio.core.kernels.algebra.vectors import ZERO_VECTOR, offset_between
 from studio.core.kernels.body.parts import distal_range
+from studio.core.kernels.body_indices import (
+    CLAVICLE_SEGMENT,
+    COLLAR_POINT,
+    HIP_POINT,
+    POINTS_BESIDE_SPINE,
+    POINTS_PER_LIMB,
+    SEGMENTS_BESIDE_SPINE,
+    SEGMENTS_PER_LIMB,
+    SHOULDER_POINT,
+    UPPER_ARM_SEGMENT,
+)
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.records import SEARCH_JOINT
 
@@ -44,20 +55,20 @@ def pivot_point(segment, spine_count):
     if segment < spine_count + 2:
         return segment
     chain, bone = (segment - spine_count - 2) // 4, (segment - spine_count - 2) % 4
-    return spine_count + 3 + 5 * chain + bone
+    return spine_count + COLLAR_POINT + POINTS_PER_LIMB * chain + bone
 
 
 @kernel
 def parent_segment(segment, spine_count):
     """Parent of ``segment``; past the last one for root, pelvis and thighs (legs are placed on their ankles)."""
     if segment <= 0:
-        return spine_count + 18
+        return spine_count + SEGMENTS_BESIDE_SPINE
     if segment < spine_count + 2:
         return segment - 1
     chain, bone = (segment - spine_count - 2) // 4, (segment - spine_count - 2) % 4
     if bone > 0:
         return segment - 1
-    return spine_count - 1 if chain < 2 else spine_count + 18
+    return spine_count - 1 if chain < 2 else spine_count + SEGMENTS_BESIDE_SPINE
 
 
 @allocating_kernel
@@ -153,8 +164,11 @@ def pose_point(point, origin, rotation, start, positions):
 @kernel
 def pose_arm(side, state, joint_of_segment, start, segment_rotations, pose):
     """Pose an arm on its clavicle as in the motion, rotated about its shoulder if that is free."""
-    spine_count = pose.positions.shape[0] - 23
-    shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
+    spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
+    shoulder, upper = (
+        spine_count + SHOULDER_POINT + POINTS_PER_LIMB * side,
+        spine_count + UPPER_ARM_SEGMENT + SEGMENTS_PER_LIMB * side,
+    )
     rotation = pose_segment(upper, upper - 1, state, joint_of_segment, start, segment_rotations, pose)
     pose_point(shoulder + 1, shoulder, rotation, start, pose.positions)
     for bone in range(1, 3):
@@ -190,18 +204,21 @@ def pose_trunk(state, joint_of_segment, start, segment_rotations, pose):
     ``start`` is the unsolved pose, ``pose`` the one being written, both (positions (P, 3), rotations (S, 3, 3)).
     """
     positions = pose.positions
-    spine_count = positions.shape[0] - 23
+    spine_count = positions.shape[0] - POINTS_BESIDE_SPINE
     root = joint_of_segment[joint_of_segment.shape[0] - 1]
     for axis in range(3):
         positions[0, axis] = start.positions[0, axis] + (state[root, axis] if root >= 0 else 0.0)
     for segment in range(spine_count + 2):
-        parent = segment - 1 if segment > 0 else spine_count + 18
+        parent = segment - 1 if segment > 0 else spine_count + SEGMENTS_BESIDE_SPINE
         rotation = pose_segment(segment, parent, state, joint_of_segment, start, segment_rotations, pose)
         pose_point(segment + 1, segment, rotation, start, positions)
     chest, pelvis = rotation_from_matrix(segment_rotations[spine_count - 1]), rotation_from_matrix(segment_rotations[0])
     for side in range(2):
-        collar, clavicle = spine_count + 3 + 5 * side, spine_count + 2 + 4 * side
+        collar, clavicle = (
+            spine_count + COLLAR_POINT + POINTS_PER_LIMB * side,
+            spine_count + CLAVICLE_SEGMENT + SEGMENTS_PER_LIMB * side,
+        )
         pose_point(collar, spine_count, chest, start, positions)
         rotation = pose_segment(clavicle, spine_count - 1, state, joint_of_segment, start, segment_rotations, pose)
         pose_point(collar + 1, collar, rotation, start, positions)
-        pose_point(spine_count + 13 + 5 * side, 0, pelvis, start, positions)
+        pose_point(spine_count + HIP_POINT + POINTS_PER_LIMB * side, 0, pelvis, start, positions)

@@ -16,6 +16,7 @@ from studio.core.kernels.algebra.vectors import (
     zero_points,
 )
 from studio.core.kernels.body.parts import limb_parts
+from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limbs.limb import MAX_EXTENSION, SOFT_IK_THRESHOLD, SOLE_SOFT_IK_THRESHOLD, soft_extension
 from studio.core.kernels.limbs.limb_limits import effective_point
@@ -58,8 +59,8 @@ from studio.core.kernels.tasks.goals import (
     is_rotation,
     moves_point,
 )
-from studio.core.kernels.tasks.residuals import residual_of
 from studio.core.kernels.tasks.task import ACTIVE, DROPPED, INACTIVE
+from studio.core.kernels.tasks.task_kinds import residual_of
 
 LEVEL_STEPS, LATE_LEVEL_STEPS = 4, 5
 """Steps of a level, and further ones while it is nearly met or still gains: a body far out of reach would take many
@@ -89,7 +90,7 @@ RESTORATION_DECREASE = 0.7
 def solve_frame(level_count, problem):
     """Move one posed frame until its tasks hold as far as chains and priorities allow."""
     tasks, chain, body, search, pose = problem.tasks, problem.chain, problem.body, problem.search, problem.pose
-    spine_count = pose.positions.shape[0] - 23
+    spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
     zero_points(search.state)
     idle = search.idle_limbs
     find_idle_limbs(tasks, chain.joint_of_segment, spine_count, idle)
@@ -121,7 +122,7 @@ def update_limb_limits(problem):
     tasks, joint_of_segment, body, start = problem.tasks, problem.chain.joint_of_segment, problem.body, problem.start
     limits = body.limits
     for limb in range(limits.shape[0]):
-        upper = limb_parts(limb, start.positions.shape[0] - 23)[1]
+        upper = limb_parts(limb, start.positions.shape[0] - POINTS_BESIDE_SPINE)[1]
         found, tip = joint_of_segment[upper] >= 0, limb >= 2
         for c in range(tasks.shape[0]):
             for end in range(2):
@@ -217,7 +218,7 @@ def restart_level(level, problem):
     """Place limbs anew after tasks of this level were dropped."""
     tasks, body, search, pose = problem.tasks, problem.body, problem.search, problem.pose
     restore_caps(body.limits)
-    changed = find_end_tasks(level, tasks, pose.positions.shape[0] - 23, search.end_tasks)
+    changed = find_end_tasks(level, tasks, pose.positions.shape[0] - POINTS_BESIDE_SPINE, search.end_tasks)
     update_reaches(level, changed, problem)
     place_body(level, False, problem)
 
@@ -338,7 +339,7 @@ def save_task_results(first, level, problem):
     Those above ``first``, the level solved last, keep their earlier residuals: changes do not add up.
     """
     tasks, pose = problem.tasks, problem.pose
-    spine_count = pose.positions.shape[0] - 23
+    spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
     for c in range(tasks.shape[0]):
         row = tasks[c]
         if not is_considered(row) or row.level >= level:
@@ -391,7 +392,7 @@ def update_reach(c, end, own, problem):
     body, start, row = problem.body, problem.start, problem.tasks[c]
     limb, origin = row.limbs[end], row.root_positions[end]
     holds_end, point = limb >= 2 or problem.search.end_tasks[limb] >= 0, end_position(row, end, start)
-    _, upper, root = limb_parts(limb, start.positions.shape[0] - 23)
+    _, upper, root = limb_parts(limb, start.positions.shape[0] - POINTS_BESIDE_SPINE)
     if own:
         copy_point(problem.pose.positions[root], origin)
     fold, reach, now = reach_range(limb, row.segments[end], holds_end, point, body.limits, start)

@@ -5,6 +5,7 @@ For a target out of reach, joints at their limits would whirl about from one fra
 
 import math
 
+from studio.core.kernels.body_indices import HIP_POINT, POINTS_BESIDE_SPINE, POINTS_PER_LIMB
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limbs.limb import soft_extension
 from studio.core.kernels.limits.root_reach_limit import root_reach_of
@@ -62,11 +63,11 @@ def has_single_joint(c, segment, chain):
 def root_travel(x, y, z, body, pose):
     """Approximate travel of the root in metres along the unit (x, y, z) that its legs permit."""
     ankles, total = body.legs.ankles, 0.0
-    spine_count = pose.positions.shape[0] - 23
+    spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
     for side in range(2):
         if body.root_reaches[side] == math.inf:
             continue
-        hip, ankle = pose.positions[spine_count + 13 + 5 * side], ankles[side]
+        hip, ankle = pose.positions[spine_count + HIP_POINT + POINTS_PER_LIMB * side], ankles[side]
         length, _ = root_reach_of(side, body, pose)
         hx, hy, hz = hip[0] - ankle[0], hip[1] - ankle[1], hip[2] - ankle[2]
         along = hx * x + hy * y + hz * z

@@ -17,6 +17,13 @@ from studio.core.kernels.algebra.rotation_tuples import (
     write_transformed_point,
 )
 from studio.core.kernels.body.parts import rotate_part, translate_points
+from studio.core.kernels.body_indices import (
+    POINTS_BESIDE_SPINE,
+    POINTS_PER_LIMB,
+    SEGMENTS_PER_LIMB,
+    SHOULDER_POINT,
+    UPPER_ARM_SEGMENT,
+)
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.limbs.limb import place_limb, soft_extension
 from studio.core.kernels.records import Array, LimbShape, Pose
@@ -162,7 +169,7 @@ def solve_positive_definite(matrix):
 @allocating_kernel
 def move_bodies(moves, positions, rotations):
     """Rotate every frame's body about its root and translate it, in place; ``moves`` (F, 6) as in ``settle_frames``."""
-    spine_count = positions.shape[1] - 23
+    spine_count = positions.shape[1] - POINTS_BESIDE_SPINE
     for frame in range(positions.shape[0]):
         move = moves[frame]
         if move[3] != 0.0 or move[4] != 0.0 or move[5] != 0.0:
@@ -189,7 +196,10 @@ def place_arm(frame, side, measures, arms, pose):
     """Place one arm of one frame: shoulder from the clavicle, wrist at its target, hand as given."""
     channels, wrist = arms.channels[frame], arms.wrists[side, frame]
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
-    shoulder, upper_arm = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
+    shoulder, upper_arm = (
+        spine_count + SHOULDER_POINT + POINTS_PER_LIMB * side,
+        spine_count + UPPER_ARM_SEGMENT + SEGMENTS_PER_LIMB * side,
+    )
     t = at.LIMB_TWIST + 2 * side
     parent = compose(
         rotation_from_matrix(pose.rotations[spine_count - 1]),

@@ -5,6 +5,15 @@ import math
 import numpy as np
 
 from studio.core.kernels.algebra.vectors import copy_point, length_in_axes, offset_between
+from studio.core.kernels.body_indices import (
+    HIP_POINT,
+    POINTS_BESIDE_SPINE,
+    POINTS_PER_LIMB,
+    SEGMENTS_PER_LIMB,
+    SHOULDER_POINT,
+    THIGH_SEGMENT,
+    UPPER_ARM_SEGMENT,
+)
 from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.search.joints import ROOT_TRANSLATION
 from studio.core.kernels.tasks.goals import end_position, interpolate_point
@@ -101,7 +110,7 @@ def write_balance_jacobian(axes, masses, sums, joints, positions, rows):
     ``sums`` from ``accumulate_masses``. Ankles stay fixed, so legs respond to the root's travel by
     ``add_leg_jacobian``; they do not respond to the pelvis' rotation.
     """
-    spine_count = positions.shape[0] - 23
+    spine_count = positions.shape[0] - POINTS_BESIDE_SPINE
     for joint in range(joints.shape[0]):
         if joints[joint].segment == ROOT_TRANSLATION:
             whole = sums[spine_count + 10, 3]
@@ -131,8 +140,11 @@ def add_leg_jacobian(side, axes, least_bend, masses, positions, out_levers):
     The knee moves by J u, J^T v = (1 - z/d) (v - (n.v) n) + (z/d) (n.v) n + (z/r^2) (1 - z/d) (e.v) n + (n.v) e / d for
     the unit n to the ankle, d away, and the knee z along it and off it by e, r long. METHOD (35).
     """
-    spine_count = positions.shape[0] - 23
-    thigh, hip = spine_count + 10 + 4 * side, spine_count + 13 + 5 * side
+    spine_count = positions.shape[0] - POINTS_BESIDE_SPINE
+    thigh, hip = (
+        spine_count + THIGH_SEGMENT + SEGMENTS_PER_LIMB * side,
+        spine_count + HIP_POINT + POINTS_PER_LIMB * side,
+    )
     kx = positions[hip + 1, 0] - positions[hip, 0]
     ky = positions[hip + 1, 1] - positions[hip, 1]
     kz = positions[hip + 1, 2] - positions[hip, 2]
@@ -166,8 +178,11 @@ def add_arm_jacobian(side, axes, goal, reach, sums, joints, positions, rows):
     by (1 - f l / d) u across the direction to a goal d away, and along it by u, or by (1 - f) u where the goal is met.
     METHOD (34).
     """
-    spine_count = positions.shape[0] - 23
-    upper, root = spine_count + 3 + 4 * side, spine_count + 4 + 5 * side
+    spine_count = positions.shape[0] - POINTS_BESIDE_SPINE
+    upper, root = (
+        spine_count + UPPER_ARM_SEGMENT + SEGMENTS_PER_LIMB * side,
+        spine_count + SHOULDER_POINT + POINTS_PER_LIMB * side,
+    )
     mass = sums[upper + 3, 3] - sums[upper, 3]
     shoulder, wrist = positions[root], positions[root + 2]
     x, y, z = goal[0] - shoulder[0], goal[1] - shoulder[1], goal[2] - shoulder[2]

@@ -8,6 +8,7 @@ import math
 from studio.core.kernels.algebra.rotation_tuples import rotation_error
 from studio.core.kernels.algebra.vectors import distance, length, offset_between
 from studio.core.kernels.body.parts import limb_parts
+from studio.core.kernels.body_indices import HIP_POINT, POINTS_BESIDE_SPINE, POINTS_PER_LIMB
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limits.root_reach_limit import root_reach_of
 from studio.core.kernels.search.joints import add_point_jacobian, add_rotation_jacobian, may_rotate
@@ -44,11 +45,11 @@ def add_root_reach_rows(weight_row, count, problem):
     """Add an inequality row for each planted leg: its hip stays within reach of the ankle. The new number of rows."""
     chain, body, task_rows, positions = problem.chain, problem.body, problem.search.rows, problem.pose.positions
     ankles = body.legs.ankles
-    spine_count = positions.shape[0] - 23
+    spine_count = positions.shape[0] - POINTS_BESIDE_SPINE
     for side in range(2):
         if body.root_reaches[side] == math.inf:
             continue
-        point = spine_count + 13 + 5 * side
+        point = spine_count + HIP_POINT + POINTS_PER_LIMB * side
         hip, ankle = positions[point], ankles[side]
         length, margin = root_reach_of(side, body, problem.start)
         span = max(distance(hip, ankle), 1e-9)
@@ -159,7 +160,10 @@ def add_balance_rows(row, level, weight_row, is_held, count, problem):
         set_row(task_rows, count, weight_row, goal - now[axis])
         count += 1
     rows = task_rows.jacobian[count - row.axes : count]
-    spine_count, down_to = positions.shape[0] - 23, min(tasks.shape[0] + level, chain.weights.shape[0] - 1)
+    spine_count, down_to = (
+        positions.shape[0] - POINTS_BESIDE_SPINE,
+        min(tasks.shape[0] + level, chain.weights.shape[0] - 1),
+    )
     write_balance_jacobian(row.axes, masses, sums, chain.joints, positions, rows)
     for c in range(tasks.shape[0]):
         other = tasks[c]

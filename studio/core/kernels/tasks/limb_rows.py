@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from studio.core.kernels.algebra.vectors import distance, offset_between
 from studio.core.kernels.body.parts import limb_parts
+from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limbs.limb_limits import effective_point
 from studio.core.kernels.limbs.limb_tasks import NEGLIGIBLE_ERROR
@@ -73,7 +74,7 @@ def add_reach_rows(c, row, end, weight_row, is_held, count, problem):
     """
     pose, limits, ends = problem.pose, problem.body.limits, problem.search.end_tasks
     limb = row.limbs[end]
-    parent, _, root = limb_parts(limb, pose.positions.shape[0] - 23)
+    parent, _, root = limb_parts(limb, pose.positions.shape[0] - POINTS_BESIDE_SPINE)
     shoulder, wanted = pose.positions[root], row.kept_positions[end] if is_held else row.goal_positions[end]
     point, goal = effective_point(row, end, wanted, limb >= 2 or ends[limb] >= 0, pose)
     x, y, z = offset_between(shoulder, goal)
@@ -179,7 +180,7 @@ def add_separation_row(c, weight_row, count, problem):
             and row.limb_weights[end, 0] > 0.0
             and not (limits.shape[0] > 0 and limits[limb].blocked_task == c)
         ):
-            parent, _, root = limb_parts(limb, pose.positions.shape[0] - 23)
+            parent, _, root = limb_parts(limb, pose.positions.shape[0] - POINTS_BESIDE_SPINE)
             shoulder = pose.positions[root]
             point = shoulder[0], shoulder[1], shoulder[2]
         fraction = 1.0 if end == 0 else -(row.activation if is_position(row) else 1.0)
@@ -216,7 +217,7 @@ def add_secondary_row(c, weight_row, count, problem):
     """
     tasks, chain, pose = problem.tasks, problem.chain, problem.pose
     row, task_rows, first = tasks[c], problem.search.rows, primary_task_of(c, tasks)
-    parent, upper, root = limb_parts(row.limbs[0], pose.positions.shape[0] - 23)
+    parent, upper, root = limb_parts(row.limbs[0], pose.positions.shape[0] - POINTS_BESIDE_SPINE)
     if (
         first < 0
         or row.segments[0] != upper
@@ -260,7 +261,7 @@ def add_swivel_row(c, end, weight_row, count, problem):
     """
     tasks, chain, pose = problem.tasks, problem.chain, problem.pose
     row, task_rows = tasks[c], problem.search.rows
-    parent, _, root = limb_parts(row.limbs[end], pose.positions.shape[0] - 23)
+    parent, _, root = limb_parts(row.limbs[end], pose.positions.shape[0] - POINTS_BESIDE_SPINE)
     origin, point = pose.positions[root], end_position(row, end, pose)
     ax, ay, az = offset_between(origin, end_position(tasks[primary_task_of(c, tasks)], 0, pose))
     x, y, z = offset_between(point, row.goal_positions[end])
@@ -292,7 +293,7 @@ def add_limited_row(row, end, weight_row, is_held, count, aim, problem):
     size = math.sqrt(x * x + y * y + z * z)
     if size < NEGLIGIBLE_ERROR:
         return count
-    parent, _, root = limb_parts(row.limbs[end], pose.positions.shape[0] - 23)
+    parent, _, root = limb_parts(row.limbs[end], pose.positions.shape[0] - POINTS_BESIDE_SPINE)
     x, y, z, error = x / size, y / size, z / size, size - kept
     begin_row(task_rows, count, weight_row, error)
     add_point_jacobian(point, x, y, z, parent, chain.joints, pose.positions, task_rows.jacobian[count])

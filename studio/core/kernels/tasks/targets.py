@@ -1,8 +1,8 @@
 """Goals of all tasks at a frame, and their weights (METHOD 5)."""
 
 from studio.core.kernels.compiling import kernel
-from studio.core.kernels.tasks.residuals import set_goal
 from studio.core.kernels.tasks.task import ACTIVE, INACTIVE, UNPINNED
+from studio.core.kernels.tasks.task_kinds import set_goal
 
 LEAST_RELATIVE_WEIGHT = 0.1
 """Least weight of a task relative to the heaviest of its level: a lighter one would be left before it is within 0.2 mm,

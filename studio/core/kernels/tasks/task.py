@@ -16,8 +16,8 @@ import numpy as np
 INACTIVE, ACTIVE, DROPPED, IN_TRANSITION = 0, 1, 2, 3
 """States of a task: a dropped task yields to higher levels; a task in transition is not solved any more."""
 UNPINNED, PINNED_TO_RESIDUAL, PINNED_TO_ROTATION = 0, 1, 2
-"""Whether a task is ``pinned`` to its result (``kernels.time.smoothed_frames``): a look that looks away to its
-rotation, other tasks to their residual.
+"""Pin of a task to its result (``kernels.time.smoothed_frames``): none, to its residual, or, for a look that looks
+away, to its rotation.
 """
 
 PRIORITY_TOLERANCE = 2e-4

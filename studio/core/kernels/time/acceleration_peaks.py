@@ -14,6 +14,7 @@ from studio.core.kernels.algebra.rotation_tuples import (
     rotation_from_matrix,
 )
 from studio.core.kernels.body.parts import limb_parts
+from studio.core.kernels.body_indices import SEGMENTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.search.joints import ROOT_TRANSLATION
 from studio.core.kernels.tasks.goals import RADIAN_LENGTH
@@ -131,7 +132,7 @@ def is_calm(limb, frame, most, positions, rotations):
 
     In radians a frame squared, by the second differences of their directions.
     """
-    _, upper, root = limb_parts(limb, rotations.shape[1] - 18)
+    _, upper, root = limb_parts(limb, rotations.shape[1] - SEGMENTS_BESIDE_SPINE)
     for bone in range(3):
         squared = length = 0.0
         for axis in range(3):
@@ -152,7 +153,7 @@ def is_calm(limb, frame, most, positions, rotations):
 @kernel
 def limb_acceleration(limb, frame, rotations):
     """Greatest angular acceleration of a limb's joints at one frame, in radians a frame squared."""
-    before, upper, _ = limb_parts(limb, rotations.shape[1] - 18)
+    before, upper, _ = limb_parts(limb, rotations.shape[1] - SEGMENTS_BESIDE_SPINE)
     most = 0.0
     for bone in range(3):
         most = max(most, joint_acceleration(frame, before, upper + bone, rotations))

@@ -29,6 +29,7 @@ from studio.core.kernels.algebra.vectors import (
     offset_between,
 )
 from studio.core.kernels.body.parts import limb_parts
+from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limbs.limb_limits import effective_point
 from studio.core.kernels.limbs.limb_tasks import KEEPS_BLEND, NEGLIGIBLE_ERROR
@@ -44,7 +45,6 @@ from studio.core.kernels.tasks.goals import (
     is_rotation,
 )
 from studio.core.kernels.tasks.limb_rows import LIMB_FALLS_SHORT
-from studio.core.kernels.tasks.residuals import residual_of
 from studio.core.kernels.tasks.task import (
     ACTIVE,
     IN_TRANSITION,
@@ -53,6 +53,7 @@ from studio.core.kernels.tasks.task import (
     PRIORITY_TOLERANCE,
     UNPINNED,
 )
+from studio.core.kernels.tasks.task_kinds import residual_of
 
 DROPPED_IN_KEPT = 2
 """Value of ``blended_limbs`` for a limb whose task was dropped in the saved pose, while the next is solved."""
@@ -90,7 +91,7 @@ def save_solution(first, problem):
 def write_limb_joint_rotations(out_rotations, pose):
     """Write the rotations of all limbs' segments in their parents, (16, 3, 3), four a limb."""
     for limb in range(4):
-        before, upper, _ = limb_parts(limb, pose.positions.shape[0] - 23)
+        before, upper, _ = limb_parts(limb, pose.positions.shape[0] - POINTS_BESIDE_SPINE)
         for bone in range(3 if limb < 2 else 4):
             write_rotation(
                 relative_rotation(pose.rotations[before], pose.rotations[upper + bone]), out_rotations[4 * limb + bone]
@@ -275,7 +276,7 @@ def update_blended_reach(row, end, holds_end, pose):
     With d of its length to spare in the blend, and w at its goal, it keeps d s(w) / s(d) (``soft_positive``); the
     difference to w is left to the trunk (METHOD (31)).
     """
-    root, longest = limb_parts(row.limbs[end], pose.positions.shape[0] - 23)[2], row.max_reach[end]
+    root, longest = limb_parts(row.limbs[end], pose.positions.shape[0] - POINTS_BESIDE_SPINE)[2], row.max_reach[end]
     point, goal = effective_point(row, end, row.goal_positions[end], holds_end, pose)
     shoulder, edge = pose.positions[root], STRAIGHT_LIMB * longest
     span, spare = distance(goal, shoulder), max(longest - distance(point, shoulder), 0.0)

@@ -13,9 +13,9 @@ from studio.core.kernels.records import Pose
 from studio.core.kernels.search.backtracking import next_step_length, start_backtracking, update_bracket
 from studio.core.kernels.search.body_placement import pose_body, with_pose
 from studio.core.kernels.tasks.goals import is_balance
-from studio.core.kernels.tasks.residuals import pin_goal, residual_of, update_goals
 from studio.core.kernels.tasks.targets import set_goals
 from studio.core.kernels.tasks.task import ACTIVE, IN_TRANSITION, INACTIVE, PINNED_TO_RESIDUAL, PRIORITY_TOLERANCE
+from studio.core.kernels.tasks.task_kinds import pin_goal, residual_of, update_goals
 from studio.core.kernels.time.activation_blend import (
     blend_states,
     next_activation,

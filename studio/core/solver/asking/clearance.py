@@ -1,4 +1,4 @@
-"""What keeps arms out of their own body, as arrays for ``kernels.limits.arm_clearance``."""
+"""Self-collision constraints of the arms as arrays for ``kernels.limits.arm_clearance``."""
 
 from collections.abc import Sequence
 from functools import cache

@@ -19,13 +19,13 @@ from studio.core.solver.asking.tracks import Targets
 FloatArray = NDArray[np.float64]
 
 BLANK_TASK = np.zeros(1, dtype=TASK)
-"""What is asked where nothing is."""
+"""Record of a task without request."""
 for _end in ("points", "segments", "limbs"):
     BLANK_TASK[_end] = -1
 BLANK_TASK["axes"] = 2
-"""A task without request."""
 BLANK_TASK.setflags(write=False)
 NO_POSITION, NO_ROTATION, NO_DISTANCE = np.full((1, 3), np.nan), np.zeros((1, 3, 3)), np.zeros(1)
+"""Targets of a task without target."""
 
 
 @dataclass(eq=False)

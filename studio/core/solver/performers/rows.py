@@ -126,7 +126,7 @@ def constraints_in(
         by_place[places[each.clip, each.repeat]].append(each)
 
     def goes_on(each: ClipConstraint, place: int) -> bool:
-        """Whether it is asked in the clip of a ``place`` as well, which goes on as the one before."""
+        """True if the clip at ``place`` has the same constraint, and continues the one before."""
         return (
             0 < place < len(carries)
             and carries[place - 1].goes_on_in(carries[place], 1.5 / composite.timing.frame_rate)
