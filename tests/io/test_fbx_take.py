@@ -1,5 +1,6 @@
 """FBX of an adapted motion: read back by ufbx and, where it is installed, by Blender, it is what was adapted."""
 
+import json
 import struct
 from dataclasses import replace
 
@@ -18,6 +19,7 @@ from studio.io.export import skin_of, take_of_adapted, take_of_capture, write_ta
 from studio.io.export_options import ExportOptions
 from studio.io.fbx.euler import ORDERS, euler_curves
 from studio.io.fbx.reading import read_arrays
+from studio.io.gltf.materials import hex_colour
 from studio.io.importing import load_capture, load_character
 from studio.io.joint_names import joint_namings
 from studio.io.png import png_bytes
@@ -131,6 +133,8 @@ def test_materials_and_pictures_are_in_the_file(tmp_path):
     look = Appearance((Material("cloth", "#FFFFFF", picture), Material("skin", "#00FF80")), kinds, places)
     write_take(take_on(replace(character, skin=replace(mesh, appearance=look)), make_capture()), tmp_path / "out.fbx")
     read = read_arrays(tmp_path / "out.fbx", "figure", lambda share, text: None)
+    told = json.loads(read["about"].tobytes())["meshes"][0]["materials"]
+    assert [hex_colour(np.array(each["colour"])) for each in told] == ["#FFFFFF", "#00FF80"]
     assert read["0 0 picture"].tobytes() == picture.tobytes()
     assert read["0 faces"][:, 2].tolist() == kinds.tolist()
     corners = read["0 corners"].astype(int)

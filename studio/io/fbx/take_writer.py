@@ -161,12 +161,13 @@ def _put_mesh(document: Document, take: Take, skin: JointSkin, parent: Long) -> 
 
 def put_material(document: Document, material: Material, mesh: Long) -> None:
     """A material of a mesh, its picture inside the file."""
-    white = (1.0, 1.0, 1.0)
+    colours = "#FFFFFF" if material.texture is not None else material.colour
+    shares = [int(colours[place : place + 2], 16) / 255.0 for place in (1, 3, 5)]
     about = [
         element("Version", 102),
         element("ShadingModel", "lambert"),
         element("MultiLayer", 0),
-        properties(colour("DiffuseColor", white if material.texture is not None else material.linear_colour)),
+        properties(colour("DiffuseColor", shares)),
     ]
     key = document.add("Material", material.name, "", about, within=mesh)
     if material.texture is None:
