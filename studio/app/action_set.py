@@ -35,6 +35,7 @@ class ActionSet(QObject):
         for signal in (
             document.undo_stack.indexChanged,
             document.selection.changed,
+            document.keys.changed,
             document.project_opened,
             bench.views_changed,
         ):

@@ -55,7 +55,8 @@ def _with_bodies(bench: Workbench) -> bool:
 
 
 def _any_selected(bench: Workbench) -> bool:
-    return any(collection != "grounds" for collection, _ in bench.document.selection.items)
+    document = bench.document
+    return bool(document.keys.items) or any(collection != "grounds" for collection, _ in document.selection.items)
 
 
 def _constraint_selected(bench: Workbench) -> bool:
