@@ -8,7 +8,18 @@ from pictured.encode import write_film, write_picture
 from pictured.figures import FIGURES, write_figure
 from pictured.kick_film import FRAME_RATE, KickFilm
 from pictured.scenes import fight, handstand
-from pictured.shots import behaviour, constrain, import_report, markers, sliders, timeline, window
+from pictured.shots import (
+    behaviour,
+    constrain,
+    curve_editor,
+    dope_sheet,
+    import_report,
+    keys,
+    markers,
+    sliders,
+    timeline,
+    window,
+)
 
 from studio.startup import first_run
 
@@ -19,6 +30,9 @@ STILLS = {
     "handstand": handstand,
     "constrain": constrain,
     "timeline": timeline,
+    "keys": keys,
+    "dope_sheet": dope_sheet,
+    "curve_editor": curve_editor,
     "import_report": import_report,
     "markers": markers,
     "sliders": sliders,

@@ -12,11 +12,18 @@ from PySide6.QtWidgets import QWidget
 from pictured.session import KICK_TIME, Session, example, kick_target, left_wrist
 from studio.app.marker_dialog import open_markers
 from studio.core.body.morphology import Proportions
+from studio.core.constraints.keyed import KeyedPlace
+from studio.core.stage.prop import Prop
+from studio.document.channels import Side, with_handle
+from studio.document.key_edits import replace_fields
+from studio.document.keyed_fields import KeyedField, KeyRef
 from studio.io.export import write_capture
 from studio.io.importing import load_capture
 from studio.library.scenes import SCENES
 from studio.viewport.body_points import body_joints
 
+KICK_KEYS = KeyedField("constraints", "kick", "target")
+KEY_TIMES = (2.2, 2.4, 2.55, 2.75, 2.95)
 LEFT, NO_KEY = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
 
 
@@ -51,6 +58,63 @@ def timeline() -> QImage:
     shown.tracks.axis.zoom(2.2, shown.x_of_frame(145))
     session.rest(0.3)
     return _taken(session, [session.window.docks["Timeline"]])
+
+
+def keys() -> QImage:
+    """Two keys of a target, selected and dragged beside the bar of its constraint."""
+    session = _keyed()
+    tracks = session.bench.timeline.tracks
+    session.document.keys.set(KeyRef(KICK_KEYS, place) for place in (1, 2))
+    row = session.bench.timeline.row_rect("constraints", "kick")
+    begin = QPoint(round(tracks.axis.x_of_time(KEY_TIMES[1])), row.top() + 16)
+    QTest.mousePress(tracks, LEFT, NO_KEY, begin)
+    for step in (6, 14):
+        QTest.mouseMove(tracks, begin + QPoint(step, 0))
+    session.rest(0.3)
+    image = session.picture(part=_part(session, [session.window.docks["Timeline"]]))
+    QTest.mouseRelease(tracks, LEFT, NO_KEY, begin + QPoint(14, 0))
+    session.close()
+    return image
+
+
+def dope_sheet() -> QImage:
+    """The keys of two constraints and a prop in rows."""
+    session = _keyed()
+    session.document.selection.clear()
+    session.bench.timeline.set_dope(True)
+    session.rest(0.3)
+    return _taken(session, [session.window.docks["Timeline"]])
+
+
+def curve_editor() -> QImage:
+    """The values of a target with a free tangent, over the speed of the feet."""
+    session = _keyed()
+    session.bench.timeline.edit_curves(True)
+    curves, shown = session.bench.timeline.tracks.picture.curves, session.bench.timeline.tracks.shown
+    channel, keyed = next(pair for pair in curves.channels(shown) if pair[0].name == "z")
+    bent = with_handle(channel, keyed, 1, Side.LEAVING, 0.08, 0.12)
+    replace_fields(session.document, {KICK_KEYS: bent}, "Move tangent")
+    session.document.keys.set([KeyRef(KICK_KEYS, 1)])
+    session.settle()
+    session.rest(0.3)
+    return _taken(session, [session.window.docks["Timeline"]])
+
+
+def _keyed() -> Session:
+    """The kick at a target that has keys, a guard and a prop that moves."""
+    session = Session("front_kick", (1040, 1040))
+    path = KeyedPlace(KEY_TIMES, tuple((0.7 + 0.05 * k, 0.02 * k, 0.9 + 0.1 * (k % 3)) for k in range(len(KEY_TIMES))))
+    kick = replace(kick_target(), target=path)
+    session.document.put_all("constraints", {"kick": kick}, "Add 'Kick target'")
+    session.document.add("constraints", left_wrist(), "Add 'Guard up'")
+    session.document.add("props", Prop("Ball", position=path.moved(-0.5)), "Add 'Ball'")
+    session.document.selection.set(("constraints", "kick"))
+    session.document.playhead.set_time(KICK_TIME)
+    session.settle()
+    shown = session.bench.timeline
+    shown.tracks.axis.show(1.5, 3.2)
+    session.rest(0.3)
+    return session
 
 
 def import_report() -> QImage:
@@ -121,9 +185,14 @@ def _aim(session: Session, performer_id: str) -> None:
 
 def _taken(session: Session, parts: list[QWidget] | None = None) -> QImage:
     """The picture of the window, or of the parts of it that lie side by side; the session ends."""
-    part = QRect()
-    for widget in parts or []:
-        part = part.united(QRect(widget.mapTo(session.window, QPoint(0, 0)), widget.size()))
-    image = session.picture(part=part if parts else None)
+    image = session.picture(part=_part(session, parts) if parts else None)
     session.close()
     return image
+
+
+def _part(session: Session, parts: list[QWidget]) -> QRect:
+    """Where these parts of the window lie."""
+    part = QRect()
+    for widget in parts:
+        part = part.united(QRect(widget.mapTo(session.window, QPoint(0, 0)), widget.size()))
+    return part

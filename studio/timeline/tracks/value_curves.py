@@ -195,7 +195,7 @@ class ValueCurves:
         step *= 2.0 if (span.high - span.low) / step > 8.0 else 1.0
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
         painter.setFont(font(10))
-        for value in np.arange(np.ceil(span.low / step), np.floor(span.high / step) + 1) * step:
+        for value in (np.arange(np.ceil(span.low / step), np.floor(span.high / step) + 1) + 0.0) * step:
             y = round(self.y_of(shown, area, unit, float(value)))
             painter.fillRect(area.left(), y, area.width(), 1, translucent(colours.EDGE, 0.7))
             painter.setPen(QColor(colours.TEXT_THIRD))
