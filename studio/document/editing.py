@@ -18,6 +18,7 @@ from studio.core.solver.performers.rows import stage_span
 from studio.core.stage.clip import Clip
 from studio.document.commands.removal import removal
 from studio.document.commands.replace import Edit, ReplaceValue, applied, merged, reverted, same_value
+from studio.document.key_selection import KeySelection
 from studio.document.mirrored import mirrored_change, mirrored_entity, mirrored_project
 from studio.document.playhead import NEW, Playhead
 from studio.document.selection import Item, Selection
@@ -47,6 +48,7 @@ class EditedProject(QObject):
         self._active_before: str | None = None
         self._clip_before: str | None = None
         self.selection.changed.connect(self._keep_active)
+        self.keys = KeySelection(self)
         self.playhead = Playhead(self)
         self.undo_stack.cleanChanged.connect(self._tell_saved_state)
         self._fit_playhead()

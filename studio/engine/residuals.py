@@ -87,7 +87,7 @@ def missed_by(project: Project, performer_id: str, motion: AdaptedMotion | None,
         return None
     composite = motion.composite
     if composite is None or composite.is_plain:
-        return Missed(motion.first_frame, motion.frame_rate, motion.residuals[rows[0]])
+        return Missed(motion.first_frame, motion.frame_rate, np.fmax.reduce(motion.residuals[rows], axis=0))
     clip = performer.clips[asked[rows[0]].clip]
     capture = project.captures[project.motions[clip.motion_id].capture_id]
     amounts = np.full(capture.frame_count, np.nan)

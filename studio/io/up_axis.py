@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.humanoid import BodyMap, BodyPart
 from studio.core.captures.capture import Guess
+from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
 from studio.core.rotations import normalized, shortest_arc
 
@@ -128,14 +129,16 @@ def guess_up_axis(
         if near == best or (support is not None and support @ tilted > _CARRIED):
             degrees = np.degrees(np.arccos(np.clip(tilted @ axes[near], -1.0, 1.0)))
             words = f"Standing, the body leans by {degrees:.0f} degrees from {names[near]} all the time, as a tilted "
-            return Guess("up axis", _named(tilted), words + "camera sees it.")
+            return Guess("up axis", _named(tilted), words + "camera sees it.", Confidence.LIKELY)
     stands = upright[best] > 0.5
     words = f"Through the take the body {'stands along' if stands else 'is above what it rests on, towards'} {name}."
     if rest is not None and at_rest[best] < 0.7:
         words += f" The rest pose would suggest {names[int(np.argmax(at_rest))]}."
-    if score[best] - score[second] < _DOUBTFUL or not stands:
+    margin = float(score[best] - score[second]) if stands else 0.0
+    confidence = Confidence.of(margin, _DOUBTFUL, 2.0 * _DOUBTFUL)
+    if confidence is Confidence.DOUBTFUL:
         words += f" That is not certain: it may be {names[second]}."
-    return Guess("up axis", name, words)
+    return Guess("up axis", name, words, confidence)
 
 
 def _standing(body: BodyPoints) -> tuple[FloatArray, FloatArray]:

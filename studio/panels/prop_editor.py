@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from PySide6.QtWidgets import QLineEdit, QWidget
+from PySide6.QtWidgets import QCheckBox, QLineEdit, QWidget
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
@@ -13,6 +13,7 @@ from studio.core.constraints.keyed import KeyedNumber, KeyedPlace
 from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.stage.prop import Carried, Hold, InHand, Prop, PropShape
 from studio.document.document import Document
+from studio.document.obstacles import obstacles_of, set_obstacle
 from studio.engine.live import Live
 from studio.engine.performance import posed_performers
 from studio.engine.point_names import POINTS, point_words
@@ -46,7 +47,7 @@ class PropEditor(Editor):
         self._shape = Choice("Shape", ())
         self._shape.chosen.connect(lambda shape: self.change(f"Shape of {self.entity.name}", shape=shape))
         section.add_row("Shape", self._shape)
-        self._size = VectorRow(self, section, "Size", lambda size: self._set("Resize", size=size))
+        self._size = VectorRow(self, section, "Size", self._resize)
         self._size.set_least(LEAST)
         self._where = Choice("Where", WHERE)
         self._where.chosen.connect(self._place)
@@ -65,6 +66,10 @@ class PropEditor(Editor):
         self._rule = ProceduralRows(self, section, "position")
         self._keys = [press_button("Set key", self._set_key), press_button("Delete key", self._delete_key)]
         self._keys_row = section.add_row("Keys", *self._keys)
+        self._collides = QCheckBox("bodies keep out of it")
+        self._collides.setAccessibleName("Arms, legs and trunk of all bodies keep out of the prop")
+        self._collides.clicked.connect(self._set_collides)
+        section.add_row("Collides", self._collides)
         document.playhead.changed.connect(self._playhead_moved)
         self.column.addWidget(section)
         self.finish()
@@ -88,12 +93,24 @@ class PropEditor(Editor):
         self._where.show_value(where_of(prop))
         self._holder.offer([(key, each.name) for key, each in self.document.project.performers.items()])
         self._rule.refresh()
+        self._collides.setChecked(bool(obstacles_of(self.document.project, self.entity_id)))
         self._show(where_of(prop) == KEYED, self._keys_row, *self._keys)
         self._refresh_moment()
 
     def concerns(self, collection: str, entity_id: str) -> bool:
-        """It may go with a performer."""
-        return super().concerns(collection, entity_id) or collection == "performers"
+        """It may go with a performer, and constraints may keep bodies out of it."""
+        return super().concerns(collection, entity_id) or collection in ("performers", "constraints")
+
+    def _resize(self, size: tuple[float, ...]) -> None:
+        """What keeps bodies out grows with it."""
+        text = f"Resize {self.entity.name}"
+        with self.document.group(text, self.gesture):
+            self._set("Resize", size=size)
+            for key, each in obstacles_of(self.document.project, self.entity_id).items():
+                self.document.replace("constraints", key, replace(each, size=self.entity.size), text)
+
+    def _set_collides(self, collides: bool) -> None:
+        set_obstacle(self.document, self.entity_id, collides)
 
     @property
     def _hold_now(self) -> InHand | Carried | None:

@@ -1,4 +1,4 @@
-"""The method is short enough to be read, and what the code cites of it is there."""
+"""The method has no gaps, and what the code cites of it is there."""
 
 import re
 

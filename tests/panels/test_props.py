@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from PySide6.QtWidgets import QComboBox, QPushButton
+from PySide6.QtWidgets import QCheckBox, QComboBox, QPushButton
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
@@ -12,8 +12,10 @@ from studio.core.constraints.follow import FollowProp
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace
 from studio.core.constraints.procedural import PendulumPlace
 from studio.core.mesh.triangle_mesh import TriangleMesh
+from studio.core.solver.performers.stage import asked_of
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.document.document import Document
+from studio.document.obstacles import obstacles_of
 from studio.engine.performance import posed_performers
 from studio.engine.props import moved_prop, prop_at, turned_prop
 from studio.io.project.project_file import new_document_id, read_project, write_project
@@ -202,3 +204,21 @@ def test_what_hands_that_hang_carry_is_before_the_body_and_not_in_it(document, l
     leg = holder.motion.morphology.leg_length
     assert way @ chest - size / 2 > 0.2 * leg
     assert way[2] > 0.1 * leg
+
+
+def test_a_prop_that_collides_keeps_whole_bodies_out_at_any_size_and_lets_them_through_again(document, form, qtbot):
+    [collides] = [each for each in form.findChildren(QCheckBox) if each.text() == "bodies keep out of it"]
+    collides.click()
+    [(key, area)] = obstacles_of(document.project, "box").items()
+    assert (area.shape, area.centre, area.size, area.whole) == ("box", FollowProp("box"), (0.4, 0.4, 0.4), True)
+    parts = {each.constraint.point.part.value for each in asked_of(document.project, "performer 0")}
+    assert {"left_forearm", "right_upper_arm", "left_thigh", "pelvis", "thorax", "neck"} <= parts
+    assert {each.constraint_id for each in asked_of(document.project, "performer 0")} == {key}
+    for axis, side in enumerate((0.5, 0.6, 0.7)):
+        form._size._set(axis, side)
+    assert document.project.constraints[key].size == document.project.props["box"].size == (0.5, 0.6, 0.7)
+    document.undo_stack.undo()
+    assert document.project.constraints[key].size == document.project.props["box"].size == (0.5, 0.6, 0.4)
+    assert collides.isChecked()
+    collides.click()
+    assert not document.project.constraints

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from studio.app.workbench import Workbench
 from studio.core.captures.reaching import farthest_frame
-from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.activation import ActivationCurve, EaseShape
 from studio.core.errors import StudioError
 from studio.core.project import Project, new_id
 from studio.core.stage import ready_made
@@ -15,7 +15,7 @@ from studio.core.stage.manners import WHOLE
 from studio.document.behaviours import add_behaviour, edit_behaviour, let_play, state_key
 
 KEY = "X"
-EASE, HOLD = 0.15, 0.05
+EASE, HOLD = 0.2, 1 / 120
 """Seconds in which a warding arm comes and goes, and to each side of a hit in which it meets the fist."""
 STRIKES = ("kick", "punch", "strike", "jab", "hook", "blow")
 WARDS = ("ward", "block", "parry", "guard")
@@ -150,7 +150,7 @@ def _when_hit(bench: Workbench, clip: Clip) -> ActivationCurve:
     capture = project.captures[project.motions[blow.motion_id].capture_id]
     frames = farthest_frame(capture, blow.first, blow.last) - blow.first
     hit = clip.first / project.frame_rate_of(clip) + frames * clip.speed / (capture.frame_rate * blow.speed)
-    return ActivationCurve(hit - HOLD - EASE, hit - HOLD, hit + HOLD, hit + HOLD + EASE)
+    return ActivationCurve(hit - HOLD - EASE, hit - HOLD, hit + HOLD, hit + HOLD + EASE, EaseShape.SMOOTH)
 
 
 def _whole(project: Project, motion_id: str) -> Clip:

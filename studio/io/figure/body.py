@@ -23,6 +23,7 @@ from studio.core.body.rehanging import Rehanging, rehang
 from studio.core.body.skeleton import Skeleton
 from studio.core.body.standing import standing_points
 from studio.core.captures.capture import Guess
+from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Appearance, Material
 from studio.io.figure.body_maps import find_body, loose_feet, named_sides, similar_joints
@@ -83,7 +84,7 @@ def _body(figure: Figure, options: ImportOptions) -> _Body:
     offsets = figure.positions - figure.positions[np.maximum(parents, 0)]
     offsets[0] = figure.positions[0]
     skeleton = Skeleton(figure.joint_names, parents, offsets, np.zeros(len(parents), dtype=bool))
-    loose = loose_feet(skeleton, figure.positions[None])
+    loose = loose_feet(skeleton)
     if loose:
         return _body(_rehung(figure, rehang(parents, loose)), options)
     body_map, guess = _find(figure, skeleton, options)
@@ -144,11 +145,13 @@ def _find(figure: Figure, skeleton: Skeleton, options: ImportOptions) -> tuple[B
     if found.body_map is not None:
         parts = len(found.body_map.parts)
         reason = f"Names as in {found.family}; topology and symmetry agree."
-        return found.body_map, Guess("body map", f"{parts} parts, {len(found.body_map.spine)} spine joints", reason)
+        return found.body_map, Guess(
+            "body map", f"{parts} parts, {len(found.body_map.spine)} spine joints", reason, Confidence.SURE
+        )
     by_shape = body_by_shape(skeleton, figure.positions @ turn_to_world(figure.up).T, named_sides(skeleton))
     if by_shape is not None:
         reason = "The names of its joints say nothing; legs reach lowest, arms widest, the head highest."
-        return by_shape, Guess("body map", f"{len(by_shape.parts)} parts by shape", reason)
+        return by_shape, Guess("body map", f"{len(by_shape.parts)} parts by shape", reason, Confidence.LIKELY)
     if _deepest(skeleton) < _LIMB_DEPTH:
         raise StudioError(f"{figure.source} {NO_SKELETON}")
     offers = {limb: similar_joints(skeleton, limb) for limb in found.missing}

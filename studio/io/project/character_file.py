@@ -26,6 +26,7 @@ from studio.io.figure.textures import checked_picture
 from studio.io.importing import ImportOptions
 from studio.io.json_text import json_of
 from studio.io.npy import arrays_of
+from studio.io.project.value_json import MemberCodec, from_json, to_json
 from studio.io.registry import Progress, ReadCharacter
 from studio.io.replacing import replacing_all
 from studio.resources_folder import resources_folder
@@ -103,15 +104,24 @@ def read_character(path: Path) -> Character:
 
 def _proportions_record(proportions: Proportions | KeyedProportions) -> dict[str, Any]:
     if isinstance(proportions, KeyedProportions):
-        return {"times": list(proportions.times), "values": [asdict(each) for each in proportions.values]}
+        record = to_json(proportions, _NO_ARRAYS)
+        return {name: record[name] for name in ("times", "values", "tangents", "before", "after") if name in record}
     return asdict(proportions)
 
 
 def _proportions_of(record: dict[str, Any]) -> Proportions | KeyedProportions:
     """Factors, or ``times`` in seconds and as many ``values``, each of them factors. Raises ValueError or TypeError."""
     if "times" in record:
-        return KeyedProportions(tuple(record["times"]), tuple(Proportions(**each) for each in record["values"]))
+        keyed: KeyedProportions = from_json(record, KeyedProportions, _NO_ARRAYS)
+        return keyed
     return Proportions(**record)
+
+
+def _no_array(_array: object) -> Any:
+    raise ValueError("an array is not expected here.")
+
+
+_NO_ARRAYS = MemberCodec(_no_array, _no_array)
 
 
 @lru_cache(maxsize=1)

@@ -39,8 +39,8 @@ SCENES = (
     ),
     Scene(
         "Wrists above a table",
-        "Three bodies reach over a table each: both wrists stay above it. Select a table and change its height or move"
-        " it: they still do.",
+        "Three bodies reach over a table each: wrists, forearms, elbows and trunk stay out of it. Select a table and"
+        " change its height or move it: they still do.",
         "papers.table",
     ),
     Scene(

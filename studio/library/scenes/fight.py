@@ -24,7 +24,7 @@ from studio.core.stage.conditions import (
 )
 from studio.core.stage.manners import KeepDistance
 from studio.core.stage.scope import Scope
-from studio.library.scenes.stagehand import RATE, around, bodies, material
+from studio.library.scenes.stagehand import RATE, around, bodies, hit_at, material
 
 KICK, PUNCH = 152, 181
 """Frames of the captures at which the leg and the arm are stretched most."""
@@ -144,15 +144,15 @@ def _asked(pair: Pair, kicked: BodyPoint) -> dict[str, Constraint]:
     guard = LOW_GUARD if kicked is BEFORE_BELLY else GUARD
     asked = (
         PositionConstraint(
-            "kick", "Kick", ANKLE, LEG, 0, around(KICK), scope=white,
+            "kick", "Kick", ANKLE, LEG, 0, hit_at(KICK), scope=white,
             target=FollowPerformer(pair.red, kicked),
         ),
         PositionConstraint(
-            "ward_off", "Forearm meets ankle", FOREARM, guard, 0, around(met), scope=red,
+            "ward_off", "Forearm meets ankle", FOREARM, guard, 0, hit_at(met), scope=red,
             target=FollowPerformer(pair.white, ANKLE, awaits=True),
         ),
         PositionConstraint(
-            "ward_off", "Fist meets head", FIST, PUNCHING, 0, around(PUNCH), scope=red,
+            "ward_off", "Fist meets head", FIST, PUNCHING, 0, hit_at(PUNCH), scope=red,
             target=FollowPerformer(pair.white, CHIN, awaits=True),
         ),
         PositionConstraint(

@@ -18,8 +18,10 @@ from studio.core.stage.scope import Scope
 from studio.library.scenes.stagehand import RATE, Material, around, bodies, material
 
 ALWAYS = ActivationCurve(-1.0, 0.0, 60.0, 61.0)
-WRISTS = tuple(BodyPoint(BodyPart(f"{side}_forearm"), at_end=True) for side in ("left", "right"))
-RIGHT_WRIST, RIGHT_ELBOW = WRISTS[1], BodyPoint(BodyPart.RIGHT_UPPER_ARM, at_end=True)
+RIGHT_WRIST, RIGHT_ELBOW = (
+    BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True),
+    BodyPoint(BodyPart.RIGHT_UPPER_ARM, at_end=True),
+)
 REACHING = Chain(trunk=1.0, root=1.0)
 
 
@@ -29,7 +31,7 @@ def five_bodies() -> Project:
 
 
 def table() -> Project:
-    """Three bodies reach, each over a table of its own, above which its wrists stay (figure 6)."""
+    """Three bodies reach, each over a table of its own, above which arms and trunk stay (figure 6)."""
     project = row(material(reach=("Reach", "reach_grasp")), "reach", 3)
     props, asked = {}, dict[str, Constraint]()
     for key, performer in project.performers.items():
@@ -37,15 +39,14 @@ def table() -> Project:
         x, y = AHEAD, performer.position[1]
         props[f"table {key}"] = Prop(name, TABLE, (x, y, TABLE[2] / 2), shape=PropShape.TABLE)
         top = FollowProp(f"table {key}", (0.0, 0.0, -TABLE[2] / 2), share=(0.0, 0.0, 1.0))
-        for side, wrist in zip(("left", "right"), WRISTS, strict=True):
-            asked[f"{side} {key}"] = AreaConstraint(
-                "reach", f"{side.capitalize()} wrist above {name}", wrist, Chain(), 0, ALWAYS, scope=Scope(key),
-                shape=AreaShape.TABLE, centre=top, size=TABLE,
-            )  # fmt: skip
+        asked[f"body {key}"] = AreaConstraint(
+            "reach", f"Arms and trunk outside {name}", RIGHT_WRIST, Chain(), 0, ALWAYS, scope=Scope(key),
+            shape=AreaShape.TABLE, centre=top, size=TABLE, whole=True,
+        )  # fmt: skip
     return replace(project, props=props, constraints=asked)
 
 
-AHEAD, TABLE = 0.6, (0.8, 0.9, 1.0)
+AHEAD, TABLE = 0.75, (0.8, 0.9, 1.0)
 """Metres: how far ahead a table stands, and its length, breadth and height."""
 
 
@@ -75,6 +76,10 @@ def wrist_before_elbow() -> Project:
     """The wrist's place comes before the elbow's; for one body both are within reach (figure 13)."""
     project = row(material(reach=("Reach", "reach_grasp")), "reach", 2, same=True)
     near, far = project.performers
+    renamed = {near: "Elbow in reach", far: "Elbow out of reach"}
+    project = project.with_entities(
+        "performers", [(key, replace(project.performers[key], name=name), None) for key, name in renamed.items()]
+    )
     asked: dict[str, Constraint] = {
         "wrist": PositionConstraint(
             "reach", "Wrist", RIGHT_WRIST, REACHING, 0, around(FAR, 30, 20),

@@ -16,7 +16,7 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import ClipEndCondition, Condition, DistanceCondition, EventCondition, KeyCondition
 from studio.core.stage.manners import FIST, FOREARM, HEAD, KeepDistance, LeanAway, Meet
 from studio.core.stage.whom import FollowPartner
-from studio.library.scenes.stagehand import RATE, around, bodies, material
+from studio.library.scenes.stagehand import RATE, bodies, hit_at, material
 
 PUNCH = 181
 """Frame of the capture at which the arm is stretched most."""
@@ -61,12 +61,12 @@ def fighter(low: str, high: str, head: BodyPoint) -> Behaviour:
     guard = Clip("rest", CALM, CALM + 99, id="guard")
     punch, answer = Clip("punch", FIRST, LAST, id="punch"), Clip("rest", CALM, CALM + 60, id="answer")
     met = CALM + round(HIT * RATE)
-    at_chest = Meet(FollowPartner(BEFORE_CHEST), FIST, around(PUNCH), REACHING)
-    at_head = Meet(FollowPartner(head), FIST, around(PUNCH), REACHING)
+    at_chest = Meet(FollowPartner(BEFORE_CHEST), FIST, hit_at(PUNCH), REACHING)
+    at_head = Meet(FollowPartner(head), FIST, hit_at(PUNCH), REACHING)
     behaviour = Behaviour("Fighter", (State("Guard", guard, manners=(KeepDistance(distance=APART),)),))
     near = DistanceCondition(distance=NEAR)
     for state, conditions in (
-        (State("Ward off", answer, False, (Meet(FollowPartner(FIST), FOREARM, around(met, 9)),), "", (288.0, -104.0)),
+        (State("Ward off", answer, False, (Meet(FollowPartner(FIST), FOREARM, hit_at(met, 9)),), "", (288.0, -104.0)),
          (EventCondition(LOW),)),
         (State("Lean away", answer, False, (LeanAway(FollowPartner(FIST), HEAD, CLEAR),), "", (288.0, 104.0)),
          (EventCondition(HIGH),)),

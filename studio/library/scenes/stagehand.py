@@ -8,7 +8,7 @@ from studio.core.body.character import Character
 from studio.core.body.morphology import Proportions
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import ContactInterval
-from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.activation import ActivationCurve, EaseShape
 from studio.core.constraints.base import BodyPoint
 from studio.core.normalized.normalize import detected_contacts
 from studio.core.project import Motion
@@ -55,6 +55,12 @@ def bodies(count: int) -> dict[str, Character]:
         key, character = list(bundled_characters().items())[place]
         found[f"{key} {place}"] = replace(character, name=f"{character.name} {place + 2}", proportions=proportions)
     return dict(list(found.items())[:count])
+
+
+def hit_at(frame: int, ease: int = 9) -> ActivationCurve:
+    """Full in one frame, coming and going in ``ease`` frames: a blow touches for a moment and goes on."""
+    first, last = frame - 0.5, frame + 0.5
+    return ActivationCurve((first - ease) / RATE, first / RATE, last / RATE, (last + ease) / RATE, EaseShape.SMOOTH)
 
 
 def around(frame: int, ease: int = 14, hold: int = 3) -> ActivationCurve:

@@ -3,6 +3,8 @@
 import math
 from typing import Any
 
+from PySide6.QtWidgets import QCheckBox
+
 from studio.core.constraints.area import AreaShape
 from studio.panels.constraint_editors.common import ConstraintEditor
 from studio.panels.constraint_editors.target_rows import NumberRows, TargetRows
@@ -41,6 +43,10 @@ class AreaEditor(ConstraintEditor):
         self._side = Segments("Point stays", [("outside", "Outside"), ("inside", "Inside"), ("on", "On it")])
         self._side.chosen.connect(self._set_side)
         section.add_row("Stays", self._side)
+        self._whole = QCheckBox("whole limbs and trunk")
+        self._whole.setAccessibleName("Keeps arms, legs and trunk out, not the point alone")
+        self._whole.clicked.connect(self._set_whole)
+        section.add_row("Collides", self._whole)
         self._source = TargetRows(self, section, "centre")
         self._centre = VectorRow(self, section, "Centre", self._set_centre)
         self._size = VectorRow(self, section, "Size", self._set_size)
@@ -58,6 +64,8 @@ class AreaEditor(ConstraintEditor):
             self._shape.add(*MESH)
         self._shape.show_value(area.shape)
         self._side.show_value("on" if area.on_surface else "inside" if area.inside else "outside")
+        self._whole.setChecked(area.whole)
+        self._whole.setEnabled(not (area.inside or area.on_surface))
         words, used = SIZES.get(area.shape, ("Size  m", (True, True, True)))
         self._size.caption.setText(words)
         self._size.set_least(-1.0 if area.shape is AreaShape.HALF_SPACE else LEAST)
@@ -82,8 +90,12 @@ class AreaEditor(ConstraintEditor):
     def _set(self, verb: str, **values: Any) -> None:
         self.change(f"{verb} {self.entity.name}", **values)
 
+    def _set_whole(self, whole: bool) -> None:
+        self._set("Choose points of", whole=whole)
+
     def _set_side(self, side: str) -> None:
-        self._set("Choose side of", inside=side == "inside", on_surface=side == "on")
+        whole = self.entity.whole and side == "outside"
+        self._set("Choose side of", inside=side == "inside", on_surface=side == "on", whole=whole)
 
     def _set_size(self, size: tuple[float, ...]) -> None:
         self._set("Resize", size=size)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.morphology import AnyMorphology
+from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import Follow, FollowBody, FollowPerformer, FollowProp, FollowTracked
 from studio.core.constraints.keyed import KeyedNumber
@@ -51,12 +52,13 @@ def asked_of(project: Project, performer_id: str) -> tuple[ClipConstraint, ...]:
 def _asked_of(project: Project, performer_id: str) -> tuple[ClipConstraint, ...]:
     clips, playing = project.performers[performer_id].clips, _playing(project)
     asked = [
-        ClipConstraint(key, concerned, place, repeat)
+        ClipConstraint(key, part, place, repeat)
         for place, clip in enumerate(clips)
         for key, constraint in project.constraints_for(performer_id, clip).items()
         if constraint.enabled
         and (concerned := concerning(constraint, performer_id, playing, project.props)) is not None
         for repeat in range(clip.repeats)
+        for part in (concerned.parts if isinstance(concerned, AreaConstraint) else (concerned,))
     ]
     return tuple(sorted(asked, key=lambda each: each.constraint.priority))
 

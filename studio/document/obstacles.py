@@ -1,0 +1,47 @@
+"""Props that bodies keep out of: one constraint a motion, of all who play it."""
+
+from studio.core.body.canonical import BodyPart
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.area import AreaConstraint, AreaShape
+from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.constraints.follow import FollowProp
+from studio.core.project import Project
+from studio.core.stage.prop import PropShape
+from studio.document.document import Document
+
+SHAPES = {PropShape.TABLE: AreaShape.TABLE, PropShape.BALL: AreaShape.SPHERE, PropShape.STICK: AreaShape.CYLINDER}
+"""Areas of props; others are boxes of their size."""
+FADE = 0.5
+"""Seconds before and after a motion in which a body begins, and ceases, to keep out."""
+
+
+def obstacles_of(project: Project, prop_id: str) -> dict[str, AreaConstraint]:
+    """The constraints that keep whole bodies out of a prop."""
+    return {
+        key: each
+        for key, each in project.constraints.items()
+        if isinstance(each, AreaConstraint)
+        and each.whole
+        and isinstance(each.centre, FollowProp)
+        and each.centre.prop_id == prop_id
+    }
+
+
+def set_obstacle(document: Document, prop_id: str, collides: bool) -> None:
+    """Keep all who play something out of a prop, or let them through again; one undo step."""
+    project = document.project
+    prop = project.props[prop_id]
+    text = f"{'Keep bodies out of' if collides else 'Let bodies through'} {prop.name}"
+    with document.group(text):
+        for key in obstacles_of(project, prop_id):
+            document.remove("constraints", key, text)
+        played = {clip.motion_id: clip for each in project.performers.values() for clip in each.clips}
+        for motion_id, clip in played.items() if collides else ():
+            rate = project.frame_rate_of(clip)
+            last = (project.captures[project.motions[motion_id].capture_id].frame_count - 1) / rate
+            area = AreaConstraint(
+                motion_id, f"Outside {prop.name}", BodyPoint(BodyPart.PELVIS), Chain(root=1.0), 0,
+                ActivationCurve(-FADE, 0.0, last, last + FADE),
+                shape=SHAPES.get(prop.shape, AreaShape.BOX), centre=FollowProp(prop_id), size=prop.size, whole=True,
+            )  # fmt: skip
+            document.add("constraints", area, text)
