@@ -173,7 +173,7 @@ class Keys:
 
     @classmethod
     def dimension(cls) -> int:
-        """How many numbers a second a rate has: as many as a value, but three for a rotation."""
+        """Number of components of a rate: as many as a value has, three for a rotation."""
         return cls.size
 
     def rates(self) -> tuple[FloatArray, FloatArray]:
