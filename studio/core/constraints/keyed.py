@@ -42,7 +42,7 @@ class Key:
 
 @dataclass(frozen=True)
 class Keys:
-    """What all keyed values share: ``times`` in seconds, each later than the one before, and as many ``values``.
+    """Common part of keyed values: ``times`` in seconds, each later than the one before, and as many ``values``.
 
     ``tangents`` are empty, or as many as there are keys. ``before`` and ``after`` say what holds before the first key
     and after the last one.
@@ -121,7 +121,7 @@ class Keys:
         raise NotImplementedError
 
     def with_key(self, time: float, value: Any) -> Self:
-        """The same with a key of ``value`` at ``time``, in the place of one that stands there."""
+        """The same with a key of ``value`` at ``time``, replacing one at that time."""
         place = self.key_at(time)
         tangents = self.tangents[place] if self.tangents and place is not None else None
         return self.with_keys((Key(float(time), value, tangents),))
@@ -173,7 +173,7 @@ class Keys:
 
     @classmethod
     def dimension(cls) -> int:
-        """How many numbers a second a rate has: as many as a value, but three for a rotation."""
+        """Number of components of a rate: as many as a value has, three for a rotation."""
         return cls.size
 
     def rates(self) -> tuple[FloatArray, FloatArray]:
@@ -204,6 +204,7 @@ class Keys:
         )
 
     def _spans(self, times: ArrayLike) -> "_Spans":
+        """(N,) the progress from a key to the next, later where a tangent weighs more."""
         keys = self.seconds
         asked = self._looped(np.asarray(times, dtype=np.float64))
         t = np.clip(asked, self.times[0], self.times[-1])
@@ -274,7 +275,7 @@ class Line(Keys):
         return super()._checked_values()
 
     def at(self, times: ArrayLike) -> FloatArray:
-        """(N, size) at ``times`` (N,) seconds."""
+        """Values (N, size) at ``times`` (N,) seconds."""
         values, spans = self.points, self._spans(times)
         arriving, leaving = self.rates()
         begin = values[spans.before] + spans.since[:, None] * leaving[spans.before]

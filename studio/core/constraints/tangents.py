@@ -19,7 +19,7 @@ LIGHTEST, HEAVIEST = 0.05, 20.0
 
 
 class Beyond(StrEnum):
-    """What a curve does before its first or after its last key."""
+    """Continuation of a curve before its first and after its last key."""
 
     HOLD = "hold"
     LOOP = "loop"
@@ -27,12 +27,12 @@ class Beyond(StrEnum):
 
 
 class TangentMode(StrEnum):
-    """How the rate is found with which a curve passes a key."""
+    """Rule for the rate with which a curve passes a key."""
 
     AUTO = "auto"
     """From the keys around it, never beyond their values."""
     SMOOTH = "smooth"
-    """As of the parabola through the three keys, which may go beyond their values."""
+    """Rate of the parabola through the three keys, which may overshoot their values."""
     LINEAR = "linear"
     """Along the straight line to the next key, or from the one before."""
     FLAT = "flat"
