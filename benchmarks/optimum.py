@@ -17,7 +17,7 @@ from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.kernels.search.joints import ROOT_TRANSLATION
-from studio.core.solver.asking.chains import carrying_chain, free_joints, segment_masses
+from studio.core.solver.asking.chains import joints_of_chains, relevant_chain, segment_masses
 from studio.core.solver.standing.stand import Standing
 
 FloatArray = NDArray[np.float64]
@@ -51,7 +51,7 @@ class _Frame:
         self.points = standing.positions[frame]
         wrists = [each for each in constraints if isinstance(each, PositionConstraint)]
         ranks = np.zeros(len(constraints), dtype=np.int64)
-        joints = free_joints(tuple(map(carrying_chain, constraints)), tuple(ranks.tolist()), self.layout)
+        joints = joints_of_chains(tuple(map(relevant_chain, constraints)), tuple(ranks.tolist()), self.layout)
         trunk = {*range(self.layout.spine_count), self.layout.spine_count + 2, self.layout.spine_count + 6}
         free = dict(zip(joints.joints["segment"].tolist(), 2.0 * np.arctan(joints.limits), strict=True))
         self.segments = sorted(trunk & free.keys())

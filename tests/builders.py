@@ -12,6 +12,7 @@ from studio.core.body.morphology import Morphology, Proportions
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
+from studio.core.captures.confidence import Confidence
 from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
@@ -100,7 +101,7 @@ def make_capture(name: str = "walk", frames: int = 30, seed: int = 0, **changes:
         "unit": "m",
         "up_axis": "Z",
         "first_frame": 0,
-        "guesses": (Guess("unit", "m", "the body is 1.8 high"),),
+        "guesses": (Guess("unit", "m", "the body is 1.8 high", Confidence.LIKELY),),
         "repairs": (),
     }
     return Capture(**fields | changes)

@@ -1,8 +1,9 @@
 """Spoilt files, and a monkey: ``make soak``, or ``python -m tests.soak [--count N] [--kind KIND...] [--keep FOLDER]``.
 
-Every kind of file that the studio reads, each in a process of its own with limits of memory and time. Whatever is
-neither read nor refused in a sentence (another exception, a process that dies, more than five seconds of the processor
-or a minute by the clock) is kept in a folder, with the seed that makes it again; the exit code is then 1.
+Every kind of file that the studio reads, and every surface of ``tests.surfaces``, each in a process of its own with
+limits of memory and time. Whatever is neither read nor refused in a sentence (another exception, a process that dies,
+more than five seconds of the processor or a minute by the clock) is kept in a folder, with the seed that makes it
+again; the exit code is then 1.
 """
 
 import argparse
@@ -24,7 +25,7 @@ from random import Random
 
 from studio.startup.process import prepare_process
 
-COUNT, COUNTS = 100_000, {".fbx": 5_000}  # FBX takes a process for each
+COUNT, COUNTS = 100_000, {".fbx": 5_000, "catalogue": 5_000, "clips": 5_000}  # these take longer
 SECONDS, STILL, START = 5.0, 60.0, 600.0
 """Of the processor for a file; by the clock, however busy the machine is; and by the clock for the first, for which
 kernels may have to be compiled."""
@@ -40,23 +41,30 @@ def spoil(suffix: str, first: int, count: int, now: "Synchronized[int]", keep: P
     prepare_process()
     from studio.core.errors import StudioError
     from tests.io.seeds import SEEDS, read, spoiled
+    from tests.surfaces import SURFACES
 
-    warnings.simplefilter("error")
     kept = 0
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"take{suffix}"
-        SEEDS[suffix](path)
-        read(path)
-        original = path.read_bytes()
-        limit_memory(len(original))
+        path, trial = Path(folder).resolve() / f"take{suffix}", SURFACES.get(suffix)
+        original = b""
+        if trial is None:
+            warnings.simplefilter("error")
+            SEEDS[suffix](path)
+            read(path)
+            original = path.read_bytes()
+            limit_memory(len(original))
         for seed in range(first, count):
             now.value = seed
-            path.write_bytes(spoiled(Random(seed), original))
             try:
+                if trial is not None:
+                    trial(seed, path.parent)
+                    continue
+                path.write_bytes(spoiled(Random(seed), original))
                 with contextlib.suppress(StudioError):
                     read(path)
             except Exception:  # noqa: BLE001 - this is what is looked for
-                (keep / f"{seed}{suffix}").write_bytes(path.read_bytes())
+                if trial is None:
+                    (keep / f"{seed}{suffix}").write_bytes(path.read_bytes())
                 (keep / f"{seed}{suffix}.txt").write_text(traceback.format_exc())
                 kept += 1
                 if kept == MOST_KEPT:
@@ -128,10 +136,13 @@ def let_a_monkey_in(events: int, keep: Path) -> str:
 def main() -> int:
     """Every kind beside the others, as many at a time as there are cores."""
     from tests.io.seeds import SEEDS
+    from tests.surfaces import SURFACES
 
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, help=f"files of each kind; {COUNT:,} by default, of FBX 5,000")
-    parser.add_argument("--kind", nargs="+", default=list(SEEDS), choices=list(SEEDS), help="all by default")
+    parser.add_argument("--count", type=int, help=f"files of each kind; {COUNT:,} by default, of what takes long 5,000")
+    parser.add_argument(
+        "--kind", nargs="+", default=[*SEEDS, *SURFACES], choices=[*SEEDS, *SURFACES], help="all by default"
+    )
     parser.add_argument("--keep", type=Path, default=Path("soak"), help="folder for what is wrong")
     parser.add_argument(
         "--no-monkey", dest="monkey", action="store_false", help="leave the window alone (tests.monkey)"

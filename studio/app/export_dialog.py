@@ -12,7 +12,7 @@ from studio.app import exporting, filming
 from studio.app.file_dialogs import ask_folder, ask_new_file
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
-from studio.io.export_options import REST_POSES, SKELETAL, ExportOptions
+from studio.io.export_options import REST_POSES, ROOTS, SKELETAL, ExportOptions
 from studio.io.joint_names import joint_namings
 from studio.io.registry import known_formats
 from studio.io.staged_export import file_name, other_joints, safe_name
@@ -25,6 +25,7 @@ class What(Enum):
     """What can go out."""
 
     ADAPTED = "Adapted motion"
+    STAGE = "Whole stage"
     MOTION = "Motion without a body"
     FILM = "The 3D view"
 
@@ -40,6 +41,10 @@ class Kind:
 
 SIZES = ((1280, 720), (1920, 1080), (2560, 1440), (3840, 2160), (1080, 1080), (1080, 1920))
 RATES = (24.0, 25.0, 30.0, 60.0)
+MOTION_RATES = (*RATES, 120.0)
+BODIES = (What.ADAPTED, What.STAGE)
+"""What has bodies with skeletons, of which options hold."""
+OWN_NAMES = "Character's own"
 HINTS = {
     ".bvh": "Joints and angles: read by nearly every program.",
     ".fbx": "Joints, skin, materials and animation for Maya, MotionBuilder, Unreal, Unity and Blender.",
@@ -64,8 +69,15 @@ def kinds() -> tuple[Kind, ...]:
         for suffix in each.suffixes
         if suffix not in (".usda", ".usdc")  # .usd is either
     ]
+    stages = [
+        Kind(What.STAGE, suffix, f"{each.name} ({suffix})")
+        for each in known_formats().that_can("stage_writer")
+        for suffix in each.suffixes
+        if suffix not in (".usda", ".usdc")
+    ]
     return (
         *motions,
+        *stages,
         Kind(What.MOTION, ".s4d", "S4D (.s4d)"),
         Kind(What.FILM, ".mp4", "Film (.mp4)"),
         Kind(What.FILM, "", "Pictures (.png)"),
@@ -83,12 +95,20 @@ class ExportDialog(QDialog):
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.what = Choice("What", [(what, self._said(what)) for what in self._offered()])
         self.kind = Choice("As", ())
-        self.names = Choice("Joint naming", [(key, each.name) for key, each in joint_namings().items()])
+        self.names = Choice(
+            "Joint naming", [("", OWN_NAMES), *((key, each.name) for key, each in joint_namings().items())]
+        )
         self.rest = Choice("Rest pose", list(REST_POSES.items()))
         self._carried = self._carriable()
         first, more = self._carried[:1], len(self._carried) - 1
         words = f"Carry along: {', '.join(first)}{f' and {more} more' if more > 0 else ''}"
         self.others = Choice("Other joints", [("carry", words), ("leave", "Leave out")])
+        self.range = Choice("Range", [("all", "All frames"), ("timeline", "Timeline range")])
+        self.frame_rate = Choice(
+            "Frame rate", [(None, "As captured"), *((rate, f"{rate:g} Hz") for rate in MOTION_RATES)]
+        )
+        self.root = Choice("Root", list(ROOTS.items()))
+        self.position = Choice("Position", [("stage", "On the stage"), ("origin", "At the origin")])
         self.picture_size = Choice("Size", [(size, f"{size[0]} × {size[1]}") for size in SIZES])
         self.rate = Choice("Frame rate", [(rate, f"{rate:g} Hz") for rate in RATES])
         self.hint = QLabel()
@@ -97,7 +117,10 @@ class ExportDialog(QDialog):
         self._rows = Section("Export")
         self._labels = {
             choice: self._rows.add_row(choice.accessibleName(), choice)
-            for choice in (self.what, self.kind, self.names, self.rest, self.others, self.picture_size, self.rate)
+            for choice in (
+                *(self.what, self.kind, self.range, self.frame_rate, self.names, self.rest, self.root, self.position),
+                *(self.others, self.picture_size, self.rate),
+            )
         }
         self._rows.add_wide(self.hint)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Cancel)
@@ -127,11 +150,20 @@ class ExportDialog(QDialog):
         """What is chosen of the file, for what is shown."""
         chosen = self.kind.value
         assert isinstance(chosen, Kind)
-        names, rest = str(self.names.value), str(self.rest.value)
+        if chosen.what not in BODIES:
+            return ExportOptions()
+        playhead, rate = self._bench.document.playhead, self.frame_rate.value
+        begin, end = playhead.first / playhead.frame_rate, playhead.last / playhead.frame_rate
+        is_cut = self.range.value == "timeline"
         return ExportOptions(
-            names if self._names_matter(chosen) else "",
-            rest if chosen.suffix == ".bvh" else "",
+            joint_names=str(self.names.value),
+            rest_pose=str(self.rest.value) if chosen.suffix in SKELETAL else "",
             body_only=self.others.value == "leave",
+            begin=begin if is_cut else None,
+            end=end if is_cut else None,
+            frame_rate=rate if isinstance(rate, float) else None,
+            root=str(self.root.value) if chosen.suffix != ".s4d" else "",
+            at_origin=chosen.what is What.ADAPTED and self.position.value == "origin",
         )
 
     def _said(self, what: What) -> str:
@@ -149,13 +181,21 @@ class ExportDialog(QDialog):
                 self.choose(what, suffix)
         size = last.get("size")
         usual = {
-            self.names: "humanik",
+            self.range: "all",
+            self.frame_rate: None,
+            self.root: "",
+            self.position: "stage",
+            self.names: "",
             self.rest: "t",
             self.others: "carry",
             self.picture_size: SIZES[0],
             self.rate: 30.0,
         }
         for choice, value in (
+            (self.range, last.get("range")),
+            (self.frame_rate, last.get("frame_rate")),
+            (self.root, last.get("root")),
+            (self.position, last.get("position")),
             (self.names, last.get("names")),
             (self.rest, last.get("rest")),
             (self.others, last.get("others")),
@@ -167,6 +207,10 @@ class ExportDialog(QDialog):
     def _remember(self, kind: Kind) -> None:
         self._bench.settings.exported = {
             "kind": [kind.what.name, kind.suffix],
+            "range": self.range.value,
+            "frame_rate": self.frame_rate.value,
+            "root": self.root.value,
+            "position": self.position.value,
             "names": self.names.value,
             "rest": self.rest.value,
             "others": self.others.value,
@@ -180,6 +224,7 @@ class ExportDialog(QDialog):
         motion = self._bench.document.active_motion_id
         there = {
             What.ADAPTED: bool(performing),
+            What.STAGE: bool(performing),
             What.MOTION: motion is not None,
             What.FILM: bool(performing) and self._bench.viewport is not None,
         }
@@ -202,9 +247,13 @@ class ExportDialog(QDialog):
     def _show_options(self, kind: object) -> None:
         assert isinstance(kind, Kind)
         shown = {
-            self.names: self._names_matter(kind),
-            self.rest: kind.suffix == ".bvh",
-            self.others: kind.what is What.ADAPTED and kind.suffix in SKELETAL and bool(self._carried),
+            self.range: kind.what in BODIES,
+            self.frame_rate: kind.what in BODIES,
+            self.names: kind.what in BODIES,
+            self.rest: kind.what in BODIES and kind.suffix in SKELETAL,
+            self.root: kind.what in BODIES and kind.suffix != ".s4d",
+            self.position: kind.what is What.ADAPTED,
+            self.others: kind.what in BODIES and kind.suffix in SKELETAL and bool(self._carried),
             self.picture_size: kind.what is What.FILM,
             self.rate: kind.what is What.FILM,
         }
@@ -212,10 +261,6 @@ class ExportDialog(QDialog):
             choice.setVisible(is_shown)
             self._labels[choice].setVisible(is_shown)
         self.hint.setText(HINTS.get(kind.suffix, ""))
-
-    @staticmethod
-    def _names_matter(kind: Kind) -> bool:
-        return kind.what is What.ADAPTED
 
     def _ask_where(self) -> None:
         """The system's dialog; what is exported stays as it was chosen, whatever it becomes meanwhile."""
@@ -225,6 +270,8 @@ class ExportDialog(QDialog):
         match kind.what:
             case What.ADAPTED:
                 _ask_adapted(self._bench, kind.suffix, self.options)
+            case What.STAGE:
+                _ask_stage(self._bench, kind.suffix, self.options)
             case What.MOTION:
                 _ask_motion(self._bench, kind.suffix)
             case What.FILM:
@@ -257,6 +304,10 @@ def _ask_adapted(bench: Workbench, suffix: str, options: ExportOptions) -> None:
         f"Export {len(keys)} adapted motions into a folder",
         lambda folder: exporting.export(bench, {key: folder / name for key, name in names.items()}, options),
     )
+
+
+def _ask_stage(bench: Workbench, suffix: str, options: ExportOptions) -> None:
+    _ask_file(bench, suffix, f"stage{suffix}", lambda path: exporting.export_stage(bench, path, options))
 
 
 def _ask_motion(bench: Workbench, suffix: str) -> None:

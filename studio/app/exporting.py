@@ -9,6 +9,7 @@ from studio.core.errors import StudioError
 from studio.io.export import take_of_capture, write_take
 from studio.io.export_options import ExportOptions
 from studio.io.staged_export import take_of_performer
+from studio.io.takes.exported_stage import exported_stage, write_stage
 from studio.jobs.performances import performances
 
 Progress = Callable[[float, str], None]
@@ -39,6 +40,23 @@ def export(bench: Workbench, paths: dict[str, Path], options: ExportOptions | No
             begun = ADAPTING_SHARE + place * each_share
             write_take(chosen.applied_to(take, path), path, partly(progress, begun, each_share))
         return list(paths.values())
+
+    task: int = bench.runner.run("Export", work, lambda written: bench.said.emit(words_of(written)))
+    return task
+
+
+def export_stage(bench: Workbench, path: Path, options: ExportOptions | None = None) -> int:
+    """Adapt anew what the project asks and write all who are shown, and the props, in one file; returns the task."""
+    project, chosen = bench.document.project, options or ExportOptions()
+
+    def work(progress: Progress) -> list[Path]:
+        progress(0.0, "Adapting")
+        made = performances(project)
+        for key, reason in made.failures.items():
+            raise StudioError(f"{project.performers[key].name} cannot be exported. {reason}")
+        stage = exported_stage(project, made.performances, chosen, path)
+        write_stage(stage, path, partly(progress, ADAPTING_SHARE, 1.0 - ADAPTING_SHARE))
+        return [path]
 
     task: int = bench.runner.run("Export", work, lambda written: bench.said.emit(words_of(written)))
     return task

@@ -196,8 +196,14 @@ def adapt_to(
     else:
         along = (ready.capture, ready.actor) if asked.options.carries(path) else None
         take = replace(take_of_adapted(character.name, adapted, character, request, along), place=place)
-    write_take(asked.options.applied_to(take, path), path)
-    about = {"name": key, "file": str(path), "place": place_record(place), "carried_joints": sorted(take.carried)}
+    written = asked.options.applied_to(take, path)
+    write_take(written, path)
+    about = {
+        "name": key,
+        "file": str(path),
+        "place": place_record(place),
+        "carried_joints": sorted({*take.carried} & {*written.skeleton.names}),
+    }
     return {**about, **record}
 
 

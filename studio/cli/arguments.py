@@ -285,7 +285,12 @@ def add_import_options(parser: ArgumentParser) -> None:
 def add_export_options(parser: ArgumentParser) -> None:
     """Names of the joints, the pose in which every angle is zero, which frames, and where the root is."""
     group = parser.add_argument_group("writing")
-    group.add_argument("--joint-names", choices=tuple(joint_namings()), default="", help="as which program names them")
+    group.add_argument(
+        "--joint-names",
+        choices=tuple(joint_namings()),
+        default="",
+        help="as which program names them; a character from a file keeps its own joints without it",
+    )
     group.add_argument(
         "--rest-pose",
         choices=tuple(REST_POSES),

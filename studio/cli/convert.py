@@ -61,7 +61,7 @@ def run(arguments: Namespace) -> int:
 
 
 def _sentences(guesses: Iterable[Guess]) -> list[str]:
-    return [f"{guess.subject}: {guess.value}. {guess.reason}" for guess in guesses]
+    return [f"{guess.title}. {guess.reason}" for guess in guesses]
 
 
 def _print_changes(guesses: Iterable[str], repairs: Iterable[str]) -> None:

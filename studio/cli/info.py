@@ -119,7 +119,7 @@ def _markers(take: MarkerTake, capture: Capture) -> Record:
 
 
 def _sentences(guesses: Iterable[Guess]) -> list[str]:
-    return [f"{guess.subject}: {guess.value}. {guess.reason}" for guess in guesses]
+    return [f"{guess.title}. {guess.reason}" for guess in guesses]
 
 
 def _round_trip(capture: Capture) -> Record | None:

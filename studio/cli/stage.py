@@ -15,10 +15,10 @@ from studio.core.solver.source import played_on
 from studio.core.solver.standing.stand import standing_of
 from studio.core.stage.placement import Placement
 from studio.io.export import write_take
-from studio.io.exported_stage import exported_stage, write_stage
 from studio.io.registry import known_formats
 from studio.io.report_file import write_json
 from studio.io.staged_export import safe_name, take_of_performer
+from studio.io.takes.exported_stage import exported_stage, write_stage
 from studio.jobs.adapt_report import Record, figures, place_record
 from studio.jobs.adaptation import make_folder
 from studio.jobs.bundled_scenes import open_project

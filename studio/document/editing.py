@@ -18,6 +18,7 @@ from studio.core.solver.performers.rows import stage_span
 from studio.core.stage.clip import Clip
 from studio.document.commands.removal import removal
 from studio.document.commands.replace import Edit, ReplaceValue, applied, merged, reverted, same_value
+from studio.document.key_selection import KeySelection
 from studio.document.mirrored import mirrored_change, mirrored_entity, mirrored_project
 from studio.document.playhead import NEW, Playhead
 from studio.document.selection import Item, Selection
@@ -47,6 +48,7 @@ class EditedProject(QObject):
         self._active_before: str | None = None
         self._clip_before: str | None = None
         self.selection.changed.connect(self._keep_active)
+        self.keys = KeySelection(self)
         self.playhead = Playhead(self)
         self.undo_stack.cleanChanged.connect(self._tell_saved_state)
         self._fit_playhead()
@@ -230,7 +232,7 @@ class EditedProject(QObject):
         self.playhead.pause()
         self._project = project
         self._revision += 1
-        self._active_before = self._clip_before = None
+        self._active_before = self._clip_before = self._mirrored = None
         self.selection.clear()  # first: who hears of the others asks what is selected
         self.undo_stack.clear()
         self.undo_stack.setClean()

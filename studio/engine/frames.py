@@ -17,7 +17,7 @@ from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.project import Performer, Project
-from studio.core.solver.performers.circles import solve_circle
+from studio.core.solver.performers.circles import solve_cycle
 from studio.core.solver.performers.rows import frame_count_of, timing_of
 from studio.core.solver.performers.stage import leaders_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -117,7 +117,7 @@ class Instant:
             motions = {key: solve(key, each.request) for key, each in players.items()}
         else:
             at_rows = {key: replace(each, frame=rows[key]) for key, each in players.items()}
-            motions = dict(solve_circle(at_rows, solve).results)
+            motions = dict(solve_cycle(at_rows, solve).results)
         return {key: replace(motion, composite=players[key].composite) for key, motion in motions.items()}
 
     def _seen(self, performer_id: str) -> AdaptedMotion | None:

@@ -13,8 +13,9 @@ from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.project import Performer, Project
-from studio.core.solver.performers.circles import solve_circle
-from studio.core.solver.performers.rows import forget_rows, frame_count_of, timing_of
+from studio.core.project_cache import forget_project
+from studio.core.solver.performers.circles import solve_cycle
+from studio.core.solver.performers.rows import frame_count_of, timing_of
 from studio.core.solver.performers.stage import in_order, leaders_of
 from studio.core.solver.request import AdaptedMotion
 from studio.document.document import Document
@@ -98,6 +99,7 @@ class LiveAdaptation(QObject):
         self._busy = False
         self._leaders: set[str] = set()
         self._circles: set[tuple[str, ...]] = set()
+        self._works_on_former = False
         self._unfinished: set[tuple[str, ...]] = set()
         """Circles of which no more than a window has been asked."""
         self._frames = Frames(self._prepare, self._solve, self._answered)
@@ -326,7 +328,8 @@ class LiveAdaptation(QObject):
         self._unfinished.clear()
         self._prepare.keep(self._document.project.captures.values())
         self._standing.forget()
-        forget_rows()
+        self._works_on_former = self._scheduler.busy
+        forget_project()
         self._refresh(whole=True)
 
     def _refresh(self, whole: bool) -> None:
@@ -403,7 +406,7 @@ class LiveAdaptation(QObject):
             [(key, player)] = players.items()
             answers: Mapping[str, AdaptedMotion] = {key: self._solve(player.request, first, last)}
         else:
-            answers = solve_circle(players, lambda _, request: self._solve(request, 0, None)).results
+            answers = solve_cycle(players, lambda _, request: self._solve(request, 0, None)).results
         adapted = {key: replace(answer, composite=players[key].composite) for key, answer in answers.items()}
         return Solved(adapted, wanted, asked_at, last is None)
 
@@ -455,6 +458,9 @@ class LiveAdaptation(QObject):
 
     def _tell_busy(self) -> None:
         busy = self._scheduler.busy
+        if self._works_on_former and not busy:  # what was under way as another project was opened filled caches again
+            self._works_on_former = False
+            forget_project()
         if not busy and self._telling.isActive() and not self._turn.isActive() and not self._rest.isActive():
             self._telling.start(0)  # there is no more to come
         if busy != self._busy:

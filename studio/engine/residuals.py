@@ -5,7 +5,6 @@ active at all. A foot's constraint is fully active only where no contact holds t
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +13,7 @@ from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactInterval
 from studio.core.constraints.base import Constraint
 from studio.core.project import Project
+from studio.core.project_cache import project_cache
 from studio.core.solver.performers.stage import asked_of
 from studio.core.solver.request import AdaptedMotion
 from studio.engine.live import Live
@@ -146,9 +146,9 @@ def _activation(
     return np.asarray(constraint.activation.at(frames / frame_rate) * free[frames])
 
 
-@lru_cache(maxsize=64)
+@project_cache(maxsize=64)
 def _freedom(contacts: tuple[ContactInterval, ...], part: BodyPart, frame_count: int, frame_rate: float) -> FloatArray:
     from studio.core.solver.asking.points import limb_of
-    from studio.core.solver.standing.carrying import limb_freedom  # not before a result is there: it loads kernels
+    from studio.core.solver.standing.body_support import limb_freedom  # not before a result is there: it loads kernels
 
     return limb_freedom(contacts, limb_of(part), frame_count, frame_rate)

@@ -104,23 +104,34 @@ class SolveScheduler(QObject):
             return None
 
     def _work(self) -> None:
-        while (request := self._next()) is not None:
-            stage, value, error = request.stage, None, None
-            try:
-                value = request.stages[stage]()
-            except Exception as failure:  # noqa: BLE001 - handed to the window's thread, which tells or raises it
-                error = failure
-            with self._condition:
-                self._running.discard(request.key)
-                request.stage += 1
-                wanted = error is None and request.stage < len(request.stages) and not self._closed
-                if wanted and request.key not in self._waiting and not self._forgotten(request):
-                    self._waiting[request.key] = request
-                if self._closed:
-                    return
-                self._undelivered += 1
-                self._condition.notify()
-                self._done.emit(_Answer(request, stage, value, error))  # not after ``close``: nobody may be there then
+        while self._work_once():
+            pass
+
+    def _work_once(self) -> bool:
+        """Wait for a request and work on it; a worker that waits for the next one holds nothing of it any more.
+
+        Returns False once the scheduler is closed.
+        """
+        request = self._next()
+        if request is None:
+            return False
+        stage, value, error = request.stage, None, None
+        try:
+            value = request.stages[stage]()
+        except Exception as failure:  # noqa: BLE001 - handed to the window's thread, which tells or raises it
+            error = failure
+        with self._condition:
+            self._running.discard(request.key)
+            request.stage += 1
+            wanted = error is None and request.stage < len(request.stages) and not self._closed
+            if wanted and request.key not in self._waiting and not self._forgotten(request):
+                self._waiting[request.key] = request
+            if self._closed:
+                return False
+            self._undelivered += 1
+            self._condition.notify()
+            self._done.emit(_Answer(request, stage, value, error))  # not after ``close``: nobody may be there then
+        return True
 
     def _forgotten(self, request: _Request) -> bool:
         return self._shown.get(request.key, (0, 0))[0] > request.order

@@ -13,7 +13,14 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.project import Performer, Project
 from studio.core.solver.performers.awaiting import awaited
 from studio.core.solver.performers.circles import Player
-from studio.core.solver.performers.rows import Asked, composite_of, constraints_in, frame_count_of, is_plain, timing_of
+from studio.core.solver.performers.rows import (
+    ClipConstraint,
+    composite_of,
+    constraints_in,
+    frame_count_of,
+    is_plain,
+    timing_of,
+)
 from studio.core.solver.performers.stage import Followed, asked_of, followed_by, props_of, tracks_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.clip import Clip
@@ -33,7 +40,7 @@ class Wanted:
     motions: tuple[tuple[int, Clip, tuple[ContactInterval, ...]], ...]
     """Identity of the capture, clip and contacts of each clip, then of those of layers."""
     morphology: AnyMorphology
-    asked: tuple[Asked, ...]
+    asked: tuple[ClipConstraint, ...]
     ground: Ground
     followed: tuple[Followed, ...]
     placement: Placement

@@ -13,6 +13,7 @@ from studio.core.body.pose import PoseSequence
 from studio.core.body.reference_pose import ReferencePose, find_reference_pose, stand_up
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
+from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
 from studio.core.rotations import IDENTITY, normalized
 from studio.io.figure.body_maps import FoundBody, similar_joints
@@ -21,9 +22,15 @@ from studio.io.importing import ImportOptions
 
 FloatArray = NDArray[np.float64]
 
-LOOSE_FEET = (
-    "In the file they do not hang from the legs, as rigs for inverse kinematics have it; they follow the shanks."
-)
+
+def feet_guess(behind: float) -> Guess:
+    """Feet that do not hang from the legs; the body was ``behind`` them, in the unit of the poses, by so much."""
+    reason = (
+        "In the file they do not hang from the legs, as rigs for inverse kinematics have it; they follow the shanks."
+    )
+    if behind:
+        reason += " The body does not go with them there; it was put where the ends of its shanks meet them."
+    return Guess("feet", "hung from the shanks", reason, Confidence.LIKELY if behind else Confidence.SURE)
 
 
 def body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) -> list[Guess]:
@@ -31,15 +38,17 @@ def body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) -
     if found.body_map is None:
         offers = {limb: similar_joints(skeleton, limb) for limb in found.missing}
         reason = "; ".join(f"no {limb} (candidates: {', '.join(names) or 'none'})" for limb, names in offers.items())
-        return [Guess("body map", "none", f"This is not a complete human body: {reason}.")]
+        return [Guess("body map", "none", f"This is not a complete human body: {reason}.", Confidence.DOUBTFUL)]
     if options.body_map:
         return []
     parts = len(found.body_map.parts)
     if found.family:
         reason = f"Names as in {found.family}; topology, constant bones and symmetry agree."
+        confidence = Confidence.SURE
     else:
         reason = "The names of its joints say nothing; legs reach lowest, arms widest, the head highest."
-    return [Guess("body map", f"{parts} parts, {len(found.body_map.spine)} spine joints", reason)]
+        confidence = Confidence.LIKELY
+    return [Guess("body map", f"{parts} parts, {len(found.body_map.spine)} spine joints", reason, confidence)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +105,7 @@ def floor_of(
     if options.floor is not None:
         return options.floor
     if body_map is None:
-        guesses.append(Guess("floor", "0 m", "Without feet nothing tells where the ground is."))
+        guesses.append(Guess("floor", "0 m", "Without feet nothing tells where the ground is.", Confidence.DOUBTFUL))
         return 0.0
     guesses.append(guess_floor(read.skeleton, read.positions[first_frame:], body_map, read.frame_rate))
     return float(guesses[-1].value.split()[0])
@@ -117,10 +126,11 @@ def reference_of(
         return chosen_reference(skeleton, poses, body_map, options.reference)
     if body_map is None:
         zero = np.tile(IDENTITY, (skeleton.joint_count, 1))
-        reference = ReferencePose(zero, "zero pose", "Without a human body no other pose is known to be upright.")
+        reason = "Without a human body no other pose is known to be upright."
+        reference = ReferencePose(zero, "zero pose", reason, Confidence.DOUBTFUL)
     else:
         reference = find_reference_pose(skeleton, poses, body_map)
-    guesses.append(Guess("reference pose", reference.source, reference.reason))
+    guesses.append(Guess("reference pose", reference.source, reference.reason, reference.confidence))
     return reference.rotations
 
 

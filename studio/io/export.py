@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from studio.core.body.carried_joints import carried_joints, with_carried_joints
 from studio.core.body.character import Character
@@ -23,6 +24,8 @@ from studio.core.rotations import IDENTITY
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.placement import Placement
 from studio.io.registry import Format, Progress, known_formats
+
+FloatArray = NDArray[np.float64]
 
 _STILL_RATE = 30.0
 NOWHERE = Placement()
@@ -46,6 +49,8 @@ class Take:
     """What ``adapted`` answers: the normalised motion, contacts, constraints."""
     bound: JointSkin | None = None
     """The skin on the joints as they are written, where options have changed these; else ``skin_of`` makes it."""
+    rest_rotations: FloatArray | None = None
+    """(J, 4) local rotations in which the joints rest, None where they rest without any."""
     place: Placement = Placement()
     """Where the space of its poses stands on the stage."""
     begin: float = 0.0

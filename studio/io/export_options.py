@@ -12,10 +12,11 @@ from studio.core.body.root_motion import in_place, with_root_joint
 from studio.core.body.zero_pose import t_pose, with_zero_pose
 from studio.core.captures.annotations import Annotations
 from studio.core.errors import StudioError
-from studio.core.rotations import from_matrix, multiply
+from studio.core.rotations import IDENTITY, from_matrix, multiply
 from studio.core.stage.placement import Placement
 from studio.io.export import Take, skin_of
 from studio.io.joint_names import with_joint_names
+from studio.io.takes.own_rig import has_own_rig, on_own_rig
 
 FloatArray = NDArray[np.float64]
 
@@ -27,6 +28,8 @@ ROOTS = {"": "Hips travel", "floor": "Root joint on floor", "in-place": "In plac
 SKELETAL = (".bvh", ".fbx", ".glb", ".gltf", ".usd", ".usda", ".usdc", ".usdz")
 """Kinds of files that hold a skeleton: a character carries the capture's fingers, props and other joints along in them,
 and they have a zero pose."""
+JOINTED = (*SKELETAL, ".csv", ".npz")
+"""Kinds of files that hold any joints; the others hold a body or its markers."""
 _ENDS = 1e-6
 """A part of a frame by which a range may be too short for it."""
 
@@ -36,7 +39,7 @@ class ExportOptions:
     """What is empty stays as the take has it: a T-pose and HumanIK's names for characters, its own for a capture."""
 
     joint_names: str = ""
-    """A key of ``joint_names.joint_namings``."""
+    """A key of ``joint_names.joint_namings``; without one a character that has joints of its own keeps these."""
     rest_pose: str = ""
     """A key of ``REST_POSES``: ``own`` is the pose in which a character's skin is bound, or the file's own."""
     body_only: bool = False
@@ -74,23 +77,28 @@ class ExportOptions:
                 f"{path.name}: the constraints of '{take.name}' count from its first frame. Write all of it at its own"
                 " frame rate, or another kind of file."
             )
-        return self._shaped(self._timed(take) if self._is_timed(take) else take)
+        return self._shaped(self._timed(take) if self._is_timed(take) else take, path)
 
     def applied_over(self, take: Take, seconds: FloatArray, frame_rate: float, path: Path) -> Take:
         """``applied_to`` in frames at ``seconds`` (N,) of the stage, whatever the range is; outside its own the take
         holds still.
         """
         self.check(path)
-        return self._shaped(sampled(take, seconds - take.begin, frame_rate))
+        return self._shaped(sampled(take, seconds - take.begin, frame_rate), path)
 
-    def _shaped(self, take: Take) -> Take:
+    def _shaped(self, take: Take, path: Path) -> Take:
         """The take in its place, with the joints, the zero pose and the names that are chosen."""
+        if not self.joint_names and path.suffix.lower() in JOINTED and has_own_rig(take):
+            take = on_own_rig(take, path.suffix.lower())
         if not self.at_origin:
             take = placed(take)
-        take = self._from_rest_pose(take)
+        take = self._from_rest_pose(take, path)
         if self.root == "floor":
-            bound = skin_of(take).with_joint_above() if take.character else None
-            take = replace(take, capture=with_root_joint(take.capture), bound=bound)
+            capture, bound, rest = with_root_joint(take.capture), take.bound, take.rest_rotations
+            if capture.skeleton.joint_count > take.skeleton.joint_count:
+                bound = skin_of(take).with_joint_above() if take.character else None
+                rest = None if rest is None else np.concatenate([IDENTITY[None], rest])
+            take = replace(take, capture=capture, bound=bound, rest_rotations=rest)
         elif self.root == "in-place":
             take = replace(take, capture=in_place(take.capture))
         if self.joint_names:
@@ -118,8 +126,15 @@ class ExportOptions:
         count = int((stop - start) * rate + _ENDS) + 1
         return sampled(take, start + np.arange(count) / rate, rate)
 
-    def _from_rest_pose(self, take: Take) -> Take:
+    def _from_rest_pose(self, take: Take, path: Path) -> Take:
         """The take with its angles counted from the pose that is chosen."""
+        if take.rest_rotations is not None:
+            if self.rest_pose != "t" and path.suffix.lower() != ".bvh":
+                return take
+            skin = skin_of(take)
+            rotations = t_pose(take.capture) if self.rest_pose == "t" else skin.bind_rotations
+            capture = with_zero_pose(take.capture, rotations)
+            return replace(take, capture=capture, bound=skin.counted_from(rotations), rest_rotations=None)
         if self.rest_pose == "t" and take.character is None:
             return replace(take, capture=with_zero_pose(take.capture, t_pose(take.capture)))
         if self.rest_pose == "own" and take.character is not None:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from studio.core.body.humanoid import BodyMap, BodyPart
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Guess
+from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
 from studio.core.runs import runs_of
 from studio.io.numbers import number
@@ -31,6 +32,13 @@ _ANY_LEG, _ADULT_LEG, _SAID_LEG = (0.25, 2.0), (0.7, 1.0), (0.12, 2.2)
 file says its unit."""
 _RARE = ("inch", "foot", "cmu")
 """Units that only a usual adult makes plausible."""
+_ADULT_SLENDER = 1.4
+"""Length of an adult's legs in that of its trunk, from hips to shoulders, at least; a toddler's are 1.0 to 1.3."""
+_FARTHER = 0.35, 0.7
+"""Logarithms of the ratio by which the legs in the second best unit are farther from a usual adult's, from which the
+best one is likely, and sure."""
+_SCATTERED = 0.06, 0.02
+"""Metres by which the heights of standing feet may scatter about the ground that is likely, and sure."""
 _ALIASES = {"in": "inch", "inches": "inch", "ft": "foot", "feet": "foot"}
 
 _SAME_UNIT = 1e-4
@@ -56,29 +64,38 @@ class Scale(NamedTuple):
     metres: float
 
 
-def leg_length(positions: FloatArray, body_map: BodyMap) -> float:
-    """Mean of thigh and shank together over frames and sides, in the unit of ``positions`` (F, J, 3)."""
-    total = 0.0
-    for side in ("LEFT", "RIGHT"):
-        hip, knee, ankle = (positions[:, body_map[BodyPart[f"{side}_{part}"]]] for part in ("THIGH", "SHANK", "FOOT"))
-        total += np.linalg.norm(knee - hip, axis=1).mean() + np.linalg.norm(ankle - knee, axis=1).mean()
-    return float(total / 2)
+def leg_and_trunk(positions: FloatArray, body_map: BodyMap | None) -> tuple[float, float] | tuple[None, None]:
+    """Mean length of thigh and shank together, and distance of the shoulders' middle from the hips', over frames.
+
+    In the unit of ``positions`` (F, J, 3); None where there is no body.
+    """
+    if body_map is None:
+        return None, None
+    shoulders, hips, knees, ankles = (
+        positions[:, [body_map[BodyPart[f"{side}_{part}"]] for side in ("LEFT", "RIGHT")]]
+        for part in ("UPPER_ARM", "THIGH", "SHANK", "FOOT")
+    )
+    leg = np.linalg.norm(knees - hips, axis=-1) + np.linalg.norm(ankles - knees, axis=-1)
+    trunk = np.linalg.norm(shoulders.mean(axis=1) - hips.mean(axis=1), axis=-1)
+    return float(leg.mean()), float(trunk.mean())
 
 
-def find_unit(leg: float | None, said: Scale | None = None, chosen: str | None = None) -> tuple[Scale, Guess | None]:
+def find_unit(
+    leg: float | None, said: Scale | None = None, chosen: str | None = None, trunk: float | None = None
+) -> tuple[Scale, Guess | None]:
     """The unit of a file: ``chosen`` by the user, else as it, or its format, has ``said`` where that fits its legs.
 
-    ``leg`` is their length in file units, None where no body is known. The guess is None where nothing was guessed.
+    ``leg`` is their length in file units, None where no body is known, ``trunk`` that from hips to shoulders. The
+    guess is None where nothing was guessed.
     """
     if chosen is not None:
         return unit_called(chosen, leg), None
     if said is not None and (leg is None or _SAID_LEG[0] <= leg * said.metres <= _SAID_LEG[1]):
         return said, None
     if leg is None:
-        return Scale("cm", 0.01), Guess(
-            "unit", "cm", "Without a human body nothing tells the unit; most files are in cm."
-        )
-    scale, guess = guess_unit(leg)
+        reason = "Without a human body nothing tells the unit; most files are in cm."
+        return Scale("cm", 0.01), Guess("unit", "cm", reason, Confidence.DOUBTFUL)
+    scale, guess = guess_unit(leg, trunk)
     if said is not None:
         words = f"In {said.unit}, as the file says, the legs would be {leg * said.metres:.3g} m long. {guess.reason}"
         guess = replace(guess, reason=words)
@@ -91,18 +108,30 @@ def said_unit(metres: float) -> Scale:
     return Scale(next(named, f"{metres:.9g}"), metres)
 
 
-def guess_unit(leg: float) -> tuple[Scale, Guess]:
-    """The unit in which a leg of ``leg`` units is most like a human's."""
-    fits = [name for name in UNITS if _fits(name, leg)]
+def guess_unit(leg: float, trunk: float | None = None) -> tuple[Scale, Guess]:
+    """The unit in which a leg of ``leg`` units, under a ``trunk`` of so many, is most like a human's."""
+    stout = trunk is not None and leg < _ADULT_SLENDER * trunk
+    units = [name for name in UNITS if _fits(name, leg)]
+    fits = [name for name in units if not (stout and name in _RARE)]
     if not fits:
         metres = _USUAL_LEG / leg
         reason = f"No unit makes its legs of {leg:.4g} units plausible; they were made {_USUAL_LEG} m long."
-        return Scale("unknown", metres), Guess("unit", f"unknown, taken as {metres * 100:.4g} cm", reason)
-    fits.sort(key=lambda unit: abs(float(np.log(leg * UNITS[unit] / _USUAL_LEG))))
+        value = f"unknown, taken as {metres * 100:.4g} cm"
+        return Scale("unknown", metres), Guess("unit", value, reason, Confidence.DOUBTFUL)
+
+    def unlike(unit: str) -> float:
+        return abs(float(np.log(leg * UNITS[unit] / _USUAL_LEG)))
+
+    fits.sort(key=unlike)
     reason = f"The legs are {leg:.4g} units long, in {fits[0]} {leg * UNITS[fits[0]]:.2f} m."
     if len(fits) > 1:
-        reason += f" In {fits[1]} they would be {leg * UNITS[fits[1]]:.2f} m."
-    return Scale(fits[0], UNITS[fits[0]]), Guess("unit", fits[0], reason)
+        reason += f" In {fits[1]} they would be {leg * UNITS[fits[1]]:.2f} m: choose that unit if it is right."
+    if len(fits) < len(units):
+        reason += " They are as short beside the trunk as a small child's."
+    confidence = Confidence.of(unlike(fits[1]) - unlike(fits[0]), *_FARTHER) if len(fits) > 1 else Confidence.SURE
+    if confidence is Confidence.SURE and ((fits[0] in _RARE and len(fits) > 1) or len(fits) < len(units)):
+        confidence = Confidence.LIKELY
+    return Scale(fits[0], UNITS[fits[0]]), Guess("unit", fits[0], reason, confidence)
 
 
 def _fits(name: str, leg: float) -> bool:
@@ -126,14 +155,16 @@ def unit_called(text: str, leg: float | None) -> Scale:
 def guess_frame_rate(frame_time: float | None, digit: float) -> tuple[float, Guess | None]:
     """Frames a second; a whole number where the frame time is one within its last ``digit``."""
     if frame_time is None:
-        return _USUAL_RATE, Guess("frame rate", "30 Hz", "The file does not say a usable frame time.")
+        return _USUAL_RATE, Guess(
+            "frame rate", "30 Hz", "The file does not say a usable frame time.", Confidence.DOUBTFUL
+        )
     rate = 1.0 / frame_time
     whole = float(round(rate))
     if whole == rate:
         return whole, None
     if whole > 0 and abs(1.0 / whole - frame_time) <= digit:
         reason = f"The frame time {frame_time:g} s is 1/{whole:g} s, rounded."
-        return whole, Guess("frame rate", f"{whole:g} Hz", reason)
+        return whole, Guess("frame rate", f"{whole:g} Hz", reason, Confidence.SURE)
     return rate, None
 
 
@@ -155,7 +186,7 @@ def guess_first_frame(positions: FloatArray, frame_rate: float) -> tuple[int, Gu
     while first < latest and max(steps[first], steps[first + 1]) > calm:
         first += 1
     reason = f"The body jumps by {steps[0] * 100:.0f} cm after frame 0, a calibration pose."
-    return first, Guess("first frame", str(first), reason)
+    return first, Guess("first frame", str(first), reason, Confidence.LIKELY)
 
 
 def _steps(positions: FloatArray) -> FloatArray:
@@ -174,7 +205,8 @@ def guess_floor(skeleton: Skeleton, positions: FloatArray, body_map: BodyMap, fr
     lowest = positions[:, sorted(feet | below), 2].min(axis=1)
     usual = height = float(np.percentile(lowest, 10))
     ankle = float(np.percentile(positions[:, sorted(feet), 2].min(axis=1), 10))
-    levels = _levels([positions[:, [foot, *skeleton.descendants(foot)]] for foot in sorted(feet)], frame_rate)
+    rests = _rests([positions[:, [foot, *skeleton.descendants(foot)]] for foot in sorted(feet)], frame_rate)
+    levels = _levels(rests)
     reason = "The feet are lowest there in a tenth of the frames."
     if levels and levels[0] < usual - _STEP:
         height = levels[0]
@@ -191,12 +223,17 @@ def guess_floor(skeleton: Skeleton, positions: FloatArray, body_map: BodyMap, fr
         height -= _SOLE
     if len(levels) > 1:
         over = ", ".join(f"{level - levels[0]:.2f}" for level in levels[1 : _SHOWN + 1])
-        reason += f" The take also stands {over} m above it, as on steps: give the stage a ground with them."
-    return Guess("floor", f"{height:.4f} m", reason)
+        reason += (
+            f" The take also stands {over} m above it, as on steps; its feet keep those heights over level ground."
+        )
+    standing = [rest for rest in rests if rest < levels[0] + _STEP]
+    scatter = float(np.ptp(np.percentile(standing, [10, 90]))) if len(standing) > 1 else np.inf
+    confidence = Confidence.of(-scatter, *(-most for most in _SCATTERED))
+    return Guess("floor", f"{height:.4f} m", reason, confidence)
 
 
-def _levels(feet: list[FloatArray], frame_rate: float) -> list[float]:
-    """Heights from the lowest up, a step apart, on which one of ``feet`` (F, n, 3) rests alone or with the other."""
+def _rests(feet: list[FloatArray], frame_rate: float) -> list[float]:
+    """Heights, in order, on which one of ``feet`` (F, n, 3) rests alone or with the other."""
     rests = []
     lowest = np.min([joints[1:, :, 2].min(axis=1) for joints in feet], axis=0)
     for joints in feet:
@@ -206,8 +243,13 @@ def _levels(feet: list[FloatArray], frame_rate: float) -> list[float]:
             level = float(np.median(height[first:past]))
             if np.count_nonzero(lowest[first:past] > level - _STEP / 2.0) >= max(2.0, _REST * frame_rate):
                 rests.append(level)
+    return sorted(rests)
+
+
+def _levels(rests: list[float]) -> list[float]:
+    """The first of ``rests``, in order, and each that lies a step above the level before it."""
     levels: list[float] = []
-    for level in sorted(rests):
+    for level in rests:
         if not levels or level > levels[-1] + _STEP:
             levels.append(level)
     return levels

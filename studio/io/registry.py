@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from studio.core.body.character import Character
     from studio.core.captures.capture import Capture, Guess
     from studio.io.export import Take
-    from studio.io.exported_stage import ExportedStage
     from studio.io.importing import ImportOptions
+    from studio.io.takes.exported_stage import ExportedStage
 
 Progress = Callable[[float, str], None]
 """Hears a share from 0 to 1 and what is being done; it raises to cancel."""

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.humanoid import BodyMap, BodyPart
 from studio.core.captures.capture import Guess
+from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
 from studio.core.rotations import normalized, shortest_arc
 
@@ -38,8 +39,8 @@ _LEAST_TILT, _AGREED = np.radians(12.0), np.radians(10.0)
 square to the floor."""
 _WALKS, _CARRIED = 0.3, 0.25
 """Leg lengths of a path that tells the floor, and of the body over what carries it where it stands."""
-_FEWEST = 24
-"""Frames that tell a lean from a pose."""
+_FEWEST, _SWAY = 24, np.radians(7.0)
+"""Frames that tell a lean from a pose, and the median sway about it of one who leans no more than a camera does."""
 _FLOOR_NOISE = 0.03
 """Leg lengths by which standing feet lie off one plane."""
 _DOUBTFUL = 0.3
@@ -128,14 +129,16 @@ def guess_up_axis(
         if near == best or (support is not None and support @ tilted > _CARRIED):
             degrees = np.degrees(np.arccos(np.clip(tilted @ axes[near], -1.0, 1.0)))
             words = f"Standing, the body leans by {degrees:.0f} degrees from {names[near]} all the time, as a tilted "
-            return Guess("up axis", _named(tilted), words + "camera sees it.")
+            return Guess("up axis", _named(tilted), words + "camera sees it.", Confidence.LIKELY)
     stands = upright[best] > 0.5
     words = f"Through the take the body {'stands along' if stands else 'is above what it rests on, towards'} {name}."
     if rest is not None and at_rest[best] < 0.7:
         words += f" The rest pose would suggest {names[int(np.argmax(at_rest))]}."
-    if score[best] - score[second] < _DOUBTFUL or not stands:
+    margin = float(score[best] - score[second]) if stands else 0.0
+    confidence = Confidence.of(margin, _DOUBTFUL, 2.0 * _DOUBTFUL)
+    if confidence is Confidence.DOUBTFUL:
         words += f" That is not certain: it may be {names[second]}."
-    return Guess("up axis", name, words)
+    return Guess("up axis", name, words, confidence)
 
 
 def _standing(body: BodyPoints) -> tuple[FloatArray, FloatArray]:
@@ -167,10 +170,15 @@ def _supported(body: BodyPoints) -> FloatArray | None:
 
 
 def _tilted(body: BodyPoints, along: FloatArray, straight: NDArray[np.bool_]) -> FloatArray | None:
-    """(3,) direction that is up where no axis is: that in which the body stands, square to where it goes and rests."""
+    """(3,) direction that is up where no axis is: that in which the body stands, square to where it goes and rests.
+
+    A camera's tilt stays the same through the take; one who leans over does not.
+    """
     if straight.mean() < 0.5 or len(along) < _FEWEST:
         return None
     lean = normalized(np.median(along[straight], axis=0))
+    if np.median(np.arccos(np.clip(along[straight] @ lean, -1.0, 1.0))) > _SWAY:
+        return None
     level = [body.hips[0].mean(axis=1)[straight]]
     if np.linalg.norm(level[0].std(axis=0)) < _WALKS * body.leg:
         level = []

@@ -15,7 +15,15 @@ from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.base import Constraint
 from studio.core.quality.metrics import SLOW, acceleration_ratio, knee_speeds, speed_ratio, worst_of
 from studio.core.solver.adapt import hold
-from studio.core.solver.report import CONTACTS, EASED, LIMITS, NOBODY, REACH, Report, report_of
+from studio.core.solver.report import (
+    BLOCKED_BY_CONTACTS,
+    BLOCKED_BY_LIMITS,
+    BLOCKED_BY_NOTHING,
+    BLOCKED_BY_REACH,
+    BLOCKED_BY_SMOOTHING,
+    Report,
+    report_of,
+)
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import Standing, standing_of
 from studio.core.solver.warm_up import warm_up
@@ -27,7 +35,13 @@ FloatArray = NDArray[np.float64]
 REACHED_MM, REACHED_DEG = 0.2, 0.1
 """Millimetres and degrees within which a target counts as met."""
 FULLY = 1.0 - 1e-9
-OTHERS = {NOBODY: None, CONTACTS: "contacts", LIMITS: "joint limits", REACH: "reach", EASED: "easing"}
+OTHERS = {
+    BLOCKED_BY_NOTHING: None,
+    BLOCKED_BY_CONTACTS: "contacts",
+    BLOCKED_BY_LIMITS: "joint limits",
+    BLOCKED_BY_REACH: "reach",
+    BLOCKED_BY_SMOOTHING: "easing",
+}
 """Who else than another constraint keeps one from being met."""
 
 
@@ -110,7 +124,7 @@ def constraint_records(request: AdaptRequest, adapted: AdaptedMotion, report: Re
         record |= {"frames_asked": int(asked.sum()), "frames_held": int(held.sum())}
         if asked.any():
             record["reached"] = bool(held.sum() == asked.sum())
-        missed = Counter(kept_by[frame] or OTHERS[EASED] for frame in np.flatnonzero(asked & ~held))
+        missed = Counter(kept_by[frame] or OTHERS[BLOCKED_BY_SMOOTHING] for frame in np.flatnonzero(asked & ~held))
         record["kept_by"] = dict(missed.most_common())
         if by_frame:
             told = np.where(asked, misses, adapted.residuals[row])

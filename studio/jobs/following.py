@@ -10,12 +10,15 @@ from studio.core.constraints.follow import Follow, FollowPerformer, FollowProp, 
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
+from studio.core.normalized.compose import Composite, compose
+from studio.core.normalized.pieces import Piece
 from studio.core.solver.adapt import adapt
 from studio.core.solver.asking.tracks import Track
-from studio.core.solver.performers.following import performer_track, tracked_track
+from studio.core.solver.performers.circles import Player, solve_cycle
+from studio.core.solver.performers.following import tracked_track
 from studio.core.solver.performers.props import seen_from, stage_track
 from studio.core.solver.performers.stage import concerning
-from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.request import AdaptRequest
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Prop
 
@@ -25,8 +28,8 @@ def with_tracks(
 ) -> dict[str, AdaptRequest]:
     """The requests, by character, with the tracks of what their constraints follow; ``places`` say where each stands.
 
-    Of several characters that are followed each follows how the others move without constraints. Raises StudioError
-    naming the constraint where somebody or something followed is not there.
+    Characters who follow others are solved together with them, as on a stage, until nobody moves who is followed.
+    Raises StudioError naming the constraint where somebody or something followed is not there.
     """
     constraints = next(iter(requests.values())).constraints if requests else ()
     for each in constraints:
@@ -35,17 +38,24 @@ def with_tracks(
             raise StudioError(
                 f"'{each.name}' is asked of '{asked_alone}', which is not among the characters: {', '.join(requests)}."
             )
-    leaders = _leaders(constraints, requests)
-    asked = {
-        key: replace(request, constraints=tuple(_concerning(key, constraints, requests, props)))
-        for key, request in requests.items()
+    _check_followed(constraints, requests)
+    asked = {}
+    for key, request in requests.items():
+        concerning_it = tuple(_concerning(key, constraints, requests, props))
+        asked[key] = _with_own_tracks(replace(request, constraints=concerning_it), capture, props, places[key])
+    leads = {key: _leaders(request) for key, request in asked.items()}
+    followed = set().union(*leads.values())
+    players = {
+        key: Player(request, _played(request), places[key], props)
+        for key, request in asked.items()
+        if leads[key] or key in followed
     }
-    bare = {key: adapt(replace(asked[key], constraints=())) for key in leaders} if len(leaders) > 1 else {}
-    led = {key: _following(key, asked[key], bare, capture, props, places) for key in leaders}
-    motions = {key: adapt(request) for key, request in led.items()}
-    return {
-        key: led[key] if key in led else _following(key, asked[key], motions, capture, props, places) for key in asked
-    }
+    return asked | dict(solve_cycle(players, lambda _, request: adapt(request)).requests)
+
+
+def _played(request: AdaptRequest) -> Composite:
+    """The whole motion of a request, from second 0 on."""
+    return compose((Piece(request.motion, request.contacts, 0, request.motion.frame_count - 1),))
 
 
 def _concerning(
@@ -58,39 +68,33 @@ def _concerning(
             yield concerned
 
 
-def _leaders(constraints: tuple[Constraint, ...], requests: Mapping[str, AdaptRequest]) -> list[str]:
-    leaders: dict[str, None] = {}
+def _leaders(request: AdaptRequest) -> set[str]:
+    """The characters whom one follows."""
+    follows = (follow for constraint in request.constraints for follow in follows_of(constraint))
+    return {follow.performer_id for follow in follows if isinstance(follow, FollowPerformer)}
+
+
+def _check_followed(constraints: tuple[Constraint, ...], requests: Mapping[str, AdaptRequest]) -> None:
     for constraint in constraints:
         for follow in follows_of(constraint):
-            if isinstance(follow, FollowPerformer):
-                if follow.performer_id not in requests:
-                    raise StudioError(
-                        f"'{constraint.name}' follows '{follow.performer_id}', who is not among the characters:"
-                        f" {', '.join(requests)}."
-                    )
-                leaders[follow.performer_id] = None
-    return list(leaders)
+            if isinstance(follow, FollowPerformer) and follow.performer_id not in requests:
+                raise StudioError(
+                    f"'{constraint.name}' follows '{follow.performer_id}', who is not among the characters:"
+                    f" {', '.join(requests)}."
+                )
 
 
-def _following(
-    key: str,
-    request: AdaptRequest,
-    motions: Mapping[str, AdaptedMotion],
-    capture: Capture,
-    props: Mapping[str, Prop],
-    places: Mapping[str, Placement],
+def _with_own_tracks(
+    request: AdaptRequest, capture: Capture, props: Mapping[str, Prop], place: Placement
 ) -> AdaptRequest:
+    """The request with the tracks of props and captured joints."""
     tracks: dict[Follow | OwnPlace | Support, Track] = {}
     for constraint in request.constraints:
         for follow in follows_of(constraint):
             match follow:
-                case FollowPerformer():
-                    motion, there = motions[follow.performer_id], places[follow.performer_id]
-                    rows = range(motion.frame_count)
-                    tracks[follow] = performer_track(follow.point, follow.turn, motion, rows, there, places[key])
                 case FollowProp():
                     prop = props[follow.prop_id]
-                    tracks[follow] = seen_from(follow, prop, stage_track(prop, request.motion.times), places[key])
+                    tracks[follow] = seen_from(follow, prop, stage_track(prop, request.motion.times), place)
                 case FollowTracked():
                     try:
                         tracks[follow] = tracked_track(follow, capture)

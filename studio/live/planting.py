@@ -12,7 +12,7 @@ from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS, TOE_STAND
 from studio.core.normalized.realize import realize
 from studio.core.solver.asking.self_contact import self_contact_of
 from studio.core.solver.request import AdaptRequest
-from studio.core.solver.standing.footing import Footing, leg_stretches, run_out
+from studio.core.solver.standing.footing import Footing, leg_extensions, reach_relaxation
 from studio.core.solver.standing.raised_arms import raise_arms
 from studio.core.solver.standing.stand import Standing
 from studio.live.foothold import Follower, Foothold, FootPose
@@ -94,13 +94,13 @@ class Planted:
         ankles, feet, toes = (
             np.stack([np.stack([part] * count) for part in parts]) for parts in zip(*aimed, strict=True)
         )
-        standing, _ = leg_stretches(motion, np.full_like(states, SOLE_STANDS))
+        standing, _ = leg_extensions(motion, np.full_like(states, SOLE_STANDS))
         soft_thresholds = SOFT_IK_THRESHOLD + weights * (standing - SOFT_IK_THRESHOLD)
         hips = np.stack([positions[:, body.layout.hip(side)] for side in range(2)])
         off, reaches = ankles - hips, soft_thresholds * body.leg.sum(axis=1)[:, None]
         below = np.sqrt(np.maximum(reaches**2 - np.sum(off[..., :2] ** 2, axis=2), 0.0))
         drops = (weights * np.maximum(-off[..., 2] - below, 0.0)).max(axis=0)
-        return Footing(states, soft_thresholds, run_out(1.0 - weights), ankles, feet, toes, drops)
+        return Footing(states, soft_thresholds, reach_relaxation(1.0 - weights), ankles, feet, toes, drops)
 
     @property
     def _weights(self) -> tuple[float, ...]:

@@ -163,4 +163,4 @@ def _falling(curve: ActivationCurve, share: float, begins: float) -> ActivationC
     progress = np.linspace(0.0, 1.0, 257)
     passed = float(np.interp(1.0 - share, ease(progress, curve.shape), progress)) * COMING
     end = begins - passed + COMING
-    return ActivationCurve(begins - HELD, begins - HELD, begins - passed, end, curve.shape)
+    return curve.with_times(begins - HELD, begins - HELD, begins - passed, end)

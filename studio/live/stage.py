@@ -21,7 +21,7 @@ from studio.core.project import Performer, Project
 from studio.core.solver.adapt import hold, place_of
 from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.performers.awaiting import awaited_moment, expected_at
-from studio.core.solver.performers.circles import Paths, Player, paths_of, solve_circle
+from studio.core.solver.performers.circles import Paths, Player, paths_of, solve_cycle
 from studio.core.solver.performers.performing import Prepare
 from studio.core.solver.performers.stage import followed_by, in_order, props_of, tracks_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -321,7 +321,7 @@ class LiveStage:
             self._paths.pop(circle, None)
             return {key: self._frame(key, each.request) for key, each in players.items()}
         expected = self._expected(circle, unasked)
-        found = solve_circle(players, self._frame, expected, SWEEPS if expected else FIRST_SWEEPS)
+        found = solve_cycle(players, self._frame, expected, SWEEPS if expected else FIRST_SWEEPS)
         self._paths[circle] = found.paths, unasked
         for key, request in found.requests.items():
             self._parts[key].tracks = request.tracks

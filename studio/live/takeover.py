@@ -1,7 +1,7 @@
 """A motion that takes over at any frame, without warning, from one that stands on the ground: placed where the body is.
 
 It goes on behind the last poses of what played, so its feet stand where they stood; it stands as it does by itself and
-is led on from where the body is (``solver.standing.led``).
+is led on from where the body is (``solver.standing.inertialisation``).
 """
 
 from collections.abc import Callable, Sequence
@@ -17,7 +17,7 @@ from studio.core.normalized.compose import Composite, go_on, led_on
 from studio.core.normalized.encode import encode
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import Piece
-from studio.core.solver.standing.led import Stance, led_from
+from studio.core.solver.standing.inertialisation import Stance, led_from
 from studio.core.solver.standing.stand import Standing, stand
 
 HELD = 2.0

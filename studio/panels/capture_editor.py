@@ -161,6 +161,6 @@ def _make_report(capture: Capture) -> QWidget:
 
 def _guess_lines(guess: Guess) -> QWidget:
     line = labelled("", "hint")
-    head = f"{guess.subject.capitalize()}: {guess.value}"
+    head = guess.title[:1].upper() + guess.title[1:]
     line.setText(f'<span style="color: {colours.TEXT}">{escape(head)}</span><br>{escape(guess.reason)}')
     return line

@@ -126,7 +126,7 @@ class StatusLine(QStatusBar):
         guesses = project.captures[motion.capture_id].guesses
         count = f"{len(guesses)} guess" + ("" if len(guesses) == 1 else "es")
         self._guesses.setText(f"{motion.name} · {count}" if guesses else motion.name)
-        self._guesses.setToolTip("\n".join(f"{guess.subject}: {guess.value}" for guess in guesses))
+        self._guesses.setToolTip("\n".join(guess.title for guess in guesses))
 
     def _show_journal(self) -> None:
         self._journal.setText(journal_words(self.document))

@@ -66,6 +66,15 @@ class TimeAxis(QObject):
         self._fitted = True
         self._settle()
 
+    def show(self, begin: float, end: float) -> None:
+        """Show one stretch of time, with a tenth of it on either side."""
+        length = max(end - begin, 2.0 / self.frame_rate)
+        wanted = self.width / (1.2 * length)
+        self.scale = min(max(wanted, self._whole), MAX_PIXELS_PER_FRAME * self.frame_rate)
+        self._fitted = self.scale <= self._whole
+        self.start = (begin + end) / 2.0 - self.width / self.scale / 2.0
+        self._settle()
+
     def zoom(self, factor: float, x: float) -> None:
         """Scale by ``factor`` so that the moment under pixel ``x`` stays where it is."""
         fixed = self.time_at(x)

@@ -24,14 +24,18 @@ from studio.timeline import edits
 from studio.timeline.clip_edits import add_clip, try_edit
 from studio.timeline.figures import moment
 from studio.timeline.gestures.begin import cursor_at, gesture_at, items_of
+from studio.timeline.gestures.gesture import Gesture
+from studio.timeline.gestures.keys import BoxSelect, DragKeys
+from studio.timeline.gestures.value_curves import BoxSelectCurves, DragCurveKeys, DragTangent
 from studio.timeline.gestures.view import Pan, Scrub
 from studio.timeline.hover import hover_text, is_value
-from studio.timeline.keys import is_wanted, press_key
+from studio.timeline.keyboard import is_wanted, press_key
 from studio.timeline.menus import menu_at
 from studio.timeline.name_field import NameField
 from studio.timeline.shown import LABEL_WIDTH, Hit, Part
 from studio.timeline.snapping import snapped
 from studio.timeline.tracks.labels import flag_area
+from studio.timeline.tracks.value_curves import HandleRef, plot_area
 from studio.timeline.view import TrackView
 
 DRAG_BEGINS = 3
@@ -50,6 +54,7 @@ class TrackCanvas(TrackView):
     def __init__(self, document: Document, live: Live, parent: QWidget | None = None) -> None:
         super().__init__(document, live, parent)
         self._pending: tuple[Hit, QPointF] | None = None
+        self._grip: HandleRef | None = None
         self._hovered = ""
         document.entity_changed.connect(self._hover_again)
         document.project_opened.connect(self._hover_again)
@@ -76,14 +81,24 @@ class TrackCanvas(TrackView):
             return
         self.mouse = event.position()
         if event.button() == Qt.MouseButton.MiddleButton:
-            self.gesture = Pan(self.axis, self.scroll_bar, event.position())
+            over_curves = self.sheet.hit(event.position()).kind == "curves"
+            height = plot_area(self.sheet.plot).height()
+            scroll = partial(self._scroll_curves, height) if over_curves else self._scroll_rows
+            self.gesture = Pan(self.axis, scroll, event.position())
             self.setCursor(Qt.CursorShape.ClosedHandCursor)
         elif event.button() == Qt.MouseButton.LeftButton:
             hit = self.sheet.hit(event.position())
             if hit.part == Part.FOLD:
                 self.fold(hit.kind, hit.id)
                 return
-            self._select(hit, bool(event.modifiers() & Modifier.ControlModifier))
+            add = bool(event.modifiers() & Modifier.ControlModifier)
+            if hit.kind == "curves":
+                self._press_curves(event.position(), add)
+            elif hit.keys:
+                self.select_keys(hit, add)
+            else:
+                self.document.keys.clear()
+                self._select(hit, add)
             if hit.part == Part.TIME:
                 self.gesture = gesture_at(hit, self.sheet.shown, event.position())
                 self._drag(event)
@@ -101,7 +116,7 @@ class TrackCanvas(TrackView):
             hit, press = self._pending
             if (event.position() - press).manhattanLength() >= DRAG_BEGINS:
                 self._pending = None
-                self.gesture = gesture_at(hit, self.sheet.shown, press)
+                self.gesture = self._gesture_at(hit, press, event.modifiers())
                 if hit.part == Part.BODY:
                     self.setCursor(Qt.CursorShape.ClosedHandCursor)
         if self.gesture is not None:
@@ -117,7 +132,11 @@ class TrackCanvas(TrackView):
         if self.gesture is not None:
             self.gesture.finish()
             self.end_gesture()
-        elif pending is not None and not event.modifiers() & Modifier.ControlModifier and items_of(pending[0]):
+        elif pending is not None and event.modifiers() & Modifier.ControlModifier:
+            return
+        elif pending is not None and pending[0].keys:
+            self.document.keys.set(pending[0].keys)
+        elif pending is not None and items_of(pending[0]):
             self.document.selection.set(*items_of(pending[0]))  # a click, not a drag
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
@@ -147,6 +166,10 @@ class TrackCanvas(TrackView):
             self.axis.zoom(ZOOM_PER_DEGREE**degrees, max(event.position().x(), LABEL_WIDTH))
         elif event.modifiers() & Modifier.ShiftModifier or not step.y():
             self.axis.scroll(-degrees * SCROLL_PER_DEGREE)
+        elif self.editing and self.sheet is not None and self.sheet.plot.contains(event.position().toPoint()):
+            area = plot_area(self.sheet.plot)
+            self.picture.curves.zoom(ZOOM_PER_DEGREE**degrees, (area.bottom() - event.position().y()) / area.height())
+            self._redraw_all()
         else:
             self.scroll_bar.setValue(round(self.scroll_bar.value() - degrees * SCROLL_PER_DEGREE))
         event.accept()
@@ -210,9 +233,63 @@ class TrackCanvas(TrackView):
         else:
             selection.set(*items)
 
+    def _press_curves(self, position: QPointF, add: bool) -> None:
+        """Take hold of a handle or a key of the curve editor, or of nothing."""
+        curves, keys = self.picture.curves, self.document.keys
+        assert self.sheet is not None
+        grip = self._grip = curves.hit(self.sheet.shown, plot_area(self.sheet.plot), position)
+        if grip is None:
+            if not add:
+                keys.clear()
+            return
+        curves.active = grip.channel
+        if grip.side is None and add:
+            keys.toggle([grip.key])
+        elif grip.side is None and grip.key not in keys:
+            keys.set([grip.key])
+        self._redraw_all()
+
+    def select_keys(self, hit: Hit, add: bool) -> None:
+        """Select the keys of a diamond, with ``add`` beside others; one of several that are selected keeps all."""
+        keys, items = self.document.keys, items_of(hit)
+        if not set(items) <= set(self.document.selection.items):
+            self.document.selection.set(*(self.document.selection.items if add else ()), *items)
+        if add:
+            keys.toggle(hit.keys)
+        elif not keys.items.issuperset(hit.keys):
+            keys.set(hit.keys)
+
+    def _gesture_at(self, hit: Hit, press: QPointF, modifiers: Modifier) -> Gesture | None:
+        """The drag that begins there: of keys, of a thing, or a box."""
+        if self.sheet is None:
+            return None
+        shown, add = self.sheet.shown, bool(modifiers & Modifier.ControlModifier)
+        if hit.kind == "curves":
+            curves, plot = self.picture.curves, self.sheet.plot
+            if self._grip is None:
+                return BoxSelectCurves(shown, curves, plot, press, add)
+            if self._grip.side is not None:
+                return DragTangent(shown, curves, plot, self._grip, press)
+            return (
+                DragCurveKeys(shown, curves, plot, self._grip, press) if self._grip.key in self.document.keys else None
+            )
+        if hit.keys and self.document.keys.items.issuperset(hit.keys):
+            return DragKeys(shown, hit.keys[0], press, bool(modifiers & Modifier.ShiftModifier))
+        if hit.part == Part.EMPTY and press.x() >= LABEL_WIDTH and self.sheet.viewport.contains(press.toPoint()):
+            return BoxSelect(self.sheet, press, add)
+        return gesture_at(hit, shown, press)
+
+    def _scroll_rows(self, pixels: float) -> None:
+        self.scroll_bar.setValue(round(self.scroll_bar.value() + pixels))
+
+    def _scroll_curves(self, height: int, pixels: float) -> None:
+        self.picture.curves.scroll(-pixels / height)
+        self._redraw_all()
+
     def _drag(self, event: QMouseEvent) -> None:
         if self.gesture is None:
             return
+        self.gesture.modifiers = event.modifiers()
         self.gesture.update(event.position(), bool(event.modifiers() & Modifier.AltModifier))
         if self.gesture.mark is not None:
             self.told.emit(self.gesture.mark.text)
@@ -281,7 +358,7 @@ class TrackCanvas(TrackView):
     def event(self, event: QEvent) -> bool:
         """Keys that mean something here go before the window's shortcuts."""
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
-            if is_wanted(self, event.key()):
+            if is_wanted(self, event.key(), event.modifiers()):
                 event.accept()
                 return True
         elif event.type() == QEvent.Type.ToolTip and isinstance(event, QHelpEvent) and self.sheet:

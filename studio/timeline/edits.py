@@ -12,12 +12,14 @@ from studio.core.project import Project
 from studio.core.stage.clip import Clip
 from studio.document.clips import name_of as clip_name
 from studio.document.clips import remove_clips
+from studio.document.key_edits import delete_keys
+from studio.document.keyed_fields import KeyRef, fields_of
 from studio.timeline.clip_edits import nudged
 from studio.timeline.gestures.activation import time_of, with_time
 from studio.timeline.gestures.begin import name_of
 from studio.timeline.gestures.contact import free_stretch, new_contact
 from studio.timeline.shown import EDGES, HANDLES, Part, Shown
-from studio.timeline.tracks.growth import keys_of, nearest_key
+from studio.timeline.tracks.keys import growth_fields, keys_between, sheet_fields, stage_times
 
 DELETABLE = ("constraints", "contacts", "clips", "labels")
 
@@ -55,8 +57,10 @@ def go_to_label(shown: Shown, direction: int) -> None:
 
 
 def delete_selected(shown: Shown) -> bool:
-    """Delete the selected constraints, contacts, labels and clips as one step; whether there were any."""
+    """Delete the selected keys, or else constraints, contacts, labels and clips, as one step; true if any were."""
     document = shown.document
+    if document.keys.items:
+        return delete_keys(document)
     items = [item for item in document.selection.items if item[0] in DELETABLE]
     if not items:
         return False
@@ -67,18 +71,6 @@ def delete_selected(shown: Shown) -> bool:
             if collection != "clips" and document.project.get(collection, entity_id) is not None:
                 document.remove(collection, entity_id, text)
     return True
-
-
-def delete_growth_key(shown: Shown, performer_id: str, x: float) -> None:
-    """Delete the key nearest to a pixel of a row of growth, which has more than one."""
-    keyed, document = keys_of(shown, performer_id), shown.document
-    character_id = shown.project.performers[performer_id].character_id
-    character = shown.project.characters[character_id]
-    if keyed is not None:
-        fewer = keyed.without_key(nearest_key(shown, keyed, x))
-        document.replace(
-            "characters", character_id, replace(character, proportions=fewer), f"Delete key of {character.name}"
-        )
 
 
 def _words(project: Project, collection: str, entity_id: str) -> str:
@@ -103,12 +95,27 @@ def go_to_key(shown: Shown, direction: int) -> None:
         for each in shown.project.contacts_of(shown.subject.motion_id).values()
         for frame in (each.first, each.last)
     ]
-    keyed = keys_of(shown, shown.subject.performer_id)
-    times += keyed.times if keyed is not None else ()
+    props = (field for key, each in shown.project.props.items() for field in fields_of("props", key, each))
+    for field in (*growth_fields(shown, shown.subject.performer_id), *props):
+        times += stage_times(shown, field).tolist()
     ahead = [time for time in times if (time - playhead.time) * direction > 1e-6]
     if ahead:
         playhead.pause()
         playhead.set_time(min(ahead, key=lambda time: abs(time - playhead.time)))
+
+
+def select_all_keys(shown: Shown) -> None:
+    """Select all keys of the selection, or else all that the dope sheet shows."""
+    fields = sheet_fields(shown)
+    shown.document.keys.set(
+        KeyRef(field, place) for field, value in fields.items() for place in range(len(value.times))
+    )
+
+
+def select_keys_at_playhead(shown: Shown) -> None:
+    """Select the keys of the selection, or else of all, that lie at the playhead."""
+    time, close = shown.document.playhead.time, 0.5 / shown.document.playhead.frame_rate
+    shown.document.keys.set(keys_between(shown, sheet_fields(shown), time - close, time + close))
 
 
 def handles_of(shown: Shown) -> tuple[Part, ...]:

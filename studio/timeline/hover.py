@@ -12,7 +12,7 @@ from studio.timeline.gestures.begin import name_of
 from studio.timeline.sheet import Sheet
 from studio.timeline.shown import HANDLES, LABEL_WIDTH, Hit, Part
 from studio.timeline.strips import StripState
-from studio.timeline.tracks import clip, constraint, growth, remarks
+from studio.timeline.tracks import clip, constraint, keys, remarks
 from studio.timeline.tracks.change import take_over
 from studio.timeline.tracks.hold import hold_under
 from studio.timeline.tracks.plot import PlotPicture
@@ -23,6 +23,8 @@ def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
     hit = sheet.thing_at(position)
     if position.x() < LABEL_WIDTH:
         return _label_text(sheet, hit)
+    if hit.keys:
+        return _keys_text(sheet, hit)
     match hit.kind:
         case "ruler":
             return remarks.remark_text(sheet.shown, position.x())
@@ -44,7 +46,9 @@ def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
         case "clip":
             return "Right-click to add a clip, or drop a capture of the library here"
         case "growth":
-            return _growth_text(sheet, hit, position)
+            return "Measures that change from key to key: a slider sets one at the playhead"
+        case "summary" | "sheet":
+            return "Drag a box to select keys; Shift and a drag of one scales them about the playhead"
         case "props":
             return _hold_text(sheet, hit, position)
         case "lane":
@@ -112,12 +116,14 @@ def _label_words(sheet: Sheet, hit: Hit) -> str:
     return f"{label.name}: frames {label.first} to {label.last}, {(label.last - label.first) / rate:.3f} s"
 
 
-def _growth_text(sheet: Sheet, hit: Hit, position: QPointF) -> str:
-    shown, keyed = sheet.shown, growth.keys_of(sheet.shown, hit.id)
-    if keyed is None or hit.part == Part.EMPTY:
-        return "Measures that change from key to key: a slider sets one at the playhead"
-    time = keyed.times[growth.nearest_key(shown, keyed, position.x())]
-    return f"Key of {shown.project.performers[hit.id].name}: {moment(time * shown.axis.frame_rate, time)}"
+def _keys_text(sheet: Sheet, hit: Hit) -> str:
+    """``Key of Kick target, target: 1.250 s · frame 75``."""
+    shown, count = sheet.shown, len(hit.keys)
+    key = hit.keys[0]
+    time = float(keys.stage_times(shown, key.field)[key.place])
+    place = moment(time * shown.axis.frame_rate, time)
+    name = getattr(shown.project.get(*key.field.item), "name", "")
+    return f"Key of {name}, {keys.field_words(key.field)}: {place}" if count == 1 else f"{count} keys: {place}"
 
 
 def _hold_text(sheet: Sheet, hit: Hit, position: QPointF) -> str:

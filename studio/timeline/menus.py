@@ -7,13 +7,15 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu
 
 from studio.core.captures.contacts import CONTACT_POINTS, ContactPoint, Touch, contact_point
+from studio.document.key_edits import delete_keys
 from studio.timeline import edits
 from studio.timeline.clip_edits import offer_clip, offer_motions
+from studio.timeline.curve_menu import offer_curves
 from studio.timeline.curves import Quantity
 from studio.timeline.gestures.begin import items_of
 from studio.timeline.gestures.contact import new_contact
 from studio.timeline.shown import Hit, Part, Shown
-from studio.timeline.tracks.growth import keys_of
+from studio.timeline.tracks.keys import stage_times
 
 if TYPE_CHECKING:
     from studio.timeline.canvas import TrackCanvas
@@ -26,7 +28,11 @@ def menu_at(canvas: "TrackCanvas", position: QPointF) -> QMenu | None:
     hit = canvas.sheet.hit(position)
     menu = QMenu(canvas)
     menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-    if hit.kind == "plot":
+    if hit.part == Part.KEY:
+        _offer_key(menu, canvas, hit)
+    elif hit.kind == "curves":
+        offer_curves(menu, canvas)
+    elif hit.kind == "plot":
         _offer_quantities(menu, canvas, canvas.sheet.shown)
     elif hit.kind == "clips":
         if ("clips", hit.id) not in canvas.document.selection:
@@ -44,8 +50,6 @@ def menu_at(canvas: "TrackCanvas", position: QPointF) -> QMenu | None:
         if hit.kind == "labels":
             menu.addAction("Rename label").triggered.connect(lambda: canvas.rename_label(hit.id))
         _offer_deletion(menu, canvas, hit)
-    elif hit.part == Part.KEY:
-        _offer_key(menu, canvas.sheet.shown, hit, position)
     elif hit.kind == "lane":
         _offer_contacts(menu, canvas, hit, position)
     return menu if menu.actions() else None
@@ -70,11 +74,18 @@ def _offer_deletion(menu: QMenu, canvas: "TrackCanvas", hit: Hit) -> None:
     menu.addAction(action)
 
 
-def _offer_key(menu: QMenu, shown: Shown, hit: Hit, position: QPointF) -> None:
-    keyed = keys_of(shown, hit.id)
-    action = menu.addAction("Delete key")
-    action.setEnabled(keyed is not None and len(keyed.times) > 1)
-    action.triggered.connect(lambda: edits.delete_growth_key(shown, hit.id, position.x()))
+def _offer_key(menu: QMenu, canvas: "TrackCanvas", hit: Hit) -> None:
+    document, shown = canvas.document, canvas.shown
+    if shown is None:
+        return
+    if not document.keys.items.intersection(hit.keys):
+        canvas.select_keys(hit, add=False)
+    count = len(document.keys.items)
+    action = menu.addAction("Delete key" if count == 1 else f"Delete {count} keys")
+    fields = document.keys.by_field().items()
+    stays = all(len(places) < len(stage_times(shown, field)) for field, places in fields)
+    action.setEnabled(stays)
+    action.triggered.connect(lambda: delete_keys(document))
 
 
 def _offer_contacts(menu: QMenu, canvas: "TrackCanvas", hit: Hit, position: QPointF) -> None:

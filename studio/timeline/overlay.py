@@ -7,7 +7,7 @@ from studio.document import colours
 from studio.timeline.gestures.gesture import Mark
 from studio.timeline.shown import LABEL_WIDTH, Shown
 from studio.timeline.tracks import ruler
-from studio.timeline.tracks.brush import font, hairline, paint_bar
+from studio.timeline.tracks.brush import font, hairline, paint_bar, translucent
 
 BAR_WIDTH = 200.0
 HEAD = 6.0
@@ -51,6 +51,14 @@ def paint_mark(painter: QPainter, shown: Shown, mark: Mark, mouse: QPointF, area
     paint_bar(painter, chip, QColor(colours.WINDOW), 4, colours.EDGE)
     painter.setPen(QColor(colours.TEXT))
     painter.drawText(chip, Qt.AlignmentFlag.AlignCenter, mark.text)
+
+
+def paint_box(painter: QPainter, box: QRectF) -> None:
+    """The box in which keys are selected."""
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
+    painter.setPen(hairline(colours.SELECTED_HANDLE))
+    painter.setBrush(translucent(colours.SELECTED_HANDLE, 0.15))
+    painter.drawRect(box)
 
 
 def paint_prompt(painter: QPainter, area: QRect, text: str, share: float | None = None) -> None:

@@ -7,11 +7,14 @@ from PySide6.QtWidgets import QWidget
 from studio.document import colours
 from studio.timeline.sheet import Sheet
 from studio.timeline.shown import LABEL_WIDTH, Row, Shown, label_area
-from studio.timeline.tracks import clip, constraint, contacts, growth, hold, labels, layer, remarks, ruler
+from studio.timeline.tracks import clip, constraint, contacts, hold, keys, labels, layer, remarks, ruler
 from studio.timeline.tracks.brush import time_area, translucent
 from studio.timeline.tracks.plot import FOLDED, PlotPicture
+from studio.timeline.tracks.value_curves import ValueCurves
 
 PLOT = ("plot", "")
+BEHIND = 0.3
+"""How strong measured curves are behind those that are edited."""
 RULER = ("ruler", "")
 
 
@@ -20,6 +23,7 @@ class Picture:
 
     def __init__(self, parent: QWidget) -> None:
         self.plot = PlotPicture(parent)
+        self.curves = ValueCurves()
         self.pixmap = QPixmap()
         self._stale: set[tuple[str, str]] = set()
         self._stale_lanes: set[tuple[str, str]] = set()
@@ -77,7 +81,11 @@ class Picture:
         _paint_ground(painter, sheet.plot, sheet.shown)
         self.plot.fetch(sheet.shown)
         if sheet.plot.height() > FOLDED:
+            painter.setOpacity(BEHIND if sheet.shown.curves else 1.0)
             self.plot.paint(painter, sheet.plot, sheet.shown)
+            painter.setOpacity(1.0)
+            if sheet.shown.curves:
+                self.curves.paint(painter, sheet.plot, sheet.shown)
         self.plot.paint_label(painter, sheet.plot, sheet.shown)
         painter.fillRect(0, sheet.plot.top(), sheet.size.width(), 1, QColor(colours.EDGE))
         painter.restore()
@@ -125,7 +133,9 @@ def _paint_label(painter: QPainter, area: QRect, shown: Shown, row: Row) -> None
         case "layer":
             layer.paint_layer_label(painter, area, row.id)
         case "growth":
-            growth.paint_growth_label(painter, area)
+            keys.paint_growth_label(painter, area)
+        case "summary" | "sheet":
+            keys.paint_sheet_label(painter, row, area, shown)
         case "props":
             hold.paint_hold_label(painter, area, shown, row.id)
         case "lane":
@@ -143,10 +153,16 @@ def _paint_content(painter: QPainter, area: QRect, shown: Shown, row: Row) -> No
         case "layer":
             layer.paint_layers(painter, area, shown, row.id)
         case "growth":
-            growth.paint_growth(painter, area, shown, row.id)
+            performer = shown.project.performers[row.id]
+            keys.paint_keys(painter, shown, row, area, shown.project.characters[performer.character_id].colour)
+        case "summary" | "sheet":
+            keys.paint_sheet(painter, row, area, shown)
         case "props":
             hold.paint_hold(painter, area, shown, row.id)
+            keys.paint_keys(painter, shown, row, area, colours.TEXT)
         case "lane":
             contacts.paint_contacts(painter, area, shown, row.id)
         case "constraints":
             constraint.paint_constraint(painter, area, shown, row.id)
+            keys.paint_keys(painter, shown, row, area, constraint.key_colour(shown, row.id))
+            constraint.paint_handles(painter, area, shown, row.id)

@@ -5,16 +5,31 @@ from dataclasses import dataclass
 from PySide6.QtCore import QPoint, QPointF, QRect, QSize
 
 from studio.timeline.shown import FOLD_WIDTH, LABEL_WIDTH, Hit, Part, Row, Shown
-from studio.timeline.tracks import clip, constraint, contacts, growth, hold, labels, layer, plot, ruler
+from studio.timeline.tracks import clip, constraint, contacts, hold, keys, labels, layer, plot, ruler
 
 PLAYHEAD_REACH = 4.0
 RIGHT_MARGIN = 12
+CURVES_SHARE, LEAST_CURVES = 0.55, 150
+"""What of the height the curve editor takes at least, and pixels."""
 FOLDING = ("constraints", "lane")
 """Kinds of rows of which each can be folded by itself."""
 
 
 def rows_of(shown: Shown) -> tuple[Row, ...]:
-    """Labels, clips, layers, keys of growth, when props are held, contacts, and constraints by priority."""
+    """Labels, clips, layers, keys of growth, when props are held, contacts, constraints by priority; or the keys."""
+    return _stacked(keys.rows_of(shown) if shown.dope else _heights(shown))
+
+
+def _stacked(heights: list[tuple[str, str, int]]) -> tuple[Row, ...]:
+    rows, y = [], 0
+    for kind, row_id, height in heights:
+        rows.append(Row(kind, row_id, y, height))
+        y += height
+    return tuple(rows)
+
+
+def _heights(shown: Shown) -> list[tuple[str, str, int]]:
+    """Kind, id and height of each row but those of the dope sheet."""
     visible = [key for key, each in shown.project.performers.items() if each.visible]
     players = visible if shown.apart else (shown.subject.performer_id,)
     constraints = shown.project.constraints_for(shown.subject.performer_id, shown.subject.clip)
@@ -22,22 +37,17 @@ def rows_of(shown: Shown) -> tuple[Row, ...]:
     lanes = contacts.rows_with(touching)
     tall = constraint.height(len(shown.subject.bodies))
     heights_of = {key: constraint.FOLDED if ("constraints", key) in shown.folded else tall for key in constraints}
-    heights = [
+    return [
         *labels.rows_of(shown),
         *(
             each
             for key in players
-            for each in (("clip", key, clip.HEIGHT), *layer.rows_of(shown, key), *growth.rows_of(shown, key))
+            for each in (("clip", key, clip.HEIGHT), *layer.rows_of(shown, key), *keys.growth_rows(shown, key))
         ),
         *hold.rows_of(shown),
         *(("lane", row, contacts.FOLDED if ("lane", row) in shown.folded else contacts.HEIGHT) for row in lanes),
         *(("constraints", key, high) for key, high in heights_of.items()),
     ]
-    rows, y = [], 0
-    for kind, row_id, height in heights:
-        rows.append(Row(kind, row_id, y, height))
-        y += height
-    return tuple(rows)
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +74,10 @@ class Sheet:
         """The plot, at the bottom; it takes what the rows leave."""
         if ("plot", "") in self.shown.folded:
             return QRect(0, self.size.height() - plot.FOLDED, self.size.width(), plot.FOLDED)
+        if self.shown.curves:
+            most = self.size.height() - ruler.HEIGHT
+            height = max(round(CURVES_SHARE * most), min(LEAST_CURVES, most), most - self.content_height)
+            return QRect(0, self.size.height() - height, self.size.width(), height)
         spare = self.size.height() - ruler.HEIGHT - self.content_height
         height = min(max(spare, plot.LEAST_HEIGHT), plot.MOST_HEIGHT)
         return QRect(0, self.size.height() - height, self.size.width(), height)
@@ -102,7 +116,9 @@ class Sheet:
         if self.plot.contains(point) and point.x() < FOLD_WIDTH:
             return Hit("plot", "", Part.FOLD)
         if self.plot.contains(point):
-            return Hit("plot", "", Part.TIME if point.x() >= LABEL_WIDTH else Part.LABEL)
+            if point.x() < LABEL_WIDTH:
+                return Hit("plot", "", Part.LABEL)
+            return Hit("curves", "", Part.EMPTY) if self.shown.curves else Hit("plot", "", Part.TIME)
         row = self.row_at(point)
         return self._hit_row(row, position) if row else Hit("", "", Part.EMPTY)
 
@@ -112,13 +128,19 @@ class Sheet:
         if position.x() < LABEL_WIDTH:
             return self._label_hit(row)
         area = self.rect(row)
+        under = self._hit_part(row, area, position)
+        if under.part in (Part.EMPTY, Part.BODY) and (found := keys.keys_at(self.shown, row, area, position)):
+            return Hit(row.kind, row.id, Part.KEY, keys=found)
+        return under
+
+    def _hit_part(self, row: Row, area: QRect, position: QPointF) -> Hit:
         match row.kind:
+            case "growth" | "summary" | "sheet":
+                return Hit(row.kind, row.id, Part.EMPTY)
             case "clip":
                 return clip.clip_hit(clip.bars_of(self.shown, area, row.id), row.id, position)
             case "layer":
                 return clip.clip_hit(layer.clip_bars(self.shown, area, row.id), layer.performer_of(row.id), position)
-            case "growth":
-                return growth.growth_hit(self.shown, area, row.id, position)
             case "labels":
                 return labels.labels_hit(self.shown, area, position)
             case "props":

@@ -11,6 +11,7 @@ from studio.core.captures.remarks import Remark
 from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
 from studio.document.document import Document
+from studio.document.keyed_fields import KeyRef
 from studio.engine.live import Live
 from studio.engine.residuals import Residual, is_asked, worst_residual
 from studio.timeline.axis import TimeAxis
@@ -48,8 +49,9 @@ EDGES = (Part.FIRST, Part.LAST)
 
 @dataclass(frozen=True)
 class Row:
-    """One row: its kind (labels, constraints, clip, layer, growth, props, lane), id, and pixels below the first row.
+    """One row: its kind, its id, and pixels below the first row.
 
+    Kinds are labels, constraints, clip, layer, growth, props and lane; summary and sheet are those of the dope sheet.
     A row of clips or of growth has its performer's id, one of layers that and the region.
     """
 
@@ -58,18 +60,24 @@ class Row:
     y: int
     height: int
 
+    @property
+    def key(self) -> tuple[str, str]:
+        """Kind and id."""
+        return self.kind, self.id
+
 
 @dataclass(frozen=True)
 class Hit:
     """What lies under a point: its kind, its id (an empty place of a line has its contact point), its part.
 
-    A clip lies in the row of ``performer_id``.
+    A clip lies in the row of ``performer_id``; a diamond is ``keys`` that lie at one time.
     """
 
     kind: str
     id: str
     part: Part
     performer_id: str = ""
+    keys: tuple[KeyRef, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +95,10 @@ class Shown:
     """Whether every performer has its row of clips; else the active one's stands for all."""
     remarks: tuple[Remark, ...] = ()
     """What is odd about the capture of the motion."""
+    dope: bool = False
+    """Whether the rows are those of the dope sheet."""
+    curves: bool = False
+    """Whether the plot is the curve editor."""
 
     @property
     def project(self) -> Project:

@@ -1,8 +1,12 @@
-"""Snapping: dragged times catch on frames, and on what lies near: the playhead and the ends of contacts."""
+"""Snapping: dragged times catch on frames, and on what lies near: the playhead, ends of contacts, and keys."""
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from studio.timeline.axis import TimeAxis
+from studio.timeline.shown import Shown
+from studio.timeline.tracks.keys import sheet_fields, stage_times
 
 MAGNET_PIXELS = 6.0
 
@@ -29,3 +33,23 @@ def magnets_of(contacts: dict[str, tuple[float, float]], playhead: float, *witho
     """The playhead and both ends of all contacts, those named in ``without`` left out."""
     edges = (time for key, ends in contacts.items() if key not in without for time in ends)
     return (playhead, *edges)
+
+
+def key_magnets(shown: Shown, scaling: bool) -> tuple[float, ...]:
+    """What dragged keys catch on: the playhead unless they are scaled about it, contacts, and keys that stay.
+
+    Only what is in view counts.
+    """
+    project, axis, selected = shown.project, shown.axis, shown.document.keys.by_field()
+    contacts = project.contacts_of(shown.subject.motion_id).values()
+    ends = np.array([frame for each in contacts for frame in (each.first, each.last)], dtype=np.float64)
+    times = [np.asarray(shown.subject.to_stage(ends / shown.subject.frame_rate))]
+    for field in dict.fromkeys((*sheet_fields(shown), *selected)):
+        stays = np.ones(len(every := stage_times(shown, field)), dtype=bool)
+        stays[list(selected.get(field, ()))] = False
+        times.append(every[stays])
+    if not scaling:
+        times.append(np.array([shown.document.playhead.time]))
+    found = np.unique(np.concatenate(times))
+    seen = (found >= axis.time_at(axis.left)) & (found <= axis.time_at(axis.right))
+    return tuple(found[seen].tolist())

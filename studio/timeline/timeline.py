@@ -31,6 +31,8 @@ class Timeline(QWidget):
         super().__init__(parent)
         self.transport = Transport(document, live.play, self)
         self.transport.wanted.connect(self.wanted)
+        self.transport.dope.clicked.connect(self.set_dope)
+        self.transport.curves.clicked.connect(self.edit_curves)
         self.tracks = TrackCanvas(document, live, self)
         self.tracks.told.connect(self.told)
         self._closed = False
@@ -98,6 +100,26 @@ class Timeline(QWidget):
     def fit(self) -> None:
         """Show all of time."""
         self.tracks.axis.fit()
+
+    @property
+    def dope(self) -> bool:
+        """Whether the rows are those of the dope sheet."""
+        return self.tracks.dope
+
+    def set_dope(self, dope: bool) -> None:
+        """Show the keys of the selection as a dope sheet, or the usual rows."""
+        self.tracks.set_dope(dope)
+        self.transport.dope.setChecked(dope)
+
+    @property
+    def editing_curves(self) -> bool:
+        """Whether the plot is the curve editor."""
+        return self.tracks.editing
+
+    def edit_curves(self, editing: bool) -> None:
+        """Make the plot the curve editor of the selection, or as it was."""
+        self.tracks.set_editing(editing)
+        self.transport.curves.setChecked(editing)
 
     def fold_rows(self) -> None:
         """Make constraints and plot a line high each; where they are, as high as they were."""

@@ -63,7 +63,9 @@ class Transport(QWidget):
         self.loop.setChecked(playhead.loop)
         self.live = _button("mdi6.broadcast", "Play live", lambda: self.wanted.emit("play_live"))
         self.record = _button("mdi6.record-circle-outline", "Record a take", lambda: self.wanted.emit("record_take"))
-        for button in (self.live, self.record):
+        self.dope = _button("mdi6.rhombus-split-outline", "Dope sheet: the keys of the selection", lambda: None)
+        self.curves = _button("mdi6.chart-bell-curve", "Curve editor: the values of the selection", lambda: None)
+        for button in (self.live, self.record, self.dope, self.curves):
             button.setCheckable(True)
         self.clock = QLabel()
         self.clock.setObjectName("live")
@@ -106,6 +108,8 @@ class Transport(QWidget):
         row.addSpacing(12)
         _add(row, self.live, self.record, self.clock)
         row.addStretch()
+        _add(row, self.dope, self.curves)
+        row.addSpacing(12)
         _add(row, _caption("Range"), self.first, _caption("–"), self.last)
 
     def _show_time(self) -> None:

@@ -9,21 +9,27 @@ from PySide6.QtWidgets import QScrollBar, QWidget
 from studio.core.captures.capture import Capture
 from studio.core.captures.remarks import Remark, remarks_on
 from studio.document.document import Document
+from studio.document.keyed_fields import KEYED_COLLECTIONS, fields_of
 from studio.engine.empty_stage import empty_words
 from studio.engine.live import Live
 from studio.timeline import edits, overlay
 from studio.timeline.axis import TimeAxis
+from studio.timeline.curve_fields import HEIGHT as FIELDS_HEIGHT
+from studio.timeline.curve_fields import CurveFields
 from studio.timeline.curves import Quantity
 from studio.timeline.gestures.gesture import Gesture
+from studio.timeline.gestures.keys import BoxSelect
+from studio.timeline.gestures.value_curves import BoxSelectCurves
 from studio.timeline.picture import PLOT, Picture
 from studio.timeline.sheet import FOLDING, RIGHT_MARGIN, Sheet, rows_of
 from studio.timeline.shown import LABEL_WIDTH, Part, Shown
 from studio.timeline.subject import play_apart, stage_extent, subject_of
 from studio.timeline.tracks.constraint import looks_of
+from studio.timeline.tracks.keys import SHEET, SUMMARY, sheet_id
 
 UNSEEN = ("characters", "grounds", "props")
 """What rows of ``DRAGGED`` alone show while it is dragged, until it is solved."""
-DRAGGED = ("growth", "props")
+DRAGGED = ("growth", "props", "summary", "sheet")
 
 
 class TrackView(QWidget):
@@ -39,6 +45,12 @@ class TrackView(QWidget):
         self.handle: Part | None = None
         self.mouse = QPointF()
         self.folded: frozenset[tuple[str, str]] = frozenset()
+        self.editing = False
+        """Whether the plot is the curve editor."""
+        self.fields = CurveFields(self.picture.curves, self)
+        self.fields.hide()
+        self.dope = False
+        """Whether the rows are those of the dope sheet."""
         self.apart: bool | None = None
         """Whether every performer has its row of clips; None while the user leaves that to what they play."""
         self._looks: dict[str, object] = {}
@@ -57,6 +69,7 @@ class TrackView(QWidget):
         document.entity_changed.connect(self._show_change)
         document.project_opened.connect(self._show_project)
         document.selection.changed.connect(self._show_selection)
+        document.keys.changed.connect(self._redraw_all)
         playhead.changed.connect(self._move_playhead)
         playhead.range_changed.connect(self.lay_out)
         self.live.told_changed.connect(self._show_results)
@@ -71,6 +84,7 @@ class TrackView(QWidget):
         document.entity_changed.disconnect(self._show_change)
         document.project_opened.disconnect(self._show_project)
         document.selection.changed.disconnect(self._show_selection)
+        document.keys.changed.disconnect(self._redraw_all)
         playhead.changed.disconnect(self._move_playhead)
         playhead.range_changed.disconnect(self.lay_out)
         self.live.told_changed.disconnect(self._show_results)
@@ -104,7 +118,18 @@ class TrackView(QWidget):
             return
         apart = play_apart(self.document.project) if self.apart is None else self.apart
         remarks = self._remarks_on(self.document.project.captures[subject.motion.capture_id])
-        shown = Shown(self.document, self.live, self.axis, subject, self.handle, self.folded, apart, remarks)
+        shown = Shown(
+            self.document,
+            self.live,
+            self.axis,
+            subject,
+            self.handle,
+            self.folded,
+            apart,
+            remarks,
+            self.dope,
+            self.editing,
+        )
         sheet = Sheet(shown, rows_of(shown), self.size())
         hidden = max(sheet.content_height - sheet.viewport.height(), 0)
         with QSignalBlocker(self.scroll_bar):
@@ -117,6 +142,8 @@ class TrackView(QWidget):
             self.axis.place(LABEL_WIDTH, self.width() - LABEL_WIDTH - RIGHT_MARGIN)
             if self.gesture is None:  # time does not move under a hand that drags in it
                 self.axis.set_extent(0.0, stage_extent(self.document.project), self.document.playhead.frame_rate)
+        self.fields.setGeometry(0, self.sheet.plot.top() + 44, LABEL_WIDTH, FIELDS_HEIGHT)
+        self.fields.setVisible(self.editing and self.sheet.plot.height() > 44 + FIELDS_HEIGHT)
         self._redraw_all()
 
     def _remarks_on(self, capture: Capture) -> tuple[Remark, ...]:
@@ -126,6 +153,8 @@ class TrackView(QWidget):
         return self._remarked[1]
 
     def _redraw_all(self) -> None:
+        if self.editing:
+            self.fields.show_keys(self.shown)
         self.picture.expire()
         self.update()
 
@@ -143,17 +172,39 @@ class TrackView(QWidget):
             self.update(self.sheet.rect(found) if found is not None else self.sheet.plot)
 
     def _show_project(self) -> None:
-        self.handle = self.apart = None
+        self.handle = self.apart = self._remarked = None
         self.axis.fit()
         self.lay_out()
 
     def _show_selection(self) -> None:
         self.set_handle(None)
+        self.picture.curves.ranges.clear()
         self.lay_out()
         row = self.sheet.find(*self.document.selection.current or ("", "")) if self.sheet else None
         if row is not None and self.sheet is not None:
             high, low = row.y, row.y + row.height - self.sheet.viewport.height()
             self.scroll_bar.setValue(max(min(self.scroll_bar.value(), high), low))
+
+    def set_editing(self, editing: bool) -> None:
+        """Make the plot the curve editor, or as it was."""
+        if self.editing != editing:
+            self.editing = editing
+            self.folded -= {PLOT}
+            self.lay_out()
+
+    def frame_curves(self, selected: bool) -> None:
+        """Show all values of the curve editor, or those of the selected keys."""
+        if self.shown is not None:
+            if not selected:
+                self.axis.fit()
+            self.picture.curves.frame(self.shown, selected)
+            self._redraw(PLOT)
+
+    def set_dope(self, dope: bool) -> None:
+        """Show the rows of the dope sheet, or the usual ones."""
+        if self.dope != dope:
+            self.dope = dope
+            self.lay_out()
 
     def fold(self, kind: str, row_id: str = "") -> None:
         """Make a row of ``FOLDING``, or the plot, a line high, or as high as it was; rows of performers one, or all."""
@@ -174,6 +225,15 @@ class TrackView(QWidget):
         """Draw the row of a changed constraint or contact; anything else may change which rows there are."""
         if collection == "behaviours":
             return
+        if self.editing and collection in KEYED_COLLECTIONS:
+            self._redraw(PLOT)
+            self.fields.show_keys(self.shown)
+        if self.dope and collection == "constraints" and self.sheet and entity_id:
+            own = [row.key for row in self.sheet.rows if row.id.startswith(f"{collection}/{entity_id}/")]
+            fields = fields_of(collection, entity_id, self.document.project.get(collection, entity_id))
+            if own == [(SHEET, sheet_id(field)) for field in fields]:
+                self._redraw((SUMMARY, ""), *own)
+                return
         if self.live.interactive and collection in UNSEEN:
             rows = self.sheet.rows if self.sheet else ()
             self._redraw(*((row.kind, row.id) for row in rows if row.kind in DRAGGED))
@@ -243,6 +303,8 @@ class TrackView(QWidget):
         painter.drawPixmap(QPointF(), self.picture.pixmap)
         overlay.paint_playhead(painter, sheet.shown, self.height())
         self._playhead_area = overlay.playhead_area(sheet.shown, self.height())  # where it is left from, also by a zoom
+        if isinstance(self.gesture, BoxSelect | BoxSelectCurves):
+            overlay.paint_box(painter, self.gesture.box)
         if self.gesture is not None and self.gesture.mark is not None:
             overlay.paint_mark(painter, sheet.shown, self.gesture.mark, self.mouse, self.rect())
 

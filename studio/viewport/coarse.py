@@ -1,13 +1,13 @@
 """A coarser skin of some of the vertices of another one, for pictures of which the next comes at once."""
 
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.mesh.hand_shapes import HandShapes
-from studio.core.mesh.skin import SkinnedMesh, fit_skin, gripping
+from studio.core.mesh.skin import SkinnedMesh
+from studio.core.project_cache import project_cache
 
 FEW = 2000
 """Triangles of a mesh that is coarse already."""
@@ -15,7 +15,7 @@ CELL = 2.8
 """Edges of a mesh that are as long as a cell, whose vertices become one: a quarter of the triangles is left."""
 
 
-@lru_cache(maxsize=64)
+@project_cache(maxsize=64)
 def coarse_skin(mesh: SkinnedMesh) -> SkinnedMesh:
     """``mesh`` with ``coarse_triangles`` and no vertices but theirs; a skin with materials as it is."""
     triangles = coarse_triangles(mesh)
@@ -53,9 +53,3 @@ def coarse_triangles(mesh: SkinnedMesh) -> NDArray[np.int32]:
     corners = np.sort(fewer, axis=1)
     whole = (corners[:, 1:] != corners[:, :-1]).all(axis=1)
     return np.asarray(fewer[whole])
-
-
-def forget_skins() -> None:
-    """Let go of all skins that were fitted, shaped or made coarse: of a project that is shown no more."""
-    for made in (coarse_skin, fit_skin, gripping):
-        made.cache_clear()

@@ -202,9 +202,11 @@ def _turn(pose: Posed, point: BodyPoint) -> FloatArray:
 
 
 def _allowed(constraint: AreaConstraint, place: FloatArray) -> FloatArray:
-    from studio.core.solver.asking.areas import nearest_place  # not before a result is there: it loads kernels
+    from studio.core.solver.asking.area_rows import (
+        nearest_allowed_position,
+    )  # not before a result is there: it loads kernels
 
-    return nearest_place(constraint, place)
+    return nearest_allowed_position(constraint, place)
 
 
 def _mass(pose: Posed) -> FloatArray:

@@ -1,11 +1,10 @@
 """Lines by which solids are drawn: the capsules of a body, the edges of a mesh."""
 
-from functools import lru_cache
-
 import numpy as np
 
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.mesh.volume import BodyVolume, usual_volume
+from studio.core.project_cache import project_cache
 from studio.core.solver.request import AdaptedMotion
 from studio.viewport.camera import FloatArray
 
@@ -45,7 +44,7 @@ def _capsule(begin: FloatArray, end: FloatArray, first: float, last: float) -> l
     return [*rings, *outlines]
 
 
-@lru_cache(maxsize=8)
+@project_cache(maxsize=8)
 def mesh_lines(mesh: TriangleMesh) -> tuple[list[FloatArray], list[FloatArray]]:
     """The sharpest edges of a mesh and its rim, (2, 3) each, and no faces: the body is to be seen behind it."""
     corners = mesh.vertices[mesh.triangles]

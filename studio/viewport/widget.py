@@ -25,7 +25,6 @@ from studio.viewport.body_points import body_joints
 from studio.viewport.camera import VIEWS, FloatArray, OrbitCamera
 from studio.viewport.canvas import Canvas
 from studio.viewport.chips import Chips
-from studio.viewport.coarse import forget_skins
 from studio.viewport.constraining import Here, constraint_here
 from studio.viewport.dropping import StrikeDrops
 from studio.viewport.following import Follower
@@ -386,7 +385,6 @@ class Viewport(Canvas):
         links = (
             (document.entity_changed, self._entity_changed),
             (document.project_opened, self._project_opened),
-            (document.project_opened, forget_skins),
             (document.selection.changed, self._selection_changed),
             (document.playhead.changed, self._playhead_moved),
             (document.playhead.playing_changed, self.show_again),

@@ -291,7 +291,7 @@ def test_frames_in_which_a_limb_stands_are_counted_and_misses_are_those_of_the_f
 
 
 def test_feet_stand_on_the_ground_of_a_file_where_the_character_is_placed(capsys, tmp_path):
-    standing = example_captures_folder() / "reach_grasp.bvh"
+    standing = example_captures_folder() / "front_kick.bvh"
     (tmp_path / "ground.json").write_text('{"kind": "slope", "angle": 0.1}')
     arguments = ("--character", "child", "--ground", tmp_path / "ground.json")
     for place, rise in (((), 0.0), (("--place", "child", "2", "0", "0"), 2.0 * np.tan(0.1))):
@@ -331,6 +331,32 @@ def test_who_follows_another_follows_where_that_one_is_placed(capsys, walk, tmp_
 def test_a_place_or_a_ground_that_is_none_is_a_sentence(capsys, walk, tmp_path, options, sentence):
     assert main(["adapt", str(walk), "--character", "child", "--out", str(tmp_path / "out"), *options]) == 1
     assert sentence in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("limb", ["forearm", "hand"])
+def test_hands_of_two_characters_that_follow_each_other_meet_as_the_report_says(capsys, walk, tmp_path, limb):
+    """Each followed the other as it was without constraints: palms up to 1.6 m apart, reported as 0.0 mm."""
+    always, point = {"start": -1, "full": -1, "full_end": 99, "end": 99}, {"part": f"right_{limb}", "at_end": True}
+    asked = [
+        {
+            **WRIST, "name": f"Meet {other}", "point": point, "activation": always, "chain": {"trunk": 1, "root": 1},
+            "target": {"kind": "follow_performer", "performer_id": other, "point": point},
+            "scope": {"performer_id": who},
+        }
+        for who, other in (("adult_woman", "child"), ("child", "adult_woman"))
+    ]  # fmt: skip
+    file = constraint_file(tmp_path, *asked)
+    arguments = ("--character", "adult_woman", "child", "--constraints", file, "--format", "npz", "--exact")
+    _, report = adapt(capsys, walk, tmp_path / "out", *arguments, "--place", "child", "0.9", "0.3", "180")
+    joint = "RightHand" if limb == "forearm" else "RightHandEnd"
+    places = []
+    for record in report["characters"]:
+        with np.load(record["file"]) as written:
+            places.append(written["positions"][:, written["joints"].tolist().index(joint)])
+    apart = 1000.0 * np.linalg.norm(places[0] - places[1], axis=1)
+    reported = [each["constraints"][0]["residual_mm"] for each in report["characters"]]
+    assert apart.max() < 1.0
+    assert apart.max() < sum(reported) + 0.05
 
 
 def test_characters_follow_props_of_the_file_joints_of_the_capture_and_each_other(capsys, kick, tmp_path):

@@ -27,8 +27,8 @@ from studio.core.rotations import multiply
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.arching import arch_trunk
-from studio.core.solver.standing.blends import averaged, eased
-from studio.core.solver.standing.carrying import find_carrying, leaning
+from studio.core.solver.standing.blends import averaged, interpolated_corrections
+from studio.core.solver.standing.body_support import find_support, tilt_with_ground
 from studio.io.project.character_file import bundled_characters
 from tests.builders import make_capture, make_morphology, make_skeleton
 from tests.core.motions import RATE, about, random_rotations, walk
@@ -160,7 +160,7 @@ def test_a_wrist_over_fingers_that_slope_down_is_as_high_as_the_actors(above: fl
 def test_on_feet_alone_nothing_else_is_asked() -> None:
     motion, contacts = walk(60)
     positions = np.zeros((60, BODY.layout.point_count, 3))
-    assert find_carrying(motion, BODY, contacts, Ground(), positions, TURNS) is None
+    assert find_support(motion, BODY, contacts, Ground(), positions, TURNS) is None
 
 
 @given(seeds)
@@ -173,7 +173,7 @@ def test_who_leans_with_a_slope_stands_on_it_as_on_the_floor(seed: int) -> None:
     positions = random.normal(size=(30, BODY.layout.point_count, 3))
     positions[:, 1] = positions[:, 0] - positions[:, 0, 2:] * [0.0, 0.0, 1.0]
     turns = np.broadcast_to(np.eye(3), (30, BODY.layout.segment_count, 3, 3))
-    leant, turned, upright = leaning(np.ones((30, 1)), BODY, ground, RATE, positions, turns)
+    leant, turned, upright = tilt_with_ground(np.ones((30, 1)), BODY, ground, RATE, positions, turns)
     assert np.allclose(leant[:, 1], positions[:, 1], atol=1e-12)
     normals = ground.normal_at(positions[:, 0])
     assert np.allclose(leant[:, 0] - leant[:, 1], positions[:, 0, 2:] * normals, atol=1e-9)
@@ -181,7 +181,7 @@ def test_who_leans_with_a_slope_stands_on_it_as_on_the_floor(seed: int) -> None:
     spans = [np.linalg.norm(np.diff(points, axis=1), axis=2) for points in (positions, leant)]
     assert np.allclose(*spans, atol=1e-9)
     assert np.allclose(upright[..., 2], positions[..., 2], atol=1e-12)
-    for same in leaning(np.zeros((30, 1)), BODY, ground, RATE, positions, turns)[::2]:
+    for same in tilt_with_ground(np.zeros((30, 1)), BODY, ground, RATE, positions, turns)[::2]:
         assert np.allclose(same, positions, atol=1e-12)
 
 
@@ -191,7 +191,7 @@ def test_who_carries_adds_up_to_everything_and_passes_on_smoothly() -> None:
         ContactInterval("pose", ContactPoint.LEFT_TOE, 0, 50), ContactInterval("pose", ContactPoint.LEFT_HAND, 40, 80),
         ContactInterval("pose", ContactPoint.SEAT, 95, 119),
     )  # fmt: skip
-    carrying = find_carrying(motion, BODY, contacts, Ground(), np.ones((120, BODY.layout.point_count, 3)), TURNS)
+    carrying = find_support(motion, BODY, contacts, Ground(), np.ones((120, BODY.layout.point_count, 3)), TURNS)
     assert carrying is not None
     share = carrying.feet_share
     assert share[0] == pytest.approx(1.0)
@@ -215,7 +215,7 @@ def test_corrections_hold_where_they_are_known_and_fade_away_from_it(seed: int) 
     known = np.repeat(random.integers(0, 2, 12), random.integers(1, 40, 12)).astype(bool)
     assume(known.any())
     corrections = np.where(known[:, None], random.normal(size=(len(known), 3)), 0.0)
-    filled = eased(corrections, known, RATE)
+    filled = interpolated_corrections(corrections, known, RATE)
     assert np.array_equal(filled[known], corrections[known])
     away = np.array([np.abs(np.flatnonzero(known) - frame).min(initial=999) for frame in range(len(known))])
     assert (filled[away > 0.4 * RATE] == 0.0).all()
@@ -228,7 +228,7 @@ def test_what_goes_from_one_place_to_the_next_goes_beyond_neither(seed: int) -> 
     known = np.repeat(random.integers(0, 2, 12), random.integers(1, 40, 12)).astype(bool)
     assume(known.any())
     corrections = np.where(known[:, None], np.cumsum(random.normal(size=(len(known), 3)), axis=0), 0.0)
-    filled = eased(corrections, known, RATE)
+    filled = interpolated_corrections(corrections, known, RATE)
     stands = np.flatnonzero(known)
     for frame in np.flatnonzero(~known):
         ends = [corrections[stands[stands < frame][-1:]], corrections[stands[stands > frame][:1]], np.zeros((1, 3))]

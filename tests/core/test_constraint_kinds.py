@@ -20,7 +20,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import centre_of_mass, contact_quality
 from studio.core.rotations import from_matrix, to_matrix
 from studio.core.solver.adapt import adapt, place_of
-from studio.core.solver.asking.areas import nearest_place
+from studio.core.solver.asking.area_rows import nearest_allowed_position
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.project.character_file import bundled_characters
 from tests.core.motions import walk
@@ -142,7 +142,7 @@ def test_a_wrist_is_only_where_it_may_be(body: Morphology, shape: AreaShape, siz
     )
     adapted = adapt(AdaptRequest(WALK, body, CONTACTS, (area,)), 30, 30)
     wrist = place_of(RIGHT, adapted)[0]
-    assert np.linalg.norm(nearest_place(area, wrist) - wrist) < MET
+    assert np.linalg.norm(nearest_allowed_position(area, wrist) - wrist) < MET
 
 
 @pytest.mark.parametrize("size", [(0.8, 0.8, 0.7), (1.2, 0.6, 0.04), (0.1, 0.5, 0.3)], ids=str)
@@ -151,10 +151,10 @@ def test_a_table_leaves_no_point_in_it_and_pushes_neighbours_alike(size: tuple[f
     table = ask(AreaConstraint, RIGHT, ARM, shape="table", centre=(0.0, 0.0, 0.0), size=size)
     for _ in range(2000):
         point = random.uniform(-half, half)
-        place = nearest_place(table, point)
+        place = nearest_allowed_position(table, point)
         assert (np.abs(place) / half).max() == pytest.approx(1.0)
         if point[2] + half[2] > 1.001 * min(0.1, half[2]):  # below it goes back down
-            apart = np.linalg.norm(nearest_place(table, point + np.array([1e-7, -1e-7, 1e-7])) - place)
+            apart = np.linalg.norm(nearest_allowed_position(table, point + np.array([1e-7, -1e-7, 1e-7])) - place)
             assert apart < 2e-4
 
 
@@ -162,7 +162,7 @@ def test_a_wrist_at_the_edge_of_a_table_goes_little_farther_than_out_of_it() -> 
     table = ask(AreaConstraint, RIGHT, ARM, shape="table", centre=(0.0, 0.0, 0.0), size=(0.8, 0.8, 0.7))
     for within in (0.005, 0.01, 0.02, 0.04):
         point = np.array([0.4 - within, 0.0, 0.25])
-        assert np.linalg.norm(nearest_place(table, point) - point) < 3.0 * within
+        assert np.linalg.norm(nearest_allowed_position(table, point) - point) < 3.0 * within
 
 
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)

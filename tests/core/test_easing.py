@@ -21,13 +21,13 @@ from studio.core.kernels.time.acceleration_peaks import TOTAL_PEAK
 from studio.core.quality.metrics import QUIET, angular_acceleration, contact_quality
 from studio.core.rotations import angle_between, from_matrix
 from studio.core.solver.adapt import adapt, hold, place_of
-from studio.core.solver.asking.packing import pack
+from studio.core.solver.asking.packing import pack_tasks
 from studio.core.solver.asking.releasing import constraint_activations
 from studio.core.solver.asking.tracks import Targets, Track
-from studio.core.solver.report import EASED, report_of
+from studio.core.solver.report import BLOCKED_BY_SMOOTHING, report_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.smoothing.limb_charts import LimbCharts
-from studio.core.solver.smoothing.target_motion import brought
+from studio.core.solver.smoothing.limb_coordinates import LimbCoordinates
+from studio.core.solver.smoothing.target_motion import target_accelerations
 from studio.core.solver.solved_window import BOUND, SolvedWindow
 from studio.core.solver.standing.stand import Standing, stand
 from studio.io.importing import GUESS_ALL
@@ -111,7 +111,9 @@ def test_frames_jolt_as_much_when_they_are_solved_as_when_they_are_eased() -> No
     window.solve()
     assert window.may_jolt
     solve, layout = window.whole, BEFORE[4].morphology.layout
-    turns = LimbCharts(layout, STANDING[4].rotations, limits_of(BODIES[4])).turns_of(window.answer(slice(0, 90))[1])
+    turns = LimbCoordinates(layout, STANDING[4].rotations, limits_of(BODIES[4])).turns_of(
+        window.answer(slice(0, 90))[1]
+    )
     measured = solve.jolts_of(solve.states, turns)
     looked = solve.sharp[:, 2] > 0.0  # others turn so little that nobody looked
     assert 3 < looked.sum() < 88
@@ -133,7 +135,7 @@ def test_joints_stay_within_their_limits_while_they_are_eased() -> None:
     for seed, count in KINDS_THAT_JOLT:
         wishes, before = Wishes(BEFORE[seed % 5], seed, count), BEFORE[seed % 5]
         eased = hold(STANDING[seed % 5], wishes.constraints, tracks=wishes.tracks, eased=True)
-        charts = LimbCharts(before.morphology.layout, before.rotations, limits_of(before.morphology))
+        charts = LimbCoordinates(before.morphology.layout, before.rotations, limits_of(before.morphology))
         turns = charts.turns_of(eased.rotations)
         kept = charts.turns(charts.within(charts.values(turns)))
         arms = np.r_[0:3, 4:7]
@@ -157,7 +159,7 @@ def test_a_report_says_what_was_missed_for_easing() -> None:
     )
     standing = stand(LONG, WOMAN, LONG_CONTACTS, Ground())
     adapted = hold(standing, request.constraints, eased=True)
-    assert (report_of(standing, request, adapted).winners == EASED).any()
+    assert (report_of(standing, request, adapted).winners == BLOCKED_BY_SMOOTHING).any()
 
 
 @settings(max_examples=30, deadline=None)
@@ -166,7 +168,7 @@ def test_charts_of_limbs_give_back_what_they_were_given(seed: int, limited: bool
     random = np.random.default_rng(seed)
     layout = WOMAN.layout
     rotations = random_rotations(random, 3, layout.segment_count)
-    charts = LimbCharts(layout, rotations, limits_of(WOMAN)[: 4 * limited])
+    charts = LimbCoordinates(layout, rotations, limits_of(WOMAN)[: 4 * limited])
     turns = charts.turns_of(rotations)
     assert charts.turns(charts.values(turns)) == pytest.approx(turns, abs=1e-7)
 
@@ -180,8 +182,8 @@ def test_a_wish_that_sways_brings_what_a_lever_needs_to_follow_it(hertz: float, 
     way = metres * np.sin(2.0 * np.pi * hertz * times)[:, None] * [1.0, 0.0, 0.0]
     follow = FollowTracked("sway")
     targets = Targets(times, {follow: Track(positions[:, WOMAN.layout.wrist(1)] + way, np.eye(3)[None])}, lambda: way)
-    rows = pack([replace(target("right_forearm", (0, 0, 0)), target=follow)], WOMAN.layout, targets)
-    brings = brought(rows, 0, np.ones((1, count)), positions, rotations, WOMAN, rate)
+    rows = pack_tasks([replace(target("right_forearm", (0, 0, 0)), target=follow)], WOMAN.layout, targets)
+    brings = target_accelerations(rows, 0, np.ones((1, count)), positions, rotations, WOMAN, rate)
     push, speed = metres * (2.0 * np.pi * hertz) ** 2, metres * 2.0 * np.pi * hertz
     angles = np.linspace(0.0, 2.0 * np.pi, 1000)
     highest = np.max(push * np.abs(np.sin(angles)) + speed**2 * np.cos(angles) ** 2 / LEVER) / LEVER

@@ -13,8 +13,8 @@ from studio.core.kernels.limbs.limb import SOFT_IK_THRESHOLD, SOLE_SOFT_IK_THRES
 from studio.core.kernels.records import LegTargets, Pose
 from studio.core.kernels.solve_clip import place_frames
 from studio.core.normalized.realize import realize
-from studio.core.solver.standing.blends import freedom, smooth_drops
-from studio.core.solver.standing.footing import find_footing, followed, foot_states, leg_stretches
+from studio.core.solver.standing.blends import release_weight, smooth_drops
+from studio.core.solver.standing.footing import find_footing, foot_states, leg_extensions, root_follow
 from tests.builders import make_morphology
 from tests.core.motions import random_rotations, walk
 from tests.core.twins import legs as twin
@@ -58,18 +58,18 @@ def test_states_are_bits_of_heel_and_toe() -> None:
 
 @given(st.lists(st.booleans(), min_size=1, max_size=60), st.sampled_from([30.0, 60.0]))
 def test_a_foot_is_free_when_its_nearest_stand_is_long_ago(planted: list[bool], frame_rate: float) -> None:
-    free = freedom(np.array(planted), frame_rate)
+    free = release_weight(np.array(planted), frame_rate)
     stands = np.flatnonzero(planted)
     for frame, share in enumerate(free):
         gap = np.abs(stands - frame).min() / frame_rate if len(stands) else np.inf
         assert share == (0.0 if gap == 0.0 else pytest.approx(1.0) if gap >= 0.15 - 1e-9 else pytest.approx(share))
         assert 0.0 <= share <= 1.0
-    assert np.allclose(freedom(np.array(planted[::-1]), frame_rate), free[::-1])
+    assert np.allclose(release_weight(np.array(planted[::-1]), frame_rate), free[::-1])
 
 
 def test_a_standing_leg_stretches_as_far_as_the_motions_own_or_nearly_straight() -> None:
     states = foot_states(CONTACTS, WALK.frame_count)
-    comforts, _ = leg_stretches(WALK, states)
+    comforts, _ = leg_extensions(WALK, states)
     standing = states != 0
     assert (comforts[standing] >= SOLE_SOFT_IK_THRESHOLD - 1e-12).all()
     assert (comforts < 1.0).all()
@@ -165,11 +165,11 @@ def test_a_body_goes_along_with_the_one_foot_that_stands() -> None:
     off = np.zeros((2, 120, 3))
     off[0] = [0.02, -0.01, 0.03]
     off[1] = [-0.01, 0.0, 0.0]
-    went = followed(off, states, 60.0, POSITIONS, BODY)
+    went = root_follow(off, states, 60.0, POSITIONS, BODY)
     assert np.allclose(went[:40], off[0, 0], atol=1e-9)
     assert np.allclose(went[110:], off[1, 0], atol=1e-9)
     assert np.abs(np.diff(went, axis=0)).max() < 0.005
-    assert not followed(off, np.zeros_like(states), 60.0, POSITIONS, BODY).any()
+    assert not root_follow(off, np.zeros_like(states), 60.0, POSITIONS, BODY).any()
 
 
 @given(st.floats(-0.05, 0.05), st.floats(-0.02, 0.02))
@@ -181,7 +181,7 @@ def test_hips_over_two_flat_feet_go_where_legs_that_lean_keep_their_lengths(near
     legs[:, :, 1] = [0.3, -0.3]
     positions[:, ankles] = positions[:, hips] + legs
     off[:, :, 1], off[:, :, 2] = [[-nearer], [nearer]], [[higher], [-higher]]
-    went = followed(off, np.full((2, 60), 3), 60.0, positions, BODY)
+    went = root_follow(off, np.full((2, 60), 3), 60.0, positions, BODY)
     moved = legs.transpose(1, 0, 2) + off
     own, before = (np.linalg.norm(each, axis=-1) for each in (legs.transpose(1, 0, 2), moved))
     missed, in_the_middle = np.linalg.norm(moved - went, axis=-1) - own, before - own
@@ -191,4 +191,4 @@ def test_hips_over_two_flat_feet_go_where_legs_that_lean_keep_their_lengths(near
 
 
 def test_hips_over_feet_that_stand_as_in_the_motion_stay() -> None:
-    assert not followed(np.zeros((2, 120, 3)), np.full((2, 120), 3), 60.0, POSITIONS, BODY).any()
+    assert not root_follow(np.zeros((2, 120, 3)), np.full((2, 120), 3), 60.0, POSITIONS, BODY).any()

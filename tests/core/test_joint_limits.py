@@ -15,7 +15,7 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import adapt
 from studio.core.solver.asking.tracks import Track
-from studio.core.solver.report import LIMITS, winners
+from studio.core.solver.report import BLOCKED_BY_LIMITS, winners
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import standing_of
 from studio.io.project.character_file import bundled_characters
@@ -118,7 +118,7 @@ def test_what_a_person_cannot_reach_is_missed_unless_the_trunk_helps_and_the_lim
     adapted = adapt(alone, 30, 30)
     assert adapted.residuals[0, 0] > 0.1
     assert adapt(replace(alone, limited=False), 30, 30).residuals[0, 0] < 0.05
-    assert winners(standing_of(alone), alone.constraints, {}, adapted)[0, 0] == LIMITS
+    assert winners(standing_of(alone), alone.constraints, {}, adapted)[0, 0] == BLOCKED_BY_LIMITS
     helped = replace(alone, constraints=(target("left_forearm", place, Chain(trunk=1.0, root=1.0)),))
     assert adapt(helped, 30, 30).residuals[0, 0] < 1e-3
 

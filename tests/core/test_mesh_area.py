@@ -13,7 +13,7 @@ from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.solver.adapt import adapt, place_of
-from studio.core.solver.asking.areas import nearest_place
+from studio.core.solver.asking.area_rows import nearest_allowed_position
 from studio.core.solver.request import AdaptRequest
 from studio.io.project.character_file import bundled_characters
 from tests.core.motions import walk
@@ -57,7 +57,7 @@ def test_places_are_those_of_the_ball(seed: int) -> None:
     away = random.uniform(0.2, 0.6)
     point, surface = centre + away * way, centre + 0.3 * way
     found = {
-        side: nearest_place(area(BALL, centre=tuple(centre), heading=0.7, **more), point)
+        side: nearest_allowed_position(area(BALL, centre=tuple(centre), heading=0.7, **more), point)
         for side, more in (("out", {}), ("in", {"inside": True}), ("on", {"on_surface": True}))
     }
     # From beyond the grid the nearest place is found by turns: on the surface, but a little aside.
@@ -72,19 +72,21 @@ def test_places_are_those_of_the_ball(seed: int) -> None:
 def test_what_was_put_on_the_surface_stays_there(seed: int) -> None:
     point = np.random.default_rng(seed).uniform(-0.45, 0.45, 3)
     for mesh in (BALL, BLOCK):
-        once = nearest_place(area(mesh, on_surface=True), point)
-        assert nearest_place(area(mesh, on_surface=True), once) == pytest.approx(once, abs=1e-5)
+        once = nearest_allowed_position(area(mesh, on_surface=True), point)
+        assert nearest_allowed_position(area(mesh, on_surface=True), once) == pytest.approx(once, abs=1e-5)
 
 
 def test_a_point_of_a_block_goes_to_the_nearest_face_as_with_a_box() -> None:
     box = AreaConstraint("walk", "Box", WRIST, Chain(), 0, ALWAYS, shape="box", size=(0.6, 0.4, 0.5))
     for point in ((0.25, 0.02, 0.01), (0.0, -0.15, 0.05), (0.05, 0.0, 0.2), (0.4, 0.1, 0.0)):
-        assert nearest_place(area(BLOCK), point) == pytest.approx(nearest_place(box, point), abs=1e-3)
+        assert nearest_allowed_position(area(BLOCK), point) == pytest.approx(
+            nearest_allowed_position(box, point), abs=1e-3
+        )
 
 
 def test_a_place_on_the_surface_moves_smoothly_over_edges() -> None:
     path = np.stack([np.linspace(-0.4, 0.4, 801), np.full(801, 0.05), np.full(801, 0.27)], axis=1)
-    places = np.array([nearest_place(area(BLOCK, on_surface=True), point) for point in path])
+    places = np.array([nearest_allowed_position(area(BLOCK, on_surface=True), point) for point in path])
     steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
     assert steps.max() < 0.006
 
@@ -97,7 +99,7 @@ def test_a_wrist_is_kept_out_of_or_on_a_mesh(name: str, on_surface: bool) -> Non
     rock = area(ball(0.1), centre=tuple(before + np.array([0.03, 0.0, 0.05])), on_surface=on_surface)
     adapted = adapt(AdaptRequest(WALK, body, CONTACTS, (rock,)), 30, 30)
     wrist = place_of(WRIST, adapted)[0]
-    assert np.linalg.norm(nearest_place(rock, wrist) - wrist) < 2e-4
+    assert np.linalg.norm(nearest_allowed_position(rock, wrist) - wrist) < 2e-4
     assert np.linalg.norm(wrist - np.array(rock.centre)) == pytest.approx(0.1, abs=2e-3)
 
 
@@ -130,6 +132,6 @@ def test_the_shape_of_a_mesh_needs_one() -> None:
 
 def test_sides_of_a_ball_are_told_apart_everywhere() -> None:
     for first, second in pairwise((0.05, 0.28, 0.32, 0.6)):
-        a, b = (nearest_place(area(BALL), (0.0, r, 0.0))[1] - r for r in (first, second))
+        a, b = (nearest_allowed_position(area(BALL), (0.0, r, 0.0))[1] - r for r in (first, second))
         assert (a > 0.0) == (first < 0.3)
         assert (b > 0.0) == (second < 0.3)

@@ -18,7 +18,7 @@ from studio.core.kernels.search.null_space_step import eliminate, move_joints, n
 from studio.core.kernels.solve_clip import make_search
 from studio.core.kernels.tasks.second_order import EQUALITY_ROW, OBJECTIVE_ROW
 from studio.core.normalized.realize import realize
-from studio.core.solver.asking.chains import CLAVICLE_LIMIT, VERTEBRA_LIMIT, free_joints
+from studio.core.solver.asking.chains import CLAVICLE_LIMIT, VERTEBRA_LIMIT, joints_of_chains
 from tests.builders import make_morphology
 from tests.core.motions import walk
 from tests.core.twins import body as body_twin
@@ -52,7 +52,7 @@ def test_a_held_row_that_says_what_a_higher_one_has_settled_gives_in() -> None:
 
 @pytest.mark.parametrize("segment", ENDS)
 def test_levers_are_what_small_turns_show(segment: int) -> None:
-    free = free_joints((Chain(1.0, 1.0, 1.0, 1.0, 1.0),), (0,), LAYOUT)
+    free = joints_of_chains((Chain(1.0, 1.0, 1.0, 1.0, 1.0),), (0,), LAYOUT)
     direction = np.array([0.36, -0.48, 0.8])
     row, point = np.zeros((len(free.joints), 3)), ENDS[segment]
     add_point_jacobian(POSITIONS[point], *direction, segment, free.joints, POSITIONS, row)
@@ -71,7 +71,7 @@ class _Search:
         random = np.random.default_rng(seed)
         chain = chain or Chain(1.0, 1.0, 1.0, 1.0, 0.5)
         self.held, self.count = held, count + held
-        self.free = free_joints((chain,) * self.count, (0,) * self.count, LAYOUT)
+        self.free = joints_of_chains((chain,) * self.count, (0,) * self.count, LAYOUT)
         segments = random.choice(np.array(list(ENDS)), size=self.count, replace=False)
         self.segments = [int(segment) for segment in segments]
         self.points = [ENDS[segment] for segment in self.segments]

@@ -38,8 +38,8 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize
 from studio.core.quality.metrics import acceleration_ratio, angular_acceleration, contact_quality
 from studio.core.solver.adapt import hold
-from studio.core.solver.asking.chains import free_joints, point_masses, segment_masses
-from studio.core.solver.asking.recruiting import arm_lever, leg_room, limb_freedoms
+from studio.core.solver.asking.chains import joints_of_chains, point_masses, segment_masses
+from studio.core.solver.asking.limb_availability import arm_availability, leg_availability, limb_availability
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.solved_window import Bound
 from studio.core.solver.standing.stand import Standing, stand
@@ -230,7 +230,7 @@ def test_a_wish_below_takes_an_arm_from_a_balance_that_does_without_and_nothing_
 def test_freedom_is_nought_in_contact_and_while_asked_and_all_of_it_soon_after() -> None:
     limbs, activations = np.array([[0, -1], [-1, 3]]), np.zeros((2, 90))
     activations[0, 30:40], activations[1] = 1e-9, 0.0
-    above, free = limb_freedoms(limbs, np.array([1, 1]), activations, CONTACTS, RATE)
+    above, free = limb_availability(limbs, np.array([1, 1]), activations, CONTACTS, RATE)
     assert free.shape == (4, 90)
     assert (above[:2] == 1.0).all()  # what is asked with less priority takes no limb
     assert (free[0, 30:40] == 0.0).all()
@@ -248,7 +248,7 @@ def test_a_leg_may_turn_as_far_as_its_foot_is_high() -> None:
     positions = STANDING["adult_woman"].positions[:1].repeat(4, axis=0)
     for side in range(2):
         positions[:, _legs(body, side), 2] += np.array([0.0, 0.02, 0.2, 1.0])[:, None]
-    room = leg_room(body, Ground(), positions)
+    room = leg_availability(body, Ground(), positions)
     assert (np.diff(room, axis=1) > 0.0).all()
     assert room[:, 0].min() < 0.3
     assert room[:, 3].max() > 0.9
@@ -263,7 +263,7 @@ def test_an_arm_that_lies_level_is_not_turned_and_one_that_hangs_is() -> None:
         lengths = np.arange(4)[None, :, None] * 0.25
         ways = np.array([[0.0, 0.0, -1.0], [np.sqrt(0.5), 0.0, np.sqrt(0.5)], [0.6, 0.8, 0.0]])
         positions[:, arm] = shoulder + lengths * ways[:, None]
-    assert arm_lever(body, positions) == pytest.approx(np.array([[1.0, 0.5, 0.0]] * 2))
+    assert arm_availability(body, positions) == pytest.approx(np.array([[1.0, 0.5, 0.0]] * 2))
 
 
 @pytest.mark.parametrize("name", BODIES)
@@ -272,8 +272,8 @@ def test_without_free_limbs_nothing_is_otherwise_to_the_bit(name: str) -> None:
     wish = _balance(standing, MIDDLE, TRUNK, np.array([0.02, 0.01]))
     none = replace(wish, chain=replace(TRUNK, segments=((BodyPart.THORAX, 1.0),)))
     assert np.array_equal(hold(standing, (wish,)).positions, hold(standing, (none,)).positions)
-    assert len(free_joints((TRUNK,), (0,), BODIES[name].layout).joints) + 4 == len(
-        free_joints((WHOLE,), (0,), BODIES[name].layout).joints
+    assert len(joints_of_chains((TRUNK,), (0,), BODIES[name].layout).joints) + 4 == len(
+        joints_of_chains((WHOLE,), (0,), BODIES[name].layout).joints
     )
 
 
@@ -311,7 +311,7 @@ class _Posed:
         body, footing = standing.morphology, standing.footing
         chain = replace(WHOLE, segments=tuple((part, 1.0) for part in (BodyPart.PELVIS, BodyPart.NECK, BodyPart.HEAD)))
         chain = replace(chain, clavicle=1.0)
-        self.chain = free_joints((chain,), (0,), body.layout).chain
+        self.chain = joints_of_chains((chain,), (0,), body.layout).chain
         self.start = Pose(standing.positions[frame], standing.rotations[frame])
         parts = footing.soft_thresholds, footing.ankles, footing.feet, footing.toes
         legs = LegTargets(KICK.channels[frame], *(np.ascontiguousarray(part[:, frame]) for part in parts))

@@ -10,7 +10,7 @@ from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.follow import FollowTracked
 from studio.core.grounds.ground import Ground
 from studio.core.solver.adapt import hold, place_of
-from studio.core.solver.asking.releasing import constraint_activations, led_place, limb_shares
+from studio.core.solver.asking.releasing import constraint_activations, contact_release, ramped_target
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.standing.stand import stand
 from studio.io.project.character_file import bundled_characters
@@ -22,12 +22,12 @@ BEFORE, ALL = hold(STANDING, ()), slice(0, WALK.frame_count)
 ANKLE = BodyPoint(BodyPart.LEFT_SHANK, at_end=True)
 PLACE = place_of(ANKLE, BEFORE)[60] + [0.1, 0.2, 0.3]
 WANTED = target("left_shank", PLACE, Chain(), 0)
-SHARES = limb_shares((WANTED,), STANDING)[0]
+SHARES = contact_release((WANTED,), STANDING)[0]
 LETS_GO = (SHARES > 0.0) & (SHARES < 1.0)
 
 
 def test_it_begins_where_the_limb_stands_and_ends_at_the_target() -> None:
-    begun, done = (led_place(WANTED, PLACE[None], np.full(WALK.frame_count, s), STANDING, ALL) for s in (0.0, 1.0))
+    begun, done = (ramped_target(WANTED, PLACE[None], np.full(WALK.frame_count, s), STANDING, ALL) for s in (0.0, 1.0))
     assert begun == pytest.approx(place_of(ANKLE, BEFORE), abs=1e-12)
     assert np.array_equal(np.broadcast_to(done, begun.shape), np.broadcast_to(PLACE, begun.shape))
 
@@ -35,7 +35,7 @@ def test_it_begins_where_the_limb_stands_and_ends_at_the_target() -> None:
 def test_on_its_way_it_is_as_far_from_the_root_as_lies_between() -> None:
     hip = BEFORE.positions[:, BEFORE.morphology.layout.hip(0)]
     far = [np.linalg.norm(place - hip, axis=1) for place in (place_of(ANKLE, BEFORE), PLACE)]
-    led = np.linalg.norm(led_place(WANTED, PLACE[None], SHARES, STANDING, ALL) - hip, axis=1)
+    led = np.linalg.norm(ramped_target(WANTED, PLACE[None], SHARES, STANDING, ALL) - hip, axis=1)
     assert LETS_GO.any()
     assert led[LETS_GO] == pytest.approx(((1.0 - SHARES) * far[0] + SHARES * far[1])[LETS_GO], abs=1e-9)
 

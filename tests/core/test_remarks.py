@@ -47,13 +47,25 @@ def test_a_jump_of_a_hand_s_breadth_is_told_of_slow_hips_too(walk: Capture) -> N
         assert remark.spans[0][0] == 50
 
 
-def test_a_bone_that_changes_its_length_is_told(walk: Capture) -> None:
+@pytest.mark.parametrize(
+    ("joint", "words"),
+    [
+        (BodyPart.LEFT_FOOT, "left shank changes its length by 21 mm"),
+        (BodyPart.RIGHT_TOE, "right foot changes its length by"),
+        (BodyPart.LEFT_THIGH, "way to the left thigh changes its length by"),
+        (BodyPart.RIGHT_UPPER_ARM, "right clavicle changes its length by"),
+        (BodyPart.HEAD, "neck changes its length by"),
+        (None, "trunk changes its length by"),
+    ],
+    ids=["shank", "foot", "hip", "clavicle", "neck", "trunk"],
+)
+def test_a_bone_that_changes_its_length_is_told(walk: Capture, joint: BodyPart | None, words: str) -> None:
     assert walk.body_map is not None
-    foot = walk.body_map[BodyPart.LEFT_FOOT]
+    end = walk.body_map.spine[-1] if joint is None else walk.body_map[joint]
     moves = walk.poses.local_translations.copy()
-    moves[::3, foot] *= 1.05
+    moves[::3, end] *= 1.05 if joint is BodyPart.LEFT_FOOT else 1.2
     stretched = replace(walk, poses=PoseSequence(walk.poses.local_rotations, moves))
-    assert any("left shank changes its length by 21 mm" in remark.sentence for remark in remarks_on(stretched))
+    assert any(words in remark.sentence for remark in remarks_on(stretched))
 
 
 def test_a_body_whose_angles_are_radians_is_told(walk: Capture) -> None:

@@ -14,7 +14,16 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import contact_quality
 from studio.core.solver.adapt import adapt, hold, place_of
-from studio.core.solver.report import CONTACTS, LIMITS, NOBODY, REACH, Report, report_of, samples, winners
+from studio.core.solver.report import (
+    BLOCKED_BY_CONTACTS,
+    BLOCKED_BY_LIMITS,
+    BLOCKED_BY_NOTHING,
+    BLOCKED_BY_REACH,
+    Report,
+    report_of,
+    samples,
+    winners,
+)
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import standing_of
 from tests.core.test_constraint_kinds import ALL, BODIES, LEFT, RIGHT, ask
@@ -41,8 +50,8 @@ def test_what_is_met_was_kept_by_nobody_and_what_is_too_far_by_the_bodys_reach(b
     far = ask(PositionConstraint, LEFT, Chain(), 1, target=beside(body, LEFT, 0.0, 3.0, 0.0))
     adapted, report = reported(body, near, far)
     assert report.residuals is adapted.residuals
-    assert (report.winners[0] == NOBODY).all()
-    assert (report.winners[1] == REACH).all()
+    assert (report.winners[0] == BLOCKED_BY_NOTHING).all()
+    assert (report.winners[1] == BLOCKED_BY_REACH).all()
 
 
 @every_body
@@ -51,7 +60,7 @@ def test_a_higher_constraint_on_the_same_wrist_is_named(body: Morphology) -> Non
     bystander = ask(PositionConstraint, LEFT, ALL, 0, target=beside(body, LEFT, 0.02, 0.0, 0.02))
     second = ask(PositionConstraint, RIGHT, ALL, 1, target=beside(body, RIGHT, -0.05, 0.0, 0.1))
     _, report = reported(body, first, bystander, second)
-    assert (report.winners[:2] == NOBODY).all()
+    assert (report.winners[:2] == BLOCKED_BY_NOTHING).all()
     assert (report.winners[2] == 0).all()
 
 
@@ -63,16 +72,16 @@ def test_feet_that_stand_are_named_where_they_hold_the_pelvis_and_where_a_foot_i
     adapted, report = reported(body, up, kick)
     missed = adapted.residuals[0] > 2e-4
     assert missed.any()
-    assert (report.winners[0][missed] == CONTACTS).all()
+    assert (report.winners[0][missed] == BLOCKED_BY_CONTACTS).all()
     standing = np.isfinite(report.slides[:2]).any(axis=0)
     assert standing.any()
-    assert (report.winners[1][standing] == CONTACTS).all()
+    assert (report.winners[1][standing] == BLOCKED_BY_CONTACTS).all()
 
 
 def test_joints_that_turn_no_further_are_named() -> None:
     back = ask(OrientationConstraint, BodyPoint(BodyPart.THORAX), Chain(0, 0, 0, 1, 0), target=(0, 0, 1, 0))
     _, report = reported(BODIES["tall_man"], back)
-    assert (report.winners == LIMITS).all()
+    assert (report.winners == BLOCKED_BY_LIMITS).all()
 
 
 @every_body

@@ -12,7 +12,7 @@ from studio.core.grounds import Bumps, Slope, Steps
 from studio.core.kernels.algebra.smooth_steps import smooth_penetration
 from studio.core.kernels.support import swing_foot_clearance as kernel
 from studio.core.rotations import to_matrix
-from studio.core.solver.standing.swing import Sole, led_clear, worn_height
+from studio.core.solver.standing.swing_foot_path import Sole, clear_swing_foot, worn_height
 from tests.core.motions import from_vectors
 
 SOLE = np.array([[0.13, 0.01, -0.06, 0.08, 0.05, 0.09]])
@@ -147,7 +147,7 @@ class _Step:
         ankles = np.column_stack([0.6 * eased, 0.0 * share, SOLE[0, 3] + 0.64 * share * (1 - share) ** 2])
         self.level = Sole.of(ankles, still, still, SOLE)
         self.draped = Sole.of(ankles + np.outer(2.0 * rise * eased, [0.0, 0.0, 1.0]), still, still, SOLE)
-        self.led = led_clear(self.level, self.draped, self.states, self.ground, RATE)
+        self.led = clear_swing_foot(self.level, self.draped, self.states, self.ground, RATE)
 
     def depth(self, foot: Sole) -> float:
         points = Sole.of(foot.ankles, foot.feet, foot.toes, SOLE).points[self.states == 0]
@@ -175,7 +175,7 @@ def test_it_hurries_hardly_more_than_it_did(rise: float) -> None:
 def test_what_is_clear_is_the_same_foot(ground: Slope | Bumps) -> None:
     step = _Step(0.0)
     raised = Sole(step.level.ankles, step.level.feet, step.level.toes, step.level.points + np.array([0.0, 0.0, 3.0]))
-    assert led_clear(step.level, raised, step.states, ground, RATE) is raised
+    assert clear_swing_foot(step.level, raised, step.states, ground, RATE) is raised
 
 
 def test_an_edge_is_worn_by_half_a_centimetre() -> None:

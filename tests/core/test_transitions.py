@@ -14,8 +14,8 @@ from studio.core.normalized.realize import realize
 from studio.core.quality.metrics import QUIET, contact_quality, swing_depths
 from studio.core.solver.adapt import hold
 from studio.core.solver.standing.held_foot import FootPath, HeldFoot
-from studio.core.solver.standing.led import Stance, led_from
-from studio.core.solver.standing.stepping import Flight, flights_of
+from studio.core.solver.standing.inertialisation import Stance, led_from
+from studio.core.solver.standing.stepping import FootFlight, flights_of
 from tests.core.test_compose import BODY, EXAMPLES, PERMITTED, cut, example, local_accelerations, peaks, standing
 
 COUNT = 32
@@ -163,7 +163,7 @@ def test_a_foot_that_is_held_while_its_own_motion_walks_on_does_not_slide() -> N
     across = turning_about(np.array([0.0, 0.0, 1.0]), np.full(2, 1.2))
     seen = FootPath(np.tile([0.3, 0.2, 0.08], (2, 1)), across, across)
     foot = HeldFoot(own, states, seen, 3, heel, ball, np.full(2, 100.0), 60.0)
-    path, _ = foot.path(Flight(60, 60, 0.3, held=True), 0.3, np.arange(1, 61) / 60.0)
+    path, _ = foot.path(FootFlight(60, 60, 0.3, held=True), 0.3, np.arange(1, 61) / 60.0)
     heels = path.places(heel)[31:]
     assert np.linalg.norm(heels - heels[0], axis=1).max() < 1e-9
 

@@ -3,17 +3,20 @@
 import gc
 import weakref
 from collections import Counter
+from dataclasses import replace
 
 from PySide6.QtCore import QCoreApplication, QEvent, QObject
 from PySide6.QtTest import QTest
 
 from studio.app.application import import_views, make_application, make_window, show_views
+from studio.app.sample import read_sample
 from studio.app.settings import Settings
 from studio.core.mesh.skin import gripping
 from studio.core.project import COLLECTIONS, Project
 from studio.document.document import Document
 from studio.io.project.character_file import bundled_characters
 from tests.gui.window_use import wait_until_idle
+from tests.patience import PATIENCE
 
 
 def use_a_window(qtbot, folder):
@@ -60,3 +63,35 @@ def test_the_skins_of_a_project_are_let_go_when_another_is_opened(window, qtbot)
     window.bench.document.new(Project())
     gc.collect()
     assert made() is None
+
+
+def use_the_example(bench):
+    """Open it, let every body play it mirrored and faster; returns references to all that was held for that."""
+    document, live = bench.document, bench.live
+    document.new(read_sample()[0])
+    assert live.wait(PATIENCE / 1000.0)
+    for key, performer in document.project.performers.items():
+        clip = replace(performer.clips[0], mirrored=True, speed=1.5)
+        document.replace("performers", key, replace(performer, clips=(clip,)), "Mirror")
+        document.selection.set(("performers", key))
+        QTest.qWait(50)
+    assert live.wait(PATIENCE / 1000.0)
+    project = document.project
+    motions = [live.shown(key) for key in project.performers]
+    held = [project, *project.captures.values(), *motions, *(each.composite.motion for each in motions)]
+    return [weakref.ref(each) for each in held]
+
+
+def test_nothing_of_a_closed_project_is_held(window, qtbot):
+    """Workers held what they had solved last, caches up to 64 motions, bodies and skins of each kind."""
+    import_views()
+    show_views(window)
+    held = use_the_example(window.bench)
+    window.bench.document.new(Project())
+    assert window.bench.live.wait(PATIENCE / 1000.0)
+
+    def nothing_is_held():
+        gc.collect()
+        assert [type(each()).__name__ for each in held if each() is not None] == []
+
+    qtbot.waitUntil(nothing_is_held, timeout=PATIENCE // 10)

@@ -44,6 +44,30 @@ def test_every_kind_of_file_goes_out_by_the_one_dialog(qtbot, window, tmp_path, 
         assert "upperarm_l" in load_capture(tmp_path / f"Walk body 0{suffix}").skeleton.names
 
 
+@pytest.mark.parametrize("suffix", [".fbx", ".glb"])
+def test_the_whole_stage_goes_out_in_one_file_with_what_is_chosen(qtbot, window, tmp_path, monkeypatch, suffix):
+    from studio.app import export_dialog
+
+    path = tmp_path / f"play{suffix}"
+    monkeypatch.setattr(export_dialog, "ask_new_file", lambda bench, title, kind, name, then, suffix: then(path))
+    window.actions_by_id.by_id["export"].trigger()
+    dialog = window.findChild(export_dialog.ExportDialog)
+    dialog.choose(export_dialog.What.STAGE, suffix)
+    for choice, value in ((dialog.root, "floor"), (dialog.range, "timeline"), (dialog.frame_rate, 30.0)):
+        assert choice.isVisible()
+        choice.show_value(value)
+    assert not dialog.position.isVisible()
+    window.bench.document.playhead.set_range(6, 18)
+    dialog.go.click()
+    wait_until_idle(qtbot, window)
+    capture = load_capture(path)
+    assert (capture.frame_count, capture.frame_rate) == (7, 30.0)
+    assert any("root" in name for name in capture.skeleton.names)
+    again = export_dialog.open_export_dialog(window.bench)
+    assert (again.what.value, again.root.value, again.frame_rate.value) == (export_dialog.What.STAGE, "floor", 30.0)
+    again.reject()
+
+
 def test_the_motion_itself_goes_out_with_its_contacts_and_constraints(qtbot, window, tmp_path, monkeypatch):
     from studio.app import export_dialog
     from studio.io.importing import read_capture

@@ -16,17 +16,18 @@ VARIABLE = "MORPHO_BLENDER"
 SCRIPT = Path(__file__).with_name("in_blender.py")
 
 
-def opened_in_blender(path: Path, *, frames: int, rate: float) -> dict[str, Any]:
+def opened_in_blender(path: Path, *, frames: int, rate: float, action_of: Path | None = None) -> dict[str, Any]:
     """What Blender makes of a file, in metres and world axes: by armature, by mesh and by other object.
 
     ``bones`` names, ``heads`` (F, B, 3), ``rotations`` (F, B, 3, 3) since they were bound; ``vertices`` (F, V, 3);
-    ``places`` (F, 3). Skips where there is no Blender.
+    ``places`` (F, 3). With ``action_of``, the armature moves as that of another file. Skips where there is no
+    Blender.
     """
     python = os.environ.get(VARIABLE)
     if not python:
         pytest.skip(f"{VARIABLE} names no Python with Blender's package bpy")
     target = path.with_suffix(".blender.npz")
-    command = [python, str(SCRIPT), str(path), str(target), str(frames), str(rate)]
+    command = [python, str(SCRIPT), str(path), str(target), str(frames), str(rate), str(action_of or "")]
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
     done = subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -14,10 +14,7 @@ import numpy as np
 FROM_BLENDER = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 
 
-def main(source: str, target: str, frames: int, rate: float) -> None:
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.context.scene.render.fps = round(rate)  # a glTF file says seconds
-    to_studio = np.eye(3) if ".usd" in Path(source).suffix else FROM_BLENDER
+def opened(source: str) -> None:
     match Path(source).suffix.lower():
         case ".fbx":
             bpy.ops.import_scene.fbx(filepath=source, use_anim=True, ignore_leaf_bones=False, anim_offset=0.0)
@@ -25,6 +22,29 @@ def main(source: str, target: str, frames: int, rate: float) -> None:
             bpy.ops.import_scene.gltf(filepath=source, guess_original_bind_pose=True)
         case _:
             bpy.ops.wm.usd_import(filepath=source)
+
+
+def move_as(other: str) -> None:
+    """Let the one armature move as that of another file."""
+    [own] = [item for item in bpy.data.objects if item.type == "ARMATURE"]
+    before = set(bpy.data.objects)
+    opened(other)
+    added = [item for item in bpy.data.objects if item not in before]
+    [moving] = [item for item in added if item.type == "ARMATURE"]
+    own.animation_data_create()
+    own.animation_data.action = moving.animation_data.action
+    own.animation_data.action_slot = moving.animation_data.action_slot
+    for item in added:
+        bpy.data.objects.remove(item)
+
+
+def main(source: str, target: str, frames: int, rate: float, other: str) -> None:
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.context.scene.render.fps = round(rate)  # a glTF file says seconds
+    to_studio = np.eye(3) if ".usd" in Path(source).suffix else FROM_BLENDER
+    opened(source)
+    if other:
+        move_as(other)
     found: dict[str, dict[str, dict[str, list[np.ndarray]]]] = {"armatures": {}, "meshes": {}, "objects": {}}
     names = {}
     scene = bpy.context.scene
@@ -76,4 +96,4 @@ def turn(matrix: np.ndarray) -> np.ndarray:
     return matrix[:3, :3] / np.cbrt(np.linalg.det(matrix[:3, :3]))
 
 
-main(sys.argv[1], sys.argv[2], int(sys.argv[3]), float(sys.argv[4]))
+main(sys.argv[1], sys.argv[2], int(sys.argv[3]), float(sys.argv[4]), sys.argv[5])

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from studio.core.body.canonical import BodyPart
-from studio.core.body.kinematics import joint_positions
+from studio.core.body.kinematics import joint_positions, joint_world
 from studio.core.body.pose import PoseSequence
-from studio.core.body.rehanging import rehang, rehung
+from studio.core.body.rehanging import over_feet, rehang, rehung
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
 from studio.core.rotations import from_matrix
@@ -87,17 +87,17 @@ def test_names_with_a_number_behind_are_understood(spelling: str) -> None:
 
 
 def _loose() -> tuple[Skeleton, np.ndarray]:
-    """The stick figure whose feet hang from its hips."""
+    """The stick figure whose feet hang from a root below its hips."""
     joints = [
-        (name, "hips" if name.endswith("Foot") else parent, place)
+        (name, "root" if name.endswith("Foot") or parent is None else parent, place)
         for (name, parent, _), place in zip(JOINTS, POINTS, strict=True)
     ]
-    return _skeleton(joints)
+    return _skeleton([("root", None, np.zeros(3)), *joints])
 
 
 def test_feet_that_hang_from_the_root_are_hung_from_the_shanks() -> None:
     skeleton, points = _loose()
-    loose = loose_feet(skeleton, points)
+    loose = loose_feet(skeleton)
     assert {skeleton.names[foot]: skeleton.names[shank] for foot, shank in loose.items()} == {
         "leftFoot": "leftLowerLeg", "rightFoot": "rightLowerLeg",
     }  # fmt: skip
@@ -111,17 +111,43 @@ def test_feet_that_hang_from_the_root_are_hung_from_the_shanks() -> None:
     assert after.names[found[BodyPart.LEFT_FOOT]] == "leftFoot"
 
 
+def _walking(behind: float, apart: float = 0.0) -> tuple[Skeleton, PoseSequence, PoseSequence]:
+    """Legs that swing over feet of the root, with the body ``behind`` by so much at last, and as it should be."""
+    skeleton, _ = _loose()
+    turns = np.tile([0.0, 0.0, 0.0, 1.0], (9, skeleton.joint_count, 1))
+    swing = 0.4 * np.sin(np.linspace(0.0, 6.0, 9))
+    moves = np.tile(skeleton.offsets, (9, 1, 1))
+    hips = skeleton.index("hips")
+    moves[:, hips, 0] += np.linspace(0.0, behind, 9)
+    for side, sign in (("left", 1.0), ("right", -1.0)):
+        thigh, shank, foot = (skeleton.index(f"{side}{name}") for name in ("UpperLeg", "LowerLeg", "Foot"))
+        turns[:, thigh] = np.stack([0.0 * swing, np.sin(sign * swing / 2), 0.0 * swing, np.cos(swing / 2)], axis=1)
+        there, world = joint_world(skeleton, PoseSequence(turns, moves))
+        still = joint_positions(skeleton, PoseSequence(turns[:1] * 0.0 + [0.0, 0.0, 0.0, 1.0], skeleton.offsets[None]))[
+            0
+        ]
+        moves[:, foot] = there[:, shank] + world[:, shank] @ (still[foot] - still[shank])
+        moves[:, foot, 0] += sign * apart
+    right = PoseSequence(turns, moves)
+    wrong = moves.copy()
+    wrong[:, hips] = skeleton.offsets[hips]
+    return skeleton, PoseSequence(turns, wrong), right
+
+
+def test_a_body_that_its_feet_leave_behind_is_brought_over_them() -> None:
+    skeleton, wrong, right = _walking(1.5)
+    found, behind = over_feet(skeleton, wrong, loose_feet(skeleton))
+    assert behind == pytest.approx(1.5)
+    assert joint_positions(skeleton, found) == pytest.approx(joint_positions(skeleton, right), abs=1e-9)
+    assert over_feet(skeleton, right, loose_feet(skeleton)) == (right, 0.0)
+
+
 def test_feet_that_leave_the_legs_are_refused_with_the_reason() -> None:
-    skeleton, points = _loose()
-    walked = np.tile(points, (2, 1, 1))
-    for name in ("leftFoot", "rightFoot", "leftToes", "rightToes"):
-        walked[1, skeleton.index(name), 0] += 1.0
+    skeleton, wrong, _ = _walking(1.0, apart=0.3)
     with pytest.raises(StudioError, match="hangs from the root"):
-        loose_feet(skeleton, walked)
+        over_feet(skeleton, wrong, loose_feet(skeleton))
 
 
 def test_feet_that_hang_from_their_legs_are_left_alone() -> None:
-    skeleton, points = _skeleton(
-        [(name, parent, place) for (name, parent, _), place in zip(JOINTS, POINTS, strict=True)]
-    )
-    assert loose_feet(skeleton, points) == {}
+    skeleton, _ = _skeleton([(name, parent, place) for (name, parent, _), place in zip(JOINTS, POINTS, strict=True)])
+    assert loose_feet(skeleton) == {}

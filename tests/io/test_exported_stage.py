@@ -21,11 +21,11 @@ from studio.core.rotations import to_matrix
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import InHand, Prop, PropShape
 from studio.io.export_options import ExportOptions
-from studio.io.exported_stage import exported_stage, write_stage
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.container import read_gltf
 from studio.io.importing import load_capture
 from studio.io.project.project_file import new_document_id, write_project
+from studio.io.takes.exported_stage import exported_stage, write_stage
 from tests.engine.test_following import stage
 from tests.io.blender import opened_in_blender
 from tests.io.khronos import issues_of

@@ -57,6 +57,25 @@ def test_joints_may_turn_in_any_order_from_axes_of_their_own(
     assert np.abs(places[:, same] - expected).max() < 1e-4
 
 
+@pytest.mark.parametrize("bad", ["nan", "1.#IND", "-1.#IND", "-nan(ind)"])
+def test_frames_without_numbers_are_filled_and_told(tmp_path: Path, bad: str) -> None:
+    text = fbx_text()
+    start = text.index("{ a: ", text.rindex("KeyValueFloat")) + 5
+    end = text.index(" }", start)
+    keys = text[start:end].split(",")
+    keys[5] = bad
+    (tmp_path / "take.fbx").write_text(text[:start] + ",".join(keys) + text[end:])
+    capture = load_capture(tmp_path / "take.fbx")
+    assert any("take.fbx, frame 5: 1 frame lacks numbers" in words for words in capture.repairs)
+    skeleton, poses = body()
+    places, expected = joint_world(capture.skeleton, capture.poses)[0], joint_world(skeleton, poses)[0]
+    same = [capture.skeleton.index(name) for name in skeleton.names]
+    whole = np.arange(poses.frame_count) != 5
+    assert np.abs(places[:, same] - expected)[whole].max() < 1e-5
+    around = 0.5 * (expected[4] + expected[6])
+    assert np.abs(places[5, same] - around).max() < np.abs(expected[5] - around).max() + 0.01
+
+
 def test_what_the_user_knows_better_than_the_file_holds(tmp_path: Path) -> None:
     (tmp_path / "take.fbx").write_text(fbx_text())
     capture = load_capture(tmp_path / "take.fbx", ImportOptions(unit="inch", frame_rate=25.0))

@@ -1,6 +1,8 @@
 """Animations of glTF as captures: the studio's own come back, others move as their keys say."""
 
+import base64
 import json
+import struct
 from itertools import pairwise
 
 import numpy as np
@@ -13,6 +15,7 @@ from studio.core.body.kinematics import joint_world
 from studio.core.errors import StudioError
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.round_trip import round_trip
+from studio.core.rotations import angle_between, slerp
 from studio.io.export import take_of_capture, write_take
 from studio.io.gltf.animation import Track
 from studio.io.importing import ImportOptions, load_capture, read_file
@@ -168,6 +171,27 @@ def test_a_file_of_animations_without_a_mesh_is_a_motion_and_one_with_a_mesh_a_c
     read = read_file(with_animation(tmp_path, without_mesh))
     assert isinstance(read, ReadCapture)
     assert read.capture.frame_count == 4
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, 1e30])
+def test_keys_without_numbers_are_filled_and_told(tmp_path, bad):
+    def change(root):
+        head, _, text = root["buffers"][0]["uri"].partition(",")
+        content = bytearray(base64.b64decode(text))
+        for sampler in root["animations"][0]["samplers"]:
+            accessor = root["accessors"][sampler["output"]]
+            view = root["bufferViews"][accessor["bufferView"]]
+            width = {"VEC3": 12, "VEC4": 16}[accessor["type"]]
+            struct.pack_into("<f", content, view.get("byteOffset", 0) + accessor.get("byteOffset", 0) + 2 * width, bad)
+        root["buffers"][0]["uri"] = f"{head},{base64.b64encode(content).decode()}"
+
+    capture = load_capture(with_animation(tmp_path, change))
+    assert capture.frame_count == 4
+    assert any("walk.gltf" in words and "filled from the keys around" in words for words in capture.repairs)
+    whole = load_capture(with_animation(tmp_path, lambda root: None)).poses.local_rotations
+    assert angle_between(capture.poses.local_rotations[[0, 1, 3]], whole[[0, 1, 3]]).max() < 1e-5
+    off = angle_between(capture.poses.local_rotations[2], slerp(whole[1], whole[3], 0.5))
+    assert off.max() < 1e-3
 
 
 def beyond_time(root):

@@ -2,6 +2,7 @@
 
 import pytest
 
+from studio.core.captures.confidence import Confidence
 from studio.io.guessing import UNITS, Scale, find_unit, said_unit
 
 
@@ -39,7 +40,25 @@ def test_the_user_has_the_last_word() -> None:
 def test_a_unit_that_would_fit_as_well_is_told() -> None:
     _, guess = find_unit(32.0)
     assert guess is not None
-    assert guess.reason == "The legs are 32 units long, in inch 0.81 m. In cm they would be 0.32 m."
+    assert guess.reason.startswith("The legs are 32 units long, in inch 0.81 m. In cm they would be 0.32 m: choose")
+    assert guess.confidence is Confidence.LIKELY
+
+
+@pytest.mark.parametrize("leg", [28.0, 31.0, 35.0, 39.0])
+def test_toddlers_are_told_from_adults_in_inches_by_their_proportions(leg: float) -> None:
+    """Legs of 28 to 39 units are a toddler's in centimetres or an adult's in inches: a toddler's trunk is as long."""
+    assert find_unit(leg, trunk=leg / 1.2)[0].unit == "cm"
+    assert find_unit(leg, trunk=leg / 1.7)[0].unit == "inch"
+
+
+def test_a_unit_is_as_sure_as_it_is_ahead_of_the_next() -> None:
+    said = [find_unit(leg, trunk=0.6 * leg)[1] for leg in (85.0, 0.85, 32.0, 3.0e-7)]
+    assert [guess.confidence.value for guess in said if guess and guess.confidence] == [
+        "sure",
+        "sure",
+        "likely",
+        "doubtful",
+    ]
 
 
 def test_metres_a_unit_have_the_name_of_their_unit() -> None:

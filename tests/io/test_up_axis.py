@@ -130,6 +130,14 @@ def test_a_format_that_says_its_axis_is_believed_unless_the_body_stands_along_an
     assert (upright.value, forgotten.value) == ("Y", "Z")
 
 
+def test_one_who_leans_over_more_and_more_is_seen_by_no_tilted_camera(walk: Capture) -> None:
+    positions = joint_positions(walk.skeleton, walk.poses) - [0.0, 0.0, walk.floor]
+    standing = np.repeat(positions[:1] - positions[0, 0] * [1.0, 1.0, 0.0], 60, axis=0)
+    leans = Rotation.from_euler("y", np.linspace(0.0, 45.0, 60)[:, None], degrees=True).as_matrix()
+    guess = guess_up_axis(pairs(np.einsum("fij,fpj->fpi", leans, standing) @ AXES["Y"], walk), said_axis("Y"))
+    assert guess.value == "Y"
+
+
 @pytest.mark.parametrize("axis", [*AXES, "0.0000 -0.9397 0.3420"])
 def test_the_axis_that_is_called_becomes_up(axis: str) -> None:
     turn = turn_to_world(axis)

@@ -5,7 +5,6 @@ from random import Random
 
 import numpy as np
 
-from studio.cli.render import prepared
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.project import Performer, Project
@@ -13,6 +12,7 @@ from studio.core.solver.adapt import adapt
 from studio.core.solver.performers.performing import perform
 from studio.core.stage.clip import FASTEST, SLOWEST, Clip
 from studio.core.stage.layer import Layer, Region
+from studio.jobs.performances import prepared
 from studio.library.scenes.stagehand import bodies, material
 from studio.live.stage import LiveStage
 

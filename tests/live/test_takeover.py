@@ -13,7 +13,7 @@ from studio.core.project import GROUND_ID
 from studio.core.quality.metrics import QUIET
 from studio.core.runs import runs_of
 from studio.core.solver.standing.stepping import flights_of
-from studio.core.solver.standing.swing import Sole
+from studio.core.solver.standing.swing_foot_path import Sole
 from studio.core.stage.clip import Clip
 from studio.library.scenes.stagehand import material
 from studio.live.playing import own_row

@@ -15,7 +15,7 @@ from studio.core.quality.motion_quality import motion_quality
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.source import source_motion
-from studio.core.solver.standing.settling import SQUATTING
+from studio.core.solver.standing.settling import LEAST_LEG_REACH
 from studio.io.export import take_of_adapted, write_take
 from studio.io.importing import load_character
 from studio.io.registry import ReadCharacter
@@ -202,7 +202,7 @@ def test_legs_of_who_sits_low_on_high_ankles_do_not_fold_to_nothing(path: Path):
             away = np.linalg.norm(found.positions[:, hip + 2] - found.positions[:, hip], axis=1)
             stretches.append(away / found.morphology.leg[side].sum())
         own, actors = stretches
-        assert (own > 0.5 * np.minimum(actors, SQUATTING)).all()
+        assert (own > 0.5 * np.minimum(actors, LEAST_LEG_REACH)).all()
 
 
 @pytest.mark.parametrize("path", FILES)

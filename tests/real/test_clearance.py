@@ -4,7 +4,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from studio.core.kernels.limits.clearance import NEARNESS
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
@@ -13,6 +12,7 @@ from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
+from studio.core.kernels.limits.arm_clearance import MAX_INHERITED_CLEARANCE
 from studio.core.quality.metrics import QUIET, angular_acceleration
 from studio.core.solver.adapt import hold
 from studio.core.solver.asking.clearance import rooms
@@ -58,7 +58,7 @@ def _arm_peaks(motion: AdaptedMotion) -> np.ndarray:
 @pytest.mark.parametrize("stem", ["punch", "dance", *outside(*SHOWN)])
 def test_arms_come_out_of_the_body_without_a_pop(stem: str, name: str) -> None:
     source, before, after = _cleared(stem, name)
-    assert rooms(before).min() < NEARNESS
+    assert rooms(before).min() < MAX_INHERITED_CLEARANCE
     assert rooms(after).min() > max(rooms(before).min(), -DEEPEST)
     assert after.residuals.max() < 2e-3
     assert (_arm_peaks(after) / np.maximum(_arm_peaks(source), QUIET)).max() < 3.0

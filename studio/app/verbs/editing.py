@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 
+from PySide6.QtGui import QGuiApplication
+
 from studio.app.verbs import clips
 from studio.app.workbench import Workbench
 from studio.core.captures.contacts import ContactInterval
@@ -12,7 +14,9 @@ from studio.core.stage.behaviour import Transition
 from studio.core.stage.clip import Clip
 from studio.core.stage.staging import lined_up, travel_heading
 from studio.document.behaviours import duplicate_states, remove_parts
+from studio.document.clipboard import copied, paste
 from studio.document.clips import name_of, remove_clips
+from studio.document.key_edits import delete_keys, set_keys
 
 PARTS = ("clips", "states", "transitions")
 SMALL_THINGS = ("constraints", "contacts", "labels", "props", "behaviours", *PARTS)
@@ -54,11 +58,14 @@ def duplicate(bench: Workbench) -> None:
 
 
 def delete(bench: Workbench) -> None:
-    """Remove what is selected, and what cannot be without it.
+    """Remove the selected keys, or else what is selected, and what cannot be without it.
 
     A constraint or a clip is selected together with the body it is seen on; the body stays then.
     """
     document = bench.document
+    if document.keys.items:
+        delete_keys(document)
+        return
     selected = [item for item in document.selection.items if item != ("grounds", GROUND_ID)]
     items = [item for item in selected if item[0] in SMALL_THINGS] or selected
     text = f"Delete {_name(bench, *items[0])}" if len(items) == 1 else f"Delete {len(items)} items"
@@ -68,6 +75,30 @@ def delete(bench: Workbench) -> None:
         for collection, key in items:
             if collection not in PARTS and document.project.get(collection, key) is not None:
                 document.remove(collection, key, text)
+
+
+def copy(bench: Workbench) -> None:
+    """Put the selected keys, constraints and contacts on the system's clipboard, as JSON."""
+    text = copied(bench.document)
+    if not text:
+        raise StudioError("Select constraints, contacts or keys to copy first.")
+    QGuiApplication.clipboard().setText(text)
+
+
+def paste_copied(bench: Workbench) -> None:
+    """Paste what was copied, here or in another window."""
+    paste(bench.document, QGuiApplication.clipboard().text())
+
+
+def paste_mirrored(bench: Workbench) -> None:
+    """Paste what was copied with left for right."""
+    paste(bench.document, QGuiApplication.clipboard().text(), mirrored=True)
+
+
+def set_key(bench: Workbench) -> None:
+    """Set a key of what is selected at the playhead. Raises StudioError where nothing of it can be keyed."""
+    if not set_keys(bench.document):
+        raise StudioError("Nothing here can be keyed. Select a constraint with a target, a prop or a character first.")
 
 
 def hide(bench: Workbench) -> None:

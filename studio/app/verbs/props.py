@@ -9,7 +9,6 @@ import numpy as np
 
 from studio.app.file_dialogs import ask_file
 from studio.app.workbench import Workbench
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowProp
 from studio.core.constraints.keyed import KeyedPlace
@@ -193,7 +192,7 @@ def _leave(document: Document, prop_id: str, performer_id: str, now: float, text
             if _grips(each, prop_id, performer_id) and each.activation.at(time) > 0.0:
                 curve = each.activation
                 full = min(curve.full, time)
-                left = ActivationCurve(min(curve.start, full), full, time, time + REACHING, curve.shape)
+                left = curve.with_times(min(curve.start, full), full, time, time + REACHING)
                 document.replace("constraints", key, replace(each, activation=left), text)
 
 

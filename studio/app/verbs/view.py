@@ -68,6 +68,16 @@ def toggle_marker_names(bench: Workbench) -> None:
     bench.viewport.recording.name(not bench.viewport.recording.named)
 
 
+def toggle_dope_sheet(bench: Workbench) -> None:
+    """Show the timeline as a dope sheet, or as it was."""
+    bench.timeline.set_dope(not bench.timeline.dope)
+
+
+def toggle_curve_editor(bench: Workbench) -> None:
+    """Make the timeline's plot the curve editor, or as it was."""
+    bench.timeline.edit_curves(not bench.timeline.editing_curves)
+
+
 def fold_rows(bench: Workbench) -> None:
     """Constraints and plot on the timeline a line high each, or as high as they were."""
     bench.timeline.fold_rows()

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from studio.core.body.morphology import AnimatedMorphology, Morphology, Proportions
 from studio.core.constraints.keyed import Line
+from studio.core.project_cache import project_cache
 
 FloatArray = NDArray[np.float64]
 
@@ -41,7 +42,7 @@ class KeyedProportions(Line):
         return value if isinstance(value, Proportions) else Proportions(*super()._checked(value))
 
 
-@lru_cache(maxsize=64)
+@project_cache(maxsize=64)
 def grown(
     build: Morphology, keyed: KeyedProportions, begin: float, frame_rate: float, count: int
 ) -> AnimatedMorphology:

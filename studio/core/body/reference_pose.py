@@ -10,6 +10,7 @@ from studio.core.body.kinematics import joint_positions, rest_poses
 from studio.core.body.neutral_pose import find_neutral_pose
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
+from studio.core.captures.confidence import Confidence
 from studio.core.rotations import IDENTITY, from_matrix, multiply, normalized, shortest_arc
 
 FloatArray = NDArray[np.float64]
@@ -17,6 +18,8 @@ FloatArray = NDArray[np.float64]
 _UP: FloatArray = np.array([0.0, 0.0, 1.0])
 _NEVER_STOOD = 2.0
 """Worst fault of a take's best frame from which no frame of it stands at ease."""
+_HARDLY_HUMAN, _SURE_HEAD = 0.8, 15.0
+"""Worst fault of a zero pose, and degrees of doubt about the head, up to which nothing is doubtful."""
 
 
 @dataclass(frozen=True)
@@ -27,6 +30,7 @@ class ReferencePose:
     source: str
     """``zero pose`` or ``all frames``."""
     reason: str
+    confidence: Confidence
 
 
 def find_reference_pose(skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap) -> ReferencePose:
@@ -35,18 +39,24 @@ def find_reference_pose(skeleton: Skeleton, poses: PoseSequence, body_map: BodyM
     standing = stand_up(skeleton, zero, body_map)
     if standing is not None:
         points = joint_positions(skeleton, rest_poses(skeleton, standing))
-        if faults(points, body_map).max() <= 1.0:
+        worst = float(faults(points, body_map).max())
+        if worst <= 1.0:
             turned = "" if np.array_equal(standing, zero) else "; it was turned upright"
             return ReferencePose(
-                standing, "zero pose", f"With all rotations zero the body stands like a human{turned}."
+                standing,
+                "zero pose",
+                f"With all rotations zero the body stands like a human{turned}.",
+                Confidence.SURE if worst <= _HARDLY_HUMAN else Confidence.LIKELY,
             )
     wrong = faults(joint_positions(skeleton, poses), body_map)
     neutral = find_neutral_pose(skeleton, poses, body_map, 1.0 / (1.0 + (wrong**2).sum(axis=1)) ** 2)
     doubt = f"The head may be turned by {neutral.head_doubt:.0f} degrees" if neutral.head_doubt else "It has no head"
-    if wrong.max(axis=1).min() > _NEVER_STOOD:
+    stood = wrong.max(axis=1).min() <= _NEVER_STOOD
+    if not stood:
         doubt += ", and the body never stands at ease: look at its head, hands and feet"
     reason = "With all rotations zero the body is not human; its mean pose was stood upright."
-    return ReferencePose(neutral.rotations, "all frames", f"{reason} {doubt}.")
+    confidence = Confidence.LIKELY if stood and neutral.head_doubt <= _SURE_HEAD else Confidence.DOUBTFUL
+    return ReferencePose(neutral.rotations, "all frames", f"{reason} {doubt}.", confidence)
 
 
 def stand_up(skeleton: Skeleton, local_rotations: FloatArray, body_map: BodyMap) -> FloatArray | None:

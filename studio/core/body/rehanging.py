@@ -6,13 +6,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.kinematics import joint_world
+from studio.core.body.kinematics import joint_world, rest_poses
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
-from studio.core.rotations import from_matrix
+from studio.core.errors import StudioError
+from studio.core.rotations import IDENTITY, from_matrix
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+_APART = 0.1
+"""Of a shank's length: feet that leave it by less hang from it all the same, as in legs that stretch a little."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +40,38 @@ def rehang(parents: IntArray, moved: Mapping[int, int]) -> Rehanging:
     order = np.array(sorted(range(len(above)), key=lambda joint: (depth(joint), joint)))
     place = {int(old): new for new, old in enumerate(order)}
     return Rehanging(order, np.array([place.get(above[old], -1) for old in order.tolist()]))
+
+
+def over_feet(skeleton: Skeleton, poses: PoseSequence, feet: Mapping[int, int]) -> tuple[PoseSequence, float]:
+    """The motion whose body stands over ``feet`` (foot: shank) that it does not carry, and how far it was from them.
+
+    Some files move the feet through the world and leave the body behind, or in its place; its legs, as they turn, say
+    where it belongs: where the ends of both shanks meet the feet. Raises StudioError where no place does that.
+    """
+    still = joint_world(skeleton, rest_poses(skeleton, np.tile(IDENTITY, (skeleton.joint_count, 1))))[0][0]
+    positions, turns = joint_world(skeleton, poses)
+    gaps = np.stack(
+        [
+            positions[:, foot] - positions[:, shank] - turns[:, shank] @ (still[foot] - still[shank])
+            for foot, shank in feet.items()
+        ]
+    )
+    near = _APART * min(float(np.linalg.norm(still[foot] - still[shank])) for foot, shank in feet.items())
+    farthest = float(np.linalg.norm(gaps, axis=2).max())
+    if farthest <= near:
+        return poses, 0.0
+    above = skeleton.path(0, skeleton.common_ancestor(*feet.values()))
+    body = next((joint for joint in above if not any(skeleton.path(joint, foot) for foot in feet)), None)
+    if body is None or np.linalg.norm(gaps - gaps.mean(axis=0), axis=2).max() > near:
+        foot, shank = next(iter(feet.items()))
+        raise StudioError(
+            f"'{skeleton.names[foot]}' hangs from the root and leaves '{skeleton.names[shank]}' in its motion."
+            " Bake the legs, or hang the feet from the shanks, and export it again."
+        )
+    carrier = turns[:, skeleton.parents[body]]
+    moves = np.array(poses.local_translations)
+    moves[:, body] += np.einsum("fji,fj->fi", carrier, gaps.mean(axis=0))
+    return PoseSequence(poses.local_rotations, moves), farthest
 
 
 def rehung(skeleton: Skeleton, poses: PoseSequence, new: Rehanging) -> tuple[Skeleton, PoseSequence]:

@@ -21,11 +21,14 @@ ROOT = "root"
 
 
 def with_root_joint(capture: Capture) -> Capture:
-    """The same motion with a joint above all others, on the floor below the hips and turned as they head.
+    """The same motion with its root joint on the floor below the hips and turned as they head.
 
-    At rest it stands at the origin. Without a body map it keeps its heading.
+    That is the root which the hips hang from, or else a joint above all others that stands at the origin at rest.
+    Without a body map it keeps its heading.
     """
     skeleton, poses = capture.skeleton, capture.poses
+    if capture.body_map and capture.body_map.spine[0] > 0:
+        return _with_moving_root(capture)
     name = ROOT
     while name in skeleton.names:
         name += "_"
@@ -48,6 +51,20 @@ def with_root_joint(capture: Capture) -> Capture:
         body_map=_shifted(capture.body_map),
         reference_rotations=np.concatenate([IDENTITY[None], capture.reference_rotations]),
     )
+
+
+def _with_moving_root(capture: Capture) -> Capture:
+    """The same motion whose own root goes with the hips, and all others stay where they are."""
+    rotations, translations = np.array(capture.poses.local_rotations), np.array(capture.poses.local_translations)
+    root, turned = (each[:, 0].copy() for each in (translations, rotations))
+    rotations[:, 0] = multiply(_headings(capture), capture.reference_rotations[0])
+    translations[:, 0] = _travel(capture)
+    back = inverse(rotations[:, 0])
+    for child in capture.skeleton.children[0]:
+        place = root + rotate(turned, translations[:, child]) - translations[:, 0]
+        translations[:, child] = rotate(back, place)
+        rotations[:, child] = multiply(multiply(back, turned), rotations[:, child])
+    return replace(capture, poses=PoseSequence(rotations, translations))
 
 
 def in_place(capture: Capture) -> Capture:

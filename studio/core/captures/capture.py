@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
+from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
 from studio.core.markers.force_plates import PlateLoad
 from studio.core.markers.take import MarkerTake
@@ -26,6 +27,13 @@ class Guess:
     reference pose, first frame``."""
     value: str
     reason: str
+    confidence: Confidence | None = None
+    """None where a guess follows from nothing that could be weighed, such as a choice between animations."""
+
+    @property
+    def title(self) -> str:
+        """Subject and value, with the confidence where it is known: ``unit: cm (sure)``."""
+        return f"{self.subject}: {self.value}" + (f" ({self.confidence})" if self.confidence else "")
 
 
 @dataclass(frozen=True)

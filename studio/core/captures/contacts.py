@@ -153,6 +153,8 @@ HEIGHT_MARGIN = 0.04
 """Metres above its own usual low that a standing heel, ball or tip of the toes may be."""
 STILL_SPEED = 0.35
 """Metres a second below which it may be standing."""
+ROLLING_SPEED = 0.55
+"""The same between two rests."""
 HEEL_SPEEDS, TOE_SPEEDS = (0.43, STILL_SPEED), (STILL_SPEED, 0.5)
 """The same as a contact begins and as it ends: a foot rolls on to its heel, and off the ball and the tip of its toes,
 while they touch the ground.
@@ -276,16 +278,15 @@ def _stands(
     less than ``landing`` or ``leaving`` metres a second.
     """
     speeds = point_speeds(track, near, frame_rate)
-    still = near & (speeds < STILL_SPEED)
-    standing, longest = still.copy(), round(ROLLING * frame_rate)
-    for first, last in spans_of(near & (speeds < landing)):
-        rests = first + np.flatnonzero(still[first : last + 1])
+    standing = near & (speeds < STILL_SPEED)
+    for first, last in spans_of(near & (speeds < ROLLING_SPEED)):
+        rests = first + np.flatnonzero(standing[first : last + 1])
         if len(rests):
-            standing[max(first, rests[0] - longest) : rests[-1] + 1] = True
-    for first, last in spans_of(near & (speeds < leaving)):
-        rests = first + np.flatnonzero(still[first : last + 1])
-        if len(rests):
-            standing[rests[0] : min(last, rests[-1] + longest) + 1] = True
+            standing[rests[0] : rests[-1] + 1] = True
+    lands, leaves = near & (speeds < landing), near & (speeds < leaving)
+    for _ in range(round(ROLLING * frame_rate)):
+        standing[:-1] |= standing[1:] & lands[:-1]
+        standing[1:] |= standing[:-1] & leaves[1:]
     return standing
 
 

@@ -11,6 +11,7 @@ from studio.core.body.hand_end import SHORTEST_HAND, could_be_hand, hand_reach
 from studio.core.body.humanoid import LIMBS, BodyMap, BodyPart
 from studio.core.body.kinematics import joint_positions
 from studio.core.body.morphology import Morphology
+from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import spans_of
 from studio.core.markers.jumps import jumps
@@ -74,7 +75,7 @@ def remarks_on(capture: Capture) -> tuple[Remark, ...]:
         *_far_joints(capture),
         *_stiff(capture),
         *_odd_build(capture, capture.body_map, positions),
-        *_stretches(capture.body_map, positions[capture.first_frame :]),
+        *_stretches(capture.skeleton, capture.body_map, positions[capture.first_frame :]),
         *_jumps(capture, positions[:, capture.body_map.spine[0]]),
         *_rushes(capture, capture.body_map, positions),
         *_hovers(capture, capture.body_map, positions),
@@ -172,16 +173,37 @@ def _far_hand(capture: Capture, body: BodyMap, side: str, positions: FloatArray)
     return [f"The {side} hand ends {100.0 * far:.0f} cm from its wrist: a hand of usual length takes its place."]
 
 
-def _stretches(body: BodyMap, positions: FloatArray) -> list[Remark]:
-    """The bone of a limb that changes its length most, where a body of constant bones comes out elsewhere."""
-    bones = [(part, body[part], body[end]) for parts in LIMBS.values() for part, end in pairwise(parts)]
+def _stretches(skeleton: Skeleton, body: BodyMap, positions: FloatArray) -> list[Remark]:
+    """The bone that changes its length most, where a body of constant bones comes out elsewhere."""
+    bones = _mapped_bones(skeleton, body)
     lengths = np.array([np.linalg.norm(positions[:, b] - positions[:, a], axis=1) for _, a, b in bones])
     off = np.quantile(np.abs(lengths - np.median(lengths, axis=1, keepdims=True)), 1.0 - STRETCHES, axis=1)
     worst = int(np.argmax(off))
     if off[worst] < STRETCHED:
         return []
-    words = f"The {bones[worst][0].label.lower()} changes its length by {1000.0 * off[worst]:.0f} mm and more:"
+    words = f"The {bones[worst][0]} changes its length by {1000.0 * off[worst]:.0f} mm and more:"
     return [Remark(f"{words} on bodies, whose bones keep theirs, joints lie elsewhere by as much.")]
+
+
+def _mapped_bones(skeleton: Skeleton, body: BodyMap) -> list[tuple[str, int, int]]:
+    """Words for each bone between mapped joints, and the joints in which it begins and ends.
+
+    Trunk and neck bend at joints between the mapped ones, so only what hangs there directly has a length.
+    """
+    pelvis, thorax, parts = body.spine[0], body.spine[-1], body.parts
+    bones = [("trunk", below, above) for below, above in pairwise(body.spine)]
+    neck = [joint for part in (BodyPart.NECK, BodyPart.HEAD) if (joint := parts.get(part)) is not None]
+    bones += [("neck", below, above) for below, above in pairwise((thorax, *neck))]
+    bones = [bone for bone in bones if skeleton.parents[bone[2]] == bone[1]]
+    for side in ("left", "right"):
+        for carrier, limb in (
+            (thorax, ("clavicle", "upper_arm", "forearm", "hand")),
+            (pelvis, ("thigh", "shank", "foot", "toe")),
+        ):
+            there = [part for name in limb if (part := BodyPart(f"{side}_{name}")) in parts]
+            bones.append((f"way to the {there[0].label.lower()}", carrier, parts[there[0]]))
+            bones += [(part.label.lower(), parts[part], parts[end]) for part, end in pairwise(there)]
+    return bones
 
 
 def _feet_point_back(capture: Capture, body: BodyMap, positions: FloatArray) -> bool:

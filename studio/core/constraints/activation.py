@@ -1,12 +1,13 @@
 """When a constraint acts: a curve in time from 0 to 1 and back."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from studio.core.constraints.tangents import HEAVIEST, LIGHTEST, SPARSE
 from studio.core.plausible import TIME
 
 
@@ -34,11 +35,23 @@ def ease(progress: ArrayLike, shape: EaseShape) -> NDArray[np.float64]:
             return np.minimum(t * t * t * (t * (6.0 * t - 15.0) + 10.0), 1.0)  # rounded, it may pass by a hair
 
 
+def weighted_progress(progress: ArrayLike, leaving: ArrayLike, arriving: ArrayLike) -> NDArray[np.float64]:
+    """Progress in [0, 1] that begins slower by a weight ``leaving`` and ends slower by one ``arriving``, both above 0.
+
+    The monotone rational quadratic of Gregory and Delbourgo (1982) with the slopes 1 / leaving at 0 and 1 / arriving
+    at 1.
+    """
+    t = np.asarray(progress, dtype=np.float64)
+    begin, end, rest = 1.0 / np.asarray(leaving), 1.0 / np.asarray(arriving), t * (1.0 - t)
+    return np.asarray((t * t + begin * rest) / (1.0 + (begin + end - 2.0) * rest))
+
+
 @dataclass(frozen=True)
 class ActivationCurve:
     """0 before ``start``, eased to 1 at ``full``, held to ``full_end``, eased to 0 at ``end`` (seconds).
 
-    Raises ValueError when the four times are not finite or not in order.
+    ``weights`` of the four say for how long the curve stays near 0 or 1 there. Raises ValueError when the four times
+    are not finite or not in order.
     """
 
     start: float
@@ -46,10 +59,14 @@ class ActivationCurve:
     full_end: float
     end: float
     shape: EaseShape = EaseShape.QUINTIC
+    weights: tuple[float, float, float, float] = field(default=(1.0, 1.0, 1.0, 1.0), kw_only=True, metadata=SPARSE)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "shape", EaseShape(self.shape))
-        times = (self.start, self.full, self.full_end, self.end)
+        object.__setattr__(self, "weights", tuple(float(weight) for weight in self.weights))
+        if len(self.weights) != 4 or not all(LIGHTEST <= weight <= HEAVIEST for weight in self.weights):
+            raise ValueError(f"An activation has four weights from {LIGHTEST} to {HEAVIEST}, got {self.weights}.")
+        times = self.times
         if not all(math.isfinite(time) for time in times):
             raise ValueError("An activation needs four finite times.")
         TIME.check(times)
@@ -60,10 +77,19 @@ class ActivationCurve:
                 + " are not."
             )
 
+    @property
+    def times(self) -> tuple[float, float, float, float]:
+        """Start, full, full end and end."""
+        return self.start, self.full, self.full_end, self.end
+
     def at(self, times: ArrayLike) -> NDArray[np.float64]:
         """Activation in [0, 1] at ``times`` (seconds), same shape."""
         t = np.asarray(times, dtype=np.float64)
         rise, fall = _progress(t, self.start, self.full), _progress(-t, -self.end, -self.full_end)
+        if self.weights != (1.0, 1.0, 1.0, 1.0):
+            start, full, full_end, end = self.weights
+            rise = weighted_progress(np.clip(rise, 0.0, 1.0), start, full)
+            fall = weighted_progress(np.clip(fall, 0.0, 1.0), end, full_end)
         return ease(np.minimum(rise, fall), self.shape)
 
     def is_whole(self, first: float, last: float) -> bool:
@@ -72,9 +98,18 @@ class ActivationCurve:
 
     def moved(self, seconds: float) -> "ActivationCurve":
         """The same curve ``seconds`` later."""
-        return ActivationCurve(
-            self.start + seconds, self.full + seconds, self.full_end + seconds, self.end + seconds, self.shape
-        )
+        return self.with_times(*(time + seconds for time in self.times))
+
+    def with_weight(self, place: int, weight: float) -> "ActivationCurve":
+        """The same curve with another weight of one of its four times."""
+        weights = [*self.weights]
+        weights[place] = weight
+        start, full, full_end, end = weights
+        return replace(self, weights=(start, full, full_end, end))
+
+    def with_times(self, start: float, full: float, full_end: float, end: float) -> "ActivationCurve":
+        """The same curve with other times."""
+        return replace(self, start=start, full=full, full_end=full_end, end=end)
 
 
 def _progress(times: NDArray[np.float64], begin: float, full: float) -> NDArray[np.float64]:

@@ -78,6 +78,13 @@ class Carry:
                 seen = multiply(seen, np.array([0.0, 0.0, 1.0, 0.0]))
         return multiply(np.array([0.0, 0.0, np.sin(self.turn / 2), np.cos(self.turn / 2)]), seen)
 
+    def own_rates(self, rates: ArrayLike, part: BodyPart) -> FloatArray:
+        """(..., 3) radians a second of a segment about its own axes."""
+        seen = np.asarray(rates, dtype=np.float64)
+        if not self.mirrored:
+            return seen
+        return seen * ([1.0, -1.0, -1.0] if is_hinged(part) else [-1.0, 1.0, -1.0])
+
     def point(self, point: BodyPoint) -> BodyPoint:
         """A point of the body: of the other side in a mirror."""
         if not self.mirrored:
@@ -129,14 +136,18 @@ def mirrored_constraint(constraint: Constraint) -> Constraint:
 def _value(name: str, value: Any, constraint: Constraint, carry: Carry) -> Any:
     match value:
         case KeyedPlace():
-            return replace(value, times=_keys(value, carry), values=_tuples(carry.places(value.values)))
+            places = value.with_rates(lambda rate: carry.ways(rate) * carry.speed)
+            return replace(places, times=_keys(value, carry), values=_tuples(carry.places(value.values)))
         case KeyedTurn():
             quaternions = carry.turns(value.values, constraint.point.part)
-            return replace(value, times=_keys(value, carry), values=_tuples(quaternions))
+            turned = value.with_rates(lambda rate: carry.own_rates(rate, constraint.point.part) * carry.speed)
+            return replace(turned, times=_keys(value, carry), values=_tuples(quaternions))
         case KeyedNumber():
-            turned = tuple(_heading(each, constraint, carry) for each in value.values)
-            numbers = turned if name == "heading" else value.values
-            return replace(value, times=_keys(value, carry), values=numbers)
+            turns = name == "heading"
+            numbers = tuple(_heading(each, constraint, carry) for each in value.values) if turns else value.values
+            sign = -1.0 if turns and _is_heading_mirrored(constraint, carry) else 1.0
+            scalars = value.with_rates(lambda rate: sign * rate * carry.speed)
+            return replace(scalars, times=_keys(value, carry), values=numbers)
         case CirclePlace() | PendulumPlace() | NoisePlace():
             (x, y, z), seen = carry.places(value.centre).tolist(), value.mirrored() if carry.mirrored else value
             return replace(
@@ -182,9 +193,13 @@ def _plain(name: str, value: Any, constraint: Constraint, carry: Carry) -> Any:
 def _heading(heading: float, constraint: Constraint, carry: Carry) -> float:
     """A heading counts from that of what the centre follows, where it follows something."""
     follows = isinstance(getattr(constraint, "centre", None), FOLLOWS)
-    others = isinstance(getattr(constraint, "centre", None), FollowPerformer | FollowProp)
-    seen = -heading if carry.mirrored and not others else heading
+    seen = -heading if _is_heading_mirrored(constraint, carry) else heading
     return seen if follows else seen + carry.turn
+
+
+def _is_heading_mirrored(constraint: Constraint, carry: Carry) -> bool:
+    others = isinstance(getattr(constraint, "centre", None), FollowPerformer | FollowProp)
+    return carry.mirrored and not others
 
 
 def _own_turn(turn: Quaternion, part: BodyPart, carry: Carry) -> Quaternion:
@@ -208,7 +223,7 @@ def _activation(curve: ActivationCurve, carry: Carry) -> ActivationCurve:
     """
     if carry.last < carry.first:
         return NEVER
-    start, full, full_end, end = carry.times((curve.start, curve.full, curve.full_end, curve.end)).tolist()
+    start, full, full_end, end = carry.times(curve.times).tolist()
     coming = min(COMING, (carry.last - carry.first) / 2)
     if start < carry.first:
         start, full = carry.first, max(full, carry.first + coming)
@@ -217,7 +232,7 @@ def _activation(curve: ActivationCurve, carry: Carry) -> ActivationCurve:
     if full > full_end + 1e-9:
         return NEVER
     times = np.maximum.accumulate([start, full, full_end, end]).tolist()
-    return replace(curve, **dict(zip(("start", "full", "full_end", "end"), times, strict=True)))
+    return curve.with_times(*times)
 
 
 def _keys(keyed: Keys, carry: Carry) -> tuple[float, ...]:

@@ -1,22 +1,27 @@
 """Values keyed over time: places, rotations and numbers, smooth between their keys and still beyond them.
 
-Every key is passed in a straight line, at the slower of the two rates around it and the slower the more the way turns
-there; between two keys the two lines are blended by the quintic ease, so that places and rotations have two continuous
-derivatives everywhere. It is local (a key changes four stretches at most), turning the world turns the path, two equal
-keys hold still, and two keys alone are the quintic ease itself.
+Every key is passed in a straight line, its tangent; between two keys the two lines are blended by the quintic ease, so
+that places and rotations have two continuous derivatives wherever tangents are not broken. A key without ``Tangents``
+of its own is passed at the slower of the two rates around it, and the slower the more the way turns there. That is
+local (a key changes four stretches at most), turning the world turns the path, two equal keys hold still, and two keys
+alone are the quintic ease itself.
 """
 
 import math
-from bisect import bisect_left, insort
-from dataclasses import dataclass, replace
+from bisect import bisect_left
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import pairwise
 from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from studio.core.constraints.activation import EaseShape, ease
+from studio.core.constraints.activation import EaseShape, ease, weighted_progress
+from studio.core.constraints.tangents import SPARSE, Beyond, Tangents, rates_of
 from studio.core.plausible import PLACE, TIME
+from studio.core.rotations import from_matrix
 
 FloatArray = NDArray[np.float64]
 Vector = tuple[float, float, float]
@@ -26,13 +31,30 @@ SAME_TIME = 1e-4
 """Seconds; nearer than this two keys are one."""
 
 
+@dataclass(frozen=True)
+class Key:
+    """One key: its time in seconds, its value, and its tangents where they are not found from the keys around it."""
+
+    time: float
+    value: Any
+    tangents: Tangents | None = None
+
+
+@dataclass(frozen=True)
 class Keys:
-    """What all keyed values share: ``times`` in seconds, each later than the one before, and as many ``values``."""
+    """What all keyed values share: ``times`` in seconds, each later than the one before, and as many ``values``.
+
+    ``tangents`` are empty, or as many as there are keys. ``before`` and ``after`` say what holds before the first key
+    and after the last one.
+    """
 
     kind: ClassVar[str] = "keyed"
     size: ClassVar[int]
     times: tuple[float, ...]
     values: tuple[Any, ...]
+    tangents: tuple[Tangents | None, ...] = field(default=(), kw_only=True, metadata=SPARSE)
+    before: Beyond = field(default=Beyond.HOLD, kw_only=True, metadata=SPARSE)
+    after: Beyond = field(default=Beyond.HOLD, kw_only=True, metadata=SPARSE)
 
     def __post_init__(self) -> None:
         times = tuple(float(time) for time in self.times)
@@ -47,7 +69,23 @@ class Keys:
         for before, after in pairwise(times):
             if after - before < SAME_TIME:
                 raise ValueError(f"Keys must be in the order of their times: {after:.3f} s comes after {before:.3f} s.")
-        object.__setattr__(self, "values", tuple(self._checked(value) for value in self.values))
+        object.__setattr__(self, "values", self._checked_values())
+        self._check_tangents()
+        object.__setattr__(self, "before", Beyond(self.before))
+        object.__setattr__(self, "after", Beyond(self.after))
+
+    def _check_tangents(self) -> None:
+        if self.tangents and len(self.tangents) != len(self.times):
+            raise ValueError(f"{len(self.times)} keys need as many tangents, or none: {len(self.tangents)}.")
+        for tangents in self.tangents:
+            for rate in tangents.rates if tangents is not None else ():
+                if len(rate) != self.dimension():
+                    raise ValueError(f"The rate of a tangent is {self.dimension()} numbers a second, got {len(rate)}.")
+        own = tuple(each or None for each in self.tangents)
+        object.__setattr__(self, "tangents", own if any(own) else ())
+
+    def _checked_values(self) -> tuple[Any, ...]:
+        return tuple(self._checked(value) for value in self.values)
 
     def _checked(self, value: Any) -> Any:
         numbers = np.array(value, dtype=np.float64).reshape(-1)
@@ -56,57 +94,194 @@ class Keys:
         PLACE.check(numbers, "The value of a key")
         return tuple(numbers.tolist()) if self.size > 1 else float(numbers[0])
 
+    @cached_property
+    def seconds(self) -> FloatArray:
+        """(K,) the times of the keys."""
+        seconds = np.array(self.times)
+        seconds.setflags(write=False)
+        return seconds
+
+    @property
+    def keys(self) -> tuple[Key, ...]:
+        """The keys in the order of their times."""
+        tangents = self.tangents or (None,) * len(self.times)
+        return tuple(map(Key, self.times, self.values, tangents))
+
     def key_at(self, time: float) -> int | None:
         """Which key stands at ``time``; None where none does."""
         place = bisect_left(self.times, time - SAME_TIME)
         return place if place < len(self.times) and self.times[place] <= time + SAME_TIME else None
 
+    def value_at(self, time: float) -> Any:
+        """The value at ``time`` as a key has it."""
+        return self._checked(self.at([time])[0])
+
+    def at(self, times: ArrayLike) -> FloatArray:
+        """(N, ...) values at ``times`` (N,) seconds."""
+        raise NotImplementedError
+
     def with_key(self, time: float, value: Any) -> Self:
         """The same with a key of ``value`` at ``time``, in the place of one that stands there."""
-        kept = [pair for pair in zip(self.times, self.values, strict=True) if abs(pair[0] - time) > SAME_TIME]
-        insort(kept, (float(time), value), key=lambda pair: pair[0])
-        return self._with(kept)
+        place = self.key_at(time)
+        tangents = self.tangents[place] if self.tangents and place is not None else None
+        return self.with_keys((Key(float(time), value, tangents),))
+
+    def with_keys(self, keys: Iterable[Key]) -> Self:
+        """The same with more ``keys``, each in the place of one that stands at its time."""
+        return self._with(self.keys, keys)
 
     def without_key(self, place: int) -> Self:
         """The same without one key. Raises ValueError for the last one."""
-        kept = [pair for k, pair in enumerate(zip(self.times, self.values, strict=True)) if k != place]
-        return self._with(kept)
+        return self.without_keys({place})
+
+    def without_keys(self, places: set[int]) -> Self:
+        """The same without the keys at these places. Raises ValueError where none is left."""
+        return self._with(key for place, key in enumerate(self.keys) if place not in places)
+
+    def with_times(self, times: Mapping[int, float], speed: float = 1.0) -> Self:
+        """The same with the keys at some places at other ``times``, each in the place of one that stands there.
+
+        Free tangents of these keys get steeper by ``speed``, so that keys that are brought nearer keep their curve.
+        """
+        keys = self.keys
+        kept = [key for place, key in enumerate(keys) if place not in times]
+        moved = [Key(float(time), keys[place].value, keys[place].tangents) for place, time in times.items()]
+        if speed != 1.0:
+            steeper = lambda rate: rate * speed  # noqa: E731
+            moved = [replace(key, tangents=key.tangents.with_rates(steeper)) if key.tangents else key for key in moved]
+        return self._with(kept, moved)
 
     def with_time(self, place: int, time: float) -> Self:
         """The same with one key at another ``time``, or as near to it as those beside it let it come."""
         times = [-math.inf, *self.times, math.inf]
         between = max(min(time, times[place + 2] - 2.0 * SAME_TIME), times[place] + 2.0 * SAME_TIME)
-        return replace(self, times=(*self.times[:place], between, *self.times[place + 1 :]))  # type: ignore[type-var]
+        return replace(self, times=(*self.times[:place], between, *self.times[place + 1 :]))
+
+    def with_tangents(self, place: int, tangents: Tangents | None) -> Self:
+        """The same with other tangents of one key."""
+        every = list(self.tangents or (None,) * len(self.times))
+        every[place] = tangents
+        return replace(self, tangents=tuple(every))
+
+    def with_rates(self, change: Callable[[FloatArray], FloatArray]) -> Self:
+        """The same with every rate of a free tangent, (size,) a second, as ``change`` makes it."""
+        return replace(self, tangents=tuple(each.with_rates(change) if each else None for each in self.tangents))
 
     def moved(self, seconds: float) -> Self:
         """The same ``seconds`` later."""
-        return replace(self, times=tuple(time + seconds for time in self.times))  # type: ignore[type-var]
+        return replace(self, times=tuple(time + seconds for time in self.times))
 
-    def _with(self, pairs: list[tuple[float, Any]]) -> Self:
-        times, values = zip(*pairs, strict=True) if pairs else ((), ())
-        return replace(self, times=times, values=values)  # type: ignore[type-var]
+    @classmethod
+    def dimension(cls) -> int:
+        """How many numbers a second a rate has: as many as a value, but three for a rotation."""
+        return cls.size
 
-    def _spans(self, times: ArrayLike) -> tuple[NDArray[np.int64], FloatArray, FloatArray, FloatArray]:
-        """(N,) the key before each of ``times`` (N,), seconds since it and to the next one (-), share of the ease."""
-        keys, t = np.array(self.times), np.clip(np.asarray(times, dtype=np.float64), self.times[0], self.times[-1])
+    def rates(self) -> tuple[FloatArray, FloatArray]:
+        """(K, D) a second with which each key is reached, and (K, D) with which it is left."""
+        return rates_of(self.seconds, self._steps(), self.tangents, self.before, self.after)
+
+    def _steps(self) -> FloatArray:
+        """(K - 1, D) from each key to the next."""
+        raise NotImplementedError
+
+    def _with(self, kept: Iterable[Key], added: Iterable[Key] = ()) -> Self:
+        """The same with other keys: of two at one time the one that is added, or was added last."""
+        keys: list[Key] = []
+        ranked = [*((key, False) for key in kept), *((key, True) for key in added)]
+        was_added = False
+        for key, is_added in sorted(ranked, key=lambda each: each[0].time):
+            if keys and key.time - keys[-1].time < SAME_TIME:
+                if not is_added and was_added:
+                    continue
+                keys.pop()
+            keys.append(key)
+            was_added = is_added
+        return replace(
+            self,
+            times=tuple(key.time for key in keys),
+            values=tuple(key.value for key in keys),
+            tangents=tuple(key.tangents for key in keys),
+        )
+
+    def _spans(self, times: ArrayLike) -> "_Spans":
+        keys = self.seconds
+        asked = self._looped(np.asarray(times, dtype=np.float64))
+        t = np.clip(asked, self.times[0], self.times[-1])
         before = np.clip(np.searchsorted(keys, t, "right") - 1, 0, max(len(keys) - 2, 0))
         after = np.minimum(before + 1, len(keys) - 1)
-        length = np.maximum(keys[after] - keys[before], SAME_TIME)
-        return before, t - keys[before], t - keys[after], ease((t - keys[before]) / length, EaseShape.QUINTIC)
+        progress = (t - keys[before]) / np.maximum(keys[after] - keys[before], SAME_TIME)
+        share = ease(self._weighted(progress, before, after), EaseShape.QUINTIC)
+        if stepped := [place for place, each in enumerate(self.tangents) if each is not None and each.is_stepped]:
+            share = np.where(np.isin(before, stepped), (progress >= 1.0).astype(np.float64), share)
+        return _Spans(before, after, t - keys[before], t - keys[after], share, asked - t)
+
+    def _weighted(self, progress: FloatArray, before: NDArray[np.int64], after: NDArray[np.int64]) -> FloatArray:
+        """(N,) the progress from a key to the next, later where a tangent weighs more."""
+        if not self.tangents:
+            return progress
+        weights = np.array([(1.0, 1.0) if each is None else each.weights for each in self.tangents])
+        leaving, arriving = weights[before, 1], weights[after, 0]
+        return np.where((leaving == 1.0) & (arriving == 1.0), progress, weighted_progress(progress, leaving, arriving))
+
+    def _looped(self, times: FloatArray) -> FloatArray:
+        """(N,) times of which those beyond a loop's end are within it."""
+        first, length = self.times[0], self.times[-1] - self.times[0]
+        if length > 0.0:
+            for beyond, outside in ((self.before, times < first), (self.after, times > self.times[-1])):
+                if beyond is Beyond.LOOP and outside.any():
+                    times = np.where(outside, first + np.mod(times - first, length), times)
+        return times
+
+    def _continued(self, outside: FloatArray, arriving: FloatArray, leaving: FloatArray) -> FloatArray | None:
+        """(N, D) by which the value is past the last key or before the first one; None where it holds there."""
+        begins, ends = self.before is Beyond.CONTINUE, self.after is Beyond.CONTINUE
+        if not (begins or ends):
+            return None
+        earlier, later = np.minimum(outside, 0.0) * begins, np.maximum(outside, 0.0) * ends
+        return np.asarray(earlier[:, None] * arriving[0] + later[:, None] * leaving[-1])
+
+
+@dataclass(frozen=True, eq=False)
+class _Spans:
+    """Between which keys N times lie.
+
+    The keys before and after, seconds since the one and until the other (-), the share of the ease, and seconds beyond
+    the last key, or before the first one (-).
+    """
+
+    before: NDArray[np.int64]
+    after: NDArray[np.int64]
+    since: FloatArray
+    until: FloatArray
+    share: FloatArray
+    outside: FloatArray
 
 
 class Line(Keys):
     """Values that are points of a space of ``size`` numbers."""
 
+    def _checked_values(self) -> tuple[Any, ...]:
+        """All at once: a take that was recorded has a key in every frame."""
+        if all(type(value) is (float if self.size == 1 else tuple) for value in self.values):
+            try:
+                numbers = np.array(self.values, dtype=np.float64).reshape(len(self.values), -1)
+            except ValueError:
+                return super()._checked_values()
+            if numbers.shape[1] == self.size and np.isfinite(numbers).all():
+                PLACE.check(numbers, "The value of a key")
+                rows = numbers.tolist()
+                return tuple(map(tuple, rows)) if self.size > 1 else tuple(row[0] for row in rows)
+        return super()._checked_values()
+
     def at(self, times: ArrayLike) -> FloatArray:
         """(N, size) at ``times`` (N,) seconds."""
-        values = self.points
-        rates = passing_rates(np.array(self.times), np.diff(values, axis=0))
-        before, since, until, share = self._spans(times)
-        after = np.minimum(before + 1, len(values) - 1)
-        begin = values[before] + since[:, None] * rates[before]
-        end = values[after] + until[:, None] * rates[after]
-        return np.asarray(begin + share[:, None] * (end - begin))
+        values, spans = self.points, self._spans(times)
+        arriving, leaving = self.rates()
+        begin = values[spans.before] + spans.since[:, None] * leaving[spans.before]
+        end = values[spans.after] + spans.until[:, None] * arriving[spans.after]
+        between = begin + spans.share[:, None] * (end - begin)
+        further = self._continued(spans.outside, arriving, leaving)
+        return np.asarray(between if further is None else between + further)
 
     def path(self, time: float) -> FloatArray:
         """(N, size) the whole way, from the first key to the last, whatever the ``time``."""
@@ -116,6 +291,9 @@ class Line(Keys):
     def points(self) -> FloatArray:
         """(K, size) the values of the keys."""
         return np.array(self.values, dtype=np.float64).reshape(-1, self.size)
+
+    def _steps(self) -> FloatArray:
+        return np.diff(self.points, axis=0)
 
 
 @dataclass(frozen=True)
@@ -151,15 +329,59 @@ class KeyedTurn(Keys):
         """(N, 3, 3) at ``times`` (N,) seconds."""
         from scipy.spatial.transform import Rotation
 
+        keys, spans = Rotation.from_quat(np.array(self.values)), self._spans(times)
+        arriving, leaving = self.rates()
+        since, until, share = spans.since[:, None], spans.until[:, None], spans.share[:, None]
+        begin = keys[spans.before] * Rotation.from_rotvec(since * leaving[spans.before])
+        end = keys[spans.after] * Rotation.from_rotvec(until * arriving[spans.after])
+        result = begin * Rotation.from_rotvec(share * (begin.inv() * end).as_rotvec())
+        matrices = np.asarray(result.as_matrix())
+        if self.tangents:
+            own = np.array([each is not None for each in self.tangents])
+            chosen = own[spans.before] | own[spans.after]
+            matrices[chosen] = (keys[spans.before] * Rotation.from_rotvec(self._vectors(spans))).as_matrix()[chosen]
+        further = self._continued(spans.outside, arriving, leaving)
+        if further is not None:
+            matrices = np.where(
+                spans.outside[:, None, None] == 0.0, matrices, matrices @ Rotation.from_rotvec(further).as_matrix()
+            )
+        return matrices
+
+    def _vectors(self, spans: _Spans) -> FloatArray:
+        """(N, 3) rotation vectors from the key before, in its axes: a smooth path of vectors cannot flip."""
+        arriving, leaving = self.rates()
+        steps = np.concatenate([self._steps(), np.zeros((1, 3))])
+        begin = spans.since[:, None] * leaving[spans.before]
+        end_rates = _vector_rates(steps, arriving[np.minimum(np.arange(len(steps)) + 1, len(steps) - 1)])
+        end = steps[spans.before] + spans.until[:, None] * end_rates[spans.before]
+        return np.asarray(begin + spans.share[:, None] * (end - begin))
+
+    @classmethod
+    def dimension(cls) -> int:
+        """Three: radians a second about the axes of the key's rotation."""
+        return 3
+
+    def value_at(self, time: float) -> Quaternion:
+        """The rotation (x, y, z, w) at ``time``."""
+        return unit_quaternion(from_matrix(self.at([time])[0]))
+
+    def _steps(self) -> FloatArray:
+        """(K - 1, 3) rotation vectors the short way from each key to the next; their axes are the same in both."""
+        from scipy.spatial.transform import Rotation
+
         keys = Rotation.from_quat(np.array(self.values))
-        steps = (keys[:-1].inv() * keys[1:]).as_rotvec() if len(self.times) > 1 else np.empty((0, 3))
-        rates = passing_rates(np.array(self.times), steps)
-        before, since, until, share = self._spans(times)
-        after = np.minimum(before + 1, len(self.times) - 1)
-        begin = keys[before] * Rotation.from_rotvec(since[:, None] * rates[before])
-        end = keys[after] * Rotation.from_rotvec(until[:, None] * rates[after])
-        between = Rotation.from_rotvec(share[:, None] * (begin.inv() * end).as_rotvec())
-        return np.asarray((begin * between).as_matrix())
+        return np.asarray((keys[:-1].inv() * keys[1:]).as_rotvec()) if len(self.times) > 1 else np.empty((0, 3))
+
+
+def _vector_rates(vectors: FloatArray, rates: FloatArray) -> FloatArray:
+    """(N, 3) how fast rotation vectors (N, 3) grow where their rotation turns at ``rates`` (N, 3) in its own axes.
+
+    The inverse right Jacobian of SO(3): w + v x w / 2 + (1 - a / 2 cot(a / 2)) / a^2 v x (v x w) for |v| = a.
+    """
+    half = np.maximum(np.linalg.norm(vectors, axis=1), 1e-6) / 2.0
+    across = np.cross(vectors, rates)
+    factor = (1.0 - half / np.tan(half)) / (4.0 * half * half)
+    return np.asarray(rates + across / 2.0 + factor[:, None] * np.cross(vectors, across))
 
 
 def unit_quaternion(value: ArrayLike) -> Quaternion:
@@ -170,20 +392,3 @@ def unit_quaternion(value: ArrayLike) -> Quaternion:
         raise ValueError("a rotation is four finite numbers (x, y, z, w), not all zero.")
     x, y, z, w = (numbers / length).tolist()
     return x, y, z, w
-
-
-def passing_rates(times: FloatArray, steps: FloatArray) -> FloatArray:
-    """(N, D) a second: how fast each of N keys is passed; ``steps`` (N - 1, D) lead from each key to the next.
-
-    min(|a|, |b|) max(0, cos(a, b)) along a + b, for the rates a before and b after a key; zero at both ends, where
-    the motion begins and comes to rest.
-    """
-    rates = np.zeros((len(times), steps.shape[1]))
-    if len(times) > 2:
-        slopes = steps / np.diff(times)[:, None]
-        speeds = np.linalg.norm(slopes, axis=1)
-        a, b, both = slopes[:-1], slopes[1:], slopes[:-1] + slopes[1:]
-        cosine = np.sum(a * b, axis=1) / np.maximum(speeds[:-1] * speeds[1:], 1e-30)
-        speed = np.minimum(speeds[:-1], speeds[1:]) * np.clip(cosine, 0.0, 1.0)
-        rates[1:-1] = (speed / np.maximum(np.linalg.norm(both, axis=1), 1e-30))[:, None] * both
-    return rates

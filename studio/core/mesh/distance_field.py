@@ -1,7 +1,6 @@
 """The signed distance field of a mesh: built once, asked at every frame."""
 
 import math
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +8,7 @@ from scipy.ndimage import distance_transform_edt, spline_filter
 
 from studio.core.kernels.tasks import mesh_distance_field as kernel
 from studio.core.mesh.triangle_mesh import TriangleMesh
+from studio.core.project_cache import project_cache
 
 FloatArray = NDArray[np.float64]
 
@@ -22,7 +22,7 @@ NEAR = 3
 """Cells within which every triangle is measured."""
 
 
-@lru_cache(maxsize=8)
+@project_cache(maxsize=8)
 def distance_field(mesh: TriangleMesh) -> FloatArray:
     """The field of ``mesh`` as ``kernels.tasks.mesh_distance_field`` takes it: a grid in the mesh's own space."""
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)

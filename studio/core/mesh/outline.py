@@ -1,11 +1,10 @@
 """Where a mesh is cut across, level: the outline of a body at some height."""
 
-from functools import lru_cache
-
 import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.mesh.skin import SkinnedMesh
+from studio.core.project_cache import project_cache
 
 FloatArray = NDArray[np.float64]
 
@@ -48,7 +47,7 @@ def _lines(begin: NDArray[np.int64], end: NDArray[np.int64], count: int) -> NDAr
     return np.asarray(connected_components(joined, directed=False)[1][nodes], dtype=np.int64)
 
 
-@lru_cache(maxsize=64)
+@project_cache(maxsize=64)
 def _welded(mesh: SkinnedMesh) -> NDArray[np.int64]:
     """(V,) the same number for vertices that lie on one another."""
     return np.unique(np.round(mesh.vertices, _SAME), axis=0, return_inverse=True)[1].ravel()

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,9 @@ from studio.core.body.rest_pose import rest_pose
 from studio.core.body.standing import standing_points
 from studio.core.mesh.appearance import Appearance
 from studio.core.mesh.hand_shapes import HandShapes
+from studio.core.mesh.rig import Rig
 from studio.core.plausible import SKIN
+from studio.core.project_cache import project_cache
 
 INFLUENCES = 4
 _FOOT_LENGTHS = (0.6, 1.6)
@@ -62,6 +63,8 @@ class SkinnedMesh:
     """None for one that is all of its character's colour."""
     hands: HandShapes | None = None
     """None for one whose hands have one shape."""
+    rig: Rig | None = None
+    """The joints of the file that it came from; None where it had none."""
 
     def __post_init__(self) -> None:
         for name, kind, width in _COLUMNS:
@@ -90,10 +93,14 @@ class SkinnedMesh:
         look = self.appearance
         if look and (len(look.coordinates), len(look.triangle_materials)) != (len(self.vertices), len(self.triangles)):
             raise ValueError("appearance: does not fit the mesh.")
+        if self.rig is not None and len(self.rig.joints) != len(self.vertices):
+            raise ValueError("rig: does not fit the mesh.")
 
     def fits(self, segment_count: int) -> bool:
         """Whether a body of so many segments can carry it."""
-        return int(self.segments.max()) < segment_count and (self.stance is None or len(self.stance) == segment_count)
+        stands = self.stance is None or len(self.stance) == segment_count
+        hangs = self.rig is None or int(self.rig.segments.max()) < segment_count
+        return int(self.segments.max()) < segment_count and stands and hangs
 
     def _check_stance(self, stance: FloatArray) -> None:
         if stance.ndim != 3 or stance.shape[1:] != (3, 3) or not np.isfinite(stance).all():
@@ -136,7 +143,7 @@ def skin_vertices(
     return vertices, normals
 
 
-@lru_cache(maxsize=64)
+@project_cache(maxsize=64)
 def gripping(mesh: SkinnedMesh, grip: float) -> SkinnedMesh:
     """``mesh`` with its hands from open (-1) over at ease (0) to fists (1); one whose hands have one shape as it is."""
     if mesh.hands is None or grip == 0.0:
@@ -150,7 +157,7 @@ def bound_pose(mesh: SkinnedMesh, morphology: Morphology) -> tuple[FloatArray, F
     return rest_pose(morphology) if mesh.stance is None else _standing(mesh, morphology)
 
 
-@lru_cache(maxsize=64)
+@project_cache(maxsize=64)
 def fit_skin(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> SkinnedMesh:
     """``mesh``, bound to ``build``, reshaped to stand around ``morphology`` as it stood around ``build``.
 
@@ -187,6 +194,15 @@ def fit_vertices(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -
 
 def _forms(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> tuple[FloatArray, FloatArray]:
     """(V, 3, 3) and (V, 3) how each vertex is stretched and turned, then moved, from ``build`` to ``morphology``."""
+    forms, shifts = segment_forms(mesh, build, morphology)
+    form = np.einsum("vw,vwij->vij", mesh.weights, forms[mesh.segments])
+    return form, np.einsum("vw,vwi->vi", mesh.weights, shifts[mesh.segments])
+
+
+def segment_forms(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> tuple[FloatArray, FloatArray]:
+    """(S, 3, 3) and (S, 3) how what hangs from each segment is stretched and turned, then moved, from ``build`` to
+    ``morphology``.
+    """
     if build.layout != morphology.layout:
         raise ValueError("A skin fits bodies with the same number of spine segments only.")
     old_positions, old_rotations = bound_pose(mesh, build)
@@ -194,9 +210,7 @@ def _forms(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> tupl
     scales = segment_scales(build, morphology)
     proximal = list(build.layout.proximal_points())
     forms = np.einsum("sij,sj,skj->sik", new_rotations, scales, old_rotations)
-    shifts = new_positions[proximal] - np.einsum("sij,sj->si", forms, old_positions[proximal])
-    form = np.einsum("vw,vwij->vij", mesh.weights, forms[mesh.segments])
-    return form, np.einsum("vw,vwi->vi", mesh.weights, shifts[mesh.segments])
+    return forms, new_positions[proximal] - np.einsum("sij,sj->si", forms, old_positions[proximal])
 
 
 def segment_scales(build: Morphology, morphology: Morphology) -> FloatArray:
@@ -252,7 +266,7 @@ def _trunk_widths(body: Morphology) -> FloatArray:
     return np.array([np.ptp(body.hip_offset[:, 1]), shoulders])
 
 
-@lru_cache(maxsize=64)
+@project_cache(maxsize=64)
 def _standing(mesh: SkinnedMesh, morphology: Morphology) -> tuple[FloatArray, FloatArray]:
     assert mesh.stance is not None
     return standing_points(morphology, mesh.stance), mesh.stance

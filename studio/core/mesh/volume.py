@@ -18,6 +18,7 @@ from studio.core.body.morphology import FloatArray, Morphology
 from studio.core.body.rest_pose import rest_pose
 from studio.core.mesh.outline import outline_at
 from studio.core.mesh.skin import SkinnedMesh, bound_pose, fit_vertices
+from studio.core.project_cache import project_cache
 
 LEVELS = (0.03, 0.30, 0.58, 0.80)
 """Heights at which the trunk is measured, parts of the way from the hips to the neck base."""
@@ -74,7 +75,7 @@ class BodyVolume:
         return hash((self.places.tobytes(), self.radii.tobytes(), self.girths.tobytes()))
 
 
-@lru_cache(maxsize=64)
+@project_cache(maxsize=64)
 def fitted_volume(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> BodyVolume:
     """The volume of a skin of ``build`` fitted to ``morphology``, as it is bound there (``skin.bound_pose``).
 

@@ -7,7 +7,6 @@ stands (``blending``).
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +20,7 @@ from studio.core.normalized.pieces import Piece, Played
 from studio.core.normalized.resample import Resampled, common_spine
 from studio.core.normalized.row import Row
 from studio.core.normalized.transition import joint_peaks
+from studio.core.project_cache import project_cache
 from studio.core.stage.timing import Timing
 
 FloatArray = NDArray[np.float64]
@@ -57,7 +57,7 @@ class Composite:
         return begun[-1] if begun else self.played[0]
 
 
-@lru_cache(maxsize=64)
+@project_cache(maxsize=64)
 def compose(pieces: tuple[Piece, ...], blends: bool = False) -> Composite:
     """One motion out of pieces, in the order of their start; the same pieces give the same value.
 

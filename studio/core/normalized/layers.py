@@ -6,7 +6,6 @@ the hips in the world. What stands is asked of whoever has the limb that stands.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +22,7 @@ from studio.core.normalized.pieces import POINTS, Mask, Piece
 from studio.core.normalized.resample import Resampled
 from studio.core.normalized.row import FEET
 from studio.core.normalized.transition import LONGEST, fade_seconds, joint_peaks, placed
+from studio.core.project_cache import project_cache
 from studio.core.stage.layer import Region
 
 FloatArray = NDArray[np.float64]
@@ -46,7 +46,7 @@ class Overlay:
     reference: int
 
 
-@lru_cache(maxsize=64)
+@project_cache(maxsize=64)
 def layered(pieces: tuple[Piece, ...], overlays: tuple[Overlay, ...]) -> Composite:
     """A row as ``compose`` has it, layers over it, the later over the earlier; the same ones give the same value."""
     row = compose(pieces, blends=any(piece.is_carried for overlay in overlays for piece in overlay.pieces))

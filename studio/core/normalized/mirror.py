@@ -2,13 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch, contact_point
 from studio.core.kernels import layout as at
 from studio.core.normalized.motion import NormalizedMotion
+from studio.core.project_cache import project_cache
 
 _SIDED = ((at.CLAVICLE, 4), (at.LIMB_FRAME, 4), (at.LIMB_FRAME + 8, 4), (at.LIMB_SLACK, 1), (at.LIMB_SLACK + 2, 1),
           (at.LIMB_OFF_PLANE, 1), (at.LIMB_OFF_PLANE + 2, 1), (at.LIMB_BEND, 1), (at.LIMB_BEND + 2, 1),
@@ -24,7 +24,7 @@ _HANDS = (at.HAND, at.HAND + 4)
 """Hands turn in a forearm's axes, of which x is a hinge as well."""
 
 
-@lru_cache(maxsize=32)
+@project_cache(maxsize=32)
 def mirrored(motion: NormalizedMotion) -> NormalizedMotion:
     """The motion with left and right exchanged: y becomes -y.
 

@@ -1,7 +1,8 @@
 """A row of clips, filled from left to right: each takes over from the one before, placed where that leaves the body.
 
 A clip takes over in one frame, and channels jump there: who stands is led from one to the other on the ground
-(``solver.standing.led``), where feet are known. Where clips overlap it is the frame in which they are most alike, of
+(``solver.standing.inertialisation``), where feet are known. Where clips overlap it is the frame in which they are most
+alike, of
 the first second: so the same feet stand, and no hit, step or touch comes at another time than in its clip.
 """
 

@@ -10,9 +10,9 @@ from studio.core.body.morphology import at_frames, sole_rows
 from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.grounds.ground import Ground
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.standing.carrying import clearance, track_of
+from studio.core.solver.standing.body_support import contact_height, track_of
 from studio.core.solver.standing.footprints import planes_under, soles_of
-from studio.core.solver.standing.swing import Sole, worn_height
+from studio.core.solver.standing.swing_foot_path import Sole, worn_height
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -72,7 +72,7 @@ def _standing_joint(
     under = joint[stances.middles]
     normals = ground.normal_at(under)[stances.of]
     under[:, 2] = ground.height_at(under)
-    heights = np.einsum("nk,nk->n", joint - under[stances.of], normals) - clearance(body, point)
+    heights = np.einsum("nk,nk->n", joint - under[stances.of], normals) - contact_height(body, point)
     if point.member == "hand":
         tips = adapted.positions[stances.frames, body.layout.wrist(point.side) + 1]
         over_tips = heights + np.einsum("nk,nk->n", tips - joint, normals)

@@ -17,7 +17,7 @@ from studio.core.quality.contact_tracks import contact_tracks
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.footing import foot_states
 from studio.core.solver.standing.support import mass_path
-from studio.core.solver.standing.swing import Sole, worn_height
+from studio.core.solver.standing.swing_foot_path import Sole, worn_height
 
 FloatArray = NDArray[np.float64]
 

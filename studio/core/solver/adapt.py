@@ -1,4 +1,4 @@
-"""Adaptation: scale the motion to a body, set it on the ground, solve its constraints, in one call a clip."""
+"""Adaptation of a clip in one call: scale the motion to a body, ground it, solve its constraints."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -16,7 +16,7 @@ from studio.core.solver.asking.points import point_indices
 from studio.core.solver.asking.releasing import constraint_activations
 from studio.core.solver.asking.tracks import Tracks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.smoothing.easing import LOOKED
+from studio.core.solver.smoothing.level_smoothing import SMOOTHING_HORIZON
 from studio.core.solver.solved_window import BOUND, Bound, SolvedWindow
 from studio.core.solver.standing.stand import Standing, standing_of
 
@@ -24,7 +24,7 @@ FloatArray = NDArray[np.float64]
 
 
 def adapt(request: AdaptRequest, first: int = 0, last: int | None = None) -> AdaptedMotion:
-    """The motion on the body of ``request``, frames ``first`` to ``last`` (both included, all by default).
+    """Adapted motion of ``request``, frames ``first`` to ``last`` (both included, all by default).
 
     Any window gives the same poses as the whole clip.
     """
@@ -42,12 +42,12 @@ def hold(
     bound: Bound = BOUND,
     eased: bool = False,
 ) -> AdaptedMotion:
-    """Solve ``constraints`` on a standing motion, frames ``first`` to ``last`` (both included) (K05 section 9).
+    """Solve ``constraints`` on a grounded motion, frames ``first`` to ``last`` (both included) (K05 section 9).
 
-    ``tracks`` over the whole motion for all that they follow beyond the body itself; StudioError where one is missing.
-    ``bound`` lets a report ask what would be without the feet's contacts or the joints' limits. Every frame is solved
-    from its own pose alone; ``eased``, frames around such where joints jolt are eased in time (METHOD (36)). Frames in
-    which nothing is asked, and nothing soon before or after, stay as they stand; what never acts changes nothing.
+    ``tracks`` cover the whole motion for all targets beyond the body itself; StudioError where one is missing.
+    ``bound`` lets a report solve without contacts or joint limits. Every frame is solved from its own pose alone; with
+    ``eased``, frames around acceleration peaks are smoothed in time (METHOD (36)). Frames without active constraints
+    nearby stay as they are.
     """
     count = standing.motion.frame_count
     window = slice(first, count if last is None else min(last + 1, count))
@@ -55,19 +55,19 @@ def hold(
     if not constraints:
         return _answer(standing, first, positions, rotations, np.empty((0, len(positions))))
     activations = constraint_activations(constraints, standing)
-    share, self_contact = np.asarray((activations > 0.0).any(axis=0), dtype=np.float64), standing.self_contact
+    fraction, self_contact = np.asarray((activations > 0.0).any(axis=0), dtype=np.float64), standing.self_contact
     if self_contact:
-        share = self_contact.beside(share)
+        fraction = self_contact.beside(fraction)
     positions, rotations = positions[:].copy(), rotations[:].copy()
     residuals, acting = np.full((len(constraints), len(positions)), np.nan), np.asarray(activations.any(axis=1))
     asked = [constraint for constraint, acts in zip(constraints, acting, strict=True) if acts]
     window_of = partial(SolvedWindow, standing, asked, activations[acting], tracks, bound)
-    for run in runs_in(window, share > 0.0, math.ceil(2.0 * LOOKED * standing.motion.frame_rate)):
+    for run in runs_in(window, fraction > 0.0, math.ceil(2.0 * SMOOTHING_HORIZON * standing.motion.frame_rate)):
         touched = self_contact.around(run) if self_contact else run
         solved = _solved(window_of, standing, touched, eased)
         posed = solved.answer(touched)
         if self_contact:
-            free = share[touched, None, None] * (1.0 - solved.arms_asked(touched))
+            free = fraction[touched, None, None] * (1.0 - solved.arms_asked(touched))
             self_contact.close(touched, free, *posed[:2])
         rows, own = (slice(run.start - frames.start, run.stop - frames.start) for frames in (window, touched))
         positions[rows], rotations[rows], residuals[acting, rows] = posed[0][own], posed[1][own], posed[2][:, own]
@@ -77,12 +77,12 @@ def hold(
 def _solved(
     window_of: Callable[[slice], SolvedWindow], standing: Standing, touched: slice, eased: bool
 ) -> SolvedWindow:
-    """The frames ``touched``, solved with as many around as have to do with how they are ``eased``."""
-    seen = standing.around(touched, LOOKED if eased else 0.0)
+    """Solution of the frames ``touched``, with the surrounding frames that affect their smoothing."""
+    seen = standing.around(touched, SMOOTHING_HORIZON if eased else 0.0)
     solved = window_of(seen)
     solved.solve()
     if eased and solved.may_jolt and solved.eases(touched):
-        while not are_among(wide := standing.around(solved.with_runs(touched), LOOKED), seen):
+        while not are_among(wide := standing.around(solved.with_runs(touched), SMOOTHING_HORIZON), seen):
             seen = standing.around(wide, 0.5 * (wide.stop - wide.start) / standing.motion.frame_rate)
             solved = window_of(seen)
             solved.solve()
@@ -91,7 +91,7 @@ def _solved(
 
 
 def are_among(frames: slice, others: slice) -> bool:
-    """Whether some frames are all among others."""
+    """True if some frames are all among others."""
     return bool(others.start <= frames.start and frames.stop <= others.stop)
 
 
@@ -105,6 +105,6 @@ def _answer(
 
 
 def place_of(point: BodyPoint, adapted: AdaptedMotion) -> FloatArray:
-    """Where a body point is at every frame of an adapted motion, (F, 3) metres in the motion's space."""
+    """Positions (F, 3) of a body point in an adapted motion, metres in the motion's space."""
     origin, segment = point_indices(point, adapted.morphology.layout)
     return np.asarray(adapted.positions[:, origin] + adapted.rotations[:, segment] @ np.array(point.offset))

@@ -1,4 +1,4 @@
-"""What is asked of the solver and what it answers: values that any thread may hold."""
+"""Request to the solver and its answer: values that any thread may hold."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -21,7 +21,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class AdaptRequest:
-    """One motion to be adapted to one body: all the values the answer depends on.
+    """One motion to be adapted to one body, with all values on which the answer depends.
 
     An animated morphology has a row of measures for every frame of the motion.
     """
@@ -32,22 +32,22 @@ class AdaptRequest:
     constraints: tuple[Constraint, ...] = ()
     ground: Ground = Ground()
     tracks: Tracks = field(default_factory=dict)
-    """What constraints follow beyond the body itself, over all frames of the motion."""
+    """Tracks of all targets beyond the body itself, over all frames of the motion."""
     volume: BodyVolume | None = None
-    """The room that the body takes up, as its skin has it; None for what is usual with its measures."""
+    """Volume of the body, from its skin; None for the usual volume with its measures."""
     actor: Morphology | None = None
-    """The body that the motion was captured from: where it touches itself, others may."""
+    """Captured body of the motion: where it touches itself, others may."""
     limited: bool = True
-    """Whether constraints bring the joints of limbs no further than a person's go, or than the motion itself does."""
+    """True if constraints keep limb joints within human range, or within the range of the motion itself."""
     eased: bool = False
-    """Whether frames are eased in time where joints jolt; without, each is solved from its own pose alone."""
+    """True if frames are smoothed in time at acceleration peaks; otherwise each is solved from its own pose alone."""
     clears: bool = False
-    """Whether arms stay out of their own body where the actor's do."""
+    """True if arms stay out of their own body where the actor's do."""
 
 
 @dataclass(frozen=True, eq=False)
 class Unasked:
-    """All frames of a motion on a body as it stands before anything is asked of it, in the motion's space."""
+    """Poses of all frames of a grounded motion before any constraint, in the motion's space."""
 
     positions: PoseArray
     rotations: PoseArray
@@ -55,12 +55,12 @@ class Unasked:
 
 @dataclass(frozen=True, eq=False)
 class AdaptedMotion:
-    """Frames ``first_frame`` and on of a motion on one body, in the motion's space (metres, Z up).
+    """Frames from ``first_frame`` on of a motion on one body, in the motion's space (metres, Z up).
 
-    ``positions`` (F, K+23, 3) and ``rotations`` (F, K+18, 3, 3) follow ``canonical.BodyLayout``; ``residuals``
-    (C, F) is by how much each constraint is missed, in its ``unit`` (metres or radians), in the order of the request,
-    NaN where the constraint is not active. ``morphology`` of a body that changes is its beginning, ``animated`` is all;
-    ``volume`` is the room that the body takes up, where it was asked for; ``unasked`` is known of what the solver made.
+    ``positions`` (F, K+23, 3) and ``rotations`` (F, K+18, 3, 3) follow ``canonical.BodyLayout``; ``residuals`` (C, F)
+    has each constraint's residual in its ``unit`` (metres or radians), in the order of the request, NaN where inactive.
+    ``morphology`` of an animated body is its first frame, ``animated`` the whole; ``volume`` is the body's volume,
+    where it was requested; ``unasked`` are the poses before constraints, of results of the solver.
     """
 
     morphology: Morphology
@@ -73,19 +73,19 @@ class AdaptedMotion:
     volume: BodyVolume | None = None
     unasked: Unasked | None = None
     contacts: tuple[ContactInterval, ...] = ()
-    """What stands on the ground, of what the solver made: where clips take over, when feet are lifted and land."""
+    """Contacts of the solver's result: also those of feet that step where clips take over."""
     composite: Composite | None = None
-    """What of a stage it is, where it is of one: which clips play in which of its frames."""
+    """Composite of a stage's motion: the clips that play in its frames."""
     passed: Mapping[float, "AdaptedMotion"] = field(default_factory=dict)
-    """What it was, of a stage that plays live, at the seconds at which it took or let go of something."""
+    """Earlier results of a live stage, by the seconds at which it took or released a prop."""
 
     @property
     def body(self) -> AnyMorphology:
-        """All measures of the body, whether they change or not."""
+        """All measures of the body, constant or animated."""
         return self.animated or self.morphology
 
     def morphology_at(self, row: int) -> Morphology:
-        """The measures of the body in one of these frames."""
+        """Measures of the body in one of these frames."""
         return self.morphology if self.animated is None else self.animated.at(self.first_frame + row)
 
     @property
@@ -93,7 +93,7 @@ class AdaptedMotion:
         return len(self.positions)
 
     def frames(self, first: int, last: int) -> "AdaptedMotion":
-        """Frames ``first`` to ``last`` of the whole motion, both included, as far as they are there."""
+        """Frames ``first`` to ``last`` of the whole motion, both included, as far as they exist."""
         rows = slice(max(first - self.first_frame, 0), last + 1 - self.first_frame)
         return replace(
             self,
@@ -104,5 +104,5 @@ class AdaptedMotion:
         )
 
     def kept(self) -> "AdaptedMotion":
-        """The same with its poses in half the memory, see ``core.single``."""
+        """The same motion with its poses in half the memory, see ``core.single``."""
         return replace(self, positions=single(self.positions), rotations=single(self.rotations))

@@ -1,4 +1,4 @@
-"""The motion as its own actor performed it: what adapted motions are compared with."""
+"""The motion on its own actor: the reference of adapted motions."""
 
 import numpy as np
 
@@ -10,11 +10,11 @@ from studio.core.solver.request import AdaptedMotion
 
 
 def source_motion(motion: NormalizedMotion, actor: Actor) -> AdaptedMotion:
-    """``motion`` on the body that it was captured from, unchanged by ground or constraints."""
+    """``motion`` on its captured body, without ground and constraints."""
     return played_on(motion, actor.morphology)
 
 
 def played_on(motion: NormalizedMotion, body: Morphology) -> AdaptedMotion:
-    """``motion`` on a body, unchanged by ground or constraints."""
+    """``motion`` on a body, without ground and constraints."""
     positions, rotations = realize(motion, body, play=True)
     return AdaptedMotion(body, motion.frame_rate, 0, positions, rotations, np.empty((0, len(positions))))

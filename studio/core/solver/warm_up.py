@@ -1,4 +1,4 @@
-"""Compile every kernel, or fetch it from the cache, before anybody waits for it."""
+"""Compilation of all kernels, or loading from the cache, in advance."""
 
 import numpy as np
 
@@ -19,82 +19,88 @@ from studio.core.kernels.records import SEARCH_JOINT
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.adapt import adapt, hold
-from studio.core.solver.asking.areas import nearest_place
+from studio.core.solver.asking.area_rows import nearest_allowed_position
 from studio.core.solver.asking.releasing import constraint_activations
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.smoothing.easing import Solve
-from studio.core.solver.smoothing.limb_charts import LimbCharts
+from studio.core.solver.smoothing.level_smoothing import SolveNotes
+from studio.core.solver.smoothing.limb_coordinates import LimbCoordinates
 from studio.core.solver.solved_window import BOUND, SolvedWindow
 from studio.core.solver.standing.blends import smooth_drops
 from studio.core.solver.standing.footing import Footing
 from studio.core.solver.standing.obliquity import dip_pelvis
 from studio.core.solver.standing.stand import Standing, standing_of
 
-FRAMES = 4
-HAND = BodyPoint(BodyPart.LEFT_HAND)
-ALWAYS = ActivationCurve(0.0, 0.0, 1.0, 1.0)
+WARM_UP_FRAMES = 4
+WARM_UP_POINT = BodyPoint(BodyPart.LEFT_HAND)
+WARM_UP_ACTIVATION = ActivationCurve(0.0, 0.0, 1.0, 1.0)
 TRIANGLE = TriangleMesh(np.array(((0.1, 0.0, 0.0), (0.0, 0.1, 0.0), (0.0, 0.0, 0.1))), np.array([[0, 1, 2]]))
-"""Metres: what kernels are tried on."""
+"""Positions in metres of a mesh for trial calls."""
 
 
 def warm_up(morphology: Morphology) -> AdaptedMotion:
-    """Adapt four still frames to ``morphology`` with a contact and a constraint: what most scenes call."""
-    contact = ContactInterval("warm-up", ContactPoint.LEFT_TOE, 0, FRAMES - 1)
+    """Adapt four still frames to ``morphology`` with a contact and a constraint: the kernels of most scenes."""
+    contact = ContactInterval("warm-up", ContactPoint.LEFT_TOE, 0, WARM_UP_FRAMES - 1)
     warm_up_easing(morphology)
     return adapt(AdaptRequest(_still_motion(), morphology, (contact,), (_reach(),)))
 
 
 def warm_up_standing(morphology: Morphology) -> Standing:
-    """The third of ``warm_up`` that comes before the constraints."""
+    """The part of ``warm_up`` before constraints, a third of it."""
     return standing_of(AdaptRequest(_still_motion(), morphology))
 
 
 def warm_up_easing(morphology: Morphology) -> None:
-    """What only frames that jolt are given to."""
-    charts = LimbCharts(morphology.layout, np.stack([rest_pose(morphology)[1]] * FRAMES), limits_of(morphology))
-    turns = charts.turns(charts.within(np.zeros((FRAMES, 16, 3))))
-    joints, states = np.zeros(1, SEARCH_JOINT), np.zeros((FRAMES, 1, 3))
+    """Call the kernels of smoothing."""
+    charts = LimbCoordinates(
+        morphology.layout, np.stack([rest_pose(morphology)[1]] * WARM_UP_FRAMES), limits_of(morphology)
+    )
+    turns = charts.turns(charts.within(np.zeros((WARM_UP_FRAMES, 16, 3))))
+    joints, states = np.zeros(1, SEARCH_JOINT), np.zeros((WARM_UP_FRAMES, 1, 3))
     moved, ends = np.ones(len(joints), dtype=bool), np.zeros((1, 2), np.int64)
-    Solve.of(_placed(morphology), FRAMES, joints, moved, ends, 0).jolts_of(states, turns)
+    SolveNotes.of(_placed(morphology), WARM_UP_FRAMES, joints, moved, ends, 0).jolts_of(states, turns)
 
 
 def warm_up_constraints(morphology: Morphology) -> AdaptedMotion:
-    """The rest of ``warm_up``."""
+    """The part of ``warm_up`` with constraints."""
     return hold(_placed(morphology), (_reach(),))
 
 
 def _placed(morphology: Morphology) -> Standing:
-    """Four still frames that nobody had to set on the ground."""
-    positions, rotations = (np.stack([each] * FRAMES) for each in rest_pose(morphology))
-    turns = np.broadcast_to(np.eye(3), (2, FRAMES, 3, 3))
-    states, shares, ankles = np.zeros((2, FRAMES), np.int64), np.full((2, FRAMES), 0.9), np.zeros((2, FRAMES, 3))
-    footing = Footing(states, shares, np.full((2, FRAMES), np.inf), ankles, turns, turns, shares[0])
+    """Grounded motion of four still frames."""
+    positions, rotations = (np.stack([each] * WARM_UP_FRAMES) for each in rest_pose(morphology))
+    turns = np.broadcast_to(np.eye(3), (2, WARM_UP_FRAMES, 3, 3))
+    states, fractions, ankles = (
+        np.zeros((2, WARM_UP_FRAMES), np.int64),
+        np.full((2, WARM_UP_FRAMES), 0.9),
+        np.zeros((2, WARM_UP_FRAMES, 3)),
+    )
+    footing = Footing(states, fractions, np.full((2, WARM_UP_FRAMES), np.inf), ankles, turns, turns, fractions[0])
     return Standing(_still_motion(), morphology, (), Ground(), footing, (), None, positions, rotations)
 
 
 def warm_up_support(morphology: Morphology) -> Standing:
-    """What sets some bodies on the ground: hands, knees, seat that stand, hands that touch, feet out of reach."""
+    """Call the kernels of hands, knees and seat in contact, hand contacts, and feet out of reach."""
     points = ContactPoint.LEFT_TOE, ContactPoint.LEFT_HAND, ContactPoint.LEFT_KNEE, ContactPoint.SEAT
     touches = Touch.HANDS_TOGETHER, Touch.LEFT_HAND_ON_TRUNK
     contacts = tuple(ContactInterval("warm-up", point, 1, 2) for point in (*points, *touches))
     ground = SurfaceMesh(vertices=TRIANGLE.vertices, triangles=TRIANGLE.triangles)
-    smooth_drops(np.full(FRAMES, 0.1), 30.0)
-    pose = (np.stack([each] * FRAMES) for each in rest_pose(morphology))
-    dip_pelvis(np.zeros((2, FRAMES, 3)), np.ones((2, FRAMES), np.int64), morphology, 30.0, *pose)
+    smooth_drops(np.full(WARM_UP_FRAMES, 0.1), 30.0)
+    pose = (np.stack([each] * WARM_UP_FRAMES) for each in rest_pose(morphology))
+    dip_pelvis(np.zeros((2, WARM_UP_FRAMES, 3)), np.ones((2, WARM_UP_FRAMES), np.int64), morphology, 30.0, *pose)
     return standing_of(AdaptRequest(_still_motion(), morphology, contacts, (), ground, actor=morphology, clears=True))
 
 
 def warm_up_seldom(morphology: Morphology) -> None:
-    """What only some constraints call: distances kept, and areas that are meshes."""
-    what = "warm-up", "", HAND, Chain(), 0, ALWAYS
+    """Call the kernels of some kinds of constraint: self-collision and mesh areas."""
+    what = "warm-up", "", WARM_UP_POINT, Chain(), 0, WARM_UP_ACTIVATION
     asked = ClearConstraint(*what), AreaConstraint(*what, shape=AreaShape.MESH, mesh=TRIANGLE)
     standing = warm_up_support(morphology)
-    SolvedWindow(standing, asked, constraint_activations(asked, standing), {}, BOUND, slice(0, FRAMES))
-    nearest_place(asked[1], np.zeros(3))  # the window draws it
+    SolvedWindow(standing, asked, constraint_activations(asked, standing), {}, BOUND, slice(0, WARM_UP_FRAMES))
+    nearest_allowed_position(asked[1], np.zeros(3))  # the window draws it
 
 
 def _still_motion() -> NormalizedMotion:
-    channels = np.zeros((FRAMES, at.SPINE + 4))
+    channels = np.zeros((WARM_UP_FRAMES, at.SPINE + 4))
     channels[:, at.HIPS + 2] = 0.9
     for column in at.QUATERNION_COLUMNS:
         channels[:, column + 3] = 1.0
@@ -108,9 +114,9 @@ def _reach() -> PositionConstraint:
     return PositionConstraint(
         "warm-up",
         "Reach",
-        HAND,
+        WARM_UP_POINT,
         Chain(trunk=1.0, root=1.0),
         0,
-        ALWAYS,
+        WARM_UP_ACTIVATION,
         target=(1.0, 0.5, 1.0),
     )

@@ -12,16 +12,17 @@ from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_positions
 from studio.core.body.moving_offsets import with_seen_offsets
 from studio.core.body.pose import PoseSequence
-from studio.core.body.rehanging import rehang, rehung
+from studio.core.body.rehanging import over_feet, rehang, rehung
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
+from studio.core.captures.confidence import Confidence
 from studio.core.kernels.body.file_channels import change_axes
 from studio.core.pieces import over_frames
 from studio.core.rotations import IDENTITY, normalized
 from studio.io.bvh.reader import read_bvh
-from studio.io.capture_guesses import LOOSE_FEET, ReadJoints, body_guesses, stood_capture
+from studio.io.capture_guesses import ReadJoints, body_guesses, feet_guess, stood_capture
 from studio.io.figure.body_maps import FoundBody, find_body, loose_feet, named_sides
-from studio.io.guessing import Scale, find_unit, guess_frame_rate, leg_length
+from studio.io.guessing import Scale, find_unit, guess_frame_rate, leg_and_trunk
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress, ReadCapture
 from studio.io.up_axis import AXES, BVH_USE, BodyPoints, axis_called, guess_up_axis, said_axis, turn_to_world
@@ -82,8 +83,10 @@ def capture_of(file: Recording, path: Path, options: ImportOptions, progress: Pr
     sample = PoseSequence(*file.transforms(looked_at))
     after = PoseSequence(*file.transforms(np.minimum(looked_at + 1, file.frame_count - 1)))
     skeleton = with_seen_offsets(file.skeleton, sample)
+    loose = loose_feet(skeleton)
+    if loose:
+        sample, after = (over_feet(skeleton, poses, loose)[0] for poses in (sample, after))
     both = np.stack([joint_positions(skeleton, poses) for poses in (sample, after)])
-    loose = loose_feet(skeleton, both[0])
     if loose:
         hanging = rehang(skeleton.parents, loose)
         skeleton, _ = rehung(skeleton, sample, hanging)
@@ -92,8 +95,8 @@ def capture_of(file: Recording, path: Path, options: ImportOptions, progress: Pr
     if found.body_map is None:
         found = _found_by_shape(skeleton, both[0], options) or found
     guesses: list[Guess] = body_guesses(skeleton, found, options)
-    leg = leg_length(both[0], found.body_map) if found.body_map else None
-    scale, unit_guess = find_unit(leg, file.said_unit, options.unit)
+    leg, trunk = leg_and_trunk(both[0], found.body_map)
+    scale, unit_guess = find_unit(leg, file.said_unit, options.unit, trunk)
     guesses += [unit_guess] if unit_guess else []
     up_axis = _up_axis(file.said_axis, skeleton, both, found.body_map, options, guesses)
     skeleton, poses = to_world(
@@ -101,8 +104,9 @@ def capture_of(file: Recording, path: Path, options: ImportOptions, progress: Pr
     )
     skeleton = with_seen_offsets(skeleton, poses)
     if loose:
+        poses, behind = over_feet(skeleton, poses, loose)
         skeleton, poses = rehung(skeleton, poses, hanging)
-        guesses.append(Guess("feet", "hung from the shanks", LOOSE_FEET))
+        guesses.append(feet_guess(behind))
     frame_rate = _frame_rate(file.frame_time, file.frame_time_digit, options, guesses)
     progress(0.8, f"Finding floor and reference pose of {path.name}")
     positions = joint_positions(skeleton, poses)
@@ -165,7 +169,7 @@ def _up_axis(
     if body_map is None:
         if said is None:
             words = "Without a human body nothing tells what is up; most files have Y up."
-            guesses.append(Guess("up axis", "Y", words))
+            guesses.append(Guess("up axis", "Y", words, Confidence.DOUBTFUL))
         return said or "Y"
     still = PoseSequence(np.tile(IDENTITY, (1, skeleton.joint_count, 1)), skeleton.offsets[None])
     standing = BodyPoints.of_joints(joint_positions(skeleton, still)[None], body_map)

@@ -11,7 +11,7 @@ from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
-from studio.core.rotations import from_matrix, normalized, to_matrix
+from studio.core.rotations import from_matrix, normalized, sign_continuous, to_matrix
 from studio.io.bvh.capture import capture_of
 from studio.io.fbx.reading import INSTEAD, Arrays
 from studio.io.guessing import Scale, said_unit
@@ -26,6 +26,9 @@ _SMALLEST_SCALE = 1e-9
 _FLAT = 1e-6
 """Determinant of a matrix of unit columns below which it flattens, or mirrors."""
 _NAMED = 3
+_TURN = slice(3, 7)
+_PARTS = slice(0, 3), _TURN, slice(7, 10)
+"""Place, turn and scale among the ten numbers of a joint."""
 
 
 @dataclass(frozen=True)
@@ -68,12 +71,37 @@ def fbx_file(arrays: Arrays, path: Path) -> FbxFile:
         frames, rest, about = arrays["frames"], arrays["rest"], json.loads(arrays["about"].tobytes())
     except (ValueError, KeyError) as error:
         raise StudioError(f"{path.name} could not be read as FBX: {error}. {INSTEAD}") from error
+    repairs = _fill(path.name, frames)
     if not (np.isfinite(frames).all() and np.isfinite(rest).all()):
         raise StudioError(f"{path.name}: its joints lie at places that are not numbers. {INSTEAD}")
-    return _rigid(about, frames, rest, path)
+    return _rigid(about, frames, rest, path, repairs)
 
 
-def _rigid(about: dict[str, object], frames: FloatArray, rest: FloatArray, path: Path) -> FbxFile:
+def _fill(name: str, frames: FloatArray) -> tuple[str, ...]:
+    """Interpolate in time, in place, what ``frames`` (F, J, 10) do not say; a sentence with how many frames it was.
+
+    A place, turn or scale of which no frame says anything stays as it is.
+    """
+    lacking = np.flatnonzero(~np.isfinite(frames).all(axis=(1, 2)))
+    times = np.arange(len(frames))
+    for joint in np.flatnonzero(~np.isfinite(frames).all(axis=(0, 2))).tolist():
+        for part in _PARTS:
+            known = np.isfinite(frames[:, joint, part]).all(axis=1)
+            if known.all() or not known.any():
+                continue
+            course = frames[known, joint, part]
+            course = sign_continuous(course) if part is _TURN else course
+            for column, values in zip(range(10)[part], course.T, strict=True):
+                frames[:, joint, column] = np.interp(times, times[known], values)
+    if not len(lacking):
+        return ()
+    count = "1 frame lacks" if len(lacking) == 1 else f"{len(lacking)} frames lack"
+    return (f"{name}, frame {lacking[0]}: {count} numbers; what is missing was filled from the frames around.",)
+
+
+def _rigid(
+    about: dict[str, object], frames: FloatArray, rest: FloatArray, path: Path, repairs: tuple[str, ...]
+) -> FbxFile:
     """Scales worked into the places, and turns counted from the rest pose."""
     names, parents = _one_root(list(about["names"]), list(about["parents"]))  # type: ignore[call-overload]
     added = len(names) - frames.shape[1]
@@ -85,7 +113,7 @@ def _rigid(about: dict[str, object], frames: FloatArray, rest: FloatArray, path:
         places, turns = _world(parents, frames)
     if not all(np.isfinite(numbers).all() for numbers in (rest_places, rest_turns, places, turns)):
         raise StudioError(f"{path.name}: its joints lie farther away than can be told. {INSTEAD}")
-    turns, repairs = _upright(names, turns @ np.swapaxes(rest_turns, -1, -2))
+    turns, mirrored = _upright(names, turns @ np.swapaxes(rest_turns, -1, -2))
     above = np.maximum(parents, 0)
     carrier = np.where((parents < 0)[:, None, None], np.eye(3), turns[:, above])
     offsets = rest_places[0] - np.where((parents < 0)[:, None], 0.0, rest_places[0, above])
@@ -102,7 +130,7 @@ def _rigid(about: dict[str, object], frames: FloatArray, rest: FloatArray, path:
         1.0 / rate,
         said_unit(metres),
         str(about["up_axis"]),
-        repairs,
+        (*repairs, *mirrored),
     )
 
 

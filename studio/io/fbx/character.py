@@ -12,7 +12,7 @@ from studio.core.mesh.appearance import Material
 from studio.io.beside import content_of
 from studio.io.fbx.reading import Arrays
 from studio.io.figure.body import character_of
-from studio.io.figure.figure import MOST_VERTICES, Figure, FloatArray, IntArray, Piece
+from studio.io.figure.figure import MOST_VERTICES, Figure, FloatArray, IntArray, Piece, rotations_of
 from studio.io.figure.textures import checked_picture
 from studio.io.gltf.materials import hex_colour
 from studio.io.importing import ImportOptions
@@ -63,6 +63,7 @@ def _figure(path: Path, about: dict[str, Any], arrays: Arrays) -> Figure:
         joint_names=tuple(unique),
         parents=parents,
         positions=world[:, :3, 3],
+        rotations=rotations_of(world),
         pieces=tuple(pieces),
         up=about["up_axis"],
         metres=about["unit_metres"],

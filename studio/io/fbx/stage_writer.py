@@ -4,7 +4,6 @@ from pathlib import Path
 
 import numpy as np
 
-from studio.io.exported_stage import ExportedProp, ExportedStage
 from studio.io.fbx.binary import element
 from studio.io.fbx.document import WHOLE_SCENE, Document, animated
 from studio.io.fbx.euler import euler_curves
@@ -20,6 +19,7 @@ from studio.io.fbx.take_writer import (
     write_document,
 )
 from studio.io.registry import Progress
+from studio.io.takes.exported_stage import ExportedProp, ExportedStage
 
 
 def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:

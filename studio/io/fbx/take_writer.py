@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from studio.core.mesh.appearance import Material
 from studio.core.mesh.joint_skin import JointSkin
+from studio.core.rotations import IDENTITY
 from studio.io.export import Take, plain_material, skin_of
 from studio.io.fbx.binary import Element, Long, block, element, encode_document
 from studio.io.fbx.document import (
@@ -96,19 +97,19 @@ def _put_joints(document: Document, take: Take, parent: Long, progress: Share) -
     skeleton, poses = take.skeleton, take.poses
     offsets = positions_in_file(skeleton.offsets)
     travels = np.abs(poses.local_translations - skeleton.offsets).max(axis=(0, 2)) > _TRAVELS
+    rests = take.rest_rotations if take.rest_rotations is not None else np.tile(IDENTITY, (skeleton.joint_count, 1))
     joints: list[Long] = []
     for joint, name in enumerate(skeleton.names):
         progress(joint / skeleton.joint_count)
-        order, angles = euler_curves(poses.local_rotations[:, joint][:, [*WORLD_TO_FILE, 3]])
+        order, angles = euler_curves(np.vstack([rests[joint], poses.local_rotations[:, joint]])[:, [*WORLD_TO_FILE, 3]])
         above = int(skeleton.parents[joint])
-        key = document.add(
-            "Model", name, "LimbNode", node(animated("Lcl Translation", offsets[joint]), order=order),
-            within=joints[above] if above >= 0 else parent,
-        )  # fmt: skip
+        stands = animated("Lcl Translation", offsets[joint]), animated("Lcl Rotation", angles[0])
+        parts = node(*stands, order=order)
+        key = document.add("Model", name, "LimbNode", parts, within=joints[above] if above >= 0 else parent)
         attribute = [element("TypeFlags", "Skeleton"), properties(number("Size", 1.0))]
         document.add("NodeAttribute", name, "LimbNode", attribute, within=key)
         if not skeleton.end_sites[joint] or joint == 0:
-            put_curves(document, key, "Lcl Rotation", "R", angles)
+            put_curves(document, key, "Lcl Rotation", "R", angles[1:])
         if travels[joint] or joint == 0:
             put_curves(document, key, "Lcl Translation", "T", positions_in_file(poses.local_translations[:, joint]))
         joints.append(key)

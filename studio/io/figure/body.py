@@ -23,8 +23,10 @@ from studio.core.body.rehanging import Rehanging, rehang
 from studio.core.body.skeleton import Skeleton
 from studio.core.body.standing import standing_points
 from studio.core.captures.capture import Guess
+from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Appearance, Material
+from studio.core.mesh.rig import STILL, Rig
 from studio.io.figure.body_maps import find_body, loose_feet, named_sides, similar_joints
 from studio.io.figure.figure import NO_SKELETON, Figure, Piece
 from studio.io.guessing import find_unit, said_unit
@@ -37,6 +39,8 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 PLAIN = "#B4BEC8"
+MOST_INFLUENCES = 8
+"""Joints from which a vertex of a rig hangs."""
 _LIMB_DEPTH = 3
 """Joints above an ankle at least: a root, a hip and a knee."""
 _HANDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)
@@ -52,6 +56,10 @@ class _Body:
     points: FloatArray
     to_world: FloatArray
     guesses: tuple[Guess, ...]
+    hung: Figure
+    """The figure as its own joints hang, whatever else they hang from to be a body."""
+    order: IntArray
+    """(J,) for each joint of ``figure`` the one of ``hung``."""
 
     @property
     def fault(self) -> float:
@@ -77,22 +85,28 @@ def character_of(figures: Sequence[Figure], options: ImportOptions) -> ReadChara
 
 def _body(figure: Figure, options: ImportOptions) -> _Body:
     figure = _rooted(figure)
+    return _body_of(figure, options, figure, np.arange(len(figure.joint_names)))
+
+
+def _body_of(figure: Figure, options: ImportOptions, hung: Figure, order: IntArray) -> _Body:
     parents = np.array(figure.parents)
     if not np.isfinite(figure.positions).all() or np.abs(figure.positions).max() > 1e9:
         raise StudioError(f"{figure.source}: its joints are too far apart to be true. Export the file again.")
     offsets = figure.positions - figure.positions[np.maximum(parents, 0)]
     offsets[0] = figure.positions[0]
     skeleton = Skeleton(figure.joint_names, parents, offsets, np.zeros(len(parents), dtype=bool))
-    loose = loose_feet(skeleton, figure.positions[None])
+    loose = loose_feet(skeleton)
     if loose:
-        return _body(_rehung(figure, rehang(parents, loose)), options)
+        new = rehang(parents, loose)
+        return _body_of(_rehung(figure, new), options, hung, order[new.order])
     body_map, guess = _find(figure, skeleton, options)
     _check_limbs(figure, body_map)
     to_world = _upright(figure, body_map, options.up_axis)
     leg = _leg(figure.positions, body_map)
     scale, unit_guess = _scale(figure, leg, options.unit)
     guesses = [each for each in (guess, unit_guess) if each is not None]
-    return _Body(figure, skeleton, body_map, scale * figure.positions @ to_world.T, scale * to_world, tuple(guesses))
+    points = scale * figure.positions @ to_world.T
+    return _Body(figure, skeleton, body_map, points, scale * to_world, tuple(guesses), hung, order)
 
 
 def _rehung(figure: Figure, new: Rehanging) -> Figure:
@@ -104,6 +118,7 @@ def _rehung(figure: Figure, new: Rehanging) -> Figure:
         joint_names=tuple(figure.joint_names[old] for old in new.order),
         parents=tuple(new.parents.tolist()),
         positions=figure.positions[new.order],
+        rotations=None if figure.rotations is None else figure.rotations[new.order],
         pieces=pieces,
     )
 
@@ -133,6 +148,7 @@ def _rooted(figure: Figure) -> Figure:
         joint_names=(name, *figure.joint_names),
         parents=(-1, *(parent + 1 for parent in figure.parents)),
         positions=np.vstack([np.zeros(3), figure.positions]),
+        rotations=None if figure.rotations is None else np.concatenate([np.eye(3)[None], figure.rotations]),
         pieces=pieces,
     )
 
@@ -144,11 +160,13 @@ def _find(figure: Figure, skeleton: Skeleton, options: ImportOptions) -> tuple[B
     if found.body_map is not None:
         parts = len(found.body_map.parts)
         reason = f"Names as in {found.family}; topology and symmetry agree."
-        return found.body_map, Guess("body map", f"{parts} parts, {len(found.body_map.spine)} spine joints", reason)
+        return found.body_map, Guess(
+            "body map", f"{parts} parts, {len(found.body_map.spine)} spine joints", reason, Confidence.SURE
+        )
     by_shape = body_by_shape(skeleton, figure.positions @ turn_to_world(figure.up).T, named_sides(skeleton))
     if by_shape is not None:
         reason = "The names of its joints say nothing; legs reach lowest, arms widest, the head highest."
-        return by_shape, Guess("body map", f"{len(by_shape.parts)} parts by shape", reason)
+        return by_shape, Guess("body map", f"{len(by_shape.parts)} parts by shape", reason, Confidence.LIKELY)
     if _deepest(skeleton) < _LIMB_DEPTH:
         raise StudioError(f"{figure.source} {NO_SKELETON}")
     offers = {limb: similar_joints(skeleton, limb) for limb in found.missing}
@@ -240,16 +258,50 @@ def _embodied(body: _Body, guesses: list[Guess]) -> ReadCharacter:
     marks = standing_points(measures, stance)
     marks = marks + (root - marks[0])
     measures = measured_by_mesh(measures, stance, marks, vertices, shares)
-    measures, shares = rolling_on_balls(measures, stance, marks, vertices, shares)
+    rolling, shares = rolling_on_balls(measures, stance, marks, vertices, shares)
+    rolled, measures = (rolling.foot != measures.foot).any(axis=1), rolling
     turn = body.to_world / np.cbrt(np.linalg.det(body.to_world))
     normals = unit(np.concatenate([piece.normals for piece in pieces]) @ turn.T)
     first = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])
     triangles = np.concatenate([piece.triangles + start for piece, start in zip(pieces, first, strict=False)])
     appearance = _appearance(pieces)
     skin = bound_mesh(measures, stance, root, vertices, normals, triangles, shares, appearance)
+    away = standing_points(measures, stance)[0] - root + (points[0] - body.points[0])
+    skin = replace(skin, rig=_rig(body, segments, rolled.tolist(), joints, weights, away))
     character = Character(figure.name.replace("_", " "), _colour(appearance), measures, skin)
     names = body.body_map.to_json(body.skeleton)
     return ReadCharacter(character, tuple(guesses), tuple(repairs), names, figure.moves)
+
+
+def _rig(
+    body: _Body, segments: IntArray, rolled: Sequence[bool], joints: IntArray, weights: FloatArray, away: FloatArray
+) -> Rig | None:
+    """The file's own joints, ``away`` (3,) from the figure's; None where they are mirrored, sheared or share a name.
+
+    A toe joint that lies too near its ankle to roll over moves with its foot.
+    """
+    hung, order, spine = body.hung, body.order, body.body_map.spine
+    turn = body.to_world / np.cbrt(np.linalg.det(body.to_world))
+    if hung.rotations is None or np.linalg.det(turn) < 0.0 or len(set(hung.joint_names)) < len(order):
+        return None
+    own = np.array(segments[: len(order)])
+    for side, is_rolled in enumerate(rolled):
+        toe = len(spine) + 13 + 4 * side
+        if is_rolled:
+            own[own == toe] = toe - 1
+    own[list(body.skeleton.path(0, spine[0]))[:-1]] = STILL
+    place = np.argsort(order)
+    strongest = np.argsort(-weights, axis=1, kind="stable")[:, :MOST_INFLUENCES]
+    kept = np.take_along_axis(weights, strongest, axis=1)
+    return Rig(
+        hung.joint_names,
+        np.array(hung.parents),
+        body.points[place] + away,
+        turn @ hung.rotations,
+        own[place].astype(np.int32),
+        order[np.take_along_axis(joints, strongest, axis=1)].astype(np.int32),
+        (kept / kept.sum(axis=1, keepdims=True)).astype(np.float32),
+    )
 
 
 def _worn(figure: Figure, segments: IntArray, spine_count: int, repairs: list[str]) -> list[Piece]:

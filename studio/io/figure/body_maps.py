@@ -85,10 +85,10 @@ def _best_match(skeleton: Skeleton, positions: FloatArray, fixed: dict[BodyPart,
     return family, best
 
 
-def loose_feet(skeleton: Skeleton, positions: FloatArray) -> dict[int, int]:
-    """Shanks by the feet that belong to them and hang elsewhere, of joints at ``positions`` (F, J, 3); none in most.
+def loose_feet(skeleton: Skeleton) -> dict[int, int]:
+    """Shanks by the feet that belong to them and hang elsewhere; none in most files.
 
-    Rigs for inverse kinematics keep feet under the root. Raises StudioError when such feet leave the legs.
+    Rigs for inverse kinematics keep feet under the root.
     """
     candidates = _candidates(_all_families(), _joints_by_name(skeleton))
     feet: dict[int, int] = {}
@@ -98,12 +98,6 @@ def loose_feet(skeleton: Skeleton, positions: FloatArray) -> dict[int, int]:
             continue
         if skeleton.path(shank, foot) or (skeleton.path(foot, thigh) and foot != 0):
             continue
-        lengths = np.linalg.norm(positions[:, foot] - positions[:, shank], axis=1)
-        if lengths.std() > LOOSE_VARIATION * lengths.mean():
-            raise StudioError(
-                f"'{skeleton.names[foot]}' hangs from the root and leaves '{skeleton.names[shank]}' in its motion."
-                " Bake the legs, or hang the feet from the shanks, and export it again."
-            )
         feet[foot] = shank
     return feet if len(feet) == 2 else {}
 

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.mesh.appearance import Material
+from studio.core.rotations import from_matrix, to_matrix
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -36,6 +37,18 @@ class Piece:
     name: str = ""
 
 
+def rotations_of(matrices: FloatArray) -> FloatArray | None:
+    """(J, 3, 3) axes of joints at (J, 4, 4) without their scale; None where one is mirrored, flat, or sheared."""
+    axes = matrices[:, :3, :3]
+    lengths = np.linalg.norm(axes, axis=1, keepdims=True)
+    if not (np.isfinite(axes).all() and (lengths > 0.0).all()):
+        return None
+    axes = axes / lengths
+    if not np.allclose(np.swapaxes(axes, 1, 2) @ axes, np.eye(3), atol=1e-4) or (np.linalg.det(axes) < 0.0).any():
+        return None
+    return to_matrix(from_matrix(axes))
+
+
 @dataclass(frozen=True, eq=False)
 class Figure:
     """Joints in their bind pose, in the file's own axes and unit, and what is drawn around them."""
@@ -47,6 +60,8 @@ class Figure:
     """Each stands before its children; -1 for roots, of which there may be several."""
     positions: FloatArray
     """(J, 3)"""
+    rotations: FloatArray | None = None
+    """(J, 3, 3) of the joints' own axes, None where they have none: mirrored or sheared ones."""
     pieces: tuple[Piece, ...] = ()
     parts: Mapping[str, str] = field(default_factory=dict)
     """Joints by part, where the file says it."""

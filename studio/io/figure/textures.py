@@ -1,11 +1,12 @@
 """Pictures inside and beside character files: looked at before they are believed, kept as they came."""
 
 import warnings
-from functools import lru_cache
 from io import BytesIO
 
 import numpy as np
 from numpy.typing import NDArray
+
+from studio.core.project_cache import project_cache
 
 LARGEST_SIDE = 8192
 STAGE_SIDE = 2048
@@ -19,7 +20,7 @@ def checked_picture(content: bytes) -> NDArray[np.uint8]:
     return np.frombuffer(content, np.uint8)
 
 
-@lru_cache(maxsize=32)
+@project_cache(maxsize=32)
 def shown_picture(content: bytes) -> NDArray[np.uint8]:
     """``decoded`` for the stage; remembered, so that whoever reads a file can have it ready before it is drawn."""
     return decoded(content, STAGE_SIDE)

@@ -28,15 +28,21 @@ class Accessors:
         """How many there are."""
         return len(self._records)
 
-    def numbers(self, index: int, width: int) -> FloatArray:
-        """Finite numbers; whole ones that are ``normalized`` come as fractions of their largest."""
+    def numbers(self, index: int, width: int, missing: bool = False) -> FloatArray:
+        """Finite numbers; whole ones that are ``normalized`` come as fractions of their largest.
+
+        Where some may be ``missing``, NaN stands for what is no number. Raises StudioError for these elsewhere.
+        """
         record = self._records[index]
         array = self._array(record, width)
         with np.errstate(invalid="ignore"):  # numbers that are none are refused below
             numbers = array.astype(np.float64)
         if record.flag("normalized") and array.dtype.kind in "iu":
             numbers = np.maximum(numbers / float(2 ** (8 * array.dtype.itemsize - (array.dtype.kind == "i")) - 1), -1.0)
-        if not np.isfinite(numbers).all() or (np.abs(numbers) > _ABSURD).any():
+        believable = np.isfinite(numbers) & (np.abs(numbers) <= _ABSURD)
+        if missing:
+            return np.where(believable, numbers, np.nan)
+        if not believable.all():
             raise StudioError(f"{record.where}: it holds a number that is not believable. Export the file again.")
         return numbers
 

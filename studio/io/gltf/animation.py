@@ -13,6 +13,8 @@ FloatArray = NDArray[np.float64]
 
 _WIDTHS = {"translation": 3, "rotation": 4, "scale": 3}
 _LONGEST = 1e6
+_NO_TURN = 1e-6
+"""Length below which a quaternion is no rotation."""
 _STEP_SLACK = 1e-3
 """Seconds by which a key of steps may lie behind a frame that shows it: times are written with 24 bits."""
 
@@ -58,10 +60,14 @@ class Track:
         return normalized(value) if self.path == "rotation" else value
 
 
-def read_tracks(animation: Record, accessors: Accessors, node_count: int) -> list[Track]:
-    """The tracks of one animation that move nodes. Raises StudioError for keys that make no sense."""
+def read_tracks(animation: Record, accessors: Accessors, node_count: int, repairs: list[str]) -> list[Track]:
+    """The tracks of one animation that move nodes; keys without numbers are filled and listed in ``repairs``.
+
+    Raises StudioError for keys that make no sense.
+    """
     samplers = animation.records("samplers")
-    tracks = []
+    tracks: list[Track] = []
+    lacking: list[float] = []
     for channel in animation.records("channels"):
         target = channel.inner("target")
         node, path = target.index("node", node_count), target.text("path")
@@ -77,22 +83,28 @@ def read_tracks(animation: Record, accessors: Accessors, node_count: int) -> lis
         keys, output = sampler.index("input", accessors.count), sampler.index("output", accessors.count)
         if keys is None or output is None:
             raise sampler.wrong("input and output", "the numbers of two accessors")
-        times, values = accessors.numbers(keys, 1)[:, 0], accessors.numbers(output, _WIDTHS[path])
+        times = accessors.numbers(keys, 1)[:, 0]
+        values = accessors.numbers(output, _WIDTHS[path], missing=True)
         spline = interpolation == "CUBICSPLINE"
         if not len(times) or (np.diff(times) <= 0.0).any() or np.abs(times).max() > _LONGEST:
             raise sampler.wrong("input", "times that rise")
         if len(values) != len(times) * (3 if spline else 1):
             raise sampler.wrong("output", "a value for every time")
-        if spline:
-            values = values.reshape(len(times), 3, -1)
+        values = values.reshape(len(times), 3 if spline else 1, -1)
+        known = np.isfinite(values).all(axis=(1, 2))
         if path == "rotation" and not spline:
-            values = _turns(values, sampler)
+            known &= np.linalg.norm(values[:, 0], axis=1) > _NO_TURN
+        if not known.any():
+            raise sampler.wrong("output", f"numbers{', and rotations that are not zero' * (path == 'rotation')}")
+        lacking += times[~known].tolist()
+        every, times, values = times, times[known], values[known] if spline else values[known, 0]
+        if path == "rotation" and not spline:
+            values = normalized(values)
+        if interpolation == "LINEAR" and len(times) < len(every):  # the rate of all keys stays as it is
+            times, values = every, Track(node, path, times, values, interpolation).at(every)
         tracks.append(Track(node, path, times, values, interpolation))
+    if lacking:
+        count = "1 key lacks" if len(lacking) == 1 else f"{len(lacking)} keys lack"
+        where = f"{animation.where}, {min(lacking):.3g} s"
+        repairs.append(f"{where}: {count} numbers; what is missing was filled from the keys around.")
     return tracks
-
-
-def _turns(values: FloatArray, sampler: Record) -> FloatArray:
-    lengths = np.linalg.norm(values, axis=1, keepdims=True)
-    if (lengths < 1e-6).any():
-        raise sampler.wrong("output", "rotations, and none of them zero")
-    return np.asarray(values / lengths)

@@ -7,20 +7,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.body_shape import body_by_shape, knees_bend_backwards
+from studio.core.body.kinematics import joint_positions
 from studio.core.body.pose import PoseSequence
-from studio.core.body.rehanging import rehang, rehung
+from studio.core.body.rehanging import over_feet, rehang, rehung
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
+from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
 from studio.core.rotations import from_matrix, to_matrix
-from studio.io.capture_guesses import LOOSE_FEET, ReadJoints, body_guesses, stood_capture
+from studio.io.capture_guesses import ReadJoints, body_guesses, feet_guess, stood_capture
 from studio.io.figure.body_maps import FoundBody, find_body, loose_feet, named_sides
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.animation import Track, read_tracks
 from studio.io.gltf.container import GltfFile, read_gltf
 from studio.io.gltf.nodes import Nodes, read_nodes
 from studio.io.gltf.vrm import vrm_bones
-from studio.io.guessing import Scale, find_unit, guess_frame_rate, leg_length
+from studio.io.guessing import Scale, find_unit, guess_frame_rate, leg_and_trunk
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress, ReadCapture
 from studio.io.up_axis import BodyPoints, axis_called, guess_up_axis, said_axis, turn_to_world
@@ -75,7 +77,8 @@ def _capture(file: GltfFile, options: ImportOptions, progress: Progress) -> Capt
     path = file.path
     nodes, accessors = read_nodes(file.root), Accessors(file)
     bones = vrm_bones(file.root, len(nodes.parents))
-    tracks, guesses = _first_animation(file, accessors, len(nodes.parents))
+    repairs: list[str] = []
+    tracks, guesses = _first_animation(file, accessors, len(nodes.parents), repairs)
     figure = _figure(file, nodes, tracks, bones)
     rate = _frame_rate(tracks, options, guesses)
     times = _times(tracks, rate, len(nodes.parents), file)
@@ -86,13 +89,16 @@ def _capture(file: GltfFile, options: ImportOptions, progress: Progress) -> Capt
     progress(0.7, f"Finding the body in {path.name}")
     looked_at = np.unique(np.linspace(0, len(times) - 1, _LOOKED_AT).astype(int))
     skeleton, poses = _joint_motion(figure, rest_places[0], rest_turns[0], places, turns)
-    sample, rest = places[looked_at], rest_places[0]
-    loose = loose_feet(skeleton, sample)
+    rest = rest_places[0]
+    loose = loose_feet(skeleton)
     if loose:
+        poses, behind = over_feet(skeleton, poses, loose)
+        places = joint_positions(skeleton, poses)
         hanging = rehang(skeleton.parents, loose)
         skeleton, poses = rehung(skeleton, poses, hanging)
-        places, sample, rest = places[:, hanging.order], sample[:, hanging.order], rest[hanging.order]
-        guesses.append(Guess("feet", "hung from the shanks", LOOSE_FEET))
+        places, rest = places[:, hanging.order], rest[hanging.order]
+        guesses.append(feet_guess(behind))
+    sample = places[looked_at]
     chosen = {part: figure.names[figure.nodes.index(node)] for part, node in bones.items()}
     found = find_body(skeleton, sample, {**chosen, **(options.body_map or {})} or None)
     sides = named_sides(skeleton)
@@ -107,21 +113,23 @@ def _capture(file: GltfFile, options: ImportOptions, progress: Progress) -> Capt
         guess = guess_up_axis(body, said_axis(axis))
         if guess.value != axis:
             return _capture(file, replace(options, up_axis=guess.value), progress).with_guess(guess)
-    leg = leg_length(sample, found.body_map) if found.body_map else None
-    (unit, metres), unit_guess = find_unit(leg, _METRES, options.unit)
+    leg, trunk = leg_and_trunk(sample, found.body_map)
+    (unit, metres), unit_guess = find_unit(leg, _METRES, options.unit, trunk)
     guesses += [unit_guess] if unit_guess else []
     skeleton = replace(skeleton, offsets=metres * skeleton.offsets)
     poses = replace(poses, local_translations=metres * poses.local_translations)
-    read = ReadJoints(path, skeleton, poses, metres * places, rate, unit, axis)
+    read = ReadJoints(path, skeleton, poses, metres * places, rate, unit, axis, tuple(repairs))
     capture = stood_capture(read, found, options, guesses)
     progress(1.0, f"Loaded {path.name}")
     return capture
 
 
-def _first_animation(file: GltfFile, accessors: Accessors, node_count: int) -> tuple[list[Track], list[Guess]]:
+def _first_animation(
+    file: GltfFile, accessors: Accessors, node_count: int, repairs: list[str]
+) -> tuple[list[Track], list[Guess]]:
     animations = file.root.records("animations")
     for place, animation in enumerate(animations):
-        tracks = read_tracks(animation, accessors, node_count)
+        tracks = read_tracks(animation, accessors, node_count, repairs)
         if tracks:
             name = animation.text("name") or f"animation {place}"
             others = [each.text("name") for each in animations[:9] if each is not animation]
@@ -163,7 +171,9 @@ def _frame_rate(tracks: list[Track], options: ImportOptions, guesses: list[Guess
     if len(steps) and np.ptp(steps) < _EVEN * step:  # the mean of even steps is the surest
         step = float((densest[-1] - densest[0]) / len(steps))
     if step > _SPARSE:
-        guesses.append(Guess("frame rate", f"{_USUAL_RATE:g} Hz", "The keys are too few to tell a rate."))
+        guesses.append(
+            Guess("frame rate", f"{_USUAL_RATE:g} Hz", "The keys are too few to tell a rate.", Confidence.DOUBTFUL)
+        )
         return _USUAL_RATE
     rate, guess = guess_frame_rate(step, _DIGIT)
     guesses += [guess] if guess else []

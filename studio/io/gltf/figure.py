@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.io.figure.figure import MOST_JOINTS, NO_SKELETON, Figure
+from studio.io.figure.figure import MOST_JOINTS, NO_SKELETON, Figure, rotations_of
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.container import GltfFile
 from studio.io.gltf.meshes import MeshReader
@@ -57,6 +57,7 @@ def _figure(
         joint_names=tuple(names[node] for node in joints),
         parents=tuple(places.get(nodes.parents[node], -1) for node in joints),
         positions=world[joints, :3, 3],
+        rotations=rotations_of(world[joints]),
         pieces=tuple(pieces),
         parts={part: names[node] for part, node in bones.items()},
         moves=bool(file.root.records("animations")),

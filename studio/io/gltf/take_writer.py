@@ -14,10 +14,10 @@ from studio import __version__
 from studio.core.mesh.appearance import Material
 from studio.core.mesh.joint_skin import JointSkin
 from studio.io.export import Take, plain_material, skin_of
-from studio.io.exported_stage import ExportedProp, ExportedStage
 from studio.io.gltf.buffers import TRIANGLES, VERTICES, Buffers
 from studio.io.registry import Progress
 from studio.io.replacing import write_pieces
+from studio.io.takes.exported_stage import ExportedProp, ExportedStage
 
 FloatArray = NDArray[np.float64]
 
@@ -181,10 +181,14 @@ class _Scene:
 def _joint_nodes(take: Take) -> list[dict[str, Any]]:
     """The joints as they stand in the skeleton's zero pose."""
     offsets = take.skeleton.offsets[:, _WORLD_TO_FILE].astype(np.float32)
-    return [
+    nodes: list[dict[str, Any]] = [
         {"name": name, "translation": offset}
         for name, offset in zip(take.skeleton.names, offsets.tolist(), strict=True)
     ]
+    if take.rest_rotations is not None:
+        turns = _unit(take.rest_rotations[:, [*_WORLD_TO_FILE, 3]]).astype(np.float32)
+        nodes = [node | {"rotation": turn} for node, turn in zip(nodes, turns.tolist(), strict=True)]
+    return nodes
 
 
 def _primitives(skin: JointSkin, buffers: Buffers, first: int) -> list[dict[str, Any]]:
@@ -193,9 +197,12 @@ def _primitives(skin: JointSkin, buffers: Buffers, first: int) -> list[dict[str,
     attributes = {
         "POSITION": buffers.add(skin.vertices[:, _WORLD_TO_FILE], "f4", VERTICES, bounds=True),
         "NORMAL": buffers.add(_unit(skin.normals[:, _WORLD_TO_FILE]), "f4", VERTICES),
-        "JOINTS_0": buffers.add(skin.joints, "u2", VERTICES),
-        "WEIGHTS_0": buffers.add(skin.weights, "f4", VERTICES),
     }
+    for start in range(0, skin.joints.shape[1], 4):
+        gap = ((0, 0), (0, max(start + 4 - skin.joints.shape[1], 0)))
+        for name, values, kind in (("JOINTS", skin.joints, "u2"), ("WEIGHTS", skin.weights, "f4")):
+            part = np.pad(values[:, start : start + 4], gap)
+            attributes[f"{name}_{start // 4}"] = buffers.add(part, kind, VERTICES)
     if look and any(material.texture is not None for material in look.materials):
         places = look.coordinates * [1.0, -1.0] + [0.0, 1.0]  # glTF counts downwards
         attributes["TEXCOORD_0"] = buffers.add(places, "f4", VERTICES)

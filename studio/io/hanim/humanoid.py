@@ -62,6 +62,7 @@ class _Reader:
             joint_names=tuple(self.names),
             parents=tuple(self.parents),
             positions=np.array(self.positions).reshape(-1, 3),
+            rotations=np.tile(np.eye(3), (len(self.names), 1, 1)),
             pieces=tuple(self.pieces),
             repairs=tuple(dict.fromkeys(self.looks.repairs)),
         )

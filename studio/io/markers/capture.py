@@ -11,6 +11,7 @@ from studio.core.body.kinematics import joint_positions
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
+from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
 from studio.core.markers.body_axes import HEAD
 from studio.core.markers.force_plates import plate_loads, plates_height
@@ -95,7 +96,10 @@ def _body(take: MarkerTake, followed: FollowedBody, options: ImportOptions, gues
         positions[:, solved.skeleton.descendants(toe)] = positions[:, [toe]]  # toes bend where nothing is measured
     floor, floor_guess = _floor(solved, positions, options, trial.frame_rate)
     if options.floor is None and (plate := plates_height(trial, turn, floor)) is not None:
-        floor, floor_guess = plate, [Guess("floor", f"{plate:.4f} m", "The top of the force plates, as the file says.")]
+        floor, floor_guess = (
+            plate,
+            [Guess("floor", f"{plate:.4f} m", "The top of the force plates, as the file says.", Confidence.SURE)],
+        )
     guesses += floor_guess
     rate = options.frame_rate or trial.frame_rate
     return Capture(
@@ -156,8 +160,9 @@ def _up_axis(followed: FollowedBody, options: ImportOptions, guesses: list[Guess
             axis=0
         )
         heights = {axis: way @ turn[2] / np.linalg.norm(way) + C3D_USE.get(axis, 0.0) for axis, turn in AXES.items()}
-        best = max(heights, key=lambda axis: float(heights[axis]))
-        guess = Guess("up axis", best, f"Through the trial the {high}s are above the {low}s along {best}.")
+        second, best = sorted(heights, key=lambda axis: float(heights[axis]))[-2:]
+        confidence = Confidence.of(float(heights[best] - heights[second]), 0.3, 0.6)
+        guess = Guess("up axis", best, f"Through the trial the {high}s are above the {low}s along {best}.", confidence)
     guesses.append(guess)
     return guess.value
 
@@ -194,7 +199,7 @@ def _floor(
     height = float(guess.value.split()[0])
     if 0.0 < abs(height) <= _CALIBRATED:
         reason = f"{guess.reason} That fits a floor at zero: markers lie on feet, and laboratories are calibrated."
-        return 0.0, [Guess("floor", "0.0000 m", reason)]
+        return 0.0, [Guess("floor", "0.0000 m", reason, Confidence.SURE)]
     return height, [guess]
 
 
@@ -260,7 +265,11 @@ def _side_guesses(take: MarkerTake) -> list[Guess]:
     if names:
         shown = ", ".join(name.replace("_", " ") for name in names)
         moving = f"The markers at {shown} move with the other side of the body"
-        return [Guess("sides", "as the map says", f"{moving}: labels of left and right may be swapped.")]
+        return [
+            Guess(
+                "sides", "as the map says", f"{moving}: labels of left and right may be swapped.", Confidence.DOUBTFUL
+            )
+        ]
     labels = sorted(
         label
         for role, own in take.marker_map.markers.items()
@@ -271,7 +280,7 @@ def _side_guesses(take: MarkerTake) -> list[Guess]:
         return []
     shown = ", ".join(labels[:_SHOWN]) + (f" and {len(labels) - _SHOWN} more" if len(labels) > _SHOWN else "")
     reason = f"{shown} carry the name of one side and move with the other: their labels are swapped, and put right."
-    return [Guess("sides", "left and right exchanged", reason)]
+    return [Guess("sides", "left and right exchanged", reason, Confidence.LIKELY)]
 
 
 def _not_shown(take: MarkerTake, used: MarkerMap, resting: Sequence[str]) -> Guess:
@@ -336,7 +345,12 @@ def _cloud(take: MarkerTake, lacking: str, options: ImportOptions, guesses: list
             f"The file holds {_contents(trial, len(labels))}. Which markers are which is not known: {lacking}. "
             "Say it under Markers; the map can be saved and used again.",
         ),
-        Guess("up axis", up_axis, "Without a body nothing tells what is up; most laboratories have Z up."),
+        Guess(
+            "up axis",
+            up_axis,
+            "Without a body nothing tells what is up; most laboratories have Z up.",
+            Confidence.DOUBTFUL,
+        ),
     ]
     return Capture(
         name=trial.name,

@@ -20,12 +20,14 @@ from studio.core.errors import StudioError
 from studio.core.mannequin.tailoring import tailored
 from studio.core.mesh.appearance import Appearance, Material
 from studio.core.mesh.hand_shapes import HandShapes
+from studio.core.mesh.rig import Rig
 from studio.core.mesh.skin import Blending, SkinnedMesh
 from studio.io.beside import path_beside, read_bytes
 from studio.io.figure.textures import checked_picture
 from studio.io.importing import ImportOptions
 from studio.io.json_text import json_of
 from studio.io.npy import arrays_of
+from studio.io.project.value_json import MemberCodec, from_json, to_json
 from studio.io.registry import Progress, ReadCharacter
 from studio.io.replacing import replacing_all
 from studio.resources_folder import resources_folder
@@ -36,6 +38,7 @@ _LIMIT = 200_000_000
 _DAMAGE = (KeyError, ValueError, TypeError, ArithmeticError)
 """What comes of arrays that are no mesh."""
 _MEMBERS = ("vertices", "normals", "centres", "triangles", "segments", "weights")
+_RIG = ("parents", "positions", "rotations", "segments", "joints", "weights")
 _LOOK = ("triangle_materials", "coordinates")
 
 
@@ -103,15 +106,24 @@ def read_character(path: Path) -> Character:
 
 def _proportions_record(proportions: Proportions | KeyedProportions) -> dict[str, Any]:
     if isinstance(proportions, KeyedProportions):
-        return {"times": list(proportions.times), "values": [asdict(each) for each in proportions.values]}
+        record = to_json(proportions, _NO_ARRAYS)
+        return {name: record[name] for name in ("times", "values", "tangents", "before", "after") if name in record}
     return asdict(proportions)
 
 
 def _proportions_of(record: dict[str, Any]) -> Proportions | KeyedProportions:
     """Factors, or ``times`` in seconds and as many ``values``, each of them factors. Raises ValueError or TypeError."""
     if "times" in record:
-        return KeyedProportions(tuple(record["times"]), tuple(Proportions(**each) for each in record["values"]))
+        keyed: KeyedProportions = from_json(record, KeyedProportions, _NO_ARRAYS)
+        return keyed
     return Proportions(**record)
+
+
+def _no_array(_array: object) -> Any:
+    raise ValueError("an array is not expected here.")
+
+
+_NO_ARRAYS = MemberCodec(_no_array, _no_array)
 
 
 @lru_cache(maxsize=1)
@@ -134,6 +146,9 @@ def mesh_bytes(mesh: SkinnedMesh) -> bytes:
         arrays["stance"] = mesh.stance
     if mesh.hands is not None:
         arrays |= {"hand_vertices": mesh.hands.vertices, "hand_normals": mesh.hands.normals}
+    if mesh.rig is not None:
+        arrays |= {f"rig_{name}": getattr(mesh.rig, name) for name in _RIG}
+        arrays["rig_names"] = np.frombuffer(json.dumps(mesh.rig.names).encode(), dtype=np.uint8)
     if mesh.appearance is not None:
         arrays |= {name: getattr(mesh.appearance, name) for name in _LOOK}
         arrays |= {f"texture_{place}": picture for place, picture in enumerate(_pictures(mesh.appearance))}
@@ -158,9 +173,16 @@ def read_mesh(content: bytes, source: str, materials: Sequence[Any] = ()) -> Ski
         look = _appearance(file, materials) if len(materials) else None
         hands = HandShapes(file["hand_vertices"], file["hand_normals"]) if "hand_vertices" in file else None
         members = {name: file[name] for name in _MEMBERS}
-        return SkinnedMesh(**members, stance=file.get("stance"), appearance=look, hands=hands)
+        return SkinnedMesh(**members, stance=file.get("stance"), appearance=look, hands=hands, rig=_rig(file))
     except _DAMAGE as error:
         raise StudioError(f"{source}: the mesh is damaged. {error}") from error
+
+
+def _rig(file: Mapping[str, Any]) -> Rig | None:
+    if "rig_names" not in file:
+        return None
+    names = json_of(file["rig_names"].astype(np.uint8).tobytes())
+    return Rig(tuple(map(str, names)), **{name: file[f"rig_{name}"] for name in _RIG})
 
 
 def _pictures(look: Appearance) -> list[NDArray[np.uint8]]:

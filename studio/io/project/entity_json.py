@@ -7,7 +7,7 @@ import math
 import re
 import weakref
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ import numpy as np
 from studio.core.body.character import Character
 from studio.core.body.morphology import Proportions
 from studio.core.captures.contacts import ContactInterval, ContactPoint
+from studio.core.constraints.base import Constraint
 from studio.core.constraints.kinds import KINDS
 from studio.core.errors import StudioError
 from studio.core.grounds import GROUND_KINDS
@@ -26,7 +27,7 @@ from studio.io.project.value_json import Array, Json, MemberCodec, UnknownKind, 
 
 PROJECT_SCHEMA = 2
 ENTITY_SCHEMAS = {
-    **dict.fromkeys(COLLECTIONS, 1), "characters": 2, "performers": 2, "constraints": 3, "contacts": 3, "props": 3,
+    **dict.fromkeys(COLLECTIONS, 1), "characters": 3, "performers": 2, "constraints": 4, "contacts": 3, "props": 4,
 }  # fmt: skip
 """A higher number tells an older version that it would misread what it knows by that name."""
 MEMBER_NAME = re.compile(r"(captures|characters)/[0-9a-f]{64}\.npy")
@@ -85,14 +86,27 @@ def entity_record(collection: str, entity_id: str, entity: Entity, members: Memb
 
 
 def _schema_of(collection: str, entity: Entity) -> int:
-    """A contact with the ground, a body that does not grow, a prop that is not handed on: as they have always been."""
+    """A contact with the ground, a body that does not grow, keys without tangents: as they have always been."""
+    if isinstance(entity, Constraint | Character | Prop) and _has_curves(entity):
+        return ENTITY_SCHEMAS[collection]
+    if isinstance(entity, Constraint):
+        return 3
     if isinstance(entity, ContactInterval) and isinstance(entity.point, ContactPoint):
         return 2
-    if isinstance(entity, Character) and isinstance(entity.proportions, Proportions):
-        return 1
-    if isinstance(entity, Prop) and not entity.later:
-        return 2
+    if isinstance(entity, Character):
+        return 1 if isinstance(entity.proportions, Proportions) else 2
+    if isinstance(entity, Prop):
+        return 3 if entity.later else 2
     return ENTITY_SCHEMAS[collection]
+
+
+def _has_curves(entity: Entity) -> bool:
+    """True if anything of it has tangents, weights, or keys that go on beyond their ends."""
+    return any(
+        is_dataclass(value)
+        and any(each.metadata.get("sparse") and getattr(value, each.name) != each.default for each in fields(value))
+        for value in vars(entity).values()
+    )
 
 
 def entity_of(collection: str, record: Json, load: Callable[[str], Array]) -> Entity:

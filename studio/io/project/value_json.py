@@ -2,7 +2,7 @@
 
 import types
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, dataclass, fields, is_dataclass
+from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
 from enum import Enum
 from functools import cache
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
@@ -51,9 +51,15 @@ def to_json(value: Any, members: MemberCodec) -> Json:
             return [to_json(item, members) for item in value]
     if not is_dataclass(value):
         raise TypeError(f"A {type(value).__name__} cannot be stored.")
-    record = {field.name: to_json(getattr(value, field.name), members) for field in fields(value)}
+    written = (field.name for field in fields(value) if _is_written(field, value))
+    record = {name: to_json(getattr(value, name), members) for name in written}
     kind = getattr(type(value), "kind", None)
     return record if kind is None else {"kind": kind, **record}
+
+
+def _is_written(field: Field[Any], value: Any) -> bool:
+    """True unless a field that was added later has its default: such values are written as they have always been."""
+    return not (field.metadata.get("sparse") and getattr(value, field.name) == field.default)
 
 
 def from_json(record: Json, hint: Any, members: MemberCodec) -> Any:

@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
 from studio.core.mesh.joint_skin import JointSkin
+from studio.core.rotations import to_matrix
 from studio.io.export import Take, plain_material, skin_of
-from studio.io.exported_stage import ExportedProp, ExportedStage
 from studio.io.registry import Progress
 from studio.io.replacing import replacing_all
+from studio.io.takes.exported_stage import ExportedProp, ExportedStage
 from studio.io.usd.materials import bind_materials, identifiers
 from studio.io.zipped import write_zip
 
@@ -129,7 +130,7 @@ def _put_take(stage: Any, take: Take, path: str, stem: str, progress: Any) -> di
     skin = skin_of(take)
     root = UsdSkel.Root.Define(stage, path)
     joints = _joint_paths(take.skeleton)
-    skeleton = _skeleton(stage, root, take.skeleton, skin, joints)
+    skeleton = _skeleton(stage, root, take.skeleton, skin, joints, take.rest_rotations)
     _animation(stage, skeleton, take, joints, progress)
     if not len(skin.triangles):
         return {}
@@ -169,13 +170,17 @@ def _joint_paths(skeleton: Skeleton) -> list[str]:
     return paths
 
 
-def _skeleton(stage: Any, root: Any, skeleton: Skeleton, skin: JointSkin, joints: list[str]) -> Any:
+def _skeleton(
+    stage: Any, root: Any, skeleton: Skeleton, skin: JointSkin, joints: list[str], turns: FloatArray | None
+) -> Any:
     """Rest: the zero pose, in the parents' axes. Bind: where the skin's joints stood, in the world."""
     from pxr import UsdSkel, Vt
 
     made = UsdSkel.Skeleton.Define(stage, root.GetPath().AppendChild("Skeleton"))
     rest = np.tile(np.eye(4), (skeleton.joint_count, 1, 1))
     rest[:, 3, :3] = skeleton.offsets  # USD's matrices act on rows
+    if turns is not None:
+        rest[:, :3, :3] = np.swapaxes(to_matrix(turns), 1, 2)
     bind = np.tile(np.eye(4), (skeleton.joint_count, 1, 1))
     bind[:, :3, :3] = np.swapaxes(skin.bind_rotations, 1, 2)
     bind[:, 3, :3] = skin.bind_positions

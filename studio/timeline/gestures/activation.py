@@ -1,11 +1,14 @@
 """Drags on a constraint's bar: one of its four times, or all of them."""
 
 from dataclasses import replace
+from typing import Any
 
 from PySide6.QtCore import QPointF
 
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import Constraint
+from studio.core.constraints.keyed import Keys
+from studio.document.keyed_fields import with_times
 from studio.timeline.gestures.gesture import EditGesture, Mark
 from studio.timeline.shown import HANDLES, Part, Shown
 from studio.timeline.snapping import Snapped
@@ -13,17 +16,21 @@ from studio.timeline.snapping import Snapped
 
 def with_time(curve: ActivationCurve, part: Part, time: float) -> ActivationCurve:
     """The curve with one of its times set; those in its way are pushed along."""
-    place = HANDLES.index(part)
-    times = [curve.start, curve.full, curve.full_end, curve.end]
-    pushed = [min(other, time) if k < place else max(other, time) for k, other in enumerate(times)]
-    pushed[place] = time
-    start, full, full_end, end = pushed
-    return ActivationCurve(start, full, full_end, end, curve.shape)
+    moved = with_times(curve, {HANDLES.index(part): time})
+    assert isinstance(moved, ActivationCurve)
+    return moved
 
 
 def time_of(curve: ActivationCurve, part: Part) -> float:
     """One of the four times."""
-    return (curve.start, curve.full, curve.full_end, curve.end)[HANDLES.index(part)]
+    return curve.times[HANDLES.index(part)]
+
+
+def moved(constraint: Constraint, seconds: float, keys_stay: bool) -> Constraint:
+    """The constraint with its activation later, and its keys unless they stay."""
+    keys = {name: value for name, value in vars(constraint).items() if isinstance(value, Keys) and not keys_stay}
+    changes: dict[str, Any] = {name: value.moved(seconds) for name, value in keys.items()}
+    return replace(constraint, activation=constraint.activation.moved(seconds), **changes)
 
 
 class DragHandle(EditGesture):
@@ -55,7 +62,10 @@ class DragHandle(EditGesture):
 
 
 class MoveActivation(EditGesture):
-    """Drag the bar: the whole curve moves, whichever of its times catches."""
+    """Drag the bar: the whole curve moves with its keys, whichever of its times catches.
+
+    ``free`` leaves the keys where they are, and catches on nothing.
+    """
 
     collection = "constraints"
 
@@ -73,7 +83,7 @@ class MoveActivation(EditGesture):
         curves = [each.activation for each in self.originals.values()]
         last = subject.last_frame / subject.frame_rate
         seconds = min(max(seconds, *(-each.end for each in curves)), *(last - each.start for each in curves))
-        self.put_all(lambda _, each: replace(each, activation=each.activation.moved(seconds)))
+        self.put_all(lambda _, each: moved(each, seconds, free))
         start = curve.start + seconds
         text = f"{seconds:+.3f} s  starts {self.shown.moment(start * subject.frame_rate)}"
         self.mark = Mark(subject.to_stage(start), text, caught.caught)

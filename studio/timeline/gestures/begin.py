@@ -7,7 +7,6 @@ from studio.timeline.gestures.activation import DragHandle, MoveActivation
 from studio.timeline.gestures.clip import MoveClips, TrimClip
 from studio.timeline.gestures.contact import DragContact
 from studio.timeline.gestures.gesture import Gesture
-from studio.timeline.gestures.growth import DragGrowthKey
 from studio.timeline.gestures.hold import DragHold
 from studio.timeline.gestures.label import DragLabel
 from studio.timeline.gestures.view import Scrub
@@ -30,8 +29,6 @@ def gesture_at(hit: Hit, shown: Shown, press: QPointF) -> Gesture | None:
         return DragHold(shown, hit.id, hit.part, press)
     if hit.kind == "labels" and hit.id:
         return DragLabel(shown, hit.id, hit.part, press)
-    if hit.part == Part.KEY:
-        return DragGrowthKey(shown, hit.id, press)
     if hit.kind == "contacts":
         return DragContact(shown, hit.id, hit.part, press)
     return None
@@ -54,8 +51,10 @@ def items_of(hit: Hit) -> tuple[tuple[str, str], ...]:
     """What a click on it selects: a clip with whom it was clicked on."""
     if hit.kind == "clips":
         return ("performers", hit.performer_id), ("clips", hit.id)
+    if hit.part == Part.KEY and hit.kind not in ("growth", "props", "constraints"):
+        return ()
     if hit.kind == "growth":
-        return (("performers", hit.id),)
+        return (("performers", hit.id),) if hit.part == Part.KEY else ()
     if (
         hit.kind == "contacts"
         or (hit.kind == "labels" and hit.id)

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from PySide6.QtCore import QPointF
+from PySide6.QtCore import QPointF, Qt
 
 from studio.timeline.shown import Shown
 from studio.timeline.snapping import Snapped, magnets_of, snapped
@@ -23,6 +23,8 @@ class Gesture:
     """A drag that changes nothing that could be undone."""
 
     mark: Mark | None = None
+    modifiers = Qt.KeyboardModifier.NoModifier
+    """The keys that are held with the mouse."""
 
     def update(self, position: QPointF, free: bool) -> None:
         """The mouse stands at ``position``; ``free`` asks for no snapping."""

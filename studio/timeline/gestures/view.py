@@ -1,7 +1,8 @@
 """Drags that only change where one looks: the playhead and the stretch of time that is shown."""
 
+from collections.abc import Callable
+
 from PySide6.QtCore import QPointF
-from PySide6.QtWidgets import QScrollBar
 
 from studio.document.playhead import Playhead
 from studio.timeline.axis import TimeAxis
@@ -32,12 +33,13 @@ class Scrub(Gesture):
 class Pan(Gesture):
     """The rows follow the mouse, sideways and upright."""
 
-    def __init__(self, axis: TimeAxis, scroll_bar: QScrollBar, press: QPointF) -> None:
-        self.axis, self.scroll_bar, self._last = axis, scroll_bar, press
+    def __init__(self, axis: TimeAxis, scroll: Callable[[float], None], press: QPointF) -> None:
+        """``scroll`` moves what is shown by so many pixels, downwards."""
+        self.axis, self._scroll, self._last = axis, scroll, press
 
     def update(self, position: QPointF, free: bool) -> None:
         """By what the mouse moved since the last time."""
         step = self._last - position
         self._last = position
         self.axis.scroll(step.x())
-        self.scroll_bar.setValue(round(self.scroll_bar.value() + step.y()))
+        self._scroll(step.y())

@@ -58,11 +58,11 @@ def paint_dot(painter: QPainter, centre: QPointF, radius: float, fill: str, edge
     painter.drawEllipse(centre, radius, radius)
 
 
-def paint_key(painter: QPainter, place: QPointF, colour: str) -> None:
-    """A small diamond where something has a key."""
-    x, y, reach = place.x(), place.y(), KEY_REACH
+def paint_key(painter: QPainter, place: QPointF, colour: str, selected: bool = False) -> None:
+    """A small diamond where something has a key, with a light edge where it is selected."""
+    x, y, reach = place.x(), place.y(), KEY_REACH + (1.0 if selected else 0.0)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-    painter.setPen(hairline(colours.PANEL, 1.0))
+    painter.setPen(hairline(colours.SELECTED_HANDLE, 2.0) if selected else hairline(colours.PANEL, 1.0))
     painter.setBrush(QColor(colour))
     corners = ((x, y - reach), (x + reach, y), (x, y + reach), (x - reach, y))
     painter.drawPolygon(QPolygonF([QPointF(*corner) for corner in corners]))

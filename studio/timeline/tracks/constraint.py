@@ -10,7 +10,7 @@ from studio.document import colours
 from studio.engine.residuals import unsolved_words
 from studio.timeline.shown import HANDLES, Hit, Part, Shown, label_area, within
 from studio.timeline.subject import Body
-from studio.timeline.tracks.brush import hairline, paint_dot, paint_fold, paint_key, paint_label, translucent
+from studio.timeline.tracks.brush import hairline, paint_dot, paint_fold, paint_label, translucent
 from studio.timeline.tracks.strip import PITCH, paint_strip, paint_unknown
 
 ABOVE, CURVE, BETWEEN, BELOW = 6, 19, 2, 3
@@ -62,9 +62,8 @@ def looks_of(constraint: Constraint | None) -> object:
 def paint_constraint(painter: QPainter, row: QRect, shown: Shown, constraint_id: str) -> None:
     """The curve filled at 40 per cent in the kind's colour; light and with larger handles when selected."""
     constraint = shown.project.constraints[constraint_id]
-    selected = shown.is_selected("constraints", constraint_id)
     colour = colours.kind_colour(constraint.kind) if constraint.enabled else colours.TEXT_THIRD
-    line = colours.SELECTED_HANDLE if selected else colour
+    line = line_colour(shown, constraint_id)
     path = _curve_path(shown, row, constraint)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     painter.setPen(hairline(line, 1.5))
@@ -72,12 +71,28 @@ def paint_constraint(painter: QPainter, row: QRect, shown: Shown, constraint_id:
         painter.setPen(Qt.PenStyle.DashLine)
     painter.setBrush(translucent(colour, 0.4 if constraint.enabled else 0.1))
     painter.drawPath(path)
-    for time in key_times(constraint):
-        paint_key(painter, QPointF(shown.x_of_motion_time(time), baseline(row) - curve_height(row) / 2), line)
+    _paint_strips(painter, row, shown, constraint_id)
+
+
+def line_colour(shown: Shown, constraint_id: str) -> str:
+    """The colour of a curve and its handles."""
+    selected = shown.is_selected("constraints", constraint_id)
+    return colours.SELECTED_HANDLE if selected else key_colour(shown, constraint_id)
+
+
+def key_colour(shown: Shown, constraint_id: str) -> str:
+    """The colour of a constraint's keys."""
+    constraint = shown.project.constraints[constraint_id]
+    return colours.kind_colour(constraint.kind) if constraint.enabled else colours.TEXT_THIRD
+
+
+def paint_handles(painter: QPainter, row: QRect, shown: Shown, constraint_id: str) -> None:
+    """The four handles of the activation."""
+    constraint, selected = shown.project.constraints[constraint_id], shown.is_selected("constraints", constraint_id)
+    line = line_colour(shown, constraint_id)
     for part, point in handle_points(shown, row, constraint).items():
         focused = selected and shown.handle == part
         paint_dot(painter, point, 4.5 if selected else 3.5, line, colours.PLAYHEAD if focused else colours.PANEL)
-    _paint_strips(painter, row, shown, constraint_id)
 
 
 def paint_constraint_label(painter: QPainter, row: QRect, shown: Shown, constraint_id: str) -> None:

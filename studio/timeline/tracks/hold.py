@@ -5,6 +5,7 @@ from PySide6.QtGui import QPainter
 
 from studio.core.stage.prop import Carried, Hold, InHand, Prop
 from studio.document import colours
+from studio.document.keyed_fields import fields_of
 from studio.timeline.shown import Hit, Part, Shown, label_area
 from studio.timeline.tracks.brush import paint_bar, paint_label, translucent
 from studio.timeline.tracks.clip import EDGE_REACH, paint_clip_text, seen_part
@@ -13,9 +14,13 @@ HEIGHT = 22
 
 
 def rows_of(shown: Shown) -> list[tuple[str, str, int]]:
-    """Kind, id and height of the rows of props that are held for a while."""
+    """Kind, id and height of the rows of props that are held for a while, or have keys."""
     props = shown.project.props.items()
-    return [("props", key, HEIGHT) for key, each in props if any(not hold.is_always for hold in each.holds)]
+    return [
+        ("props", key, HEIGHT)
+        for key, each in props
+        if any(not hold.is_always for hold in each.holds) or fields_of("props", key, each)
+    ]
 
 
 def hold_bar(shown: Shown, row: QRect, hold: Hold) -> QRectF:

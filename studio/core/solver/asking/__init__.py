@@ -1,1 +1,1 @@
-"""Constraints as the arrays that the kernels take: targets, chains, areas, self-contact."""
+"""Constraints as arrays for the kernels: targets, chains, tasks and self-contact."""

@@ -1,4 +1,4 @@
-"""The joints that a constraint's chain may move: their mobilities and limits for ``kernels.search``."""
+"""Joints of a constraint's chain: their weights and limits for ``kernels.search``."""
 
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, lru_cache
@@ -16,22 +16,23 @@ from studio.core.solver.asking.points import limb_of
 
 FloatArray = NDArray[np.float64]
 
-ROOT_MOBILITY = 0.15
-"""Mobility of the root's translation beside one vertebra's rotation (square metres)."""
-MOBILITIES = {**dict.fromkeys(CLAVICLES, 4.0), **dict.fromkeys(UPPER_ARMS, 30.0), **dict.fromkeys(THIGHS, 5.0)}
-"""Mobilities of other joints than vertebrae (METHOD 6). Shoulders and hips are those of free arms and legs, which a
-balance recruits: what each then does is in proportion to its mass.
+ROOT_WEIGHT = 0.15
+"""Weight of the root's translation relative to one vertebra's rotation (square metres)."""
+JOINT_WEIGHTS = {**dict.fromkeys(CLAVICLES, 4.0), **dict.fromkeys(UPPER_ARMS, 30.0), **dict.fromkeys(THIGHS, 5.0)}
+"""Weights of other joints than vertebrae (METHOD 6). Those of shoulders and hips are for the redundant arms and legs of
+a balance, in proportion to their masses.
 """
 VERTEBRA_LIMIT, CLAVICLE_LIMIT, NECK_LIMIT = 0.5, 0.35, 0.7
 SHOULDER_LIMIT, HIP_LIMIT = 0.7, 0.4
-"""Radians that a joint may turn away from the motion, in all."""
+"""Greatest rotation of a joint away from the motion, in radians."""
 
 
 @dataclass(frozen=True, eq=False)
-class FreeJoints:
-    """The joints that any of some chains frees, as ``kernels.search.joints`` takes them: ``mobilities`` (C + L, N)
-    what each chain makes of them and each level any down to it, ``joints`` (N,), ``slots`` (S + 1,), ``limits`` (N,)
-    the tan of half the angle that each may turn in all. ``recruited`` (n,) of them are shoulders and hips, of
+class ChainJoints:
+    """Joints that any of some chains frees, for ``kernels.search.joints``.
+
+    ``weights`` (C + L, N) of each chain, then of each level with all above it; ``joints`` (N,); ``joint_of_segment`` (S
+    + 1,); ``limits`` (N,) the tangent of half the greatest angle. ``recruited`` (n,) of them are shoulders and hips, of
     ``limbs`` (n,).
     """
 
@@ -44,23 +45,21 @@ class FreeJoints:
 
     @cached_property
     def nominal_weights(self) -> FloatArray:
-        """(C + L + 1, n) mobilities and, last, limits of those that are recruited, however free they are."""
+        """Weights (C + L + 1, n) and, last, limits of the redundant joints at full availability."""
         return np.ascontiguousarray(np.vstack([self.weights, np.nan_to_num(self.limits)])[:, self.recruited])
 
     @property
     def chain(self) -> records.JointWeights:
-        """Kernels write in mobilities and limits how free limbs are at a frame: these are the caller's own."""
+        """Copy for the kernels, which write the availability of limbs at a frame into weights and limits."""
         return records.JointWeights(self.weights.copy(), self.joints, self.joint_of_segment, self.limits.copy())
 
     @property
-    def without_limits(self) -> "FreeJoints":
+    def without_limits(self) -> "ChainJoints":
         return replace(self, limits=np.full_like(self.limits, np.inf))
 
 
-def carrying_chain(constraint: Constraint) -> Chain:
-    """The chain of a constraint without what is of no use to it: of the place of a limb the clavicles of others, which
-    neither carry it nor balance it as neck and head do.
-    """
+def relevant_chain(constraint: Constraint) -> Chain:
+    """Chain of a constraint without useless joints: for a position on a limb, without the clavicles of other limbs."""
     alone = isinstance(constraint, PositionConstraint) and not isinstance(constraint.target, FollowBody)
     limb = limb_of(constraint.point.part)
     return _without_clavicles(constraint.chain, limb) if alone and limb >= 0 else constraint.chain
@@ -74,17 +73,17 @@ def _without_clavicles(chain: Chain, limb: int) -> Chain:
 
 
 @lru_cache(maxsize=256)
-def free_joints(chains: tuple[Chain, ...], ranks: tuple[int, ...], layout: BodyLayout) -> FreeJoints:
-    """Pelvis, spine, clavicles, neck, head, free limbs and the root's translation, as far as ``chains`` free them.
+def joints_of_chains(chains: tuple[Chain, ...], ranks: tuple[int, ...], layout: BodyLayout) -> ChainJoints:
+    """Joints of pelvis, spine, clavicles, neck, head, redundant limbs and root translation that ``chains`` free.
 
-    ``ranks`` (C,) is the level of each chain's constraint.
+    ``levels`` (C,) are those of the chains' constraints.
     """
     k = layout.spine_count
     segments = np.array([*range(k), k + 2, k + 6, k, k + 1, k + 3, k + 7, k + 10, k + 14, ROOT_TRANSLATION])
     trunk = [*[VERTEBRA_LIMIT] * k, *[CLAVICLE_LIMIT] * 2, *[NECK_LIMIT] * 2]
     limits = [*trunk, *[SHOULDER_LIMIT] * 2, *[HIP_LIMIT] * 2, np.pi / 2]
     parts = [layout.part(segment) for segment in segments[:-1]]
-    usual = np.array([*(MOBILITIES.get(part, 1.0) for part in parts), ROOT_MOBILITY])
+    usual = np.array([*(JOINT_WEIGHTS.get(part, 1.0) for part in parts), ROOT_WEIGHT])
     weights = (
         np.array([[*(_weight(chain, part) for part in parts), chain.root] for chain in chains]).reshape(
             -1, len(segments)
@@ -98,7 +97,7 @@ def free_joints(chains: tuple[Chain, ...], ranks: tuple[int, ...], layout: BodyL
     slots = np.full(layout.segment_count + 1, -1)
     slots[segments[free]] = np.arange(free.sum())
     of_limbs = np.arange(4) + len(segments) - 5
-    return FreeJoints(
+    return ChainJoints(
         np.ascontiguousarray(np.reshape([*weights, *levels], (-1, len(segments)))[:, free]),
         joint_table(segments[free], k),
         slots,
@@ -109,13 +108,13 @@ def free_joints(chains: tuple[Chain, ...], ranks: tuple[int, ...], layout: BodyL
 
 
 def _weight(chain: Chain, part: BodyPart) -> float:
-    """How freely a chain lets a joint turn a segment; limbs are bent in closed form, but for those of a balance."""
+    """Weight of a joint in a chain; limbs are solved in closed form, except the redundant limbs of a balance."""
     return chain.recruited(part) if part in (*UPPER_ARMS, *THIGHS) else chain.weight(part)
 
 
 @cache
 def segment_masses(layout: BodyLayout) -> FloatArray:
-    """(S, 2) share of the body's mass and its place along each segment (de Leva 1996, male; METHOD 7)."""
+    """Mass fraction and position of the centre of mass along each segment, (S, 2) (de Leva 1996, male; METHOD 7)."""
     masses = np.zeros((layout.segment_count, 2))
     k = layout.spine_count
     masses[:k] = [0.3229 / (k - 1), 0.5]
@@ -130,8 +129,8 @@ def segment_masses(layout: BodyLayout) -> FloatArray:
 
 @cache
 def point_masses(layout: BodyLayout) -> FloatArray:
-    """(P,) shares of the body's mass that its points would have to have for the centre of mass to be the same."""
-    points, (shares, along) = np.zeros(layout.point_count), segment_masses(layout).T
-    np.add.at(points, list(layout.proximal_points()), shares * (1.0 - along))
-    np.add.at(points, list(layout.distal_points()), shares * along)
+    """Mass fractions (P,) of points that give the same centre of mass."""
+    points, (fractions, along) = np.zeros(layout.point_count), segment_masses(layout).T
+    np.add.at(points, list(layout.proximal_points()), fractions * (1.0 - along))
+    np.add.at(points, list(layout.distal_points()), fractions * along)
     return points

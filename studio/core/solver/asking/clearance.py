@@ -1,7 +1,7 @@
 """What keeps arms out of their own body, as arrays for ``kernels.limits.arm_clearance``."""
 
 from collections.abc import Sequence
-from functools import cache, lru_cache
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +17,7 @@ from studio.core.kernels.records import CapsuleArrays, ClearanceArrays
 from studio.core.mesh.volume import PROBES, BodyVolume, usual_volume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
+from studio.core.project_cache import project_cache
 from studio.core.solver.request import AdaptedMotion
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ FloatArray = NDArray[np.float64]
 
 
 def lowest_first(constraints: Sequence[Constraint]) -> list[int]:
-    """Rows of the clear constraints, the highest last: it has the last word. Which was made first does not count."""
+    """Rows of the self-collision constraints, the highest last."""
     clear = [(row, each) for row, each in enumerate(constraints) if isinstance(each, ClearConstraint)]
     clear.sort(key=lambda pair: (-pair[1].priority, pair[1].margin, pair[1].arms, pair[1].name))
     return [row for row, _ in clear]
@@ -41,82 +42,84 @@ def pack_clearance(
     standing: "Standing",
     window: slice,
 ) -> ClearanceArrays:
-    """What the kernels take of Q constraints, which write what is missed into ``misses`` (Q, F).
+    """Arrays of Q self-collision constraints for the kernels, which write residuals into ``misses`` (Q, F).
 
-    ``activations`` (Q, F) in the ``window`` of frames. Above a clear constraint stand the first ``held`` of the
-    others, which are contacts, and those of its priority or a higher one. Where no actor is known it is taken to
-    touch itself all the time; where no volume is, it is what is usual.
+    ``activations`` (Q, F) in the ``window`` of frames. The first ``held`` of the ``others`` are contacts and stand
+    above, as do those of the same or a higher priority. An unknown actor counts as touching itself all the time; an
+    unknown volume is the usual one.
     """
     if not clears:
-        return _nothing(len(others))
+        return _no_clearance(len(others))
     shape = (activations.shape[1], 2, len(PROBES))
-    own, ways = np.zeros(shape), np.zeros((*shape, 3))
+    own, displacements = np.zeros(shape), np.zeros((*shape, 3))
     if standing.actor is not None:
         actor_has = actor_rooms(standing.motion, standing.actor)
-        own, ways = (np.ascontiguousarray(each[window]) for each in actor_has)
+        own, displacements = (np.ascontiguousarray(each[window]) for each in actor_has)
     asked = [each for each in clears if isinstance(each, ClearConstraint)]
-    wanted = np.empty((len(asked), *shape))
+    target = np.empty((len(asked), *shape))
     above = np.full((len(asked), len(others)), TASK_IS_CONTACT)
     priorities = np.array([each.priority for each in others[held:]], dtype=np.int64)
     for row, each in enumerate(asked):
-        kernel.required_distances(own, each.margin, wanted[row])
+        kernel.required_distances(own, each.margin, target[row])
         beside = np.where(priorities == each.priority, TASK_BESIDE, TASK_BELOW)
         above[row, held:] = np.where(priorities < each.priority, TASK_ABOVE, beside)
     body = standing.morphology.still
     return ClearanceArrays(
         packed(standing.volume or usual_volume(body)),
         np.array(body.layout.proximal_points()),
-        wanted,
+        target,
         np.ascontiguousarray(activations),
         np.array([[float(each.arms.has(side)) for side in range(2)] for each in asked]).reshape(-1, 2),
         np.array([each.chain.limb for each in asked], dtype=np.float64),
         above,
         misses,
         own,
-        ways,
+        displacements,
         _tiers([each.priority for each in asked], np.concatenate([np.full(held, -1), priorities])),
     )
 
 
 def _tiers(clears: list[int], others: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Tiers of ``clearance_tiers`` by priorities: 0 down to the highest of ``clears``, then one each."""
+    """Tiers of ``clearance_tiers`` by priority: 0 down to the highest of ``clears``, then one each."""
     priorities = np.maximum(np.concatenate([clears, others]), min(clears))
     return np.asarray(np.searchsorted(np.unique(priorities), priorities), dtype=np.int64)
 
 
-def down_to_tiers(activations: FloatArray, clearance: ClearanceArrays) -> FloatArray:
-    """``activations`` (C, F) as the kernels take them, (K, C, F): of what stands down to each of K tiers."""
+def activations_by_tier(activations: FloatArray, clearance: ClearanceArrays) -> FloatArray:
+    """``activations`` (C, F) for the kernels, (K, C, F): of the tasks down to each of K tiers."""
     tiers = clearance.tiers
     others = tiers[len(tiers) - len(activations) :]
     return np.where(others[:, None] <= np.arange(tiers.max() + 1)[:, None, None], activations, 0.0)
 
 
 @cache
-def _nothing(others: int) -> ClearanceArrays:
-    """What the kernels take where nothing is asked to be clear of anything."""
+def _no_clearance(others: int) -> ClearanceArrays:
+    """Arrays without self-collision constraints."""
     volume = BodyVolume(np.empty((0, 2), np.int64), np.empty((0, 2, 3)), np.empty((0, 2)), np.empty(0))
     none, rooms = np.empty((0, 0)), np.empty((0, 2, len(PROBES)))
     above = np.empty((0, others), np.int64)
-    wanted, ways, tiers = np.empty((0, *rooms.shape)), np.empty((*rooms.shape, 3)), np.zeros(others, np.int64)
+    target, displacements, tiers = np.empty((0, *rooms.shape)), np.empty((*rooms.shape, 3)), np.zeros(others, np.int64)
     arms, freedoms = np.empty((0, 2)), np.empty(0)
-    return ClearanceArrays(packed(volume), tiers[:0], wanted, none, arms, freedoms, above, none, rooms, ways, tiers)
+    return ClearanceArrays(
+        packed(volume), tiers[:0], target, none, arms, freedoms, above, none, rooms, displacements, tiers
+    )
 
 
 def rooms(adapted: AdaptedMotion) -> FloatArray:
-    """(F, 2, 5) metres from the surface of each probe of both arms to that of the body, negative inside."""
+    """Signed distances (F, 2, 5) in metres from each probe of both arms to the body, negative inside."""
     volume = adapted.volume or usual_volume(adapted.morphology)
     return rooms_of(adapted.morphology, volume, adapted.positions[:], adapted.rotations[:])[0]
 
 
-@lru_cache(maxsize=8)
+@project_cache(maxsize=8)
 def actor_rooms(motion: NormalizedMotion, actor: Morphology) -> tuple[FloatArray, FloatArray]:
-    """``rooms`` of the actor that a motion was captured from, and the ways out of its body (F, 2, 5, 3)."""
+    """Signed distances of the captured actor, and the outward directions of its body (F, 2, 5, 3)."""
     return rooms_of(actor, usual_volume(actor), *realize(motion, actor, play=True))
 
 
-@lru_cache(maxsize=64)
+@project_cache(maxsize=64)
 def rest_rooms(body: Morphology, volume: BodyVolume) -> FloatArray:
-    """``rooms`` of a body in its rest pose, (2, 5): a thick arm may have none there."""
+    """Signed distances (2, 5) of a body in its rest pose, where a thick arm may be inside."""
     positions, rotations = rest_pose(body)
     found, _ = rooms_of(body, volume, positions[None], rotations[None])
     return np.asarray(found[0])
@@ -125,15 +128,15 @@ def rest_rooms(body: Morphology, volume: BodyVolume) -> FloatArray:
 def rooms_of(
     body: AnyMorphology, volume: BodyVolume, positions: FloatArray, rotations: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """``rooms`` of posed frames (F, P, 3), (F, S, 3, 3), and the ways out of the body (F, 2, 5, 3)."""
+    """Signed distances (F, 2, 5) of posed frames (F, P, 3), (F, S, 3, 3), and outward directions (F, 2, 5, 3)."""
     found = np.empty((len(positions), 2, len(PROBES)))
-    ways = np.empty((*found.shape, 3))
+    displacements = np.empty((*found.shape, 3))
     kernel.measure_clip_distances(
-        packed(volume), np.array(body.layout.proximal_points()), positions, rotations, found, ways
+        packed(volume), np.array(body.layout.proximal_points()), positions, rotations, found, displacements
     )
-    return found, ways
+    return found, displacements
 
 
 def packed(volume: BodyVolume) -> CapsuleArrays:
-    """A volume as the kernels take it."""
+    """A volume as record for the kernels."""
     return CapsuleArrays(volume.segments, volume.places, volume.radii, volume.girths)

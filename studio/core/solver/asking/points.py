@@ -1,4 +1,4 @@
-"""Where the points of constraints stand in the arrays of a body, and how freely a chain moves their limbs."""
+"""Indices of constraint points in the arrays of a body, and the weights of their limbs in a chain."""
 
 from functools import cache, lru_cache
 
@@ -8,7 +8,7 @@ from studio.core.constraints.base import CLAVICLES, TRUNK, BodyPoint, Chain, lim
 
 @lru_cache(maxsize=1024)
 def point_indices(point: BodyPoint, layout: BodyLayout) -> tuple[int, int]:
-    """(index of the point an offset counts from, index of the segment in whose axes it stands)."""
+    """(point from which an offset counts, segment of the offset's axes)."""
     segment = layout.segment(point.part)
     ends = layout.distal_points() if point.at_end else layout.proximal_points()
     return ends[segment], segment
@@ -16,7 +16,7 @@ def point_indices(point: BodyPoint, layout: BodyLayout) -> tuple[int, int]:
 
 @cache
 def limb_of(part: BodyPart) -> int:
-    """0, 1 left and right arm, 2, 3 legs, -1 for what is on no limb."""
+    """Limb of a body part: 0, 1 left and right arm, 2, 3 legs, -1 none."""
     side, _, bone = part.value.partition("_")
     if bone in ("upper_arm", "forearm", "hand"):
         return 0 if side == "left" else 1
@@ -26,12 +26,12 @@ def limb_of(part: BodyPart) -> int:
 
 
 @lru_cache(maxsize=1024)
-def freedoms_of(part: BodyPart, chain: Chain) -> tuple[bool, tuple[float, ...], float]:
-    """Whether a chain helps the limb of a part by what carries it, the weights of its bones, and how free it is."""
+def limb_weights(part: BodyPart, chain: Chain) -> tuple[bool, tuple[float, ...], float]:
+    """(True if the chain moves joints beside the limb of a part, weights of its bones, weight of the limb)."""
     limb = limb_of(part)
     if limb < 0:
         return False, (), chain.limb
-    carriers, bones = (*TRUNK, CLAVICLES[limb]) if limb < 2 else TRUNK, limb_bones(part)
+    parents, bones = (*TRUNK, CLAVICLES[limb]) if limb < 2 else TRUNK, limb_bones(part)
     parts = tuple(chain.weight(bone) for bone in bones)
-    helped = chain.root > 0.0 or any(chain.weight(carrier) > 0.0 for carrier in carriers)
+    helped = chain.root > 0.0 or any(chain.weight(parent) > 0.0 for parent in parents)
     return helped, parts, max(parts[:1] if part == bones[0] else parts)

@@ -1,12 +1,10 @@
-"""What arms have to do with their own body: hands that touch stay where they touch, and arms stay out of the rest.
+"""Self-contact of arms: hands that touch stay where they touch, and arms stay out of the rest of the body.
 
-It has the first word, on the body as it stands, and the last, once constraints are solved: hands follow each other
-then, and the body. Only a hand of which something is asked, or that stands on the ground, is left where it is.
+It acts first, on the grounded body, and last, on the solved one. A hand with constraints or ground contact stays.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,25 +26,28 @@ from studio.core.kernels.records import ActorClearance
 from studio.core.mesh.volume import CAPSULES_OF, BodyVolume, usual_volume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
+from studio.core.project_cache import project_cache
 from studio.core.solver.asking.clearance import actor_rooms, packed, rest_rooms, rooms_of
-from studio.core.solver.standing.blends import LET_GO, SLOWLY_LET_GO, freedom, hann_window
-from studio.core.solver.standing.carrying import limb_freedom
+from studio.core.solver.standing.blends import LET_GO, SLOWLY_LET_GO, hann_window, release_weight
+from studio.core.solver.standing.body_support import limb_freedom
 
 FloatArray = NDArray[np.float64]
 
-EASED = LET_GO
-"""Seconds before and after for which an arm that has to come out of its body does so."""
-FARTHEST = 0.4
-"""Part of an arm's length to which the way of its wrist tends: farther away it would be in the body elsewhere."""
-LOOKS = 3
-"""Times that arms of a body that stands are brought out of it: what is eased in time may lead them in elsewhere."""
-SKIN = 0.01
-"""Metres over which a hand that sinks into the actor, or leaves it, does so on another body."""
+PUSH_OUT_FADE = LET_GO
+"""Seconds before and after over which the push of an arm out of its body is spread."""
+MAX_WRIST_PUSH = 0.4
+"""Saturation of the wrist's displacement in arm lengths: farther away it would be in the body elsewhere."""
+PUSH_OUT_ROUNDS = 3
+"""Rounds of pushing arms out of a grounded body: smoothing in time may lead them in elsewhere."""
+TOUCH_FADE = 0.01
+"""Metres of depth in the actor over which a hand that penetrates, or leaves, does so on another body."""
 
 
 @dataclass(frozen=True, eq=False)
-class Resting:
-    """A hand of a ``side`` on the ``capsules`` (M,) of its body: ``firm`` (F,) in [0, 1], ``spots`` (F, M, 6)."""
+class HandBodyContact:
+    """Contact of a hand of a ``side`` with ``capsules`` (M,) of its body: ``firm`` (F,) its weight in [0, 1], ``spots``
+    (F, M, 6) the contact points.
+    """
 
     side: int
     capsules: NDArray[np.int64]
@@ -55,25 +56,25 @@ class Resting:
 
 
 @dataclass(frozen=True, eq=False)
-class Touching:
-    """What the hands of a motion's actor touch and hold, in every frame.
+class HandContacts:
+    """Contacts of an actor's hands in every frame.
 
-    ``gaps`` (F, 3) metres from the left wrist to the right; ``together`` and ``held`` (F,) how firmly hands are so, and
-    hold a thing.
+    ``gaps`` (F, 3) metres from the left wrist to the right; ``together`` and ``held`` (F,) weights of hands that touch,
+    and of hands on one object.
     """
 
     gaps: FloatArray
     together: FloatArray
     held: FloatArray
-    resting: tuple[Resting, ...]
+    resting: tuple[HandBodyContact, ...]
 
 
 @dataclass(frozen=True, eq=False)
 class SelfContact:
-    """The same on one body: ``gaps`` (F, 3) and how ``firm`` (F,) hands keep them, None where they never do.
+    """Self-contact of one body: ``gaps`` (F, 3) between wrists and their weights ``firm`` (F,).
 
-    ``rooms`` are (F, 2, 5) that probes are to have, the actor's, and its ways out (F, 2, 5, 3); None where arms may go
-    through their body.
+    ``rooms`` are the required signed distances (F, 2, 5), the actor's, and its outward directions (F, 2, 5, 3); None
+    where arms may penetrate.
     """
 
     body: AnyMorphology
@@ -81,28 +82,28 @@ class SelfContact:
     volume: BodyVolume
     gaps: FloatArray
     firm: FloatArray
-    resting: tuple[Resting, ...]
+    resting: tuple[HandBodyContact, ...]
     rooms: tuple[FloatArray, FloatArray, FloatArray] | None
 
-    def led(self, shares: FloatArray, positions: FloatArray, rotations: FloatArray) -> "SelfContact":
-        """The same on posed frames (F, P, 3), (F, S, 3, 3) that lie as by themselves by ``shares`` (F,) only.
+    def led(self, fractions: FloatArray, positions: FloatArray, rotations: FloatArray) -> "SelfContact":
+        """The same on posed frames (F, P, 3), (F, S, 3, 3) during an inertialised transition, by ``fractions`` (F,).
 
-        Hands touch by as much of how they do, and arms have no more room than they are led with.
+        Contacts are weighted, and arms keep at most the distances of these poses.
         """
         resting, rooms, led = (
-            tuple(replace(each, firm=shares * each.firm) for each in self.resting),
+            tuple(replace(each, firm=fractions * each.firm) for each in self.resting),
             self.rooms,
-            shares < 1.0,
+            fractions < 1.0,
         )
         if rooms is not None:
-            wanted = rooms[0].copy()
+            target = rooms[0].copy()
             there, _ = rooms_of(self.body, self.volume, positions[led], rotations[led])
-            wanted[led] = np.minimum(wanted[led], there)
-            rooms = wanted, *rooms[1:]
-        return replace(self, firm=shares * self.firm, resting=resting, rooms=rooms)
+            target[led] = np.minimum(target[led], there)
+            rooms = target, *rooms[1:]
+        return replace(self, firm=fractions * self.firm, resting=resting, rooms=rooms)
 
     def part(self, frames: slice) -> "SelfContact":
-        """The same in some frames, which are all there are then."""
+        """The same in some frames."""
         return replace(
             self,
             gaps=self.gaps[frames],
@@ -112,13 +113,13 @@ class SelfContact:
         )
 
     def as_in(self, parts: "Sequence[SelfContact]") -> "SelfContact":
-        """The same of hands that touch, and arms that have room, as in its ``parts``, one after the other."""
+        """The same with the contacts and distances of its ``parts``, one after the other."""
         firm, *rests = (
             np.concatenate(each) for each in zip(*((part.firm, *part._rests) for part in parts), strict=True)
         )
         resting = tuple(replace(each, firm=firm) for each, firm in zip(self.resting, rests, strict=True))
-        wanted = [part.rooms[0] for part in parts if part.rooms]
-        rooms = self.rooms and (np.concatenate(wanted), *self.rooms[1:])
+        target = [part.rooms[0] for part in parts if part.rooms]
+        rooms = self.rooms and (np.concatenate(target), *self.rooms[1:])
         return replace(self, firm=firm, resting=resting, rooms=rooms)
 
     @property
@@ -126,10 +127,10 @@ class SelfContact:
         return [each.firm for each in self.resting]
 
     def around(self, window: slice, looks: int = 1) -> slice:
-        """The frames that have to do with where the arms are in a ``window`` when they are put right in so many."""
+        """Frames that affect the arms of a ``window`` with so many rounds."""
         if self.rooms is None:
             return window
-        reach = 2 * _eased_over(self.frame_rate)
+        reach = 2 * _fade_frames(self.frame_rate)
         near = self._wider(window, looks * reach)
         touches = self.firm[near].any() or any(each.firm[near].any() for each in self.resting)
         return self._wider(window, max(2 * looks - 1, 2) * reach) if touches else near  # they are looked at again
@@ -138,18 +139,18 @@ class SelfContact:
         return slice(max(window.start - frames, 0), min(window.stop + frames, len(self.firm)))
 
     def beside(self, acts: FloatArray) -> FloatArray:
-        """(F,) how far arms are put right again after what ``acts`` (F,) in [0, 1]: eased before and after that."""
-        half = _eased_over(self.frame_rate)
+        """Weights (F,) of correcting arms again after ``acts`` (F,) in [0, 1]: spread in time."""
+        half = _fade_frames(self.frame_rate)
         near = maximum_filter1d(acts, 2 * half + 1, mode="constant")
         return np.asarray(convolve1d(near, hann_window(half), mode="nearest"))
 
     def close(
         self, window: slice, free: FloatArray, positions: FloatArray, rotations: FloatArray, looks: int = 1
     ) -> None:
-        """Put the arms of posed frames of a ``window`` (F, P, 3), (F, S, 3, 3) right, in place.
+        """Correct the arms of posed frames of a ``window`` (F, P, 3), (F, S, 3, 3), in place.
 
-        ``free`` (F, 2, 2) how far the wrist, and the elbow, of each arm may be moved for it. Frames are right that
-        have all that are ``around`` them, with as many ``looks``, in the window.
+        ``free`` (F, 2, 2) are the weights of wrist and elbow of each arm. Frames are final if all frames ``around``
+        them, with as many ``looks``, are in the window.
         """
         volume, proximal = packed(self.volume), np.array(self.body.layout.proximal_points())
         firm = self.firm[window]
@@ -165,18 +166,18 @@ class SelfContact:
                 proximal, positions, rotations,
             )  # fmt: skip
         wrists = free[:, :, 0]
-        ways = wrists / np.maximum(wrists.sum(axis=1), 1e-6)[:, None]
+        displacements = wrists / np.maximum(wrists.sum(axis=1), 1e-6)[:, None]
         whole = firm * (1.0 - (1.0 - wrists).prod(axis=1))
-        self._join(window, whole[:, None] * ways, positions, rotations)
+        self._join(window, whole[:, None] * displacements, positions, rotations)
         touches = (lying > 0.0).any(axis=1) | (firm > 0.0)
         for _ in range(max(looks - 1, 1) if touches.any() else 0):
             touches &= self._clear(window, free, lying, firm, touches, positions, rotations)
-        self._join(window, (firm**3 * whole)[:, None] * ways, positions, rotations)  # coming out may part them
+        self._join(window, (firm**3 * whole)[:, None] * displacements, positions, rotations)  # coming out may part them
 
-    def _join(self, window: slice, shares: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
-        """Bring hands together, each by its part of the way, ``shares`` (F, 2)."""
-        if shares.any():
-            solve_hand_hand_contact(self.gaps[window], shares, positions, rotations)
+    def _join(self, window: slice, fractions: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
+        """Solve hand-hand contacts, with the fractions (F, 2) of both arms."""
+        if fractions.any():
+            solve_hand_hand_contact(self.gaps[window], fractions, positions, rotations)
 
     def _clear(
         self,
@@ -188,20 +189,20 @@ class SelfContact:
         positions: FloatArray,
         rotations: FloatArray,
     ) -> NDArray[np.bool_]:
-        """Bring arms, as far as they are ``free`` (F, 2, 2), out of the body where it is to be ``looked`` (F,); tell
-        where they were led.
+        """Push arms, by their weights ``free`` (F, 2, 2), out of the body in frames ``looked`` (F,); True where they
+        moved.
 
-        Hands that are ``lying`` (F, 2) on it touch it; those that are ``firm`` (F,) together go together.
+        Hands ``lying`` (F, 2) on the body touch it; hands together (``firm`` (F,)) move together.
         """
         if self.rooms is None:
             return np.zeros_like(looked)
         proximal = np.array(self.body.layout.proximal_points())
-        wanted, own, ways = (each[window] for each in self.rooms)
-        wanted = wanted - lying[:, :, None] * np.maximum(wanted, 0.0) if lying.any() else wanted
+        target, own, displacements = (each[window] for each in self.rooms)
+        target = target - lying[:, :, None] * np.maximum(target, 0.0) if lying.any() else target
         moves = np.empty((len(positions), 2, ARM_STEP_SIZE))
         able = free * looked[:, None, None]
-        actor = ActorClearance(packed(self.volume), own, ways)
-        push_out_steps(wanted, actor, able, proximal, positions, rotations, moves)
+        actor = ActorClearance(packed(self.volume), own, displacements)
+        push_out_steps(target, actor, able, proximal, positions, rotations, moves)
         if not moves.any():
             return np.zeros_like(looked)
         self._ease(moves, free, firm, rotations[:, self.body.layout.spine_count - 1])
@@ -209,8 +210,9 @@ class SelfContact:
         return np.asarray(moves.any(axis=(1, 2)))
 
     def _ease(self, moves: FloatArray, free: FloatArray, firm: FloatArray, chest: FloatArray) -> None:
-        """Steps of both arms (F, 2, 7) that go on in time, in place, and no farther than arms may: as they are seen
-        from the ``chest`` (F, 3, 3). Hands that are ``firm`` (F,) together go the same way, and do not turn.
+        """Smooth steps of both arms (F, 2, 7) in time, in place, in the axes of the ``chest`` (F, 3, 3).
+
+        Hands together (``firm`` (F,)) move alike, and do not rotate.
         """
         vectors = moves[:, :, :ELBOW_SWIVEL].reshape(len(moves), 4, 3)
         out = np.einsum("fij,fvi->fvj", chest, vectors)
@@ -220,35 +222,37 @@ class SelfContact:
         wrists += firm[:, None, None] * (both - wrists)
         least = free[:, :, 0].min(axis=1, keepdims=True)
         able = (free[:, :, 0] + firm[:, None] * (least - free[:, :, 0]))[:, :, None]
-        eased = np.einsum("fij,fvj->fvi", chest, eased_ways(out, self.frame_rate)).reshape(len(moves), 2, ELBOW_SWIVEL)
-        farthest = FARTHEST * self.body.rows[:, at.M_ARM : at.M_ARM + 2].sum(axis=1).max()
+        eased = np.einsum("fij,fvj->fvi", chest, smoothed_steps(out, self.frame_rate)).reshape(
+            len(moves), 2, ELBOW_SWIVEL
+        )
+        farthest = MAX_WRIST_PUSH * self.body.rows[:, at.M_ARM : at.M_ARM + 2].sum(axis=1).max()
         far = np.linalg.norm(eased[:, :, :HAND_ROTATION], axis=2, keepdims=True) / farthest
         moves[:, :, :HAND_ROTATION] = able * eased[:, :, :HAND_ROTATION] / (1.0 + far**4) ** 0.25
         moves[:, :, HAND_ROTATION:ELBOW_SWIVEL] = able * (1.0 - firm)[:, None, None] * eased[:, :, HAND_ROTATION:]
-        moves[:, :, ELBOW_SWIVEL:] = eased_ways(moves[:, :, ELBOW_SWIVEL:], self.frame_rate) * free[:, :, 1:]
+        moves[:, :, ELBOW_SWIVEL:] = smoothed_steps(moves[:, :, ELBOW_SWIVEL:], self.frame_rate) * free[:, :, 1:]
 
 
-def _eased_over(frame_rate: float) -> int:
-    """``EASED`` in frames; ``eased_ways`` looks twice as far to either side."""
-    return max(1, round(EASED * frame_rate))
+def _fade_frames(frame_rate: float) -> int:
+    """``PUSH_OUT_FADE`` in frames; ``smoothed_steps`` uses twice as many on either side."""
+    return max(1, round(PUSH_OUT_FADE * frame_rate))
 
 
-def eased_ways(ways: FloatArray, frame_rate: float) -> FloatArray:
-    """Ways (F, N, D) as long as they are within ``EASED`` seconds of each moment, and averaged over time.
+def smoothed_steps(displacements: FloatArray, frame_rate: float) -> FloatArray:
+    """Steps (F, N, D) with the maximal length within ``PUSH_OUT_FADE`` seconds and the mean direction.
 
-    Where they contradict each other they are shorter: an arm that passes through the body passes through.
+    Contradictory steps are shorter: an arm that passes through the body passes through.
     """
-    half, eased = _eased_over(frame_rate), np.zeros_like(ways)
+    half, eased = _fade_frames(frame_rate), np.zeros_like(displacements)
     near, wide = hann_window(half), hann_window(2 * half)
-    some = np.flatnonzero(ways.any(axis=(1, 2)))
+    some = np.flatnonzero(displacements.any(axis=(1, 2)))
     if not len(some):
         return eased
     rows = slice(max(some[0] - 2 * half, 0), some[-1] + 2 * half + 1)
-    ways = ways[rows]
-    lengths = np.linalg.norm(ways, axis=2)
+    displacements = displacements[rows]
+    lengths = np.linalg.norm(displacements, axis=2)
     longest = convolve1d(maximum_filter1d(lengths, 2 * half + 1, axis=0, mode="nearest"), near, axis=0, mode="nearest")
     around = convolve1d(lengths, wide, axis=0, mode="nearest")[:, :, None]
-    mean = convolve1d(ways, wide, axis=0, mode="nearest")
+    mean = convolve1d(displacements, wide, axis=0, mode="nearest")
     eased[rows] = longest[:, :, None] * np.divide(mean, around, out=np.zeros_like(mean), where=around > 1e-12)
     return eased
 
@@ -261,19 +265,21 @@ def self_contact_of(
     actor: Morphology | None,
     clears: bool,
 ) -> SelfContact | None:
-    """What a motion has to do with its own body on ``body``; None where that is nothing, or the actor is not known."""
+    """Self-contact of a motion on ``body``; None without contacts and clearance, or with an unknown actor."""
     touches = tuple(each for each in contacts if isinstance(each.point, Touch) and each.first < motion.frame_count)
     if actor is None or not (touches or clears):
         return None
     nothing, known = np.zeros(motion.frame_count), volume or usual_volume(body.still)
-    touching = touching_of(motion, actor, touches) if touches else Touching(np.zeros((1, 3)), nothing, nothing, ())
+    touching = (
+        hand_contacts_of(motion, actor, touches) if touches else HandContacts(np.zeros((1, 3)), nothing, nothing, ())
+    )
     rooms = None
     if clears:
-        own, ways = actor_rooms(motion, actor)
-        wanted = np.empty_like(own)
-        clearing.required_distances(own, 0.0, wanted)
+        own, displacements = actor_rooms(motion, actor)
+        target = np.empty_like(own)
+        clearing.required_distances(own, 0.0, target)
         # What the actor has inside is left inside, and what the body itself has at rest.
-        rooms = np.minimum(np.minimum(wanted, own), rest_rooms(body.still, known)), own, ways
+        rooms = np.minimum(np.minimum(target, own), rest_rooms(body.still, known)), own, displacements
     arms = [rows[:, at.M_ARM : at.M_ARM + 4].sum(axis=1)[:, None] for rows in (body.rows, actor.rows)]
     scale = arms[0] / arms[1]
     both = np.maximum(touching.together, touching.held)
@@ -283,9 +289,9 @@ def self_contact_of(
     )
 
 
-@lru_cache(maxsize=8)
-def touching_of(motion: NormalizedMotion, actor: Morphology, touches: tuple[ContactInterval, ...]) -> Touching:
-    """``touches`` as the actor has them."""
+@project_cache(maxsize=8)
+def hand_contacts_of(motion: NormalizedMotion, actor: Morphology, touches: tuple[ContactInterval, ...]) -> HandContacts:
+    """Contacts ``touches`` measured on the actor."""
     positions, rotations = realize(motion, actor, play=True)
     layout, volume = actor.layout, usual_volume(actor)
     resting = []
@@ -294,39 +300,43 @@ def touching_of(motion: NormalizedMotion, actor: Morphology, touches: tuple[Cont
             continue
         members = CAPSULES_OF[each.point.member]
         near = [spots(each.point.side, capsule, actor, volume, positions, rotations) for capsule in members]
-        firm = _firm((each,), motion)
-        resting.append(Resting(each.point.side, np.array(members), firm, _told(near, each)))
-    return Touching(
+        firm = _contact_weights((each,), motion)
+        resting.append(HandBodyContact(each.point.side, np.array(members), firm, _contact_points(near, each)))
+    return HandContacts(
         positions[:, layout.wrist(1)] - positions[:, layout.wrist(0)],
-        _firm([each for each in touches if each.point is Touch.HANDS_TOGETHER], motion),
-        _firm([each for each in touches if each.point is Touch.HANDS_ON_THING], motion),
+        _contact_weights([each for each in touches if each.point is Touch.HANDS_TOGETHER], motion),
+        _contact_weights([each for each in touches if each.point is Touch.HANDS_ON_THING], motion),
         tuple(resting),
     )
 
 
-def _firm(touches: Sequence[ContactInterval], motion: NormalizedMotion) -> FloatArray:
-    """(F,) 1 during touches, eased to 0 before and after."""
+def _contact_weights(touches: Sequence[ContactInterval], motion: NormalizedMotion) -> FloatArray:
+    """Weights (F,) of touches: 1 during them, fading before and after."""
     mask = contact_mask([(each.first, each.last) for each in touches], motion.frame_count)
-    return 1.0 - freedom(mask, motion.frame_rate, SLOWLY_LET_GO) if mask.any() else np.zeros(motion.frame_count)
+    return 1.0 - release_weight(mask, motion.frame_rate, SLOWLY_LET_GO) if mask.any() else np.zeros(motion.frame_count)
 
 
-def _told(near: Sequence[Spots], contact: ContactInterval) -> FloatArray:
-    """(F, M, 6) for the kernel: a hand that rests lies on the surface, however deep the actor seems to sink in."""
+def _contact_points(near: Sequence[Spots], contact: ContactInterval) -> FloatArray:
+    """Contact points (F, M, 6) for the kernel: a resting hand lies on the surface, however deep the actor
+    penetrates.
+    """
     rooms = np.stack([each.rooms for each in near], axis=1)
     least = rooms.min(axis=1)
-    shares = np.exp((least[:, None] - rooms) / clearing.SMOOTH_MINIMUM_WIDTH)
-    shares /= shares.sum(axis=1, keepdims=True)
+    fractions = np.exp((least[:, None] - rooms) / clearing.SMOOTH_MINIMUM_WIDTH)
+    fractions /= fractions.sum(axis=1, keepdims=True)
     above = rooms - np.median(least[contact.first : contact.last + 1])
-    lifted = np.where(above >= SKIN, above, np.maximum(above + SKIN, 0.0) ** 2 / (4.0 * SKIN))
-    along, ways = (np.stack(each, axis=1) for each in ([one.along for one in near], [one.ways for one in near]))
-    told = shares[:, :, None], along[:, :, None], ways, lifted[:, :, None]
+    lifted = np.where(above >= TOUCH_FADE, above, np.maximum(above + TOUCH_FADE, 0.0) ** 2 / (4.0 * TOUCH_FADE))
+    along, displacements = (
+        np.stack(each, axis=1) for each in ([one.along for one in near], [one.ways for one in near])
+    )
+    told = fractions[:, :, None], along[:, :, None], displacements, lifted[:, :, None]
     return np.ascontiguousarray(np.concatenate(told, axis=2))
 
 
-def arms_asked(tasks: NDArray[np.void], activations: FloatArray, body: AnyMorphology) -> FloatArray:
-    """(F, 2, 2) how far ``tasks`` (C,) of the kernels have the wrist, and the elbow, of each arm.
+def arm_activations(tasks: NDArray[np.void], activations: FloatArray, body: AnyMorphology) -> FloatArray:
+    """Activations (F, 2, 2) of ``tasks`` (C,) on the wrist, and the elbow, of each arm.
 
-    ``activations`` (C, F); what has but the hand leaves the elbow free.
+    ``activations`` (C, F); a task on the hand alone leaves the elbow free.
     """
     asked = np.zeros((activations.shape[1], 2, 2))
     for side in range(2):
@@ -336,8 +346,8 @@ def arms_asked(tasks: NDArray[np.void], activations: FloatArray, body: AnyMorpho
     return asked
 
 
-def hands_standing(contacts: Sequence[ContactInterval], frame_count: int, frame_rate: float) -> FloatArray:
-    """(F, 2, 2) how far the ground has the wrist of each arm, and nothing its elbow."""
+def standing_hand_weights(contacts: Sequence[ContactInterval], frame_count: int, frame_rate: float) -> FloatArray:
+    """Ground contact weights (F, 2, 2) of wrist and elbow of each arm; elbows have none."""
     free = [limb_freedom(contacts, side, frame_count, frame_rate) for side in range(2)]
     asked = np.zeros((frame_count, 2, 2))
     asked[:, :, 0] = 1.0 - np.stack(free, axis=1)

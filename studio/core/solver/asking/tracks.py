@@ -1,4 +1,4 @@
-"""Targets as arrays over time: fixed ones, keyed ones, those that move by a rule, and the paths of what is followed."""
+"""Targets as arrays over time: fixed, keyed, procedural and followed ones."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
@@ -26,7 +26,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """Where a followed thing is: ``places`` (F, 3) metres and ``rotations`` (F, 3, 3), or one frame for all."""
+    """Track of a followed object: ``places`` (F, 3) metres and ``rotations`` (F, 3, 3), or one frame for all."""
 
     places: FloatArray
     rotations: FloatArray
@@ -38,7 +38,7 @@ class Track:
 
 @dataclass(frozen=True, eq=False)
 class OwnPath:
-    """What goes with the body itself as it stands before any constraint: known once that is."""
+    """Track of an object that moves with the grounded body itself: known once that is."""
 
     make: "Callable[[Unasked, AnyMorphology], Track]"
 
@@ -48,8 +48,8 @@ Tracks = Mapping[Follow | OwnPlace | Support, Track | OwnPath]
 
 @dataclass(frozen=True, eq=False)
 class Targets:
-    """What gives a target its numbers: ``times`` (F,) seconds, the ``tracks`` of what is followed over them, and
-    ``masses()`` (F, 3) where the motion itself has its centre of mass. Every answer has F frames, or one for all.
+    """Evaluation of targets: ``times`` (F,) seconds, the ``tracks`` of followed objects, and ``masses()`` (F, 3) the
+    motion's own centre of mass. Every result has F frames, or one for all.
     """
 
     times: FloatArray
@@ -57,7 +57,7 @@ class Targets:
     masses: Callable[[], FloatArray]
 
     def places(self, target: Place | Support) -> FloatArray:
-        """(F or 1, 3) metres."""
+        """Positions (F or 1, 3) in metres."""
         if isinstance(target, KeyedPlace | ProceduralPlace):
             return target.at(self.times)
         if isinstance(target, (*FOLLOWS, OwnPlace, Support)):
@@ -65,7 +65,7 @@ class Targets:
         return np.array(target, dtype=np.float64)[None]
 
     def turns(self, target: Turn) -> FloatArray:
-        """(F or 1, 3, 3)."""
+        """Rotations (F or 1, 3, 3)."""
         if isinstance(target, KeyedTurn):
             return target.at(self.times)
         if isinstance(target, FOLLOWS):
@@ -73,40 +73,40 @@ class Targets:
         return to_matrix(np.array(target))[None]
 
     def numbers(self, value: float | KeyedNumber) -> FloatArray:
-        """(F or 1,)."""
+        """Values (F or 1,)."""
         return value.at(self.times)[:, 0] if isinstance(value, KeyedNumber) else np.array([value])
 
     def tilts(self, heading: float | KeyedNumber, centre: Place, normal: Vector) -> FloatArray:
-        """(F or 1, 3, 3) turns that take x to a half-space's ``normal``: as ``headings``, but it tilts with a prop.
+        """Rotations (F or 1, 3, 3) that take x to a half-space's ``normal``: like ``headings``, but tilted with a prop.
 
-        A prop's axes are seen as they turn; those of a bone are not.
+        A prop's axes count in full; those of a bone do not.
         """
         x_to_normal = shortest_arc(np.array([[1.0, 0.0, 0.0]]), normalized(np.array([normal])))[0]
         if isinstance(centre, FollowProp) and centre in self.tracks:
-            turns = self.tracks[centre].rotations @ self.headings(heading, (0.0, 0.0, 0.0)) @ x_to_normal
+            rotation_matrices = self.tracks[centre].rotations @ self.headings(heading, (0.0, 0.0, 0.0)) @ x_to_normal
         else:
-            turns = self.headings(heading, centre) @ x_to_normal
-        return np.asarray(turns)
+            rotation_matrices = self.headings(heading, centre) @ x_to_normal
+        return np.asarray(rotation_matrices)
 
     def headings(self, heading: float | KeyedNumber, centre: Place) -> FloatArray:
-        """(F or 1, 3, 3) turns about Z: ``heading`` (radians), added to that of what ``centre`` follows.
+        """Rotations (F or 1, 3, 3) about Z: ``heading`` (radians) plus that of the object that ``centre`` follows.
 
-        Where that is the own body it is not known before it is solved, and added then.
+        That of the own body is unknown before it is solved, and added by the kernels.
         """
         angles = self.numbers(heading)
         if isinstance(centre, FOLLOWS) and centre in self.tracks:
             axes = self.tracks[centre].rotations
             angles = angles + np.arctan2(axes[:, 1, 0] - axes[:, 0, 1], axes[:, 0, 0] + axes[:, 1, 1])
-        turns = np.zeros((len(angles), 3, 3))
-        turns[:, 0, 0] = turns[:, 1, 1] = np.cos(angles)
-        turns[:, 1, 0] = np.sin(angles)
-        turns[:, 0, 1] = -turns[:, 1, 0]
-        turns[:, 2, 2] = 1.0
-        return turns
+        rotation_matrices = np.zeros((len(angles), 3, 3))
+        rotation_matrices[:, 0, 0] = rotation_matrices[:, 1, 1] = np.cos(angles)
+        rotation_matrices[:, 1, 0] = np.sin(angles)
+        rotation_matrices[:, 0, 1] = -rotation_matrices[:, 1, 0]
+        rotation_matrices[:, 2, 2] = 1.0
+        return rotation_matrices
 
 
 def fixed_at(constraint: Constraint, targets: Targets) -> Constraint:
-    """The constraint as it is at the first time of ``targets``: what is keyed or followed becomes plain numbers."""
+    """The constraint at the first time of ``targets``, with keyed and followed values as plain numbers."""
     changes: dict[str, Any] = {}
     for name in (field.name for field in fields(constraint)):
         value = getattr(constraint, name)
@@ -120,16 +120,14 @@ def fixed_at(constraint: Constraint, targets: Targets) -> Constraint:
         tilt = targets.tilts(constraint.heading, constraint.centre, constraint.size)[0]
         changes["size"], changes["heading"] = tuple(tilt[:, 0].tolist()), 0.0
     elif "centre" in changes and hasattr(constraint, "heading"):
-        turn = targets.headings(constraint.heading, getattr(constraint, "centre", (0.0, 0.0, 0.0)))[0]
-        changes["heading"] = float(np.arctan2(turn[1, 0], turn[0, 0]))
+        rotation = targets.headings(constraint.heading, getattr(constraint, "centre", (0.0, 0.0, 0.0)))[0]
+        changes["heading"] = float(np.arctan2(rotation[1, 0], rotation[0, 0]))
     return replace(constraint, **changes) if changes else constraint
 
 
 def moved_target(target: Place, place: Vector, seconds: float, track: Track | None) -> Place:
-    """``target`` so that it is at ``place`` at ``seconds``: a key is set there, a rule gets another
-    centre; what is followed gets another offset.
-
-    ``track`` is where what is followed is at that moment, in its first frame.
+    """``target`` moved to ``place`` at ``seconds``: with a key, another centre of a rule, or another offset from a
+    followed object, whose ``track`` begins at that time.
     """
     if isinstance(target, KeyedPlace):
         return target.with_key(seconds, place)
@@ -144,14 +142,14 @@ def moved_target(target: Place, place: Vector, seconds: float, track: Track | No
     return replace(target, point=replace(target.point, offset=_sum(target.point.offset, further)))
 
 
-def turned_target(target: Turn, turn: Quaternion, seconds: float, track: Track | None) -> Turn:
-    """As ``moved_target``, for a rotation."""
+def turned_target(target: Turn, rotation: Quaternion, seconds: float, track: Track | None) -> Turn:
+    """``target`` rotated like ``moved_target``."""
     if isinstance(target, KeyedTurn):
-        return target.with_key(seconds, turn)
+        return target.with_key(seconds, rotation)
     if not isinstance(target, FOLLOWS) or track is None:
-        return turn
+        return rotation
     axes = track.rotations[0] @ to_matrix(np.array(target.turn)).T
-    return replace(target, turn=tuple(from_matrix(axes.T @ to_matrix(np.array(turn))).tolist()))
+    return replace(target, turn=tuple(from_matrix(axes.T @ to_matrix(np.array(rotation))).tolist()))
 
 
 def _sum(offset: Vector, further: FloatArray) -> Vector:

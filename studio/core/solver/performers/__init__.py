@@ -1,1 +1,1 @@
-"""Performers among others: rows of clips, props, who follows whom."""
+"""Performers on one stage: rows of clips, props, and dependencies between performers."""

@@ -1,4 +1,4 @@
-"""Whom somebody awaits: who meets another goes straight to where that one will be once they are asked to meet."""
+"""Anticipated targets: a performer that meets another one moves to that one's position at full activation."""
 
 from collections.abc import Mapping, Sequence
 
@@ -15,14 +15,14 @@ FloatArray = NDArray[np.float64]
 
 
 def awaited_moment(curve: ActivationCurve, time: float) -> float | None:
-    """As of when one is met that is awaited: when it is first asked wholly, or was last; None for now."""
+    """Time of the anticipated meeting: the beginning, or the end, of full activation; None for the present time."""
     if curve.start <= time < curve.full:
         return curve.full
     return curve.full_end if curve.full_end < time <= curve.end else None
 
 
 def expected_at(tracks: Tracks, places: Mapping[FollowPerformer, FloatArray]) -> Tracks:
-    """``tracks`` of one frame, with those that are awaited at their ``places`` (3,)."""
+    """``tracks`` of one frame, with anticipated targets at ``places`` (3,)."""
     found = dict(tracks)
     for follow, place in places.items():
         track = tracks.get(follow)
@@ -32,7 +32,7 @@ def expected_at(tracks: Tracks, places: Mapping[FollowPerformer, FloatArray]) ->
 
 
 def awaited(tracks: Tracks, constraints: Sequence[Constraint], frame_rate: float) -> Tracks:
-    """``tracks`` over a whole motion, those that are awaited as they are when ``constraints`` ask for them wholly."""
+    """``tracks`` over a whole motion, with anticipated targets at the full activation of ``constraints``."""
     found = dict(tracks)
     for constraint in constraints:
         for follow in follows_of(constraint):

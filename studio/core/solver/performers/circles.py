@@ -1,8 +1,8 @@
-"""Performers who follow each other: each where the others are once they have been adapted too.
+"""Dependency cycles: performers who follow each other, solved by Jacobi iterations.
 
-All are solved again, from where all were, until nobody moves who is followed (Jacobi's sweeps, so their order is all
-the same). Two points that are to meet have one place between them, to which each goes its share of the way, by weight;
-who cannot is met where it is.
+All are solved again from the last poses of all, in any order, until no followed point moves. Two points that follow
+each other meet between them, by the weights of their constraints; where one cannot get there, the other one comes
+nearer.
 """
 
 import math
@@ -29,54 +29,56 @@ from studio.core.stage.prop import Prop
 
 FloatArray = NDArray[np.float64]
 Solve = Callable[[str, AdaptRequest], AdaptedMotion]
-"""One of the circle, by its id."""
+"""Solve one performer of the cycle, by its id."""
 
-SWEEPS = 10
-"""Times that all of a circle are solved at most."""
-CALMING = 0.6
-"""Part of the way before by which all must move less at least; else they go half of it: who chases comes to rest so."""
-EVEN = 1e-4
-"""Metres by which two who meet may both miss before who misses more has the say."""
+JACOBI_ITERATIONS = 10
+"""Iterations over a cycle at most."""
+JACOBI_CONTRACTION = 0.6
+"""Required ratio of successive displacements; otherwise the displacement is halved, which stops a chase."""
+EVEN_RESIDUALS = 1e-4
+"""Residual in metres of both ends of a meeting below which neither dominates."""
 
 
 @dataclass(frozen=True, eq=False)
 class Player:
-    """One of a circle: all that is asked of it but where the others are, and where it stands."""
+    """One performer of a cycle: its request without the tracks of the others, and its placement."""
 
     request: AdaptRequest
     composite: Composite
     placement: Placement
     props: Mapping[str, Prop] = field(default_factory=dict)
-    """All that it may follow, by id."""
+    """All props that it may follow, by id."""
     frame: int | None = None
-    """The one frame of its motion that is solved; None for all."""
+    """The one frame of its motion to be solved; None for all."""
     expected: Mapping[FollowPerformer, FloatArray] = field(default_factory=dict)
-    """(3,) where those are met, in its own motion's space, that it awaits in that frame."""
+    """Positions (3,) of anticipated performers in that frame, in its own motion's space."""
 
     @cached_property
     def times(self) -> FloatArray:
-        """(F,) seconds of its motion that are solved."""
+        """Seconds (F,) of its motion to be solved."""
         frames = np.arange(self.composite.motion.frame_count) if self.frame is None else np.array([self.frame])
         return np.asarray(frames / self.composite.timing.frame_rate)
 
 
 Paths = Mapping[tuple[str, FollowPerformer | FollowProp], Track]
-"""Where those are whom each follows, and props that go with them, by who follows and what."""
+"""Tracks of followed performers and of their props, by follower and target."""
 
 
 @dataclass(frozen=True)
 class Meeting:
-    """Two points that follow each other: of whom, by which constraint of its request, and its share of the way."""
+    """Two points that follow each other: their performers, constraint rows, and the first one's fraction of the
+    distance.
+    """
 
     keys: tuple[str, str]
     rows: tuple[int, int]
     share: float
-    """Of the first one."""
+    """Fraction of the first one."""
 
 
 @dataclass(frozen=True, eq=False)
-class Circle:
-    """What came of it: the motions, what was asked at last, where all were that was followed, in how many sweeps."""
+class CycleSolution:
+    """Solution of a cycle: motions, last requests, tracks of all followed points, and the number of iterations."""
 
     results: Mapping[str, AdaptedMotion]
     requests: Mapping[str, AdaptRequest]
@@ -84,10 +86,10 @@ class Circle:
     sweeps: int
 
 
-def solve_circle(
-    players: Mapping[str, Player], solve: Solve, expected: Paths = MappingProxyType({}), sweeps: int = SWEEPS
-) -> Circle:
-    """Adapt performers who follow each other, from where they are unasked, or ``expected`` has what they follow."""
+def solve_cycle(
+    players: Mapping[str, Player], solve: Solve, expected: Paths = MappingProxyType({}), sweeps: int = JACOBI_ITERATIONS
+) -> CycleSolution:
+    """Solve performers who follow each other, from their grounded poses, or from ``expected`` tracks."""
     meetings = meetings_of(players)
     requests = {key: each.request for key, each in players.items()}
     if expected:
@@ -102,13 +104,13 @@ def solve_circle(
             _meet(meeting, players, results, before, tracks)
         moved = _moved(players, before, tracks) if before else math.inf
         if moved < PRIORITY_TOLERANCE:
-            return Circle(results, requests, before, sweep)
-        if sweep > 1 and moved > CALMING * last:
+            return CycleSolution(results, requests, before, sweep)
+        if sweep > 1 and moved > JACOBI_CONTRACTION * last:
             tracks = {key: _halfway(before[key], track) for key, track in tracks.items()}
         requests = {key: _following_paths(key, each, tracks) for key, each in players.items()}
         results = {key: solve(key, request) for key, request in requests.items()}
         before, last = tracks, moved
-    return Circle(results, requests, before, sweeps)
+    return CycleSolution(results, requests, before, sweeps)
 
 
 def _following_paths(key: str, player: Player, paths: Paths) -> AdaptRequest:
@@ -119,14 +121,14 @@ def _following_paths(key: str, player: Player, paths: Paths) -> AdaptRequest:
 
 
 def meetings_of(players: Mapping[str, Player]) -> tuple[Meeting, ...]:
-    """All pairs of positions of which each follows the other's point while both are asked."""
+    """Pairs of position constraints that follow each other's points while both are active."""
     found = []
     for one, other in combinations(players, 2):
         for row, first in _following(players[one], other):
             for column, second in _following(players[other], one):
                 if _target(first).point == second.point and _target(second).point == first.point:
-                    share = first.weight / (first.weight + second.weight)
-                    found.append(Meeting((one, other), (row, column), share))
+                    fraction = first.weight / (first.weight + second.weight)
+                    found.append(Meeting((one, other), (row, column), fraction))
     return tuple(found)
 
 
@@ -146,7 +148,7 @@ def _target(constraint: PositionConstraint) -> FollowPerformer:
 def paths_of(
     players: Mapping[str, Player], results: Mapping[str, AdaptedMotion]
 ) -> Iterable[tuple[tuple[str, FollowPerformer | FollowProp], Track]]:
-    """``Paths`` as ``results`` have them."""
+    """``Paths`` of ``results``."""
     for key, player in players.items():
         for follow in {follow for each in player.request.constraints for follow in follows_of(each)}:
             if isinstance(follow, FollowProp) and player.props[follow.prop_id].holders & (players.keys() - {key}):
@@ -162,7 +164,7 @@ def paths_of(
 def _prop_path(
     follow: FollowProp, player: Player, players: Mapping[str, Player], results: Mapping[str, AdaptedMotion]
 ) -> Track:
-    """A prop that goes with others of the circle, as one of it sees it."""
+    """Track of a prop held by others of the cycle, in one performer's space."""
     from studio.core.solver.performers.props import Holder, seen_from, stage_track
 
     prop, seconds = player.props[follow.prop_id], player.composite.timing.begin + player.times
@@ -181,7 +183,7 @@ def _meet(
     before: Paths,
     tracks: dict[tuple[str, FollowPerformer | FollowProp], Track],
 ) -> None:
-    """Give both the one place between them: at first by their shares, then nearer to who did not get there."""
+    """Set the meeting point of both: first by their weights, then nearer to the one that did not arrive."""
     for first in (True, False):
         me, row = (meeting.keys[0], meeting.rows[0]) if first else (meeting.keys[1], meeting.rows[1])
         other, column = (meeting.keys[1], meeting.rows[1]) if first else (meeting.keys[0], meeting.rows[0])
@@ -190,21 +192,21 @@ def _meet(
         follow = _target(asked)
         mine, other_place = _point(players[me], results[me], asked), tracks[me, follow].places
         if (me, follow) not in before:
-            share = meeting.share if first else 1.0 - meeting.share
-            place = mine + share * (other_place - mine)
+            fraction = meeting.share if first else 1.0 - meeting.share
+            place = mine + fraction * (other_place - mine)
         else:
             place = before[me, follow].places
             times = players[me].times
             held = asked.activation.at(times)[:, None] ** 3
             held_there = theirs.activation.at(times + _apart(players[me], players[other]))[:, None] ** 3
-            miss, miss_there = held * (mine - place), held_there * (other_place - place)
-            far, far_there = (np.linalg.norm(each, axis=1, keepdims=True) for each in (miss, miss_there))
-            place = place + (far * miss + far_there * miss_there) / (far + far_there + EVEN)
+            residual, miss_there = held * (mine - place), held_there * (other_place - place)
+            far, far_there = (np.linalg.norm(each, axis=1, keepdims=True) for each in (residual, miss_there))
+            place = place + (far * residual + far_there * miss_there) / (far + far_there + EVEN_RESIDUALS)
         tracks[me, follow] = Track(place, tracks[me, follow].rotations)
 
 
 def _point(player: Player, result: AdaptedMotion, constraint: PositionConstraint) -> FloatArray:
-    """(F, 3) where the constrained point of a player is, in its motion's space."""
+    """Positions (F, 3) of a player's constrained point, in its motion's space."""
     from studio.core.solver.adapt import place_of
 
     return place_of(constraint.point, result)
@@ -220,13 +222,13 @@ def _moved(
     before: Paths,
     after: Paths,
 ) -> float:
-    """Metres by which what is followed has moved, at most, while it is followed."""
+    """Greatest displacement in metres of followed points, weighted by activation."""
     moved = 0.0
     for (key, follow), track in after.items():
-        ways = np.linalg.norm(track.places - before[key, follow].places, axis=1)
+        displacements = np.linalg.norm(track.places - before[key, follow].places, axis=1)
         for each in players[key].request.constraints:
             if follow in follows_of(each):
-                moved = max(moved, float((ways * each.activation.at(players[key].times)).max(initial=0.0)))
+                moved = max(moved, float((displacements * each.activation.at(players[key].times)).max(initial=0.0)))
     return moved
 
 

@@ -1,4 +1,4 @@
-"""Where followed things are: the place and the rotation of each at every frame of a motion, in that motion's space."""
+"""Tracks of followed targets: position and rotation at every frame of a motion, in that motion's space."""
 
 from collections.abc import Sequence
 
@@ -30,14 +30,14 @@ _UNTURNED = np.eye(3)[None]
 def point_track(
     point: BodyPoint, turn: Quaternion, positions: FloatArray, rotations: FloatArray, body: Morphology
 ) -> Track:
-    """A point of a body that is posed by ``positions`` (F, P, 3) and ``rotations`` (F, S, 3, 3)."""
+    """Track of a point of a body posed by ``positions`` (F, P, 3) and ``rotations`` (F, S, 3, 3)."""
     origin, segment = point_indices(point, body.layout)
     axes = rotations[:, segment]
     return Track(positions[:, origin] + axes @ np.array(point.offset), axes @ to_matrix(np.array(turn)))
 
 
 def own_track(place: OwnPlace, unasked: Unasked, body: AnyMorphology, frame_rate: float) -> Track:
-    """A place that is the body's own, one frame for all: the body stands as ``unasked`` has it."""
+    """Fixed position relative to the grounded body at one time, one frame for all."""
     row = min(max(round(place.time * frame_rate), 0), len(unasked.positions) - 1)
     origin, segment = point_indices(place.point, body.still.layout)
     there = unasked.positions[row, origin] + unasked.rotations[row, segment] @ np.array(place.point.offset)
@@ -52,25 +52,25 @@ def performer_track(
     placement: Placement,
     own: Placement,
 ) -> Track:
-    """A point of another performer, standing at ``placement``, as who stands at ``own`` sees it.
+    """Track of a point of another performer at ``placement``, in the space of a performer at ``own``.
 
-    ``adapted`` is the other's whole motion, ``rows`` (F,) which of its frames plays at each of ours, not rounded.
+    ``adapted`` is the other's whole motion, ``rows`` (F,) its fractional frame at each of ours.
     """
     t = np.clip(np.asarray(rows, dtype=np.float64), 0.0, adapted.frame_count - 1.0)
     before = np.minimum(t.astype(np.int64), max(adapted.frame_count - 2, 0))
-    after, share = np.minimum(before + 1, adapted.frame_count - 1), (t - before)[:, None]
+    after, fraction = np.minimum(before + 1, adapted.frame_count - 1), (t - before)[:, None]
     earlier, later = (
         point_track(point, turn, adapted.positions[each], adapted.rotations[each], adapted.morphology)
         for each in (before, after)
     )
-    places = earlier.places + share * (later.places - earlier.places)
+    places = earlier.places + fraction * (later.places - earlier.places)
     begin, end = Rotation.from_matrix(earlier.rotations), Rotation.from_matrix(later.rotations)
-    axes = (begin * Rotation.from_rotvec(share * (begin.inv() * end).as_rotvec())).as_matrix()
+    axes = (begin * Rotation.from_rotvec(fraction * (begin.inv() * end).as_rotvec())).as_matrix()
     return Track(own.to_motion(placement.to_stage(places)), own.rotation.T @ placement.rotation @ axes)
 
 
 def tracked_track(follow: FollowTracked, capture: Capture, frames: NDArray[np.int64] | None = None) -> Track:
-    """A joint as it was recorded, in the space of the capture's motion; in some ``frames`` (N,), or in all.
+    """Track of a captured joint, in the space of the capture's motion; in some ``frames`` (N,), or in all.
 
     Raises StudioError when there is no such joint.
     """
@@ -88,7 +88,7 @@ def tracked_track(follow: FollowTracked, capture: Capture, frames: NDArray[np.in
 def tracked_in_row(
     follow: FollowTracked, captures: Sequence[Capture], composite: Composite, leg_length: float
 ) -> Track:
-    """``tracked_track`` in the space of a row's motion: in each frame of the clip that plays then, the newest of two.
+    """``tracked_track`` in the space of a row's motion: in each frame of the playing clip, the newer of two.
 
     ``captures`` are those of the row's clips.
     """

@@ -1,4 +1,4 @@
-"""A whole stage adapted: every performer as it plays its row of clips among the others."""
+"""Adaptation of a whole stage: every performer with its row of clips among the others."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -10,45 +10,45 @@ from studio.core.normalized.compose import Composite
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.project import Project
 from studio.core.solver.performers.awaiting import awaited
-from studio.core.solver.performers.circles import Player, solve_circle
-from studio.core.solver.performers.rows import Asked, composite_of, constraints_in
+from studio.core.solver.performers.circles import Player, solve_cycle
+from studio.core.solver.performers.rows import ClipConstraint, composite_of, constraints_in
 from studio.core.solver.performers.stage import asked_of, followed_by, in_order, tracks_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.placement import Placement
 
 Prepare = Callable[[Capture], tuple[NormalizedMotion, Morphology]]
-"""A capture's motion and its actor's measures; StudioError where it has no body map."""
+"""Normalise a capture and measure its actor; StudioError without a body map."""
 Solve = Callable[[AdaptRequest], AdaptedMotion]
 
 
 @dataclass(frozen=True, eq=False)
 class Performance:
-    """What one performer plays, what was asked of it, and what came of it."""
+    """One performer's composite, constraints, request and adapted motion."""
 
     composite: Composite
-    asked: tuple[Asked, ...]
+    asked: tuple[ClipConstraint, ...]
     request: AdaptRequest
     adapted: AdaptedMotion
     sweeps: int = 0
-    """How often all were solved who follow each other in a circle with it; 0 outside of one."""
+    """Iterations of its dependency cycle; 0 outside of one."""
 
     @property
     def played(self) -> AdaptedMotion:
-        """The frames of it that play on the stage."""
+        """Its frames on the stage."""
         timing = self.composite.timing
         return self.adapted.frames(timing.first, timing.last)
 
 
 @dataclass(frozen=True, eq=False)
 class Staged:
-    """Performances by performer, and why others failed."""
+    """Performances by performer, and the failures of others."""
 
     performances: Mapping[str, Performance]
     failures: Mapping[str, str] = field(default_factory=dict)
 
 
 def perform(project: Project, performer_ids: Iterable[str], prepare: Prepare, solve: Solve) -> Staged:
-    """Adapt these performers and all whom they follow; one that fails takes down only who follows it."""
+    """Adapt these performers and all whom they follow; a failure affects only those who follow it."""
     known: dict[int, tuple[NormalizedMotion, Morphology]] = {}
 
     def prepared(capture: Capture) -> tuple[NormalizedMotion, Morphology]:
@@ -79,7 +79,7 @@ def _perform(
         [(key, player)] = players.items()
         adapted = replace(solve(player.request), composite=player.composite)
         return {key: Performance(player.composite, asked[key], player.request, adapted)}
-    found = solve_circle(players, lambda _, request: solve(request))
+    found = solve_cycle(players, lambda _, request: solve(request))
     return {
         key: Performance(
             player.composite,
@@ -105,7 +105,7 @@ def player_of(
     prepare: Prepare,
     result_of: Callable[[str], AdaptedMotion | None],
 ) -> Player:
-    """A performer with all that is asked of it, but where the others of its circle are."""
+    """A performer with its request, without the tracks of the others of its cycle."""
     performer = project.performers[performer_id]
     if not performer.clips or project.missing_references(performer):
         raise StudioError(f"'{performer.name}' plays nothing, or its motion has been removed.")
@@ -122,7 +122,7 @@ def player_of(
 
 
 def unasked_request(project: Project, performer_id: str, composite: Composite, prepare: Prepare) -> AdaptRequest:
-    """What a performer plays, on its body and on the ground, before any constraint."""
+    """Request of a performer's composite, body and ground, without constraints."""
     performer = project.performers[performer_id]
     character = project.characters[performer.character_id]
     timing, motion = composite.timing, composite.motion
@@ -140,7 +140,7 @@ def unasked_request(project: Project, performer_id: str, composite: Composite, p
 
 
 def motion_of(project: Project, motion_id: str, prepare: Prepare) -> NormalizedMotion:
-    """A motion of the project without its actor's body."""
+    """Normalised motion of the project."""
     return _prepared(project, motion_id, prepare)[0]
 
 

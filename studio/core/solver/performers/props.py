@@ -1,4 +1,4 @@
-"""Where props are: fixed, keyed, moving by a rule, or with a performer; on the stage, as arrays over time."""
+"""Tracks of props: fixed, keyed, procedural, or held by a performer; on the stage, as arrays over time."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -25,16 +25,16 @@ from studio.core.stage.timing import Timing
 
 FloatArray = NDArray[np.float64]
 
-HANDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)
+CARRYING_HANDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)
 HANDING, LIFTING = 0.3, 1.2
-"""Least seconds in which a prop comes to where it is held and to where it is put, and highest speed then, m/s."""
+"""Least seconds in which a prop blends into a hand and to where it is put, and its greatest speed, m/s."""
 
 
 class Hands(Protocol):
-    """Who may hold a prop, at the times that are asked about."""
+    """Hands of a performer that may hold a prop, at given times."""
 
     def track(self, hold: InHand | Carried) -> Track:
-        """Where what it holds so is on the stage; one frame for each time."""
+        """Track of a held prop on the stage; one frame for each time."""
 
     def at(self, time: float) -> "Hands":
         """The same at one second of the stage."""
@@ -42,9 +42,9 @@ class Hands(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Holder:
-    """A performer with whom a prop goes: its motion, which frames (F,) of it, not rounded, and where it stands.
+    """A performer that holds a prop: its motion, fractional frames ``rows`` (F,), and placement.
 
-    ``whole`` are all frames of it, ``timing`` is when they play: of a prop that is picked up or put down.
+    ``whole`` are all its frames, ``timing`` when they play: for a prop that is picked up or put down.
     """
 
     motion: AdaptedMotion
@@ -62,7 +62,7 @@ class Holder:
         return replace(self, motion=whole, rows=rows)
 
     def track(self, hold: InHand | Carried) -> Track:
-        """Where what it holds so is on the stage."""
+        """Track of a held prop on the stage."""
         motion, placement = self.motion, self.placement
         if isinstance(hold, InHand):
             return performer_track(hold.point, hold.turn, motion, self.rows, placement, Placement())
@@ -74,9 +74,9 @@ class Holder:
 
 @dataclass(frozen=True, eq=False)
 class OwnHands:
-    """The hands of a body that stands at ``placement``, as its motion has them in some frames ``rows`` (F,).
+    """Hands of a grounded body at ``placement``, in frames ``rows`` (F,) of its motion.
 
-    Hands that constraints hold on the prop do not move it.
+    Constraints that keep hands on the prop do not move it.
     """
 
     unasked: Unasked
@@ -91,7 +91,7 @@ class OwnHands:
         return replace(self, rows=rows)
 
     def track(self, hold: InHand | Carried) -> Track:
-        """Where what it holds so is on the stage."""
+        """Track of a held prop on the stage."""
         rows = self.rows.clip(0, len(self.unasked.positions) - 1)
         positions, rotations = self.unasked.positions[rows], self.unasked.rotations[rows]
         if isinstance(hold, Carried):
@@ -102,19 +102,19 @@ class OwnHands:
 
 
 def stage_track(prop: Prop, seconds: ArrayLike, hands: Mapping[str, Hands] = MappingProxyType({})) -> Track:
-    """A prop's centre and axes on the stage at ``seconds`` (F,); one frame for all where it stays.
+    """Track of a prop on the stage at ``seconds`` (F,); one frame for all if it is fixed.
 
-    ``hands`` are of those who hold it, at these seconds. Who is not among them does not play yet: it does not hold it.
+    ``hands`` are of its holders, at these seconds; a holder that is missing does not play yet, and does not hold it.
     """
     times = np.atleast_1d(np.asarray(seconds, dtype=np.float64))
     return _left_by([place for place, each in enumerate(prop.holds) if each.performer_id in hands], prop, times, hands)
 
 
 def _left_by(places: Sequence[int], prop: Prop, times: FloatArray, hands: Mapping[str, Hands]) -> Track:
-    """A prop as those leave it who hold it in these ``places`` of their order, as if nobody held it after them.
+    """Track of a prop after its holders ``places`` in order, as if nobody held it later.
 
-    As it is taken, it goes on from where it lies, or from the hands of the giver, to where it is held; as it is put
-    down, from there to its place.
+    When taken, it blends from where it lies, or from the giver's hands, into the holder's; when put down, from there to
+    its position.
     """
     if not places:
         return _unheld(prop, times)
@@ -155,13 +155,13 @@ def _at(moment: float, places: Sequence[int], prop: Prop, hands: Mapping[str, Ha
 
 
 def _spread(track: Track, count: int) -> Track:
-    """A copy of so many frames."""
+    """Copy of a track with ``count`` frames."""
     places, rotations = np.broadcast_to(track.places, (count, 3)), np.broadcast_to(track.rotations, (count, 3, 3))
     return Track(places.copy(), rotations.copy())
 
 
 def _put(track: Track, chosen: NDArray[np.bool_], other: Track) -> None:
-    """Where another one is in the ``chosen`` (F,) frames, in place."""
+    """Copy another track in the ``chosen`` (F,) frames, in place."""
     other = _spread(other, len(chosen))
     track.places[chosen], track.rotations[chosen] = other.places[chosen], other.rotations[chosen]
 
@@ -183,7 +183,7 @@ def _part_of(rotations: FloatArray, weights: FloatArray) -> FloatArray:
 
 
 def seen_from(follow: FollowProp, prop: Prop, track: Track, own: Placement) -> Track:
-    """What is followed of a prop that is at ``track`` on the stage, as who stands at ``own`` sees it."""
+    """Track of the followed point of a prop at ``track`` on the stage, in the space of a performer at ``own``."""
     offset = np.array(follow.offset) + np.array(follow.share) * np.array(prop.size) / 2
     places = track.places + track.rotations @ offset
     return Track(own.to_motion(places), own.rotation.T @ track.rotations @ to_matrix(np.array(follow.turn)))
@@ -195,9 +195,11 @@ def own_hands(unasked: Unasked, body: AnyMorphology, timing: Timing, own: Placem
 
 
 def carried_track(held: Carried, positions: FloatArray, rotations: FloatArray, body: AnyMorphology) -> Track:
-    """What a body carries that has these positions (F, P, 3) and rotations (F, S, 3, 3), in the space of its motion."""
+    """Track of a prop carried by a body with positions (F, P, 3) and rotations (F, S, 3, 3), in the space of its
+    motion.
+    """
     layout = body.still.layout
-    ends = [point_indices(BodyPoint(part, at_end=end), layout)[0] for part in HANDS for end in (False, True)]
+    ends = [point_indices(BodyPoint(part, at_end=end), layout)[0] for part in CARRYING_HANDS for end in (False, True)]
     chest = rotations[:, layout.segment(BodyPart.THORAX), :, 0]
     heading = np.arctan2(chest[:, 1], chest[:, 0])
     middle = positions[:, ends].mean(axis=1)
@@ -206,7 +208,7 @@ def carried_track(held: Carried, positions: FloatArray, rotations: FloatArray, b
 
 
 def turned_by(angles: FloatArray) -> FloatArray:
-    """(F, 3, 3) turns about Z by ``angles`` (F,)."""
+    """Rotations (F, 3, 3) about Z by ``angles`` (F,)."""
     turns = np.zeros((len(angles), 3, 3))
     turns[:, 0, 0] = turns[:, 1, 1] = np.cos(angles)
     turns[:, 1, 0], turns[:, 0, 1], turns[:, 2, 2] = np.sin(angles), -np.sin(angles), 1.0

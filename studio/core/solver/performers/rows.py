@@ -1,4 +1,4 @@
-"""What a performer plays and what is asked of it: its row as one motion, constraints in that motion's space."""
+"""Row of clips of a performer as one motion, and its constraints in that motion's space."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -7,10 +7,9 @@ import numpy as np
 
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.carried_over import NEVER, Carry, carried_over
-from studio.core.normalized.compose import Composite, compose
+from studio.core.normalized.compose import Composite
 from studio.core.normalized.joining import Planar
 from studio.core.normalized.layers import Overlay, layered
-from studio.core.normalized.mirror import mirrored
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import Piece, Played
 from studio.core.project import Performer, Project
@@ -18,12 +17,12 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.timing import Timing
 
 MotionOf = Callable[[str], NormalizedMotion]
-"""The normalised motion of a motion's id."""
+"""Normalised motion by a motion's id."""
 
 
 @dataclass(frozen=True)
-class Asked:
-    """A constraint as it is asked of one performer in one repeat of one of its clips, in the space of its motion."""
+class ClipConstraint:
+    """A constraint of one performer in one repeat of one of its clips, in the space of its motion."""
 
     constraint_id: str
     constraint: Constraint
@@ -32,12 +31,12 @@ class Asked:
 
 
 def is_plain(clip: Clip) -> bool:
-    """Whether a clip plays its motion as it is."""
+    """True if a clip plays its motion unchanged."""
     return (clip.speed, clip.repeats, clip.mirrored, clip.turn, *clip.offset) == (1.0, 1, False, 0.0, 0.0, 0.0)
 
 
 def timing_of(project: Project, performer: Performer) -> Timing:
-    """When a performer's row plays, known before any motion is: as ``compose`` has it."""
+    """Timing of a performer's row, known before any motion: as in ``compose``."""
     clips = performer.clips
     rates = [project.frame_rate_of(clip) for clip in clips]
     if len(clips) == 1 and is_plain(clips[0]):
@@ -49,7 +48,7 @@ def timing_of(project: Project, performer: Performer) -> Timing:
 
 
 def frame_count_of(project: Project, performer: Performer) -> int:
-    """Frames of what a performer's row comes to: all of the capture where it is one clip as it is."""
+    """Number of frames of a performer's row: all of the capture for one plain clip."""
     clips = performer.clips
     if len(clips) == 1 and is_plain(clips[0]):
         return project.captures[project.motions[clips[0].motion_id].capture_id].frame_count
@@ -57,9 +56,8 @@ def frame_count_of(project: Project, performer: Performer) -> int:
 
 
 def stage_span(project: Project) -> Timing | None:
-    """The stage's own frames: at the highest rate that plays, from the first clip's start to the last one's end.
-
-    None while nobody plays anything.
+    """Frames of the stage: at the highest frame rate, from the first clip's start to the last one's end;
+    None if empty.
     """
     playing = [each for each in project.performers.values() if each.clips and not project.missing_references(each)]
     timings = [timing_of(project, each) for each in playing]
@@ -71,7 +69,7 @@ def stage_span(project: Project) -> Timing | None:
 
 
 def composite_of(project: Project, performer_id: str, motion_of: MotionOf) -> Composite:
-    """What a performer's clips and layers come to, with their contacts."""
+    """Composite of a performer's clips and layers, with their contacts."""
     performer = project.performers[performer_id]
     row = [
         piece
@@ -91,7 +89,7 @@ def composite_of(project: Project, performer_id: str, motion_of: MotionOf) -> Co
 def pieces_of(
     project: Project, performer_id: str, clip: Clip, motion_of: MotionOf, place: int = 0
 ) -> tuple[Piece, ...]:
-    """A clip as a performer plays it at a ``place`` of its row, each time that it plays."""
+    """Pieces of a clip at a ``place`` of a performer's row, one for each repeat."""
     motion, contacts = motion_of(clip.motion_id), tuple(project.contacts_for(performer_id, clip).values())
     own, once = Planar(clip.turn, clip.offset), clip.length(motion.frame_rate) / clip.repeats
     return tuple(
@@ -104,7 +102,7 @@ def pieces_of(
 
 
 def carry_of(played: Played, timing: Timing, leg_length: float) -> Carry:
-    """How what is asked of a piece's motion is asked where the piece plays, on a body of that leg length."""
+    """Mapping of constraints from a piece's motion to where it plays, on a body of that leg length."""
     piece, placement = played.piece, played.placement
     begin = piece.start - timing.begin - piece.first / (piece.motion.frame_rate * piece.speed)
     x, y = (leg_length * np.array(placement.offset)).tolist()
@@ -112,20 +110,22 @@ def carry_of(played: Played, timing: Timing, leg_length: float) -> Carry:
     return Carry(begin, piece.speed, placement.turn, (x, y), piece.mirrored, *ends)
 
 
-def constraints_in(asked: tuple[Asked, ...], composite: Composite, leg_length: float) -> tuple[Constraint, ...]:
-    """What is asked, each where its clip plays, in the same order.
+def constraints_in(
+    asked: tuple[ClipConstraint, ...], composite: Composite, leg_length: float
+) -> tuple[Constraint, ...]:
+    """Constraints mapped to their clips, in the same order.
 
-    Where a clip goes on as the one before it would, as parts of a split clip do, what both ask is asked through both.
+    Where a clip continues the one before it, as parts of a split clip do, a constraint of both is active through both.
     """
     if composite.is_plain:
         return tuple(each.constraint for each in asked)
     carries = [carry_of(each, composite.timing, leg_length) for each in composite.played]
     places = {each.piece.origin: place for place, each in enumerate(composite.played)}
-    by_place: dict[int, list[Asked]] = {place: [] for place in range(len(carries))}
+    by_place: dict[int, list[ClipConstraint]] = {place: [] for place in range(len(carries))}
     for each in asked:
         by_place[places[each.clip, each.repeat]].append(each)
 
-    def goes_on(each: Asked, place: int) -> bool:
+    def goes_on(each: ClipConstraint, place: int) -> bool:
         """Whether it is asked in the clip of a ``place`` as well, which goes on as the one before."""
         return (
             0 < place < len(carries)
@@ -133,7 +133,7 @@ def constraints_in(asked: tuple[Asked, ...], composite: Composite, leg_length: f
             and all(any(_is_same(each, other) for other in by_place[at]) for at in (place - 1, place))
         )
 
-    def carried(each: Asked) -> Constraint:
+    def carried(each: ClipConstraint) -> Constraint:
         place = until = places[each.clip, each.repeat]
         while goes_on(each, until + 1):
             until += 1
@@ -143,8 +143,8 @@ def constraints_in(asked: tuple[Asked, ...], composite: Composite, leg_length: f
     return tuple(carried(each) for each in asked)
 
 
-def _is_same(one: Asked, other: Asked) -> bool:
-    """Whether two clips ask the same: one constraint, or a copy that each part of a split clip has."""
+def _is_same(one: ClipConstraint, other: ClipConstraint) -> bool:
+    """True if two clips have the same constraint: one constraint, or a copy in each part of a split clip."""
     if one.constraint_id == other.constraint_id:
         return True
     first, second = vars(one.constraint), vars(other.constraint)
@@ -152,9 +152,3 @@ def _is_same(one: Asked, other: Asked) -> bool:
         name == "scope" or first[name] is second[name] or (name != "mesh" and first[name] == second[name])
         for name in first
     )
-
-
-def forget_rows() -> None:
-    """Let go of the rows, layers and mirrored motions that are kept; they are made again where they are asked for."""
-    for kept in (compose, layered, mirrored):
-        kept.cache_clear()

@@ -1,4 +1,4 @@
-"""Performers on one stage: what each is asked, whom it follows, and where that is at each of its frames."""
+"""Performers on one stage: constraints of each, dependencies between them, and tracks of followed targets."""
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -19,7 +19,7 @@ from studio.core.normalized.compose import Composite
 from studio.core.project import Performer, Project
 from studio.core.rotations import multiply, to_matrix
 from studio.core.solver.asking.tracks import OwnPath, Track, Tracks
-from studio.core.solver.performers.rows import Asked, timing_of
+from studio.core.solver.performers.rows import ClipConstraint, timing_of
 from studio.core.solver.request import AdaptedMotion, Unasked
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import InHand, Prop
@@ -30,29 +30,29 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Followed:
-    """What a constraint follows: equal ones have equal tracks, and ``make`` computes them for what a row comes to."""
+    """A followed target: equal ones have equal tracks, and ``make`` computes them for a composite."""
 
     follow: Follow
     depends_on: tuple[Any, ...]
     make: Callable[[Composite], Track | OwnPath] = field(compare=False)
 
 
-def asked_of(project: Project, performer_id: str) -> tuple[Asked, ...]:
-    """What is asked of a performer in each of its clips, highest priority first, as it concerns that performer.
+def asked_of(project: Project, performer_id: str) -> tuple[ClipConstraint, ...]:
+    """Constraints of a performer in each of its clips, highest priority first.
 
-    Nobody is asked to follow itself, but where that is asked of it alone: then it follows a point of the same body.
-    Who follows somebody who plays nothing is asked nothing. A place that is each body's own has this one's offset.
+    A performer does not follow itself, except by a constraint of its own, which then follows a point of the same body.
+    Constraints on performers without clips are dropped. Per-character offsets are resolved.
     """
     known = project.known.get((asked_of, performer_id))
     if known is None:
         known = project.known[asked_of, performer_id] = _asked_of(project, performer_id)
-    return cast(tuple[Asked, ...], known)
+    return cast(tuple[ClipConstraint, ...], known)
 
 
-def _asked_of(project: Project, performer_id: str) -> tuple[Asked, ...]:
+def _asked_of(project: Project, performer_id: str) -> tuple[ClipConstraint, ...]:
     clips, playing = project.performers[performer_id].clips, _playing(project)
     asked = [
-        Asked(key, part, place, repeat)
+        ClipConstraint(key, part, place, repeat)
         for place, clip in enumerate(clips)
         for key, constraint in project.constraints_for(performer_id, clip).items()
         if constraint.enabled
@@ -64,7 +64,7 @@ def _asked_of(project: Project, performer_id: str) -> tuple[Asked, ...]:
 
 
 def _playing(project: Project) -> Collection[str]:
-    """Who plays anything: found once, or every performer would look at all the others."""
+    """Performers with clips, cached for all performers."""
     known = project.known.get(_playing)
     if known is None:
         known = project.known[_playing] = {key for key, each in project.performers.items() if each.clips}
@@ -72,7 +72,7 @@ def _playing(project: Project) -> Collection[str]:
 
 
 def leaders_of(project: Project, performer_id: str) -> set[str]:
-    """The other performers that a performer follows."""
+    """Other performers that a performer follows."""
     known = project.known.get((leaders_of, performer_id))
     if known is None:
         follows = (follow for each in asked_of(project, performer_id) for follow in follows_of(each.constraint))
@@ -84,14 +84,14 @@ def leaders_of(project: Project, performer_id: str) -> set[str]:
 
 
 def props_of(project: Project, performer_id: str) -> tuple[Prop, ...]:
-    """The props that a performer follows."""
+    """Props that a performer follows."""
     follows = (follow for each in asked_of(project, performer_id) for follow in follows_of(each.constraint))
     found = dict.fromkeys(follow.prop_id for follow in follows if isinstance(follow, FollowProp))
     return tuple(project.props[key] for key in found)
 
 
 def in_order(project: Project, performer_ids: Iterable[str]) -> tuple[tuple[str, ...], ...]:
-    """These performers and all whom they follow, leaders first; those who follow each other in a circle together."""
+    """These performers and all whom they follow, leaders first, dependency cycles together."""
     leaders: dict[str, set[str]] = {}
     waiting = list(performer_ids)
     while waiting:
@@ -115,7 +115,7 @@ def in_order(project: Project, performer_ids: Iterable[str]) -> tuple[tuple[str,
 
 
 def _circles(keys: list[str], leaders: dict[str, set[str]]) -> dict[str, tuple[str, ...]]:
-    """By performer, all who follow each other by some way; mostly it alone."""
+    """Dependency cycle of each performer, mostly itself alone."""
     if not any(leaders.values()):
         return {key: (key,) for key in keys}
 
@@ -139,11 +139,10 @@ def followed_by(
     constraints: Iterable[Constraint] | None = None,
     own: AdaptedMotion | None = None,
 ) -> tuple[Followed, ...] | None:
-    """All that a performer follows beyond its own body; None while the result of someone it follows is not there.
+    """All followed targets of a performer beyond its own body; None while a leader's result is missing.
 
-    Those of its own ``circle``, and props that go with them, are left out: where they are is found together with where
-    this one is. Of some ``constraints``, or of all that are asked. What it holds itself is where its motion has its
-    hands: its ``own``, unasked, where that is known already.
+    Those of its own ``circle`` are left out, with their props: they are solved together. Of some ``constraints``, or of
+    all. A prop in its own hands follows its grounded motion, ``own`` if that is known.
     """
     performer, others = project.performers[performer_id], {*circle} - {performer_id}
     found: dict[Follow, Followed] = {}
@@ -170,12 +169,12 @@ def followed_by(
 
 
 def tracks_of(followed: Iterable[Followed], composite: Composite) -> Tracks:
-    """The tracks themselves: what may take a while."""
+    """Tracks of followed targets; may take a while."""
     return {each.follow: each.make(composite) for each in followed}
 
 
 def _prop(follow: FollowProp, project: Project, performer_id: str, results: Mapping[str, AdaptedMotion]) -> Followed:
-    """A prop for one performer; ``results`` are the motions of those with whom it goes, its own only if it is known."""
+    """Followed prop of one performer; ``results`` are the motions of its holders."""
     prop, own = project.props[follow.prop_id], Placement.of(project.performers[performer_id])
     leaders = {key: project.performers[key] for key in results}
     timings = {key: _timing_in(project, leaders[key], result) for key, result in results.items()}
@@ -231,12 +230,12 @@ def _performer(follow: FollowPerformer, project: Project, performer: Performer, 
 
 
 def _timing_in(project: Project, leader: Performer, result: AdaptedMotion) -> Timing:
-    """When the frames of a leader's motion play."""
+    """Timing of the frames of a leader's motion."""
     return timing_of(project, leader) if result.composite is None else result.composite.timing
 
 
 def _seconds_of(composite: Composite) -> FloatArray:
-    """(F,) seconds of the stage at which its frames play."""
+    """Seconds (F,) of the stage of its frames."""
     return composite.timing.begin + np.arange(composite.motion.frame_count) / composite.timing.frame_rate
 
 
@@ -248,9 +247,9 @@ def leader_track(
     placement: Placement,
     own: Placement,
 ) -> Track:
-    """Where a point of another performer is at ``seconds`` (F,) of the stage, as who stands at ``own`` sees it.
+    """Track of another performer's point at ``seconds`` (F,) of the stage, in the space of a performer at ``own``.
 
-    ``result`` is the other's motion, which plays as ``timing`` says at ``placement``.
+    ``result`` is the other's motion, with its ``timing`` and ``placement``.
     """
     from studio.core.solver.performers.following import performer_track
 
@@ -261,7 +260,7 @@ def leader_track(
 def concerning(
     constraint: Constraint, performer_id: str, playing: Collection[str], props: Mapping[str, Prop]
 ) -> Constraint | None:
-    """A constraint as one performer has it, of those that are ``playing``; None where nothing is asked of it.
+    """The constraint as it concerns one performer among those ``playing``; None where it does not.
 
     See ``asked_of``. A prop that is always in the performer's own hand is a point of that hand.
     """
@@ -287,9 +286,9 @@ def concerning(
 
 
 def on_own_body(follow: FollowProp, prop: Prop, held: InHand) -> FollowBody:
-    """What is followed of a prop in one's own hand."""
-    way = np.array(follow.offset) + np.array(follow.share) * np.array(prop.size) / 2
-    x, y, z = (np.array(held.point.offset) + to_matrix(np.array(held.turn)) @ way).tolist()
+    """Followed point of a prop in one's own hand, as a point of the body."""
+    displacement = np.array(follow.offset) + np.array(follow.share) * np.array(prop.size) / 2
+    x, y, z = (np.array(held.point.offset) + to_matrix(np.array(held.turn)) @ displacement).tolist()
     qx, qy, qz, qw = multiply(np.array(held.turn), np.array(follow.turn)).tolist()
     return FollowBody(replace(held.point, offset=(x, y, z)), (qx, qy, qz, qw))
 

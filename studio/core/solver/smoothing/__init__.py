@@ -1,1 +1,1 @@
-"""Solved motions without jolts."""
+"""Smoothing of acceleration peaks in solved motions."""

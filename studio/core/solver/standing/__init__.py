@@ -1,1 +1,1 @@
-"""A motion on the ground before anything is asked of it: footprints, feet, all that carries the body."""
+"""Grounding: a motion on one body and on the ground, before any constraint."""

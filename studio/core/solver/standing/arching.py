@@ -1,4 +1,4 @@
-"""Trunks that are raised, or sunk, with arms of another length than the actor's: hips stay where legs have them."""
+"""Trunk pitch for arms of another length than the actor's: hips stay where the legs have them."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,35 +9,33 @@ from studio.core.rotations import normalized, shortest_arc
 
 FloatArray = NDArray[np.float64]
 
-MOST = np.radians(20.0)
-"""By which a trunk rises at most from where the motion has it, and never quite."""
+MAX_TRUNK_RISE = np.radians(20.0)
+"""Greatest pitch of a trunk from its motion, approached softly."""
 
 
 def arch_trunk(raises: FloatArray, body: AnyMorphology, positions: FloatArray, rotations: FloatArray) -> None:
-    """Bend trunks about their hips, in place, until the base of the neck of one that is level has risen by ``raises``
-    (F,) metres, or as far as trunks do: most at the loins; head and arms go along and look where they did.
+    """Bend trunks about their hips, in place, until the neck base of a level trunk has risen by ``raises`` (F,) metres.
 
-    The steeper a trunk stands, the less it would gain, and the less it bends.
-
-    ``positions`` (F, P, 3), ``rotations`` (F, S, 3, 3).
+    The bend is greatest at the loins and smaller for steep trunks, which would gain less; head and arms keep their
+    world orientation. ``positions`` (F, P, 3), ``rotations`` (F, S, 3, 3).
     """
     neck, joints = body.layout.neck_base, range(1, body.layout.spine_count)
     ahead = positions[:, neck] - positions[:, 0]
     level = np.hypot(ahead[:, 0], ahead[:, 1])
-    wanted = raises * level / np.maximum(np.sum(ahead**2, axis=1), 1e-9)
-    pitch = MOST * np.tanh(wanted / MOST)
+    target = raises * level / np.maximum(np.sum(ahead**2, axis=1), 1e-9)
+    pitch = MAX_TRUNK_RISE * np.tanh(target / MAX_TRUNK_RISE)
     if not pitch.any():
         return
     axis = np.column_stack([ahead[:, 1], -ahead[:, 0], 0.0 * level]) / np.maximum(level, 1e-9)[:, None]
     levers = np.linalg.norm([positions[0, neck] - positions[0, joint] for joint in joints], axis=1)
-    shares = levers * np.linalg.norm(ahead[0]) / np.sum(levers**2)
+    fractions = levers * np.linalg.norm(ahead[0]) / np.sum(levers**2)
     before, turned = positions.copy(), rotations.copy()
     last = body.layout.hip(0)
-    for joint, share in zip(joints, shares, strict=True):
-        turns = Rotation.from_rotvec(axis * (share * pitch)[:, None]).as_matrix()
-        pivot, back = positions[:, joint, None], np.swapaxes(turns, 1, 2)
+    for joint, fraction in zip(joints, fractions, strict=True):
+        rotation_matrices = Rotation.from_rotvec(axis * (fraction * pitch)[:, None]).as_matrix()
+        pivot, back = positions[:, joint, None], np.swapaxes(rotation_matrices, 1, 2)
         positions[:, joint + 1 : last] = pivot + (positions[:, joint + 1 : last] - pivot) @ back
-        rotations[:, joint : last - 3] = turns[:, None] @ rotations[:, joint : last - 3]
+        rotations[:, joint : last - 3] = rotation_matrices[:, None] @ rotations[:, joint : last - 3]
     head = body.layout.head_joint
     rotations[:, head], positions[:, head + 1] = turned[:, head], positions[:, head] + _way(before, head, head + 1)
     for side in range(2):
@@ -52,9 +50,9 @@ def _aim_arm(
     positions: FloatArray,
     rotations: FloatArray,
 ) -> None:
-    """Aim an arm that has gone along with its trunk back to where it pointed ``before``, its hand as it lay, in place.
+    """Aim an arm that moved with its trunk back to its direction ``before``, with its hand's orientation, in place.
 
-    By the shortest way, as arms are placed whose hands stand (``kernels.support.body_settling.place_arm``).
+    The shortest rotation is used, as for arms in contact (``kernels.support.body_settling.place_arm``).
     """
     wrist, upper = body.layout.wrist(side), body.layout.spine_count + 3 + 4 * side
     shoulder, arm, hand = wrist - 2, slice(wrist - 1, wrist + 1), upper + 2
@@ -66,5 +64,5 @@ def _aim_arm(
 
 
 def _way(positions: FloatArray, first: int, last: int) -> FloatArray:
-    """(F, 3) from one point to another of ``positions`` (F, P, 3)."""
+    """Vector (F, 3) from one point to another of ``positions`` (F, P, 3)."""
     return np.asarray(positions[:, last] - positions[:, first])

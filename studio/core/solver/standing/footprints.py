@@ -1,8 +1,8 @@
-"""Feet planned on a level floor, set on ground that is not: each footprint is one rigid move (METHOD 4).
+"""Footprints: feet planned on a level floor, projected to uneven ground by one rigid move each (METHOD 4).
 
-The ground is asked once a footprint, at its heel, ball and tip, never under a moving foot. What a foot does during a
-contact, planned level, is moved as one rigid piece on to the plane found there, so that all that stands on the level
-floor stands on the slope as well; between two contacts the move eases from one to the next.
+The ground is sampled once a footprint, at its heel, ball and tip, never under a moving foot. The planned contact is
+moved as one rigid piece to the plane found there, so that a foot that stands on the level floor stands on the slope as
+well; the move is interpolated between contacts.
 """
 
 import math
@@ -16,33 +16,32 @@ from studio.core.body.morphology import at_frames
 from studio.core.captures.contacts import spans_of
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS
-from studio.core.solver.standing.blends import smoothstep
+from studio.core.solver.standing.blends import smoothstep_array
 
 FloatArray = NDArray[np.float64]
 
-EDGE = 0.03
-"""Metres by which ground may stray from the plane of its own slope under one sole; more is an edge."""
+GROUND_EDGE = 0.03
+"""Deviation in metres of the ground from the plane of its slope under one sole, beyond which there is an edge."""
 STEEPEST_SOLE = np.radians(35.0)
 TOES_BEND = np.radians([-20.0, 40.0])
-"""How far toes bend down and up to follow ground that turns off under the ball; what is steeper is not for them."""
+"""Greatest bend of toes, down and up, to follow the ground under the ball; steeper ground is ignored."""
 LONGEST_FLIGHT = 1.0
-"""Seconds without contact after which a foot follows the ground below it, asked twice in that time."""
+"""Seconds without contact after which a foot follows the ground below it, sampled twice in that time."""
 WAYPOINT = 0.5 * LONGEST_FLIGHT
 SHORTEST_RAMP = 0.25
 """Seconds before the first and after the last contact that are too short to follow the ground."""
 RISE_EARLY, SINK_LATE = 0.2, 0.12
-"""Parts of a flight by which a foot is up earlier, or begins to sink later, at most, than over all of the flight."""
+"""Greatest fraction of a flight by which a foot rises early, or sinks late."""
 CLIMB_TIME = 0.36
-"""Seconds that it takes for that at least: in a short flight a foot has no time to hurry."""
+"""Least seconds of a rise or descent: a short flight leaves no time for haste."""
 _SETTLING = 4
-"""Times that a sole is laid along the plane under it, and the plane asked again."""
+"""Iterations of a sole along the plane under it."""
 
 
 @dataclass(frozen=True, eq=False)
-class Planes:
-    """Where soles lie: ``heights`` (N,) of their balls, ``normals`` (N, 3), whether the heel or the ball stands beyond
-    an edge, over nothing: ``overhangs`` (N, 2), and by how many radians toes bend up from that plane to lie on the
-    ground: ``bends`` (N,).
+class SolePlanes:
+    """Planes under soles: ``heights`` (N,) at their balls, ``normals`` (N, 3), ``overhangs`` (N, 2) of heel and ball
+    beyond an edge, and upward ``bends`` (N,) of the toes in radians.
     """
 
     heights: FloatArray
@@ -55,8 +54,8 @@ class Planes:
 class Footprints:
     """Contacts of one foot in time: frames ``first`` to ``last`` (N,), both included.
 
-    ``pivots`` (N, 3) are balls on the level floor, ``moves`` (N, 3) where to they go, ``tilts`` (N, 3) rotation
-    vectors about them, ``bends`` (N,) radians by which toes bend up; ``hanging`` (N,) heels that stand over nothing.
+    ``pivots`` (N, 3) balls on the level floor, ``moves`` (N, 3) their displacements, ``tilts`` (N, 3) rotation vectors
+    about them, ``bends`` (N,) upward bends of the toes in radians; ``hanging`` (N,) True for heels over nothing.
     """
 
     first: NDArray[np.int64]
@@ -69,9 +68,9 @@ class Footprints:
 
 
 @dataclass(frozen=True, eq=False)
-class Draped:
-    """One foot on the ground: ``ankles`` (F, 3), ``feet``, ``toes`` (F, 3, 3), and the footprints' ``heights`` (F,)
-    above the level floor, eased between them.
+class FootOnTerrain:
+    """One foot on the ground: ``ankles`` (F, 3), ``feet``, ``toes`` (F, 3, 3), and the interpolated ``heights`` (F,) of
+    its footprints above the level floor.
     """
 
     ankles: FloatArray
@@ -80,11 +79,11 @@ class Draped:
     heights: FloatArray
 
 
-def planes_under(ground: Ground, soles: FloatArray) -> Planes:
-    """The planes on which ``soles`` (N, 3 places: heel, ball, tip; 2) lie: through the ground at heel and ball.
+def planes_under(ground: Ground, soles: FloatArray) -> SolePlanes:
+    """Planes of ``soles`` (N, 3 positions: heel, ball, tip; 2): through the ground at heel and ball, tilted across as
+    the ground.
 
-    Across the foot they lean as the ground does. Where an edge crosses the sole it lies as the highest of the three
-    does, over the edge.
+    A sole over an edge lies as its highest point does.
     """
     heights, normals = ground.height_at(soles), ground.normal_at(soles)
     line = soles[:, 1] - soles[:, 0]
@@ -93,8 +92,8 @@ def planes_under(ground: Ground, soles: FloatArray) -> Planes:
     slopes = -normals[..., :2] / normals[..., 2:]
     expected = np.einsum("npk,nk->n", slopes[:, :2] / 2, line)
     tip_expected = np.einsum("nk,nk->n", slopes[:, 1:].mean(axis=1), soles[:, 2] - soles[:, 1])
-    edge = (np.abs(heights[:, 1] - heights[:, 0] - expected) > EDGE) | (
-        heights[:, 2] - heights[:, 1] - tip_expected > EDGE
+    edge = (np.abs(heights[:, 1] - heights[:, 0] - expected) > GROUND_EDGE) | (
+        heights[:, 2] - heights[:, 1] - tip_expected > GROUND_EDGE
     )
     across = np.stack([-along[:, 1], along[:, 0]], axis=1)
     rise = (heights[:, 1] - heights[:, 0]) / length[:, 0]
@@ -107,17 +106,17 @@ def planes_under(ground: Ground, soles: FloatArray) -> Planes:
     level = np.where(edge | (steep[:, 0] > 1.0), highest, 1)
     at_ball = heights[rows, level] + np.einsum("nk,nk->n", slope, soles[:, 1] - soles[rows, level])
     at_heel = at_ball - np.einsum("nk,nk->n", slope, line)
-    overhangs = np.stack([at_heel - heights[:, 0], at_ball - heights[:, 1]], axis=1) > EDGE
+    overhangs = np.stack([at_heel - heights[:, 0], at_ball - heights[:, 1]], axis=1) > GROUND_EDGE
     normal = np.column_stack([-slope, np.ones(len(slope))])
     to_tip = soles[:, 2] - soles[:, 1]
     gap = heights[:, 2] - at_ball - np.einsum("nk,nk->n", slope, to_tip)
     bends = np.arctan2(gap, np.maximum(np.linalg.norm(to_tip, axis=1), 1e-9))
     bends = np.where(edge | (bends < TOES_BEND[0]) | (bends > TOES_BEND[1]), 0.0, bends)
-    return Planes(at_ball, normal / np.linalg.norm(normal, axis=1, keepdims=True), overhangs, bends)
+    return SolePlanes(at_ball, normal / np.linalg.norm(normal, axis=1, keepdims=True), overhangs, bends)
 
 
 def tilts_of(normals: FloatArray) -> FloatArray:
-    """(N, 3) rotation vectors of the shortest turns from upright to ``normals`` (N, 3)."""
+    """Rotation vectors (N, 3) of the shortest rotations from upright to ``normals`` (N, 3)."""
     axis = np.stack([-normals[:, 1], normals[:, 0], np.zeros(len(normals))], axis=1)
     sine = np.linalg.norm(axis, axis=1, keepdims=True)
     angle = np.arctan2(sine, normals[:, 2:])
@@ -127,9 +126,9 @@ def tilts_of(normals: FloatArray) -> FloatArray:
 def find_footprints(
     states: NDArray[np.int64], ankles: FloatArray, feet: FloatArray, measures: FloatArray, ground: Ground
 ) -> Footprints:
-    """The contacts of a foot planned on the level floor: ``states`` (F,), ``ankles`` (F, 3), ``feet`` (F, 3, 3).
+    """Footprints of a foot planned on the level floor: ``states`` (F,), ``ankles`` (F, 3), ``feet`` (F, 3, 3).
 
-    ``measures`` (F or 1, 6) of the foot as ``morphology.sole_rows`` has them.
+    ``measures`` (F or 1, 6) of the foot as in ``morphology.sole_rows``.
     """
     first, last, middle, of_episode = np.array(_spans(states), dtype=np.int64).reshape(-1, 4).T
     soles = soles_of(ankles[middle], feet[middle], at_frames(measures, middle))
@@ -148,25 +147,28 @@ def find_footprints(
     return Footprints(first, last, level, moves, tilts_of(planes.normals), planes.bends, planes.overhangs[:, 0])
 
 
-def drape(
+def project_to_terrain(
     footprints: Footprints, ankles: FloatArray, feet: FloatArray, toes: FloatArray, ground: Ground, frame_rate: float
-) -> Draped:
-    """Feet planned on the level floor, set on the ground: ``ankles`` (F, 3), ``feet``, ``toes`` (F, 3, 3)."""
+) -> FootOnTerrain:
+    """Feet planned on the level floor, projected to the ground: ``ankles`` (F, 3), ``feet``, ``toes`` (F, 3, 3)."""
     prints = _with_waypoints(footprints, ankles, ground, frame_rate)
     count = len(ankles)
     pivots, tilts = (_eased(prints, values, count) for values in (prints.pivots, prints.tilts))
     moves = _eased(prints, prints.moves, count, frame_rate)
-    turns = Rotation.from_rotvec(tilts).as_matrix()
+    rotation_matrices = Rotation.from_rotvec(tilts).as_matrix()
     bent = toes @ Rotation.from_rotvec(_eased(prints, prints.bends[:, None] * [0.0, -1.0, 0.0], count)).as_matrix()
-    return Draped(
-        pivots + moves + np.einsum("fij,fj->fi", turns, ankles - pivots), turns @ feet, turns @ bent, moves[:, 2]
+    return FootOnTerrain(
+        pivots + moves + np.einsum("fij,fj->fi", rotation_matrices, ankles - pivots),
+        rotation_matrices @ feet,
+        rotation_matrices @ bent,
+        moves[:, 2],
     )
 
 
 def _spans(states: NDArray[np.int64]) -> list[tuple[int, int, int, int]]:
-    """(first, last, typical frame, index of the first footprint of its episode) of each footprint.
+    """(first, last, typical frame, first footprint of its contact) of each footprint.
 
-    One an episode of contact; where the heel leaves and comes down again while the toe stands, one each.
+    A contact is one footprint, or several if its heel rises and comes down again while the toe stands.
     """
     found: list[tuple[int, int, int, int]] = []
     for begin, end in spans_of(states != 0):
@@ -187,9 +189,9 @@ def _spans(states: NDArray[np.int64]) -> list[tuple[int, int, int, int]]:
 
 
 def soles_of(ankles: FloatArray, feet: FloatArray, measures: FloatArray) -> FloatArray:
-    """(N, 3, 2) where heel, ball and tip of feet lie when they are flat, the ball where it is.
+    """Positions (N, 3, 2) of heel, ball and tip of feet when flat, with the ball where it is.
 
-    ``measures`` (N or 1, 6) of the foot as ``morphology.sole_rows`` has them.
+    ``measures`` (N or 1, 6) of the foot as in ``morphology.sole_rows``.
     """
     ahead = feet[:, :2, 0] / np.maximum(np.linalg.norm(feet[:, :2, 0], axis=1, keepdims=True), 1e-9)
     to_ball = np.broadcast_to(measures[:, :3], ankles.shape)
@@ -200,7 +202,7 @@ def soles_of(ankles: FloatArray, feet: FloatArray, measures: FloatArray) -> Floa
 
 
 def _with_waypoints(prints: Footprints, ankles: FloatArray, ground: Ground, frame_rate: float) -> Footprints:
-    """Also places in the air where a foot that stays up long follows the ground below it."""
+    """Footprints with additional waypoints in long flights, where a foot follows the ground below it."""
     count = len(ankles)
     borders = np.column_stack([np.append(-1, prints.last), np.append(prints.first, count)])
     frames: list[int] = []
@@ -235,20 +237,20 @@ def _with_waypoints(prints: Footprints, ankles: FloatArray, ground: Ground, fram
 
 
 def _eased(prints: Footprints, values: FloatArray, count: int, frame_rate: float = math.inf) -> FloatArray:
-    """(F, 3) the ``values`` (N, 3) of footprints, held through each and eased from one to the next.
+    """``values`` (N, 3) of footprints, constant through each and interpolated between, (F, 3).
 
-    With a frame rate: what rises does so early in the flight, and what sinks late, as feet pass over edges.
+    With a frame rate, rises come early in the flight, and descents late, as feet pass over edges.
     """
     frames = np.arange(count)
     following = np.minimum(np.searchsorted(prints.last, frames), len(prints.last) - 1)
     before = np.where(frames < prints.first[following], np.maximum(following - 1, 0), following)
     gap = np.maximum(prints.first[following] - prints.last[before], 1)
-    share = np.clip((frames - prints.last[before]) / gap, 0.0, 1.0)
+    fraction = np.clip((frames - prints.last[before]) / gap, 0.0, 1.0)
     change = values[following] - values[before]
-    eased = values[before] + smoothstep(share)[:, None] * change
+    eased = values[before] + smoothstep_array(fraction)[:, None] * change
     if frame_rate < math.inf:
         most = np.where(change[:, 2] > 0.0, RISE_EARLY, SINK_LATE)
         haste = np.clip(1.0 - CLIMB_TIME * frame_rate / gap, 0.0, most)
-        rising = np.where(change[:, 2] > 0.0, share, share - haste) / (1.0 - haste)
-        eased[:, 2] = values[before][:, 2] + smoothstep(np.clip(rising, 0.0, 1.0)) * change[:, 2]
+        rising = np.where(change[:, 2] > 0.0, fraction, fraction - haste) / (1.0 - haste)
+        eased[:, 2] = values[before][:, 2] + smoothstep_array(np.clip(rising, 0.0, 1.0)) * change[:, 2]
     return np.asarray(eased)

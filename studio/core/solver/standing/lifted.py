@@ -1,4 +1,4 @@
-"""A body that stands on a ground goes up and down with it: nothing else of how it stands is another."""
+"""A grounded body translated with the height of its ground."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -12,11 +12,11 @@ if TYPE_CHECKING:
 FloatArray = NDArray[np.float64]
 
 _PLACE, _KNEE_FACES = 2, 5
-"""Heights among the numbers of an ankle, see ``Footing.ankles``."""
+"""Columns of heights of an ankle, see ``Footing.ankles``."""
 
 
 def lifted(standing: "Standing", height: float) -> "Standing":
-    """``standing`` with its ground at another ``height``."""
+    """``standing`` on its ground at another ``height``."""
     rise = height - standing.ground.height
     positions, ankles = standing.positions.copy(), standing.footing.ankles.copy()
     positions[..., 2] = positions[..., 2] + rise

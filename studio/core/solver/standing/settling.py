@@ -1,4 +1,4 @@
-"""A carried body put on what carries it: the root within reach of all contacts, knees and hands on their places."""
+"""Settling of a supported body: the root in reach of all contacts, knees and hands at their contacts."""
 
 from dataclasses import dataclass, replace
 
@@ -24,37 +24,36 @@ from studio.core.solver.standing.blends import (
     LET_GO,
     SLOWLY_LET_GO,
     averaged,
-    eased,
-    freedom,
-    lacking,
-    smoothstep,
+    interpolated_corrections,
+    release_weight,
+    smooth_penetrations,
+    smoothstep_array,
 )
-from studio.core.solver.standing.carrying import Carrying, Hold, laid_hands, reach_of, track_of
-from studio.core.solver.standing.footing import Footing, run_out
+from studio.core.solver.standing.body_support import BodySupport, GroundContact, level_hands, reach_of, track_of
+from studio.core.solver.standing.footing import Footing, reach_relaxation
 from studio.core.solver.standing.footprints import tilts_of
-from studio.core.solver.standing.swing import PLAY
+from studio.core.solver.standing.swing_foot_path import SOLE_TOLERANCE
 
 FloatArray = NDArray[np.float64]
 
-SOFT, FIRM = 1e-2, 1e-4
-"""Weights of a metre of travel beside a metre out of reach: while moves are averaged over time, and for the last."""
-KNEE_PLAY = 0.1
-"""Part of the growth of its root's reach by which the hip of a knee that is let go may be off its thigh's length."""
-SQUATTING = 0.18
-"""Part of a leg's length to which flesh lets it fold, unless the actor's is folded further."""
-FOLDED_ROOM = 0.01
-"""Part of its length by which a limb's ends stay further apart than when it is folded."""
-MOVES = 5
-"""Times at most that what stands is put elsewhere, where the body cannot have it all."""
-ROUNDS = 4
-"""Times what is left to be moved is averaged over time before the last, exact move."""
+SOFT_TRAVEL_COST, FIRM_TRAVEL_COST = 1e-2, 1e-4
+"""Cost of a metre of travel relative to a metre out of reach: while moves are averaged over time, and for the last."""
+KNEE_TOLERANCE = 0.1
+"""Fraction of the growth of the root's reach by which a released knee may miss its thigh's length."""
+LEAST_LEG_REACH = 0.18
+"""Least distance hip-ankle, in leg lengths, of a fleshy leg, unless the actor's is folded further."""
+FOLDED_MARGIN = 0.01
+"""Fraction of its length by which a limb's ends stay further apart than when folded."""
+CONTACT_MOVES = 5
+"""Iterations of moving contacts that the body cannot reach."""
+SETTLING_ROUNDS = 4
+"""Averages over time before the last, exact move."""
 
 
 @dataclass(frozen=True, eq=False)
-class Arms:
-    """Arms that stand now and then: ``wrists`` (2, F, 3), ``hands`` (2, F, 3, 3) in the world, ``bends`` (2, F) the
-    side to which the elbow goes, ``comforts`` (2, F) the part of its length to which each stretches freely, 0 where it
-    is left alone, and ``standing`` (2, F) where they stand.
+class ArmStance:
+    """Arms in contact: ``wrists`` (2, F, 3), ``hands`` (2, F, 3, 3) in the world, ``bends`` (2, F) sign of the elbow's
+    side, ``soft_thresholds`` (2, F), 0 for an arm without target, and frames ``standing`` (2, F) in contact.
     """
 
     wrists: FloatArray
@@ -66,7 +65,7 @@ class Arms:
 
 @dataclass(frozen=True, eq=False)
 class _Links:
-    """Limbs as links of ``settle_frames``: (F, 3) ``starts`` from the root, ``ends``; (F,) ``least`` and ``most``."""
+    """Limbs as links of ``settle_frames``: (F, 3) ``starts`` from the root, ``ends``; (F,) bounds of their lengths."""
 
     starts: list[FloatArray]
     ends: list[FloatArray]
@@ -81,52 +80,52 @@ class _Links:
 
 
 def settle(
-    carrying: Carrying,
+    carrying: BodySupport,
     footing: Footing,
     motion: NormalizedMotion,
     body: AnyMorphology,
     ground: Ground,
     positions: FloatArray,
     rotations: FloatArray,
-) -> tuple[Footing, Arms, tuple[Hold, ...]]:
-    """Lower, move and turn a shifted body (F, P, 3), (F, S, 3, 3), in place, so that what stands is in reach.
+) -> tuple[Footing, ArmStance, tuple[GroundContact, ...]]:
+    """Lower, move and rotate a shifted body (F, P, 3), (F, S, 3, 3), in place, until all contacts are in reach.
 
-    The footing comes back without drops, its ankles (2, F, 7) with knees where there are any that stand; the holds
-    where the body can have them.
+    Returns the footing without root lowering, with knee targets in its ankles (2, F, 7) where knees are in contact, the
+    arms, and the contacts that the body can reach.
     """
     positions[:, :, 2] -= footing.drops[:, None]
     level = replace(footing, drops=np.zeros_like(footing.drops))
     holds = {hold.point: hold for hold in carrying.holds}
-    for _ in range(MOVES):
+    for _ in range(CONTACT_MOVES):
         footing, moves = _settled(holds, level, motion, body, ground, positions)
-        places, turns = positions.copy(), rotations.copy()
-        move_bodies(moves, places, turns)
+        places, rotation_matrices = positions.copy(), rotations.copy()
+        move_bodies(moves, places, rotation_matrices)
         holds, kept = within_reach(holds, level, motion, body, ground, places), holds
         if all(holds[point] is kept[point] for point in holds):
             break
-    positions[:], rotations[:] = places, turns
+    positions[:], rotations[:] = places, rotation_matrices
     for hold in _kneeling_of(kept):
         _let_go_of_knees(hold, footing, motion, body, positions, rotations)
     return footing, _arms(kept, motion, body, positions, rotations), tuple(kept.values())
 
 
-def _kneeling_of(holds: dict[ContactPoint, Hold]) -> list[Hold]:
+def _kneeling_of(holds: dict[ContactPoint, GroundContact]) -> list[GroundContact]:
     return [holds[point] for point in (ContactPoint.LEFT_KNEE, ContactPoint.RIGHT_KNEE) if point in holds]
 
 
 def _settled(
-    holds: dict[ContactPoint, Hold],
+    holds: dict[ContactPoint, GroundContact],
     footing: Footing,
     motion: NormalizedMotion,
     body: AnyMorphology,
     ground: Ground,
     positions: FloatArray,
 ) -> tuple[Footing, FloatArray]:
-    """The footing with its knees, and the moves (F, 6) that bring a body to it and to its ``holds``."""
+    """Footing with knees, and moves (F, 6) of the body to it and to its contacts."""
     rate, layout = motion.frame_rate, body.layout
     roots = np.ascontiguousarray(positions[:, 0])
     if ContactPoint.SEAT in holds:
-        seated = 1.0 - freedom(holds[ContactPoint.SEAT].standing, rate)
+        seated = 1.0 - release_weight(holds[ContactPoint.SEAT].standing, rate)
         footing = replace(footing, soft_thresholds=_eased_off(footing.soft_thresholds, seated))
     kneeling = _kneeling_of(holds)
     if kneeling:
@@ -134,125 +133,124 @@ def _settled(
     links = _Links([], [], [], [])
     for side, root_reach in enumerate(footing.root_reaches):
         hip, legs = positions[:, layout.hip(side)], leg_rows(body, side)
-        folded = np.minimum(1.0 - motion.channels[:, at.LIMB_SLACK + 2 + side], SQUATTING) * legs.sum(axis=1)
+        folded = np.minimum(1.0 - motion.channels[:, at.LIMB_SLACK + 2 + side], LEAST_LEG_REACH) * legs.sum(axis=1)
         least = np.maximum(_shortest(legs), folded)
         links.add(hip - roots, footing.ankles[side, :, :3], least, root_reach * legs.sum(axis=1))
         if footing.ankles.shape[2] > 3:
             knee, firm = footing.ankles[side, :, 3:6], footing.ankles[side, :, 6]
-            play = KNEE_PLAY * run_out(1.0 - firm) * legs.sum(axis=1)
+            play = KNEE_TOLERANCE * reach_relaxation(1.0 - firm) * legs.sum(axis=1)
             links.add(hip - roots, knee, legs[:, 0] - play, legs[:, 0] + play)
     for side, point in enumerate((ContactPoint.LEFT_HAND, ContactPoint.RIGHT_HAND)):
         if point in holds:
-            free, shoulder = freedom(holds[point].standing, rate, LET_GO), positions[:, layout.wrist(side) - 2]
+            free, shoulder = release_weight(holds[point].standing, rate, LET_GO), positions[:, layout.wrist(side) - 2]
             arms = arm_rows(body, side)
-            reach = reach_of(motion, body, side) + run_out(free) * arms.sum(axis=1)
+            reach = reach_of(motion, body, side) + reach_relaxation(free) * arms.sum(axis=1)
             wrists = holds[point].displaced(track_of(point, body, positions), rate)
             links.add(shoulder - roots, wrists, _shortest(arms), reach)
     return footing, _moves(roots, links, _seats(holds.get(ContactPoint.SEAT), body, rate, positions), rate)
 
 
 def _shortest(lengths: FloatArray) -> FloatArray:
-    """(F or 1,) metres from one end of a limb to the other when it is folded, of ``lengths`` (F or 1, 2)."""
-    return np.asarray(np.abs(lengths[:, 0] - lengths[:, 1]) + FOLDED_ROOM * lengths.sum(axis=1))
+    """Length (F or 1,) in metres of a folded limb with bones ``lengths`` (F or 1, 2)."""
+    return np.asarray(np.abs(lengths[:, 0] - lengths[:, 1]) + FOLDED_MARGIN * lengths.sum(axis=1))
 
 
 def within_reach(
-    holds: dict[ContactPoint, Hold],
+    holds: dict[ContactPoint, GroundContact],
     footing: Footing,
     motion: NormalizedMotion,
     body: AnyMorphology,
     ground: Ground,
     positions: FloatArray,
-) -> dict[ContactPoint, Hold]:
-    """The holds of a settled body, ``positions`` (F, P, 3), those that it misses moved along the ground to where it
-    would not; ``footing`` before knees.
+) -> dict[ContactPoint, GroundContact]:
+    """Contacts of a settled body, ``positions`` (F, P, 3), moved along the ground where they are out of reach;
+    ``footing`` before knees.
     """
     moved = {}
     for point, hold in holds.items():
         if point is ContactPoint.SEAT:
-            miss = track_of(point, body, positions) - hold.places
+            residual = track_of(point, body, positions) - hold.places
         elif point.member == "hand":
             arms = arm_rows(body, point.side)
             shoulders = positions[:, body.layout.wrist(point.side) - 2]
-            miss = _too_far(hold.places, shoulders, _shortest(arms), reach_of(motion, body, point.side))
+            residual = _too_far(hold.places, shoulders, _shortest(arms), reach_of(motion, body, point.side))
         else:
-            miss = _knees_miss(hold, footing, body, positions)
-        moved[point] = hold.moved(miss, ground)
+            residual = _knees_miss(hold, footing, body, positions)
+        moved[point] = hold.moved(residual, ground)
     return moved
 
 
-def _knees_miss(hold: Hold, footing: Footing, body: AnyMorphology, positions: FloatArray) -> FloatArray:
-    """(F, 3) by how much knees have to go elsewhere to be as far from their hips, and from toes that stand, as bones
-    are long.
-    """
+def _knees_miss(hold: GroundContact, footing: Footing, body: AnyMorphology, positions: FloatArray) -> FloatArray:
+    """Displacements (F, 3) that bring knees to their bones' lengths from hips, and from standing toes."""
     side = hold.point.side
     legs = leg_rows(body, side)
-    miss = _too_far(hold.places, positions[:, body.layout.hip(side)], legs[:, 0], legs[:, 0])
+    residual = _too_far(hold.places, positions[:, body.layout.hip(side)], legs[:, 0], legs[:, 0])
     to_toe = body.rows[:, at.M_FOOT + 3 * side :][:, :3]
     feet, length = footing.feet[side], np.linalg.norm(to_toe, axis=1)
     toes = footing.ankles[side] + np.einsum("fij,fj->fi", feet, np.broadcast_to(to_toe, hold.places.shape))
     both = np.column_stack([legs[:, 1] + 0.0 * length, length + 0.0 * legs[:, 1]])
-    most = (1.0 - FOLDED_ROOM) * both.sum(axis=1)
+    most = (1.0 - FOLDED_MARGIN) * both.sum(axis=1)
     shin = _too_far(hold.places, toes, _shortest(both), most)
-    return miss + np.where(footing.states[side][:, None] == TOE_STANDS, shin, 0.0)
+    return residual + np.where(footing.states[side][:, None] == TOE_STANDS, shin, 0.0)
 
 
 def _too_far(ends: FloatArray, starts: FloatArray, least: FloatArray, most: FloatArray) -> FloatArray:
-    """(F, 3) the shortest ways on which ``ends`` (F, 3) come within ``least`` to ``most`` metres of ``starts``."""
-    way = starts - ends
-    span = np.maximum(np.linalg.norm(way, axis=1), 1e-9)
+    """Shortest displacements (F, 3) of ``ends`` (F, 3) to within ``least`` to ``most`` metres of ``starts``."""
+    displacement = starts - ends
+    span = np.maximum(np.linalg.norm(displacement, axis=1), 1e-9)
     over = np.maximum(span - most, 0.0) + np.minimum(span - least, 0.0)
-    return np.asarray(way * (over / span)[:, None])
+    return np.asarray(displacement * (over / span)[:, None])
 
 
 def _moves(roots: FloatArray, links: _Links, seats: FloatArray, frame_rate: float) -> FloatArray:
-    """(F, 6) travels and turns of the body: what is needed, averaged over time again and again, then the exact rest."""
+    """Moves (F, 6) of the body, travel and rotation: repeatedly averaged over time, then exact."""
     moves, centres = np.zeros((len(roots), 6)), np.zeros((len(roots), 6))
     known = records.SupportLinks(
         *(np.ascontiguousarray(each) for each in (links.starts, links.ends, links.min_lengths, links.max_lengths))
     )
-    for _ in range(ROUNDS):
-        settle_frames(roots, known, seats, centres, SOFT, moves)
+    for _ in range(SETTLING_ROUNDS):
+        settle_frames(roots, known, seats, centres, SOFT_TRAVEL_COST, moves)
         centres = averaged(moves, AVERAGED, frame_rate)
-    settle_frames(roots, known, seats, centres, FIRM, moves)
+    settle_frames(roots, known, seats, centres, FIRM_TRAVEL_COST, moves)
     return moves
 
 
-def _seats(hold: Hold | None, body: AnyMorphology, frame_rate: float, positions: FloatArray) -> FloatArray:
-    """(F, 7) the middle of the hips from the root, where it is to be, and how firmly."""
+def _seats(hold: GroundContact | None, body: AnyMorphology, frame_rate: float, positions: FloatArray) -> FloatArray:
+    """Rows (F, 7): middle of the hips from the root, its target, and weight."""
     middle = track_of(ContactPoint.SEAT, body, positions)
     if hold is None:
         return np.column_stack([middle - positions[:, 0], middle, np.zeros(len(middle))])
-    firm = 1.0 - freedom(hold.standing, frame_rate, SLOWLY_LET_GO)
+    firm = 1.0 - release_weight(hold.standing, frame_rate, SLOWLY_LET_GO)
     return np.column_stack([middle - positions[:, 0], hold.displaced(middle, frame_rate), firm])
 
 
 def _kneeling(
-    holds: list[Hold],
+    holds: list[GroundContact],
     footing: Footing,
     motion: NormalizedMotion,
     body: AnyMorphology,
     ground: Ground,
     positions: FloatArray,
 ) -> Footing:
-    """The footing with knees: (2, F, 7) ankles, knees, and how firmly these are held; shanks keep their lengths.
+    """Footing with knees: (2, F, 7) ankles, knees and their weights; shanks keep their lengths.
 
-    Where only the knee stands, the foot comes along; where the toe stands as well, the foot turns about it; where the
-    heel stands, the knee yields.
+    With the knee alone in contact the foot follows; with the toe, the foot rotates about it; with the heel, the knee
+    yields.
     """
     frame_rate = motion.frame_rate
     ankles = np.concatenate([footing.ankles, np.zeros((*footing.ankles.shape[:2], 4))], axis=2)
     feet, toes, soft_thresholds = footing.feet.copy(), footing.toes.copy(), footing.soft_thresholds.copy()
     for hold in holds:
         side = hold.point.side
-        firm = (1.0 - freedom(hold.standing, frame_rate, LET_GO))[:, None]
+        firm = (1.0 - release_weight(hold.standing, frame_rate, LET_GO))[:, None]
         knees = hold.displaced(track_of(hold.point, body, positions), frame_rate)
         shank = leg_rows(body, side)[:, 1:]
         to_toe = np.einsum(
             "fij,fj->fi", feet[side], np.broadcast_to(body.rows[:, at.M_FOOT + 3 * side :][:, :3], knees.shape)
         )
         heel, toe = (
-            1.0 - freedom((footing.states[side] & bit) != 0, frame_rate)[:, None] for bit in (HEEL_STANDS, TOE_STANDS)
+            1.0 - release_weight((footing.states[side] & bit) != 0, frame_rate)[:, None]
+            for bit in (HEEL_STANDS, TOE_STANDS)
         )
         soles, states = sole_rows(body, side), footing.states[side]
         ankle = footing.ankles[side] + _off_its_instep(footing.ankles[side], feet[side], toes[side], soles, ground)
@@ -274,14 +272,14 @@ def _kneeling(
 
 
 def _let_go_of_knees(
-    hold: Hold,
+    hold: GroundContact,
     footing: Footing,
     motion: NormalizedMotion,
     body: AnyMorphology,
     positions: FloatArray,
     rotations: FloatArray,
 ) -> None:
-    """Knees of a settled body face their places while they stand, and ease there and back, in place."""
+    """Swivel knees of a settled body to their contacts, with interpolation before and after, in place."""
     side = hold.point.side
     ankles, soft_thresholds = footing.ankles[side], footing.soft_thresholds[side]
     hips, pelvises = np.ascontiguousarray(positions[:, body.layout.hip(side)]), rotations[:, 0]
@@ -291,7 +289,9 @@ def _let_go_of_knees(
     for first, past in runs_of(hold.standing):
         whole = np.unwrap(angles[first:past, 0])
         angles[first:past, 0] = whole - 2.0 * np.pi * np.round(np.median(whole) / (2.0 * np.pi))
-    free = eased(np.where(hold.standing[:, None], angles, 0.0), hold.standing, motion.frame_rate)[:, 0]
+    free = interpolated_corrections(np.where(hold.standing[:, None], angles, 0.0), hold.standing, motion.frame_rate)[
+        :, 0
+    ]
     standing = ankles[hold.standing]
     write_knee_targets(*leg, free, hips, pelvises, ankles)
     ankles[hold.standing] = standing
@@ -306,15 +306,15 @@ def _kept_above(
     ground: Ground,
     frame_rate: float,
 ) -> FloatArray:
-    """(F, 3) ``ankles`` of who kneels, raised off the plane of the ground below them; ``toes`` bend up, in place."""
+    """Ankles (F, 3) of a kneeling body, raised above the plane of the ground; ``toes`` bend up, in place."""
     under = np.column_stack([ankles[:, :2], averaged(ground.height_at(ankles)[:, None], AVERAGED, frame_rate)])
     tilts = averaged(tilts_of(ground.normal_at(ankles)), AVERAGED, frame_rate)
-    turns = Rotation.from_rotvec(tilts).as_matrix()
-    back = np.swapaxes(turns, 1, 2)
+    rotation_matrices = Rotation.from_rotvec(tilts).as_matrix()
+    back = np.swapaxes(rotation_matrices, 1, 2)
     places, bent = np.einsum("fij,fj->fi", back, ankles - under), back @ toes
     raise_swing_foot(soles, states, 0.0, frame_rate, places, back @ feet, bent)
-    toes[:] = turns @ bent
-    raised = under + np.einsum("fij,fj->fi", turns, places)
+    toes[:] = rotation_matrices @ bent
+    raised = under + np.einsum("fij,fj->fi", rotation_matrices, places)
     flying = states[:, None] == 0
     return np.asarray(raised + np.where(flying, _off_its_instep(raised, feet, toes, soles, ground), 0.0))
 
@@ -322,7 +322,7 @@ def _kept_above(
 def _off_its_instep(
     ankles: FloatArray, feet: FloatArray, toes: FloatArray, soles: FloatArray, ground: Ground
 ) -> FloatArray:
-    """(F, 3) by how much feet whose soles look up are raised off their toes, so that these are not in the ground.
+    """Displacement (F, 3) of feet with their soles up, to clear their toes.
 
     METHOD (7).
     """
@@ -331,38 +331,38 @@ def _off_its_instep(
     tip = joint + np.einsum("fij,fj->fi", toes, np.column_stack([length, 0.0 * length, -height - down]))
     normals = ground.normal_at(joint)
     above = (tip[:, 2] - ground.height_at(tip)) * normals[:, 2]
-    upside = smoothstep(np.clip(-8.0 * np.einsum("fk,fk->f", feet[..., 2], normals), 0.0, 1.0))
-    return np.asarray((upside * lacking(above, PLAY))[:, None] * normals)
+    upside = smoothstep_array(np.clip(-8.0 * np.einsum("fk,fk->f", feet[..., 2], normals), 0.0, 1.0))
+    return np.asarray((upside * smooth_penetrations(above, SOLE_TOLERANCE))[:, None] * normals)
 
 
-def _eased_off(soft_thresholds: FloatArray, share: FloatArray) -> FloatArray:
-    """Legs' comforts where a ``share`` of ease lets them stretch further: they bear no weight."""
-    return np.asarray(soft_thresholds + share * np.maximum(MAX_EXTENSION - soft_thresholds, 0.0))
+def _eased_off(soft_thresholds: FloatArray, fraction: FloatArray) -> FloatArray:
+    """Soft-IK thresholds relaxed by ``fraction``, for legs that bear no weight."""
+    return np.asarray(soft_thresholds + fraction * np.maximum(MAX_EXTENSION - soft_thresholds, 0.0))
 
 
 def _on_both(
-    first: FloatArray, first_radius: FloatArray, second: FloatArray, second_radius: FloatArray, wanted: FloatArray
+    first: FloatArray, first_radius: FloatArray, second: FloatArray, second_radius: FloatArray, target: FloatArray
 ) -> FloatArray:
-    """(F, 3) the points nearest to ``wanted`` at given distances from two points; between them where there are none."""
+    """Points (F, 3) nearest to ``target`` at given distances from two points, or between them."""
     line = second - first
     apart = np.maximum(np.linalg.norm(line, axis=1, keepdims=True), 1e-9)
     along = line / apart
-    share = (apart**2 + first_radius**2 - second_radius**2) / (2.0 * apart)
-    middle = first + share * along
-    radius = np.sqrt(np.maximum(first_radius**2 - share**2, 0.0))
-    away = wanted - middle
+    fraction = (apart**2 + first_radius**2 - second_radius**2) / (2.0 * apart)
+    middle = first + fraction * along
+    radius = np.sqrt(np.maximum(first_radius**2 - fraction**2, 0.0))
+    away = target - middle
     away = away - np.sum(away * along, axis=1, keepdims=True) * along
     return np.asarray(middle + radius * normalized(away))
 
 
 def _arms(
-    holds: dict[ContactPoint, Hold],
+    holds: dict[ContactPoint, GroundContact],
     motion: NormalizedMotion,
     body: AnyMorphology,
     positions: FloatArray,
     rotations: FloatArray,
-) -> Arms:
-    """Where the arms of a settled body go."""
+) -> ArmStance:
+    """Arm stance of a settled body."""
     layout, count = body.layout, len(positions)
     soft_thresholds, standing = np.zeros((2, count)), np.zeros((2, count), dtype=np.bool_)
     wrists = np.stack([positions[:, layout.wrist(side)] for side in range(2)])
@@ -374,11 +374,11 @@ def _arms(
         hold = holds[point]
         own, standing[side] = wrists[side].copy(), hold.standing
         wrists[side] = hold.displaced(own, motion.frame_rate)
-        hands[side] = laid_hands(hold, body, hands[side], motion.frame_rate)
+        hands[side] = level_hands(hold, body, hands[side], motion.frame_rate)
         placed = hold.standing | (wrists[side] != own).any(axis=1)
-        free = freedom(hold.standing, motion.frame_rate) * freedom(~placed, motion.frame_rate)
+        free = release_weight(hold.standing, motion.frame_rate) * release_weight(~placed, motion.frame_rate)
         stretch = reach_of(motion, body, side) / arm_rows(body, side).sum(axis=1)
         soft_thresholds[side] = np.where(placed, stretch - free * np.maximum(stretch - SOFT_IK_THRESHOLD, 0.0), 0.0)
         for first, past in runs_of(placed):
             bends[side, first:past] = 1.0 if motion.channels[first:past, at.LIMB_BEND + side].sum() >= 0.0 else -1.0
-    return Arms(wrists, hands, bends, soft_thresholds, standing)
+    return ArmStance(wrists, hands, bends, soft_thresholds, standing)

@@ -1,4 +1,4 @@
-"""A motion on one body and on the ground, before any constraint: scaled, on its feet, out of its own way."""
+"""Grounding of a motion: scaled to one body, on its feet, arms out of the body, before any constraint."""
 
 import math
 from collections.abc import Sequence
@@ -21,34 +21,36 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.runs import runs_in
 from studio.core.single import PoseArray, single
-from studio.core.solver.asking.self_contact import LOOKS, SelfContact, hands_standing, self_contact_of
+from studio.core.solver.asking.self_contact import PUSH_OUT_ROUNDS, SelfContact, self_contact_of, standing_hand_weights
 from studio.core.solver.request import AdaptRequest, Unasked
-from studio.core.solver.standing.carrying import Hold, find_carrying, limb_freedom
-from studio.core.solver.standing.flights import leaps
+from studio.core.solver.standing.body_support import GroundContact, find_support, limb_freedom
+from studio.core.solver.standing.flight_height import flight_heights
 from studio.core.solver.standing.footing import Footing, find_footing
-from studio.core.solver.standing.led import Stance, led_from
+from studio.core.solver.standing.inertialisation import Stance, led_from
 from studio.core.solver.standing.raised_arms import raise_arms
-from studio.core.solver.standing.row import joined, parts_of, windows_in
-from studio.core.solver.standing.settling import Arms, settle
+from studio.core.solver.standing.row_parts import joined, parts_of, windows_in
+from studio.core.solver.standing.settling import ArmStance, settle
 from studio.core.solver.standing.shown_floor import shown_floor
 
 FloatArray = NDArray[np.float64]
 
-AROUND = 1.0
-"""Seconds around frames whose poses have to do with what is solved in them, as a balance's support has."""
+CONTEXT_SECONDS = 1.0
+"""Seconds around a frame whose poses affect its solution, such as a balance's support polygon."""
 
 
 @dataclass(frozen=True, eq=False)
 class Standing:
-    """A motion on one body and on the ground, before any constraint: what a dragged constraint need not ask again."""
+    """A grounded motion on one body, before any constraint: independent of constraints, so that these can
+    be dragged.
+    """
 
     motion: NormalizedMotion
     morphology: AnyMorphology
     contacts: tuple[ContactInterval, ...]
     ground: Ground
     footing: Footing
-    holds: tuple[Hold, ...]
-    arms: Arms | None
+    holds: tuple[GroundContact, ...]
+    arms: ArmStance | None
     positions: PoseArray
     rotations: PoseArray
     volume: BodyVolume | None = None
@@ -67,54 +69,54 @@ class Standing:
         return replace(self, footing=footing, positions=single(self.positions), rotations=single(self.rotations))
 
     def with_arms_right(self, windows: Sequence[slice]) -> "Standing":
-        """The same with hands where they touch and arms out of the body, in place, in some ``windows`` at least.
+        """The same with self-contacts solved, in place, at least in some ``windows``.
 
-        There, and a second around, it is as with all frames in one window. It comes before ``kept``.
+        There, and a second around, the result equals that of all frames in one window. Call it before ``kept``.
         """
         contact, motion = self.self_contact, self.motion
         if contact is None:
             return self
-        wanted = np.zeros(motion.frame_count, dtype=np.bool_)
+        target = np.zeros(motion.frame_count, dtype=np.bool_)
         for window in windows:
-            wanted[contact.around(contact.around(self.around(window, AROUND)), LOOKS)] = True
-        free = 1.0 - hands_standing(self.contacts, motion.frame_count, motion.frame_rate)
+            target[contact.around(contact.around(self.around(window, CONTEXT_SECONDS)), PUSH_OUT_ROUNDS)] = True
+        free = 1.0 - standing_hand_weights(self.contacts, motion.frame_count, motion.frame_rate)
         positions, rotations = np.asarray(self.positions), np.asarray(self.rotations)
-        for run in runs_in(slice(0, motion.frame_count), wanted, 1):
-            contact.close(run, free[run], positions[run], rotations[run], LOOKS)
+        for run in runs_in(slice(0, motion.frame_count), target, 1):
+            contact.close(run, free[run], positions[run], rotations[run], PUSH_OUT_ROUNDS)
         raise_arms(self.morphology, self.ground, self.arms, motion.frame_rate, positions, rotations)
         return self
 
     def around(self, window: slice, seconds: float) -> slice:
-        """``window`` and ``seconds`` on either side, as far as there are frames."""
+        """``window`` extended by ``seconds`` on either side."""
         frames = math.ceil(seconds * self.motion.frame_rate)
         return slice(max(window.start - frames, 0), min(window.stop + frames, self.motion.frame_count))
 
     @cached_property
     def limb_freedoms(self) -> FloatArray:
-        """(4, F) how free of its contacts each limb is."""
+        """Release weights (4, F) of the limbs from their contacts."""
         count, rate = self.motion.frame_count, self.motion.frame_rate
         return np.array([limb_freedom(self.contacts, limb, count, rate) for limb in range(4)])
 
     @cached_property
     def peaks(self) -> FloatArray:
-        """(S,) radians a second squared: the greatest angular acceleration of each segment in its carrier."""
-        carriers = np.array(self.morphology.layout.parent_segments())
-        peaks = np.empty((len(carriers), 2))
-        segment_peaks(carriers, self.rotations[:], self.motion.frame_rate, peaks)
+        """Greatest angular acceleration (S,) of each segment in its parent, rad/s2."""
+        parents = np.array(self.morphology.layout.parent_segments())
+        peaks = np.empty((len(parents), 2))
+        segment_peaks(parents, self.rotations[:], self.motion.frame_rate, peaks)
         return peaks[:, 1]
 
     @cached_property
     def root_peak(self) -> float:
-        """The same of a bone that the root's travel turns (``kernels.time.acceleration_peaks``)."""
+        """The same of a bone that follows the root's travel (``kernels.time.acceleration_peaks``)."""
         pushes = np.linalg.norm(np.diff(self.positions[:, 0], 2, axis=0), axis=1)
         return float(pushes.max(initial=0.0)) * self.motion.frame_rate**2 / RADIAN_LENGTH
 
 
 def standing_of(request: AdaptRequest, windows: Sequence[slice] | None = None) -> Standing:
-    """How the motion of ``request`` stands before its constraints; its arms right in some ``windows`` at least, all by
-    default: that takes most of the time.
+    """Grounded motion of ``request`` before its constraints; self-contacts, the most expensive part, at least in
+    ``windows``.
 
-    Where one clip takes over from another, each stands by itself, led on from where the one before it left the body.
+    Clips of a row are grounded separately, and inertialised at their transitions.
     """
     motion, parts = request.motion, list[Standing]()
     known = motion, request.morphology, request.contacts, request.volume, request.actor, request.clears
@@ -143,33 +145,33 @@ def stand(
     limited: bool = True,
     clears: bool = False,
 ) -> Standing:
-    """Scale a motion to a body and set it on the ground: feet, and what else carries it (K05 sections 6 and 7).
+    """Ground a motion on a body: feet, and all other contacts (K05 sections 6 and 7).
 
-    What its hands touch they touch here; where it ``clears``, its arms stay out of it (``solver.self_contact``).
+    Hands touch what the actor's touch; with ``clears`` arms stay out of the body (``solver.self_contact``).
     """
     known = motion, morphology, tuple(contacts)
     return standing_of(AdaptRequest(*known, (), ground, {}, volume, actor, limited, False, clears))
 
 
 def _stand_alone(request: AdaptRequest) -> Standing:
-    """A motion without changes as it stands, but for its arms."""
+    """Grounded motion without transitions, before its self-contacts."""
     motion, morphology, contacts, ground = request.motion, request.morphology, request.contacts, request.ground
     volume, actor, limited = request.volume, request.actor, request.limited
     positions, rotations = realize(motion, morphology)
     contacts = on_ground(contacts)
     ground = ground.felt_at(positions)
     positions[:, :, 2] += (ground.height - shown_floor(contacts, positions, morphology, motion.frame_rate))[:, None]
-    positions[:, :, 2] += leaps(contacts, morphology, ground.height, positions)[:, None]
-    carrying = find_carrying(motion, morphology, contacts, ground, positions, rotations, actor)
-    upright, share = (positions, rotations), None if carrying is None else carrying.feet_share
+    positions[:, :, 2] += flight_heights(contacts, morphology, ground.height, positions)[:, None]
+    carrying = find_support(motion, morphology, contacts, ground, positions, rotations, actor)
+    upright, fraction = (positions, rotations), None if carrying is None else carrying.feet_share
     if carrying is not None:
         positions += carrying.shift[:, None]
         if not ground.is_level:  # feet keep their heights above it
             upright = carrying.upright + carrying.shift[:, None] * [1.0, 1.0, 0.0], rotations
             positions, rotations = carrying.pose[0] + carrying.shift[:, None], carrying.pose[1]
-    footing = find_footing(motion, morphology, contacts, ground, positions, rotations, share, upright)
-    arms: Arms | None = None
-    holds: tuple[Hold, ...] = ()
+    footing = find_footing(motion, morphology, contacts, ground, positions, rotations, fraction, upright)
+    arms: ArmStance | None = None
+    holds: tuple[GroundContact, ...] = ()
     if carrying is not None:
         footing, arms, holds = settle(carrying, footing, motion, morphology, ground, positions, rotations)
     measures = morphology.rows

@@ -1,6 +1,6 @@
-"""Feet brought out of the ground as little as can be: tipped about what of them is not in it (METHOD 4).
+"""Feet moved out of the ground by the least amount: tipped about their free end (METHOD 4).
 
-What stands stays where it stands: a foot whose heel is in the ground tips about its ball, and the other way round.
+Contacts stay: a foot whose heel penetrates tips about its ball, and the other way round.
 """
 
 import numpy as np
@@ -10,15 +10,15 @@ from scipy.spatial.transform import Rotation
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.support.swing_foot_clearance import TOE_BEND_LEAD, smooth_toe_bends
 from studio.core.solver.standing.held_foot import FootPath
-from studio.core.solver.standing.swing import PLAY
+from studio.core.solver.standing.swing_foot_path import SOLE_TOLERANCE
 
 FloatArray = NDArray[np.float64]
 
 
 def depths_of(foot: FootPath, measures: FloatArray, ground: Ground) -> FloatArray:
-    """(2, F) metres by which the heel, and the ball or the tip, are in the ground.
+    """Penetration (2, F) in metres of the heel, and of the ball or the tip.
 
-    ``measures`` (F or 1, 6) as ``morphology.sole_rows`` has them.
+    ``measures`` (F or 1, 6) as in ``morphology.sole_rows``.
     """
     heel, joint, thickness, tip = _arms(measures)
     up, ball = foot.ankles, foot.ankles + _turned(foot.feet, joint)
@@ -33,7 +33,7 @@ def depths_of(foot: FootPath, measures: FloatArray, ground: Ground) -> FloatArra
 
 
 def out_of_ground(foot: FootPath, measures: FloatArray, depths: FloatArray) -> FootPath:
-    """``foot`` raised by ``depths`` (2, F) at its heel and its ball; toes are turned as they were."""
+    """``foot`` raised by ``depths`` (2, F) at its heel and its ball, with the same toe rotations."""
     if not depths.any():
         return foot
     heel, joint, _, _ = _arms(measures)
@@ -48,31 +48,35 @@ def out_of_ground(foot: FootPath, measures: FloatArray, depths: FloatArray) -> F
 
 
 def seen_coming(depths: FloatArray, stands: NDArray[np.bool_], frame_rate: float) -> FloatArray:
-    """``depths`` (N, F) by which to raise what is in the ground: smooth, and begun before it must be.
+    """Smooth upper envelope of ``depths`` (N, F), which begins before the penetration.
 
-    Not where the foot ``stands`` (F,), nor in the first frame, before which nobody knew.
+    It is zero where the foot ``stands`` (F,), and in the first frame.
     """
     surely = stands | (np.arange(len(stands)) == 0)
-    raised, early = depths - PLAY * (1.0 - np.exp(-depths / PLAY)), np.empty_like(depths)
+    raised, early = depths - SOLE_TOLERANCE * (1.0 - np.exp(-depths / SOLE_TOLERANCE)), np.empty_like(depths)
     for each, out in zip(raised, early, strict=True):
         smooth_toe_bends(surely, round(TOE_BEND_LEAD * frame_rate), each, out)
     return early
 
 
 def _arms(measures: FloatArray) -> tuple[FloatArray, ...]:
-    """From the ankle to heel and to the joint of the toes, what is below that, and from it to the tip; (F or 1, 3)."""
+    """Vectors (F or 1, 3) from the ankle to the heel and the toe joint, the sole's thickness, and from the joint to the
+    tip.
+    """
     forward, left, down, height, heel, length = measures.T
     zero = np.zeros_like(height)
     arms = (-heel, zero, -height), (forward, left, down), (zero, zero, height + down), (length, zero, -height - down)
     return tuple(np.column_stack(each) for each in arms)
 
 
-def _turned(turns: FloatArray, arms: FloatArray) -> FloatArray:
-    return np.asarray((turns @ arms[..., None])[..., 0])
+def _turned(rotation_matrices: FloatArray, arms: FloatArray) -> FloatArray:
+    return np.asarray((rotation_matrices @ arms[..., None])[..., 0])
 
 
 def _tipped(arms: FloatArray, rises: FloatArray) -> FloatArray:
-    """(F, 3, 3) turns about level axes that raise the ends of ``arms`` (F, 3) by so many metres, as far as they can."""
+    """Rotations (F, 3, 3) about level axes that raise the ends of ``arms`` (F, 3) by ``rises`` metres, as far as
+    possible.
+    """
     lengths = np.maximum(np.linalg.norm(arms, axis=1), 1e-9)
     slopes = [np.arcsin(np.clip(height / lengths, -1.0, 1.0)) for height in (arms[:, 2], arms[:, 2] + rises)]
     axes = np.column_stack([arms[:, 1], -arms[:, 0], np.zeros(len(arms))])

@@ -1,1 +1,1 @@
-"""Each kind of constraint: how it is written as a row, and by how much it is missed."""
+"""Kinds of constraint: task record, target trajectory and residual of each."""

@@ -1,27 +1,27 @@
-"""A point outside, inside or on the surface of a shape; by how much it is missed the solver alone knows."""
+"""Area tasks: a point outside, inside or on the surface of a shape."""
 
 import numpy as np
 
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.kernels.tasks import goals
-from studio.core.solver.asking.areas import area_row
-from studio.core.solver.asking.course import course_of_point
-from studio.core.solver.asking.kinds.kind import Kind
-from studio.core.solver.asking.rows import Rows
+from studio.core.solver.asking.area_rows import area_row
+from studio.core.solver.asking.kinds.kind import SolverKind
+from studio.core.solver.asking.target_trajectory import point_trajectory
+from studio.core.solver.asking.task_rows import TaskRecords
 
 
-def put(rows: Rows, c: int, constraint: AreaConstraint) -> None:
-    """Its shape stands beside its row, longer by its field for a mesh."""
+def write(rows: TaskRecords, c: int, constraint: AreaConstraint) -> None:
+    """Write the shape of the area, followed by its distance field for a mesh."""
     if not rows.put_followed(c, constraint.centre):
-        rows.places[c] = rows.targets.places(constraint.centre)
+        rows.positions[c] = rows.targets.places(constraint.centre)
     if constraint.shape is AreaShape.HALF_SPACE:
-        rows.turns[c] = rows.targets.tilts(constraint.heading, constraint.centre, constraint.size)
+        rows.rotations[c] = rows.targets.tilts(constraint.heading, constraint.centre, constraint.size)
     else:
-        rows.turns[c] = rows.targets.headings(constraint.heading, constraint.centre)
+        rows.rotations[c] = rows.targets.headings(constraint.heading, constraint.centre)
     row = area_row(constraint)
     if len(row) > rows.areas.shape[1]:
         rows.areas = np.pad(rows.areas, ((0, 0), (0, len(row) - rows.areas.shape[1])))
     rows.areas[c, : len(row)] = row
 
 
-AREA = Kind(goals.AREA_TASK, put, course_of_point, enters=True)
+AREA_KIND = SolverKind(goals.AREA_TASK, write, point_trajectory, enters=True)

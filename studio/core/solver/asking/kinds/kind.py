@@ -1,4 +1,4 @@
-"""What the solver knows of a kind of constraint, beside the kernels that hold it."""
+"""Functions of the solver for a kind of constraint, beside its kernels."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.solver.asking.course import Course, Unsolved
-from studio.core.solver.asking.rows import Rows
+from studio.core.solver.asking.target_trajectory import TargetTrajectory, UnsolvedTask
+from studio.core.solver.asking.task_rows import TaskRecords
 from studio.core.solver.asking.tracks import Targets
 from studio.core.solver.request import AdaptedMotion
 
@@ -16,15 +16,15 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Kind:
-    """``code`` is the kind as the kernels know it. ``put`` writes constraint c of the rows. ``course`` is what one row
-    asks beside the unsolved poses. ``missed`` measures poses: (F,) metres or radians by which a constraint is missed at
-    full activation; None where only the solver knows that. ``enters``: it acts only while its point is where it may
-    not be, and so begins and ends within its activation.
+class SolverKind:
+    """``code`` is the kind's number in the kernels. ``write`` writes constraint c of the records. ``trajectory`` is its
+    target relative to the unsolved poses. ``residual`` measures poses: (F,) metres or radians at full activation, None
+    where only the solver knows it. ``enters``: the kind is active only inside a region, so that it begins and ends
+    within its activation.
     """
 
     code: int
-    put: Callable[[Rows, int, Any], None]
-    course: Callable[[Unsolved], Course]
-    missed: Callable[[Any, Targets, AdaptedMotion], FloatArray] | None = None
+    write: Callable[[TaskRecords, int, Any], None]
+    trajectory: Callable[[UnsolvedTask], TargetTrajectory]
+    residual: Callable[[Any, Targets, AdaptedMotion], FloatArray] | None = None
     enters: bool = False

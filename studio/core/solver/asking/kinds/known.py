@@ -1,4 +1,4 @@
-"""The kinds of constraint that the solver knows: a new one is a file beside this one and a line here."""
+"""Table of the kinds of constraint: a new one is a file beside this one and a line here."""
 
 from collections.abc import Mapping
 
@@ -10,24 +10,24 @@ from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.upright import UprightConstraint
-from studio.core.solver.asking.kinds.area import AREA
-from studio.core.solver.asking.kinds.balance import BALANCE
-from studio.core.solver.asking.kinds.distance import DISTANCE
-from studio.core.solver.asking.kinds.kind import Kind
-from studio.core.solver.asking.kinds.look_at import LOOK_AT
-from studio.core.solver.asking.kinds.orientation import ORIENTATION
-from studio.core.solver.asking.kinds.position import POSITION
-from studio.core.solver.asking.kinds.upright import UPRIGHT
+from studio.core.solver.asking.kinds.area import AREA_KIND
+from studio.core.solver.asking.kinds.balance import BALANCE_KIND
+from studio.core.solver.asking.kinds.distance import DISTANCE_KIND
+from studio.core.solver.asking.kinds.kind import SolverKind
+from studio.core.solver.asking.kinds.look_at import LOOK_AT_KIND
+from studio.core.solver.asking.kinds.orientation import ORIENTATION_KIND
+from studio.core.solver.asking.kinds.position import POSITION_KIND
+from studio.core.solver.asking.kinds.upright import UPRIGHT_KIND
 
-KINDS: Mapping[type[Constraint], Kind] = {
-    PositionConstraint: POSITION,
-    OrientationConstraint: ORIENTATION,
-    LookAtConstraint: LOOK_AT,
-    UprightConstraint: UPRIGHT,
-    DistanceConstraint: DISTANCE,
-    BalanceConstraint: BALANCE,
-    AreaConstraint: AREA,
+SOLVER_KINDS: Mapping[type[Constraint], SolverKind] = {
+    PositionConstraint: POSITION_KIND,
+    OrientationConstraint: ORIENTATION_KIND,
+    LookAtConstraint: LOOK_AT_KIND,
+    UprightConstraint: UPRIGHT_KIND,
+    DistanceConstraint: DISTANCE_KIND,
+    BalanceConstraint: BALANCE_KIND,
+    AreaConstraint: AREA_KIND,
 }
-BY_CODE = {kind.code: kind for kind in KINDS.values()}
-"""The same by what the kernels know each by."""
-ENTERING = [kind.code for kind in KINDS.values() if kind.enters]
+KIND_BY_CODE = {kind.code: kind for kind in SOLVER_KINDS.values()}
+"""Kinds by their numbers in the kernels."""
+ENTERING_KINDS = [kind.code for kind in SOLVER_KINDS.values() if kind.enters]

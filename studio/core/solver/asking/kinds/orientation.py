@@ -1,4 +1,4 @@
-"""A segment turned one way."""
+"""Orientation tasks: a segment rotated to a target."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,24 +8,24 @@ from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.kernels.tasks import goals
 from studio.core.rotations import to_matrix
-from studio.core.solver.asking.course import Course, Unsolved
-from studio.core.solver.asking.kinds.kind import Kind
+from studio.core.solver.asking.kinds.kind import SolverKind
 from studio.core.solver.asking.points import point_indices
-from studio.core.solver.asking.rows import Rows
+from studio.core.solver.asking.target_trajectory import TargetTrajectory, UnsolvedTask
+from studio.core.solver.asking.task_rows import TaskRecords
 from studio.core.solver.asking.tracks import Targets
 from studio.core.solver.request import AdaptedMotion
 
 FloatArray = NDArray[np.float64]
 
 
-def put(rows: Rows, c: int, constraint: OrientationConstraint) -> None:
-    """Its turn, or what it follows."""
+def write(rows: TaskRecords, c: int, constraint: OrientationConstraint) -> None:
+    """Write the target rotation, or the followed segment."""
     if not rows.put_followed(c, constraint.target):
-        rows.turns[c] = rows.targets.turns(constraint.target)
+        rows.rotations[c] = rows.targets.turns(constraint.target)
 
 
-def missed(constraint: OrientationConstraint, targets: Targets, adapted: AdaptedMotion) -> FloatArray:
-    """(F,) radians."""
+def residual(constraint: OrientationConstraint, targets: Targets, adapted: AdaptedMotion) -> FloatArray:
+    """Angle (F,) in radians to the target."""
     segment = point_indices(constraint.point, adapted.morphology.layout)[1]
     return _angle(adapted.rotations[:, segment], _turns(constraint.target, targets, adapted))
 
@@ -38,16 +38,20 @@ def _turns(target: object, targets: Targets, adapted: AdaptedMotion) -> FloatArr
 
 
 def _angle(one: FloatArray, other: FloatArray) -> FloatArray:
-    """(F,) radians between rotations (F, 3, 3) and (F or 1, 3, 3)."""
-    turn = np.swapaxes(one, 1, 2) @ other
-    axis = [turn[:, 2, 1] - turn[:, 1, 2], turn[:, 0, 2] - turn[:, 2, 0], turn[:, 1, 0] - turn[:, 0, 1]]
-    return np.asarray(np.arctan2(np.linalg.norm(axis, axis=0), np.trace(turn, axis1=1, axis2=2) - 1.0))
+    """Angle (F,) in radians between rotations (F, 3, 3) and (F or 1, 3, 3)."""
+    rotation = np.swapaxes(one, 1, 2) @ other
+    axis = [
+        rotation[:, 2, 1] - rotation[:, 1, 2],
+        rotation[:, 0, 2] - rotation[:, 2, 0],
+        rotation[:, 1, 0] - rotation[:, 0, 1],
+    ]
+    return np.asarray(np.arctan2(np.linalg.norm(axis, axis=0), np.trace(rotation, axis1=1, axis2=2) - 1.0))
 
 
-def course(unsolved: Unsolved) -> Course:
-    """The turn from where the segment is, as a rotation vector."""
+def trajectory(unsolved: UnsolvedTask) -> TargetTrajectory:
+    """Rotation vector from the segment to its target."""
     errors = unsolved.wanted_turn @ np.swapaxes(unsolved.segment, 1, 2)
     return np.asarray(Rotation.from_matrix(errors).as_rotvec()), 1.0
 
 
-ORIENTATION = Kind(goals.ORIENTATION_TASK, put, course, missed)
+ORIENTATION_KIND = SolverKind(goals.ORIENTATION_TASK, write, trajectory, residual)

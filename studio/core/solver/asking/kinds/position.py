@@ -1,4 +1,4 @@
-"""A point at a place."""
+"""Position tasks: a point at a target."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,34 +7,34 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.position import PositionConstraint
 from studio.core.kernels.tasks import goals
-from studio.core.solver.asking.course import course_of_point
-from studio.core.solver.asking.kinds.kind import Kind
+from studio.core.solver.asking.kinds.kind import SolverKind
 from studio.core.solver.asking.points import limb_of
-from studio.core.solver.asking.posed import place_of, wanted_place
-from studio.core.solver.asking.rows import Rows, put_end
+from studio.core.solver.asking.posed_points import point_positions, target_positions
+from studio.core.solver.asking.target_trajectory import point_trajectory
+from studio.core.solver.asking.task_rows import TaskRecords, write_end
 from studio.core.solver.asking.tracks import Targets
 from studio.core.solver.request import AdaptedMotion
 
 FloatArray = NDArray[np.float64]
 
 
-def put(rows: Rows, c: int, constraint: PositionConstraint) -> None:
-    """Its place, or what it follows: no distance from a point of its own body that another limb carries."""
+def write(rows: TaskRecords, c: int, constraint: PositionConstraint) -> None:
+    """Write the target, or the followed point; a point of the own body on another limb becomes a zero distance."""
     target = constraint.target
     if isinstance(target, FollowBody) and _is_pair(constraint):
         # Nought metres from where the other point comes to be, by moving this one alone.
-        rows.asked["kind"][c], rows.asked["end_fractions"][c, 0] = goals.DISTANCE_TASK, 1.0
-        put_end(rows.asked[c], 1, target.point, constraint.chain, rows.layout)
-        rows.asked["limb_weights"][c, 1] = 0.0
+        rows.tasks["kind"][c], rows.tasks["end_fractions"][c, 0] = goals.DISTANCE_TASK, 1.0
+        write_end(rows.tasks[c], 1, target.point, constraint.chain, rows.layout)
+        rows.tasks["limb_weights"][c, 1] = 0.0
         return
     if not rows.put_followed(c, target):
-        rows.asked["blends"][c], rows.places[c] = 1, rows.targets.places(target)
+        rows.tasks["blends"][c], rows.positions[c] = 1, rows.targets.places(target)
 
 
 def _is_pair(constraint: Constraint) -> bool:
-    """Whether a position follows a point of its own body that another limb, or none, carries.
+    """True if a position follows a point of its own body on another limb, or on no limb.
 
-    Then the kernel itself sees to it that it is where the other point comes to be.
+    The kernel then solves both points together.
     """
     if not isinstance(constraint, PositionConstraint) or not isinstance(constraint.target, FollowBody):
         return False
@@ -42,10 +42,10 @@ def _is_pair(constraint: Constraint) -> bool:
     return limb >= 0 and constraint.chain.limb > 0.0 and limb_of(constraint.target.point.part) != limb
 
 
-def missed(constraint: PositionConstraint, targets: Targets, adapted: AdaptedMotion) -> FloatArray:
-    """(F,) metres."""
-    away = place_of(constraint.point, adapted) - wanted_place(constraint.target, targets, adapted)
+def residual(constraint: PositionConstraint, targets: Targets, adapted: AdaptedMotion) -> FloatArray:
+    """Distance (F,) in metres from the point to its target."""
+    away = point_positions(constraint.point, adapted) - target_positions(constraint.target, targets, adapted)
     return np.asarray(np.linalg.norm(away, axis=1))
 
 
-POSITION = Kind(goals.POSITION_TASK, put, course_of_point, missed)
+POSITION_KIND = SolverKind(goals.POSITION_TASK, write, point_trajectory, residual)

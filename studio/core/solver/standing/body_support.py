@@ -1,8 +1,8 @@
-"""What carries a body: beside its feet its hands, knees and seat, each on one place of the ground (METHOD 4).
+"""Support of a body by hands, knees and seat beside its feet, each at one position of the ground (METHOD 4).
 
-The root is normalised by the legs; while hands, knees or seat carry (a handstand, a crawl), it is put where the chain
-from them to the root has it on this body, blended over time by who carries ([K05], closing remarks). Then it is moved
-and turned by the little that is left, so that all that stands is exactly in reach.
+The root is normalised by the legs. While hands, knees or seat support it (a handstand, a crawl), it moves to where the
+chain from them to the root has it on this body, blended over time by their weights ([K05], closing remarks). Then it is
+moved and rotated by the small remainder, so that all contacts are exactly in reach.
 """
 
 from collections.abc import Mapping, Sequence
@@ -34,31 +34,39 @@ from studio.core.rotations import normalized, shortest_arc
 from studio.core.runs import runs_of
 from studio.core.single import PoseArray
 from studio.core.solver.standing.arching import arch_trunk
-from studio.core.solver.standing.blends import AVERAGED, GOES_ALONG, LET_GO, averaged, eased, freedom, smoothstep
+from studio.core.solver.standing.blends import (
+    AVERAGED,
+    GOES_ALONG,
+    LET_GO,
+    averaged,
+    interpolated_corrections,
+    release_weight,
+    smoothstep_array,
+)
 from studio.core.solver.standing.footing import foot_states
 from studio.core.solver.standing.footprints import tilts_of
 from studio.core.solver.standing.shown_floor import shown_floor
 
 FloatArray = NDArray[np.float64]
 
-HEIGHTS = {"hand": 0.065, "knee": 0.065, "seat": 0.12}
-"""Of wrist, knee and middle of the hips above what they stand on, in parts of the leg's length."""
-LYING = 0.1
-"""Parts of the leg's length above the ground up to which a knee of a leg that lies is; at twice that its foot bears."""
-MISSED = 5e-4
-"""Metres by which a body may miss a place before that is put elsewhere."""
-SPREAD = 0.6
-"""Parts of its leg's length round the root over which a body that leans with the ground takes its slope."""
-STIFF = 6.0
-"""How much a metre by which a raised arm is shortened counts beside one that it swings."""
-LEVEL_BELOW = 0.7
+CONTACT_HEIGHTS = {"hand": 0.065, "knee": 0.065, "seat": 0.12}
+"""Heights of wrist, knee and middle of the hips above their contact, in leg lengths."""
+LYING_KNEE_HEIGHT = 0.1
+"""Height of a knee above the ground, in leg lengths, up to which its leg lies; from twice that its foot bears."""
+CONTACT_RESIDUAL = 5e-4
+"""Residual of a contact in metres from which it is moved."""
+SLOPE_RADIUS = 0.6
+"""Radius round the root, in leg lengths, over which a tilted body takes the ground's slope."""
+ARM_STIFFNESS = 6.0
+"""Cost of a metre by which a raised arm is shortened, relative to a metre of its swing."""
+LEVEL_HAND_SINE = 0.7
 """Sine of the angle above the ground up to which fingers, and away from it up to which a palm, are laid on it."""
 
 
 @dataclass(frozen=True, eq=False)
-class Hold:
-    """One point that stands now and then: ``standing`` (F,), and where it is to be then, ``places`` (F, 3), which are
-    ``heights`` (F,) metres above the ground along its ``normals`` (F, 3).
+class GroundContact:
+    """Contact of one point: frames ``standing`` (F,), positions ``places`` (F, 3), ``heights`` (F,) metres above the
+    ground along its ``normals`` (F, 3).
     """
 
     point: ContactPoint
@@ -68,53 +76,59 @@ class Hold:
     heights: FloatArray
 
     def displaced(self, track: FloatArray, frame_rate: float) -> FloatArray:
-        """(F, 3) the point's ``track`` led on to its places, and back on its own way soon after."""
-        return track + eased(np.where(self.standing[:, None], self.places - track, 0.0), self.standing, frame_rate)
+        """The point's ``track`` (F, 3) led to the contact positions, and back soon after."""
+        return track + interpolated_corrections(
+            np.where(self.standing[:, None], self.places - track, 0.0), self.standing, frame_rate
+        )
 
-    def moved(self, misses: FloatArray, ground: Ground) -> "Hold":
-        """Each place moved along the ground by the greatest of the ``misses`` (F, 3) of its contact, itself if none."""
+    def moved(self, misses: FloatArray, ground: Ground) -> "GroundContact":
+        """The contact with each position moved along the ground by its greatest residual (F, 3); itself if there is
+        none.
+        """
         places, normals, lengths = self.places.copy(), self.normals.copy(), np.linalg.norm(misses, axis=1)
         for first, past in runs_of(self.standing):
             worst = first + int(lengths[first:past].argmax())
-            if lengths[worst] > MISSED:
+            if lengths[worst] > CONTACT_RESIDUAL:
                 on_ground = places[first] - self.heights[first] * normals[first] + misses[worst]
                 places[first:past], normals[first:past] = _place_on(on_ground[:2], self.heights[first], ground)
         return self if np.array_equal(places, self.places) else replace(self, places=places, normals=normals)
 
 
 @dataclass(frozen=True, eq=False)
-class Carrying:
-    """What of a body stands beside its feet: ``holds``, the root's ``shift`` (F, 3), the feet's ``share`` (F,), and
-    the ``pose`` that leans with the ground, positions (F, P, 3) and rotations (F, S, 3, 3), before that shift, and the
-    positions of the ``upright`` one (F, P, 3) over the same places of the ground, from which feet are planned.
+class BodySupport:
+    """Support of a body beside its feet: contacts ``holds``, the root's ``shift`` (F, 3), the weight on the feet
+    ``feet_share`` (F,), and the ``pose`` tilted with the ground, positions (F, P, 3) and rotations (F, S, 3, 3), before
+    that shift.
+
+    ``upright`` (F, P, 3) is the untilted pose over the same positions of the ground, from which feet are planned.
     """
 
-    holds: tuple[Hold, ...]
+    holds: tuple[GroundContact, ...]
     shift: FloatArray
     feet_share: FloatArray
     pose: tuple[FloatArray, FloatArray]
     upright: FloatArray
 
 
-def clearance(body: AnyMorphology, point: ContactPoint) -> float:
-    """Metres of a standing wrist, knee or middle of the hips above the ground, of a wrist over a flat palm."""
-    return body.leg_length * HEIGHTS[point.member]
+def contact_height(body: AnyMorphology, point: ContactPoint) -> float:
+    """Height in metres of a wrist, knee or middle of the hips in contact, for a flat palm."""
+    return body.leg_length * CONTACT_HEIGHTS[point.member]
 
 
 def track_of(point: ContactPoint, body: AnyMorphology, positions: PoseArray) -> FloatArray:
-    """(F, 3) what stands at a point, of ``positions`` (F, P, 3): a joint, or the middle of the hips."""
+    """Track (F, 3) of a contact point, from ``positions`` (F, P, 3): a joint, or the middle of the hips."""
     return np.asarray(positions[:, touching_points(point, body.layout)].mean(axis=1))
 
 
 def limb_freedom(contacts: Sequence[ContactInterval], limb: int, frame_count: int, frame_rate: float) -> FloatArray:
-    """(F,) 0 while anything of a limb stands, eased to 1 soon after and before; 1 for what is on no limb."""
+    """Release weight (F,) of a limb: 0 in contact, rising to 1 soon after and before; 1 without limb."""
     spans = [(each.first, each.last) for each in contacts if each.point.limb == limb] if limb >= 0 else []
     if not spans:
         return np.ones(frame_count)
-    return freedom(contact_mask(spans, frame_count), frame_rate)
+    return release_weight(contact_mask(spans, frame_count), frame_rate)
 
 
-def find_carrying(
+def find_support(
     motion: NormalizedMotion,
     body: AnyMorphology,
     contacts: Sequence[ContactInterval],
@@ -122,10 +136,10 @@ def find_carrying(
     positions: FloatArray,
     rotations: FloatArray,
     actor: Morphology | None = None,
-) -> Carrying | None:
-    """Who carries a retargeted motion, ``positions`` (F, P, 3), and how its root follows; None on feet alone.
+) -> BodySupport | None:
+    """Support of a retargeted motion, ``positions`` (F, P, 3), and its root displacement; None on feet alone.
 
-    Arms that stand look as those of the ``actor`` do, if it is known.
+    Arms in contact take the directions of the ``actor``'s, if it is known.
     """
     carrying = [each for each in contacts if not each.point.is_foot and each.first < motion.frame_count]
     if not carrying:
@@ -136,11 +150,11 @@ def find_carrying(
     }
     standing = {point: contact_mask(spans[point], motion.frame_count) for point in BODY_POINTS if spans[point]}
     bearing = _bearing(body, ground, positions)
-    shares = _shares(standing, foot_states(contacts, motion.frame_count), bearing, motion.frame_rate)
+    fractions = _shares(standing, foot_states(contacts, motion.frame_count), bearing, motion.frame_rate)
     pose, upright = (positions, rotations), positions
     if not ground.is_level:
         leans = averaged(1.0 * np.any(list(standing.values()), axis=0)[:, None], GOES_ALONG, motion.frame_rate)
-        leant, turned, upright = leaning(leans, body, ground, motion.frame_rate, positions, rotations)
+        leant, turned, upright = tilt_with_ground(leans, body, ground, motion.frame_rate, positions, rotations)
         pose = leant, turned
     positions = pose[0]
     actors, layout = (positions, body.layout) if actor is None else (realize(motion, actor)[0], actor.layout)
@@ -154,99 +168,102 @@ def find_carrying(
     tracks = {point: _track(point, bones, body, ground, positions) for point in standing}
     holds = tuple(_hold(point, spans[point], body, ground, tracks[point], rises) for point in standing)
     shift = np.zeros((motion.frame_count, 3))
-    for hold, share in zip(holds, shares[1:], strict=True):
+    for hold, fraction in zip(holds, fractions[1:], strict=True):
         away = np.where(hold.standing[:, None], hold.places - tracks[hold.point], 0.0)
         interpolate_gaps(away, hold.standing)
-        shift += share[:, None] * away
+        shift += fraction[:, None] * away
     shift = averaged(shift, AVERAGED, motion.frame_rate)
     if ground.is_level:
         holds = tuple(
             _reached(hold, tracks[hold.point] + shift, body, ground, positions + shift[:, None]) for hold in holds
         )
-    return Carrying(holds, shift, shares[0], pose, upright)
+    return BodySupport(holds, shift, fractions[0], pose, upright)
 
 
 def arm_bones(body: AnyMorphology, actors: FloatArray, layout: BodyLayout) -> FloatArray:
-    """(2, F, 2, 3) upper arms and forearms of a body, directed as in the ``actors`` pose (F, P, 3) of that ``layout``.
+    """Upper arms and forearms (2, F, 2, 3) of a body, with the directions of the ``actors`` pose (F, P, 3) of that
+    ``layout``.
 
-    Where a folded arm keeps the way from shoulder to wrist, bones of other lengths look elsewhere.
+    Where a folded arm keeps the vector from shoulder to wrist, bones of other lengths take other directions.
     """
     wrists = [layout.wrist(side) for side in range(2)]
-    ways = np.array([np.diff(actors[:, wrist - 2 : wrist + 1], axis=1) for wrist in wrists])
+    displacements = np.array([np.diff(actors[:, wrist - 2 : wrist + 1], axis=1) for wrist in wrists])
     lengths = np.array([arm_rows(body, side)[..., None] for side in range(2)])
-    return np.asarray(normalized(ways) * lengths)
+    return np.asarray(normalized(displacements) * lengths)
 
 
 def _hands_over_root(positions: FloatArray, layout: BodyLayout, bones: FloatArray | None = None) -> FloatArray:
-    """(F, 2) metres of both wrists above the root, as they are or where arms of ``bones`` (2, F, 2, 3) have them."""
+    """Heights (F, 2) in metres of both wrists above the root, present or with ``bones`` (2, F, 2, 3)."""
     wrists = np.array([layout.wrist(side) for side in range(2)])
     heights = positions[:, wrists, 2] if bones is None else positions[:, wrists - 2, 2] + bones[..., 2].sum(axis=2).T
     return np.asarray(heights - positions[:, :1, 2])
 
 
 def _raises(standing: Mapping[ContactPoint, NDArray[np.bool_]], lower: FloatArray, frame_rate: float) -> FloatArray:
-    """(F,) metres by which hands that stand hang ``lower`` (F, 2) than the actor's, eased in and out."""
-    shares = np.zeros_like(lower)
+    """Trunk rise (F,) in metres for hands in contact that hang ``lower`` (F, 2) than the actor's, fading in and out."""
+    fractions = np.zeros_like(lower)
     for point, stands in standing.items():
         if point.member == "hand":
-            shares[:, point.side] = 1.0 - freedom(stands, frame_rate, GOES_ALONG)
-    mean = (shares * lower).sum(axis=1, keepdims=True) / np.maximum(shares.sum(axis=1, keepdims=True), 1e-9)
-    return np.asarray(averaged(shares.max(axis=1, keepdims=True) * mean, AVERAGED, frame_rate)[:, 0])
+            fractions[:, point.side] = 1.0 - release_weight(stands, frame_rate, GOES_ALONG)
+    mean = (fractions * lower).sum(axis=1, keepdims=True) / np.maximum(fractions.sum(axis=1, keepdims=True), 1e-9)
+    return np.asarray(averaged(fractions.max(axis=1, keepdims=True) * mean, AVERAGED, frame_rate)[:, 0])
 
 
 def _track(
     point: ContactPoint, bones: FloatArray, body: AnyMorphology, ground: Ground, positions: FloatArray
 ) -> FloatArray:
-    """``track_of`` a point, of a hand on level ground where the ``bones`` (2, F, 2, 3) of its arm take it."""
+    """``track_of`` a point; of a hand on level ground, from the ``bones`` (2, F, 2, 3) of its arm."""
     if point.member != "hand" or not ground.is_level:
         return track_of(point, body, positions)
     return np.asarray(positions[:, body.layout.wrist(point.side) - 2] + bones[point.side].sum(axis=1))
 
 
-def _reached(hold: Hold, track: FloatArray, body: AnyMorphology, ground: Ground, positions: FloatArray) -> Hold:
-    """A hand put where an arm that is longer than the actor's comes to stand as it swings; others as they are."""
+def _reached(
+    hold: GroundContact, track: FloatArray, body: AnyMorphology, ground: Ground, positions: FloatArray
+) -> GroundContact:
+    """The contact of a hand moved to where an arm longer than the actor's lands when it swings."""
     if hold.point.member != "hand":
         return hold
     shoulders = positions[:, body.layout.wrist(hold.point.side) - 2]
-    wrists = swung(track, shoulders, np.maximum(hold.places[:, 2] - track[:, 2], 0.0))
+    wrists = raise_by_swinging(track, shoulders, np.maximum(hold.places[:, 2] - track[:, 2], 0.0))
     places, normals = hold.places.copy(), hold.normals.copy()
     for first, last in spans_of(hold.standing):
         span = slice(first, last + 1)
-        places[span], normals[span] = _place_on(middle_of(wrists[span]), hold.heights[first], ground)
+        places[span], normals[span] = _place_on(median_position(wrists[span]), hold.heights[first], ground)
     return replace(hold, places=places, normals=normals)
 
 
-def leaning(
-    share: FloatArray,
+def tilt_with_ground(
+    fraction: FloatArray,
     body: AnyMorphology,
     ground: Ground,
     frame_rate: float,
     positions: FloatArray,
     rotations: FloatArray,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Poses turned with the slope of the ground round the root, about the place on the level floor under it, by a
-    ``share`` (F, 1); and ``positions`` moved to stand over where their places on the floor come to lie.
+    """Poses tilted by ``fraction`` (F, 1) of the ground's slope about the position under the root, and ``positions``
+    translated over the tilted ones.
     """
     ring = np.pi / 4.0 * np.arange(8)
-    round_root = SPREAD * body.leg_length * np.column_stack([np.cos(ring), np.sin(ring)])
+    round_root = SLOPE_RADIUS * body.leg_length * np.column_stack([np.cos(ring), np.sin(ring)])
     heights = ground.height_at(positions[:, :1, :2] + round_root)
     slopes = averaged(heights @ round_root / np.sum(round_root[:, 0] ** 2), LET_GO, frame_rate)
     normals = np.column_stack([-slopes, np.ones(len(slopes))])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    turns = Rotation.from_rotvec(share * tilts_of(normals)).as_matrix()
+    rotation_matrices = Rotation.from_rotvec(fraction * tilts_of(normals)).as_matrix()
     under = np.column_stack([positions[:, 0, :2], np.full(len(positions), ground.height)])[:, None]
-    lean = np.swapaxes(turns, 1, 2)
+    lean = np.swapaxes(rotation_matrices, 1, 2)
     upright = positions.copy()
     upright[..., :2] = (under + (positions - under) * [1.0, 1.0, 0.0] @ lean)[..., :2]
-    return under + (positions - under) @ lean, turns[:, None] @ rotations, upright
+    return under + (positions - under) @ lean, rotation_matrices[:, None] @ rotations, upright
 
 
 def _wrists_over_palms(
     contacts: Sequence[ContactInterval], positions: FloatArray, body: Morphology, frame_rate: float
 ) -> FloatArray:
-    """(F, 2) metres of wrists above where they are over flat palms, as far as fingers slope down from them."""
+    """Heights (F, 2) in metres of wrists above those over flat palms, as far as fingers slope down."""
     wrists = np.array([body.layout.wrist(side) for side in range(2)])
-    palms = shown_floor(contacts, positions, body, frame_rate)[:, None] + HEIGHTS["hand"] * body.leg_length
+    palms = shown_floor(contacts, positions, body, frame_rate)[:, None] + CONTACT_HEIGHTS["hand"] * body.leg_length
     heights, tips = positions[:, wrists, 2], positions[:, wrists + 1, 2]
     return np.maximum(heights - np.maximum(tips, palms), 0.0)
 
@@ -258,46 +275,47 @@ def _hold(
     ground: Ground,
     track: FloatArray,
     rises: FloatArray,
-) -> Hold:
-    """One anchor a contact: the median place of the joint (while small, if the body grows), raised from the ground.
+) -> GroundContact:
+    """Contact of one point: for each span the median position of the joint (while small, if the body grows), above the
+    ground.
 
-    A wrist that stands over fingers rises (F, 2) by its median, as far as ``LEVEL_BELOW`` lets them slope.
+    A wrist over its fingers rises by the median of ``rises`` (F, 2), up to ``LEVEL_HAND_SINE``.
     """
     legs = np.broadcast_to(leg_rows(body, 0).sum(axis=1), len(track))
     standing, places, normals = np.zeros(len(track), dtype=np.bool_), track.copy(), np.zeros_like(track)
-    heights = np.full(len(track), clearance(body, point))
+    heights = np.full(len(track), contact_height(body, point))
     for first, last in spans:
         span = slice(first, last + 1)
         small = legs[span] <= SMALLEST_SIZE * legs[span].min()
-        middle = middle_of(track[span][small])
+        middle = median_position(track[span][small])
         standing[span] = True
         if point.member == "hand":
-            most = LEVEL_BELOW * np.linalg.norm(_fingers(body, point.side))
+            most = LEVEL_HAND_SINE * np.linalg.norm(_fingers(body, point.side))
             heights[span] += np.clip(np.median(rises[span, point.side]), 0.0, most)
         places[span], normals[span] = _place_on(middle, heights[first], ground)
-    return Hold(point, standing, places, normals, heights)
+    return GroundContact(point, standing, places, normals, heights)
 
 
-def middle_of(track: FloatArray) -> FloatArray:
-    """The place (2,) over the ground round which a point (F, 3) is."""
+def median_position(track: FloatArray) -> FloatArray:
+    """Median horizontal position (2,) of a point (F, 3)."""
     return np.asarray(geometric_median(np.ascontiguousarray(track[:, :2])))
 
 
 def _place_on(place: FloatArray, height: float, ground: Ground) -> tuple[FloatArray, FloatArray]:
-    """What is ``height`` metres over ``place`` (2,) on the ground, (3,), and the ground's normal there."""
+    """Position (3,) ``height`` metres above ``place`` (2,) on the ground, and the ground's normal."""
     normal = ground.normal_at(place)
     return np.array([*place, ground.height_at(place)]) + height * normal, normal
 
 
 def _fingers(body: AnyMorphology, side: int) -> FloatArray:
-    """(3,) from the wrist to the tips of the fingers, in the hand's axes."""
+    """Vector (3,) from the wrist to the finger tips, in the hand's axes."""
     return np.asarray(body.rows[0, at.M_HAND + 3 * side : at.M_HAND + 3 * side + 3])
 
 
 def _bearing(body: AnyMorphology, ground: Ground, positions: FloatArray) -> FloatArray:
-    """(2, F) how much each foot that stands bears: little where its leg lies on level ground; uphill all go along."""
+    """Weight (2, F) that each standing foot bears: small for a lying leg on level ground."""
     knees = positions[:, [body.layout.hip(side) + 1 for side in range(2)], 2] - ground.height
-    bearing = smoothstep(np.clip(knees.T / (LYING * body.leg_length) - 1.0, 0.0, 1.0))
+    bearing = smoothstep_array(np.clip(knees.T / (LYING_KNEE_HEIGHT * body.leg_length) - 1.0, 0.0, 1.0))
     return bearing if ground.is_level else np.ones_like(bearing)
 
 
@@ -307,10 +325,10 @@ def _shares(
     bearing: FloatArray,
     frame_rate: float,
 ) -> FloatArray:
-    """(1 + H, F) parts of the body's weight on the feet and on each hold, which pass on smoothly.
+    """Weights (1 + H, F) of the feet and of each contact, smooth in time.
 
-    They add up to 1 but for what is on feet that do not bear, ``bearing`` (2, F): by that the body stays as it is. A
-    foot whose knee stands carries nothing.
+    They add up to 1 less the weight on feet that do not bear, ``bearing`` (2, F), by which the body stays. A foot whose
+    knee is in contact bears nothing.
     """
     weights = np.zeros((2 + len(standing), states.shape[1]))
     kneeling = {point.side: stands for point, stands in standing.items() if point.member == "knee"}
@@ -321,19 +339,21 @@ def _shares(
         row += stands
     total = weights.sum(axis=0)
     frames, carried = np.arange(len(total)), np.flatnonzero(total > 0.0)
-    shares = np.array([np.interp(frames, carried, row[carried] / total[carried]) for row in np.delete(weights, 1, 0)])
-    return np.asarray(averaged(shares.T, LET_GO, frame_rate).T)
+    fractions = np.array(
+        [np.interp(frames, carried, row[carried] / total[carried]) for row in np.delete(weights, 1, 0)]
+    )
+    return np.asarray(averaged(fractions.T, LET_GO, frame_rate).T)
 
 
-def swung(wrists: FloatArray, shoulders: FloatArray, raises: FloatArray) -> FloatArray:
-    """``wrists`` (F, 3) higher by ``raises`` (F,): arms swing about their ``shoulders`` (F, 3) rather than bend.
+def raise_by_swinging(wrists: FloatArray, shoulders: FloatArray, raises: FloatArray) -> FloatArray:
+    """``wrists`` (F, 3) raised by ``raises`` (F,): arms swing about their ``shoulders`` (F, 3) rather than bend.
 
-    The least of the way that an arm swings and of ``STIFF`` times that by which it is shortened, squared.
+    It minimises the squared swing and ``ARM_STIFFNESS`` times the squared shortening.
     """
     arms = wrists - shoulders
     lengths = np.maximum(np.linalg.norm(arms, axis=1), 1e-9)
     down = arms[:, 2] / lengths
-    shortened = raises * down / np.maximum(STIFF * (1.0 - down**2) + down**2, 1e-9)
+    shortened = raises * down / np.maximum(ARM_STIFFNESS * (1.0 - down**2) + down**2, 1e-9)
     heights = arms[:, 2] + raises
     away = np.sqrt(np.maximum((lengths + shortened) ** 2 - heights**2, 0.0))
     aside = np.maximum(np.linalg.norm(arms[:, :2], axis=1), 1e-9)
@@ -341,17 +361,16 @@ def swung(wrists: FloatArray, shoulders: FloatArray, raises: FloatArray) -> Floa
 
 
 def reach_of(motion: NormalizedMotion, body: AnyMorphology, side: int) -> FloatArray:
-    """(F,) metres to which a standing arm stretches freely: as far as the motion's own does, or nearly straight."""
+    """Greatest free extension (F,) in metres of an arm in contact: that of the motion, or nearly straight."""
     own = np.clip(1.0 - motion.channels[:, at.LIMB_SLACK + side], SOLE_SOFT_IK_THRESHOLD, 1.0 - 1e-9)
     return np.asarray(own * arm_rows(body, side).sum(axis=1))
 
 
-def laid_hands(hold: Hold, body: AnyMorphology, hands: FloatArray, frame_rate: float) -> FloatArray:
-    """World rotations (F, 3, 3) of a hand that lies on the ground in one way through each contact.
+def level_hands(hold: GroundContact, body: AnyMorphology, hands: FloatArray, frame_rate: float) -> FloatArray:
+    """World rotations (F, 3, 3) of a hand that lies on the ground with one orientation through each contact.
 
-    Fingers that point into the ground, or little above it, are laid on it, sloping down from a wrist that is higher
-    than over a flat palm, and so is a palm that looks down; else the hand stays as the motion has it (a fist, the back
-    of a hand). ``hands`` (F, 3, 3) as retargeted.
+    Fingers that point into the ground, or little above it, are laid on it, sloping down from a high wrist, and so is a
+    palm that looks down; other hands (a fist, the back of a hand) stay. ``hands`` (F, 3, 3) as retargeted.
     """
     corrections = np.zeros((len(hands), 3))
     side = hold.point.side
@@ -360,25 +379,27 @@ def laid_hands(hold: Hold, body: AnyMorphology, hands: FloatArray, frame_rate: f
     palm = np.array([1.0 - 2.0 * side, 0.0, 0.0])
     for first, past in runs_of(hold.standing):
         usual = Rotation.from_matrix(hands[first:past]).mean().as_matrix()
-        slope = (hold.heights[first] - clearance(body, hold.point)) / length
+        slope = (hold.heights[first] - contact_height(body, hold.point)) / length
         laid = _laid(usual, fingers / length, palm, hold.normals[first], slope)
         corrections[first:past] = Rotation.from_matrix(laid @ np.swapaxes(hands[first:past], 1, 2)).as_rotvec()
-    return np.asarray(Rotation.from_rotvec(eased(corrections, hold.standing, frame_rate)).as_matrix() @ hands)
+    return np.asarray(
+        Rotation.from_rotvec(interpolated_corrections(corrections, hold.standing, frame_rate)).as_matrix() @ hands
+    )
 
 
 def _laid(hand: FloatArray, fingers: FloatArray, palm: FloatArray, normal: FloatArray, slope: float) -> FloatArray:
-    """One rotation (3, 3) of a hand, its ``fingers`` and ``palm`` (3,) in hand axes laid on the plane of ``normal``, or
-    by the sine ``slope`` down to it.
+    """Rotation (3, 3) of a hand, with ``fingers`` and ``palm`` (3,) in hand axes laid on the plane of ``normal``, or
+    inclined to it by the sine ``slope``.
     """
     along, back = hand @ fingers, -(hand @ palm)
     rise = along @ normal
     ahead = along - rise * normal + (0.3 if rise < 0.0 else 0.0) * (back - (back @ normal) * normal)
     flat = normalized(ahead) if np.linalg.norm(ahead) > 1e-6 else normalized(np.cross(normal, back))
     normal, flat = np.sqrt(1.0 - slope**2) * normal + slope * flat, np.sqrt(1.0 - slope**2) * flat - slope * normal
-    if rise < LEVEL_BELOW:
+    if rise < LEVEL_HAND_SINE:
         hand = shortest_arc(along, flat) @ hand
     looks = hand @ palm
     across = looks - (looks @ flat) * flat
-    if -across @ normal > LEVEL_BELOW:
+    if -across @ normal > LEVEL_HAND_SINE:
         hand = shortest_arc(normalized(across), -normal) @ hand
     return hand

@@ -1,4 +1,4 @@
-"""Arms and legs that a balance may recruit: which are free, when, and how far they may turn then (METHOD 7)."""
+"""Availability of redundant arms and legs to a balance, and their limits (METHOD 7)."""
 
 from collections.abc import Sequence
 
@@ -10,38 +10,40 @@ from studio.core.captures.contacts import ContactInterval, contact_mask
 from studio.core.grounds.ground import Ground
 from studio.core.single import PoseArray
 from studio.core.solver.asking.chains import HIP_LIMIT, point_masses
-from studio.core.solver.standing.blends import freedom
+from studio.core.solver.standing.blends import release_weight
 
 FloatArray = NDArray[np.float64]
 
 
-def limb_freedoms(
+def limb_availability(
     limbs: NDArray[np.int64],
-    ranks: NDArray[np.int64],
+    levels: NDArray[np.int64],
     activations: FloatArray,
     contacts: Sequence[ContactInterval],
     frame_rate: float,
 ) -> FloatArray:
-    """(L, 4, F) 0 while a limb stands or anything of a level's rank or above is asked of it, eased to 1 soon after and
-    before.
+    """Availability (L, 4, F) of each limb to each level: 0 in contact or with an active task of that level or above,
+    rising to 1 soon after and before.
 
-    ``limbs`` (C, 2) those on which each constraint has a point, ``ranks`` (C,), ``activations`` (C, F). However little
-    is asked, it is to be exactly there: so a limb is back in the motion's own pose when its task begins.
+    ``limbs`` (C, 2) of each constraint's points, ``levels`` (C,), ``activations`` (C, F). The least activation counts
+    fully, so that a limb is back in the motion's own pose when its task begins.
     """
-    taken = np.zeros((int(ranks.max(initial=-1)) + 1, 4, activations.shape[1]), dtype=np.bool_)
+    taken = np.zeros((int(levels.max(initial=-1)) + 1, 4, activations.shape[1]), dtype=np.bool_)
     for limb in range(4):
         spans = [(each.first, each.last) for each in contacts if each.point.limb == limb]
         taken[:, limb] = contact_mask(spans, activations.shape[1])
         for c in np.flatnonzero((limbs == limb).any(axis=1)):
-            taken[ranks[c] :, limb] |= activations[c] > 0.0
-    return np.array([[freedom(each, frame_rate) for each in level] for level in taken])
+            taken[levels[c] :, limb] |= activations[c] > 0.0
+    return np.array([[release_weight(each, frame_rate) for each in level] for level in taken])
 
 
-def leg_room(body: AnyMorphology, ground: Ground, positions: PoseArray, window: slice = slice(None)) -> FloatArray:
-    """(2, F) part of its limit to which each leg may turn about its hip, however it turns, and not enter the ground.
+def leg_availability(
+    body: AnyMorphology, ground: Ground, positions: PoseArray, window: slice = slice(None)
+) -> FloatArray:
+    """Fraction (2, F) of its limit by which each leg may rotate about its hip without entering the ground.
 
-    A point c metres above the ground and h beside the hip may turn c / h. Of the limit and what ankle, ball and tip of
-    the foot may turn it is the smooth minimum. Of ``positions`` (all, P, 3) the F frames of ``window`` count.
+    A point c metres above the ground and h beside the hip may rotate by c / h. The result is the smooth minimum of the
+    limit and these angles of ankle, ball and tip. ``positions`` (all, P, 3), F frames of ``window``.
     """
     found, positions = [], positions[window]
     for side in range(2):
@@ -54,11 +56,12 @@ def leg_room(body: AnyMorphology, ground: Ground, positions: PoseArray, window: 
     return np.array(found)
 
 
-def arm_lever(body: AnyMorphology, positions: PoseArray, window: slice = slice(None)) -> FloatArray:
-    """(2, F) part of its limit to which each arm may turn about its shoulder: how upright its mass hangs or is raised.
+def arm_availability(body: AnyMorphology, positions: PoseArray, window: slice = slice(None)) -> FloatArray:
+    """Fraction (2, F) of its limit by which each arm may rotate about its shoulder: the squared sine of its mass'
+    elevation.
 
-    One that lies level along the way that the body is to take helps turned up as turned down: passing there, it would
-    change from one to the other between two frames. ``positions`` (all, P, 3) and ``window`` as ``leg_room`` has them.
+    A level arm helps whether it rotates up or down, and would change sides between two frames. ``positions`` (all, P,
+    3) and ``window`` as in ``leg_availability``.
     """
     found, positions, masses = [], positions[window], point_masses(body.layout)
     for side in range(2):

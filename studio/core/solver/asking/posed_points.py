@@ -1,4 +1,4 @@
-"""What constraints name, as poses have it: points of the body, places that are wanted."""
+"""Positions of constraint points and targets in given poses."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,14 +12,14 @@ from studio.core.solver.request import AdaptedMotion
 FloatArray = NDArray[np.float64]
 
 
-def place_of(point: BodyPoint, adapted: AdaptedMotion) -> FloatArray:
-    """(F, 3) where a point of the body is."""
+def point_positions(point: BodyPoint, adapted: AdaptedMotion) -> FloatArray:
+    """Positions (F, 3) of a point of the body."""
     origin, segment = point_indices(point, adapted.morphology.layout)
     return np.asarray(adapted.positions[:, origin] + adapted.rotations[:, segment] @ np.array(point.offset))
 
 
-def wanted_place(target: object, targets: Targets, adapted: AdaptedMotion) -> FloatArray:
-    """(F or 1, 3) where something is to be: a place, or a point of the body itself."""
+def target_positions(target: object, targets: Targets, adapted: AdaptedMotion) -> FloatArray:
+    """Target positions (F or 1, 3), or positions of a followed point of the body."""
     if isinstance(target, FollowBody | BodyPoint):
-        return place_of(target.point if isinstance(target, FollowBody) else target, adapted)
+        return point_positions(target.point if isinstance(target, FollowBody) else target, adapted)
     return targets.places(target)  # type: ignore[arg-type]

@@ -1,4 +1,6 @@
-"""Restricted areas as rows of numbers for ``kernels.tasks.area_shapes``, and the nearest allowed place to a point."""
+"""Restricted areas as rows of numbers for ``kernels.tasks.area_shapes``, and the nearest allowed position
+of a point.
+"""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -9,7 +11,7 @@ from studio.core.mesh.distance_field import distance_field
 
 FloatArray = NDArray[np.float64]
 
-ORIGIN = np.zeros(3)
+AREA_ORIGIN = np.zeros(3)
 
 _SHAPES = {
     AreaShape.HALF_SPACE: area_shapes.HALF_SPACE_SHAPE,
@@ -21,12 +23,12 @@ _SHAPES = {
 }
 
 
-def area_row(constraint: AreaConstraint, centre: FloatArray = ORIGIN, heading: float = 0.0) -> FloatArray:
-    """(10,) an area as ``kernels.tasks.area_shapes`` takes it, longer by its field for a mesh.
+def area_row(constraint: AreaConstraint, centre: FloatArray = AREA_ORIGIN, heading: float = 0.0) -> FloatArray:
+    """Row (10,) of an area for ``kernels.tasks.area_shapes``, followed by its distance field for a mesh.
 
-    Frame by frame its place is put in there (``place_area``).
+    The kernel moves it frame by frame (``place_area``).
     """
-    shape, turn = _SHAPES[constraint.shape], (np.cos(heading), np.sin(heading))
+    shape, rotation = _SHAPES[constraint.shape], (np.cos(heading), np.sin(heading))
     side = (
         area_shapes.ON_AREA_SURFACE
         if constraint.on_surface
@@ -34,13 +36,13 @@ def area_row(constraint: AreaConstraint, centre: FloatArray = ORIGIN, heading: f
         if constraint.inside
         else area_shapes.OUTSIDE_AREA
     )
-    row = np.array([shape, side, *centre, *constraint.size, *turn], dtype=np.float64)
+    row = np.array([shape, side, *centre, *constraint.size, *rotation], dtype=np.float64)
     if constraint.shape is not AreaShape.MESH or constraint.mesh is None:
         return row
     return np.concatenate([row, distance_field(constraint.mesh)])
 
 
-def nearest_place(constraint: AreaConstraint, point: ArrayLike) -> FloatArray:
-    """(3,) metres: where ``point`` (3,) may be, nearest to it; itself where it may stay. The area is a fixed one."""
+def nearest_allowed_position(constraint: AreaConstraint, point: ArrayLike) -> FloatArray:
+    """Nearest allowed position (3,) in metres of ``point`` (3,) for a fixed area."""
     row = area_row(constraint, np.array(constraint.centre), float(np.array(constraint.heading)))
     return np.array(area_shapes.nearest_allowed_point(row, np.array(point, dtype=np.float64))[1])

@@ -20,69 +20,73 @@ from studio.core.rotations import from_matrix, sign_continuous, to_matrix
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-BONES = np.array([[3, 4, 5, 5], [7, 8, 9, 9], [10, 11, 12, 13], [14, 15, 16, 17]])
-"""Segments of arms and legs beside the spine's, four a limb: a hand stands for the toe that an arm has not."""
-ALL = np.ones(4, dtype=np.int64)
+LIMB_SEGMENTS = np.array([[3, 4, 5, 5], [7, 8, 9, 9], [10, 11, 12, 13], [14, 15, 16, 17]])
+"""Segments of arms and legs after those of the spine, four a limb: a hand stands in for the missing toe of an arm."""
+ALL_LIMBS = np.ones(4, dtype=np.int64)
 
 
-class LimbCharts:
-    """Charts of the 16 joints of limbs, about the unsolved turns of F frames."""
+class LimbCoordinates:
+    """Coordinates of the 16 limb joints about their unsolved rotations in F frames."""
 
     def __init__(
-        self, layout: BodyLayout, unsolved: FloatArray, limits: NDArray[np.void], limbs: IntArray = ALL
+        self, layout: BodyLayout, unsolved: FloatArray, limits: NDArray[np.void], limbs: IntArray = ALL_LIMBS
     ) -> None:
         """``unsolved`` rotations (F, S, 3, 3); ``limits`` (4,) of ``kernels.limits.limb_joint_limits``, or none.
 
-        Of others than ``limbs`` (4,) nothing changes.
+        Joints of other limbs than ``limbs`` (4,) stay unchanged.
         """
         self._limbs, self._limits = limbs, limits
-        self._segments = (layout.spine_count + BONES).ravel()
+        self._segments = (layout.spine_count + LIMB_SEGMENTS).ravel()
         self._carriers = np.array(layout.parent_segments())[self._segments]
         self._unsolved = self.turns_of(unsolved)
         self._own = self._angles(self._unsolved)
 
     @property
     def unturned(self) -> FloatArray:
-        """(F, 16, n) ``values`` of the unsolved turns."""
+        """Coordinates (F, 16, n) of the unsolved rotations."""
         return self.values(self._unsolved)
 
     def turns_of(self, rotations: FloatArray) -> FloatArray:
-        """(F, 16, 3, 3) turns of poses' joints."""
-        turns = np.empty((len(rotations), 16, 3, 3))
-        write_limb_rotations(self._carriers, self._segments, rotations, turns)
-        return turns
+        """Joint rotations (F, 16, 3, 3) of poses."""
+        rotation_matrices = np.empty((len(rotations), 16, 3, 3))
+        write_limb_rotations(self._carriers, self._segments, rotations, rotation_matrices)
+        return rotation_matrices
 
-    def values(self, turns: FloatArray, beside: FloatArray | None = None) -> FloatArray:
-        """(F, 16, n) what ``turns`` (F, 16, 3, 3) have beside the unsolved ones, with signs as those ``beside``."""
+    def values(self, rotation_matrices: FloatArray, beside: FloatArray | None = None) -> FloatArray:
+        """Coordinates (F, 16, n) of joint rotations (F, 16, 3, 3) relative to the unsolved ones; signs follow
+        ``beside``.
+        """
         if len(self._limits):
-            return self._angles(turns) - self._own
-        quaternions, joints = np.zeros((*turns.shape[:2], 4)), np.flatnonzero(np.repeat(self._limbs, 4))
+            return self._angles(rotation_matrices) - self._own
+        quaternions, joints = np.zeros((*rotation_matrices.shape[:2], 4)), np.flatnonzero(np.repeat(self._limbs, 4))
         quaternions[..., 3] = 1.0
-        quaternions[:, joints] = from_matrix(np.swapaxes(self._unsolved[:, joints], 2, 3) @ turns[:, joints])
+        quaternions[:, joints] = from_matrix(
+            np.swapaxes(self._unsolved[:, joints], 2, 3) @ rotation_matrices[:, joints]
+        )
         if beside is None:
             return sign_continuous(quaternions)
         return np.where((quaternions * beside).sum(axis=-1, keepdims=True) < 0.0, -quaternions, quaternions)
 
     def turns(self, values: FloatArray) -> FloatArray:
-        """``values`` backwards."""
+        """Joint rotations of coordinates."""
         if not len(self._limits):
             length = np.linalg.norm(values, axis=-1, keepdims=True)
             return np.ascontiguousarray(self._unsolved @ to_matrix(values / length))
-        turns = self._unsolved.copy()
-        write_rotations_from_angles(self._limbs, self._own + values, self._limits, turns)
-        return turns
+        rotation_matrices = self._unsolved.copy()
+        write_rotations_from_angles(self._limbs, self._own + values, self._limits, rotation_matrices)
+        return rotation_matrices
 
     def within(self, values: FloatArray) -> FloatArray:
-        """``values`` as far as limits, or the motion itself, let them be."""
+        """Coordinates clamped to the limits, or to the motion itself."""
         if not len(self._limits):
             return np.asarray(values / np.linalg.norm(values, axis=-1, keepdims=True))
         angles = self._own + values
         clamp_limb_angles(self._limbs, self._own, self._limits, angles)
         return angles - self._own
 
-    def _angles(self, turns: FloatArray) -> FloatArray:
-        """(F, 16, 3) radians beside the middles of limits, nought where there are none."""
-        angles = np.zeros(turns.shape[:-1])
+    def _angles(self, rotation_matrices: FloatArray) -> FloatArray:
+        """Angles (F, 16, 3) in radians about the middles of limits, zero without limits."""
+        angles = np.zeros(rotation_matrices.shape[:-1])
         if len(self._limits):
-            write_limb_angles(self._limbs, turns, self._limits, angles)
+            write_limb_angles(self._limbs, rotation_matrices, self._limits, angles)
         return angles

@@ -1,9 +1,9 @@
-"""A standing motion led on from where a body was: what was decided as it plays takes over without a jump.
+"""Inertialised transition of a grounded motion from the previous pose of a body.
 
-A motion on the ground looks ahead: where a foot stands, how low hips are and how arms keep clear has to do with what
-comes. So the motion that takes over stands as it does by itself, as smoothly as ever, and what was different when it
-took over dies away on top of that, as in ``normalized.transition``: of the root, of every joint, and of feet over the
-ground. A foot that stands stays where it stands until it is lifted; one in the air lands where the motion has it.
+Grounding looks ahead: footprints, root height and arm clearance depend on later frames. So the motion that takes over
+is grounded by itself, as smoothly as ever, and the difference to the previous pose decays on top of it, as in
+``normalized.transition``: of the root, of every joint, and of feet over the ground. A standing foot keeps its contact
+until it is lifted; one in the air lands where its own motion does.
 """
 
 from collections.abc import Sequence
@@ -25,9 +25,9 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.transition import SHORTEST, halts_of, pace_left, place_left, seconds_of
 from studio.core.rotations import from_matrix, sign_continuous
 from studio.core.solver.standing.blends import smooth_drops
-from studio.core.solver.standing.footing import Footing, foot_contacts, leg_stretches
+from studio.core.solver.standing.footing import Footing, foot_contacts, leg_extensions
 from studio.core.solver.standing.held_foot import FootPath, HeldFoot, turned
-from studio.core.solver.standing.stepping import Flight, carrying, flights_of, states_of
+from studio.core.solver.standing.stepping import FootFlight, carrying, flights_of, states_of
 from studio.core.solver.standing.tipping import depths_of, out_of_ground, seen_coming
 
 if TYPE_CHECKING:
@@ -38,11 +38,11 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Stance:
-    """A body in two frames, the last ones that were seen, before anything is asked of it.
+    """Last two frames of a body before a transition, without constraints.
 
     ``positions`` (2, P, 3), ``rotations`` (2, S, 3, 3); ``ankles`` (2, 2, 3), ``feet`` and ``toes`` (2, 2, 3, 3) of
-    each side in each frame; ``states`` (2,) of what stands in both, ``comforts`` (2,) of its footing in the last one;
-    ``peaks`` (S,) and ``root_peak`` of the motion that it was seen in.
+    each side in each frame; ``states`` (2,) of contacts in both, ``soft_thresholds`` (2,) of the last footing;
+    ``peaks`` (S,) and ``root_peak`` of the previous motion.
     """
 
     positions: FloatArray
@@ -57,7 +57,7 @@ class Stance:
 
     @classmethod
     def of(cls, standing: "Standing", frames: NDArray[np.int64]) -> "Stance":
-        """In the last two of ``frames``."""
+        """Stance in the last two of ``frames``."""
         rows, footing = frames[-2:], standing.footing
         legs = footing.ankles[:, rows, :3], footing.feet[:, rows], footing.toes[:, rows]
         stood = footing.states[:, rows[0]] & footing.states[:, rows[-1]]  # what comes down only now still moves
@@ -66,27 +66,27 @@ class Stance:
 
     @classmethod
     def last_of(cls, standing: "Standing") -> "Stance":
-        """In its last two frames."""
+        """Stance in the last two frames."""
         last = standing.motion.frame_count - 1
         return cls.of(standing, np.array([max(last - 1, 0), last]))
 
     @classmethod
     def before(cls, standing: "Standing", first: int) -> "Stance":
-        """In the two frames before ``first``, as if it went there as fast as it goes on."""
+        """Stance in two frames extrapolated before ``first``."""
         rows, footing = [first, min(first + 1, standing.motion.frame_count - 1)], standing.footing
         places = standing.positions[rows], *footing.ankles[:, rows, :3]
-        turns = standing.rotations[rows], *footing.feet[:, rows], *footing.toes[:, rows]
+        rotation_matrices = standing.rotations[rows], *footing.feet[:, rows], *footing.toes[:, rows]
         positions, *ankles = (np.stack([3.0 * now - 2.0 * then, 2.0 * now - then]) for now, then in places)
-        rotations, *legs = (_turned_back(*each) for each in turns)
+        rotations, *legs = (_turned_back(*each) for each in rotation_matrices)
         known = footing.states[:, first], footing.soft_thresholds[:, first], standing.peaks
         stance = np.array(ankles), np.array(legs[:2]), np.array(legs[2:])
         return cls(positions, rotations, *stance, *known, standing.root_peak)
 
 
 def led_from(standing: "Standing", first: int, seen: Stance, seconds: float = 0.0) -> "Standing":
-    """``standing`` from frame ``first`` on led from the body as it was ``seen`` until then, in ``seconds``.
+    """``standing`` from frame ``first`` on, inertialised from the previous stance ``seen`` in ``seconds``.
 
-    0 takes as many as it needs.
+    0 takes as many as the joints need.
     """
     change = _Change(standing, first, seen, Stance.before(standing, first), seconds)
     positions, rotations = standing.positions[:].copy(), standing.rotations[:].copy()
@@ -113,10 +113,7 @@ def led_from(standing: "Standing", first: int, seen: Stance, seconds: float = 0.
 
 
 def _with_limbs(standing: "Standing", near: slice, positions: FloatArray, rotations: FloatArray) -> NormalizedMotion:
-    """Its motion whose limbs lie as in posed frames; ``near`` are those in which they do not as they do by themselves.
-
-    Legs are put on their ankles from there, so knees look where they did.
-    """
+    """The motion with limb channels of posed frames ``near`` the transition: knees keep their directions."""
     body, channels = standing.morphology, standing.motion.channels.copy()
     still = body.at(near.start) if isinstance(body, AnimatedMorphology) else body
     limbs = slice(at.LIMB_FRAME, at.HAND)
@@ -126,7 +123,7 @@ def _with_limbs(standing: "Standing", near: slice, positions: FloatArray, rotati
 
 
 class _LedFoot(NamedTuple):
-    """Where a foot goes; ``carries`` (F, 3) how far it stands aside over the ground, which the body goes along with."""
+    """Path of a foot; ``carries`` (F, 3) its horizontal offset, which the body follows."""
 
     path: FootPath
     carries: FloatArray
@@ -134,7 +131,7 @@ class _LedFoot(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class _Change:
-    """``standing`` takes over at ``first``, where it is at its ``own`` in the frames before, and was ``seen``."""
+    """Transition to ``standing`` at ``first``: its ``own`` stance before, and the previous one ``seen``."""
 
     standing: "Standing"
     first: int
@@ -148,23 +145,23 @@ class _Change:
 
     @cached_property
     def times(self) -> FloatArray:
-        """(F,) seconds after what was seen last."""
+        """Seconds (F,) after the previous pose."""
         return np.arange(1, self.standing.motion.frame_count - self.first + 1) / self.rate
 
     @cached_property
     def peaks(self) -> FloatArray:
-        """(S,) radians a second squared, the greater one of either motion."""
+        """Acceleration peaks (S,) in rad/s2, the greater of both motions."""
         return np.maximum(self.standing.peaks, self.seen.peaks)
 
     @cached_property
     def legs(self) -> FloatArray:
-        """(2, 3) ``peaks`` of each leg: of the quieter one of its bones, of its foot and of its toes."""
+        """Acceleration peaks (2, 3) of each leg: of the quieter bone, the foot and the toes."""
         four = self.peaks[self.standing.morphology.layout.spine_count + 10 :].reshape(2, 4)
         return np.stack([four[:, :2].min(axis=1), four[:, 2], four[:, 3]], axis=1)
 
     @cached_property
     def root_peak(self) -> float:
-        """Radians a second squared of a leg that the root's travel turns, no more than those of the quieter leg."""
+        """Acceleration peak in rad/s2 of a leg by the root's travel, at most that of the quieter leg."""
         return min(float(self.legs[:, 0].min()), max(self.standing.root_peak, self.seen.root_peak))
 
     @property
@@ -173,24 +170,24 @@ class _Change:
 
     @cached_property
     def turns(self) -> FloatArray:
-        """(2, S, 3) rotation vectors from each segment in its carrier as it is by itself to how it was seen."""
-        carriers = np.array(self.standing.morphology.layout.parent_segments())
-        own, seen = (_in_carriers(each.rotations, carriers) for each in (self.own, self.seen))
+        """Rotation vectors (2, S, 3) of each segment in its parent from its own pose to the previous one."""
+        parents = np.array(self.standing.morphology.layout.parent_segments())
+        own, seen = (_in_carriers(each.rotations, parents) for each in (self.own, self.seen))
         return _ways(own, seen)
 
     @cached_property
     def seconds(self) -> float:
-        """In which all that is different dies away but feet."""
+        """Duration of the decay, except for feet."""
         return self.given or max(seconds_of(np.linalg.norm(self.turns[1], axis=1), self.peaks), self.root_seconds)
 
     @cached_property
     def root_seconds(self) -> float:
-        """In which what is different of the root's place dies away."""
-        way = np.linalg.norm(self.seen.positions[1, 0] - self.own.positions[1, 0]) / self.leg
-        return self.given or seconds_of(np.array([way]), np.array([self.root_peak]))
+        """Duration of the decay of the root's offset."""
+        displacement = np.linalg.norm(self.seen.positions[1, 0] - self.own.positions[1, 0]) / self.leg
+        return self.given or seconds_of(np.array([displacement]), np.array([self.root_peak]))
 
     def left(self, gaps: FloatArray, peak: float, scale: float = 1.0, seconds: float = 0.0) -> FloatArray:
-        """(F, N) what is left of ``gaps`` (2, N), the last two that were seen; ``scale`` of them makes a radian."""
+        """Remainder (F, N) of ``gaps`` (2, N), the last two differences; ``scale`` converts them to radians."""
         speed, seconds = (gaps[1] - gaps[0]) * self.rate, seconds or self.seconds
         halting = float(halts_of(np.array([np.linalg.norm(speed)]) / scale, np.array([peak]), seconds)[0])
         place, pace = place_left(self.times, seconds), pace_left(self.times, halting)
@@ -198,7 +195,7 @@ class _Change:
 
     @cached_property
     def feet(self) -> tuple[HeldFoot, HeldFoot]:
-        """Each foot, by itself and as it was seen."""
+        """Both feet, with own and previous paths."""
         left, right = (self.foot(side) for side in range(2))
         return left, right
 
@@ -213,16 +210,19 @@ class _Change:
         return HeldFoot(*known, self.legs[side, 1:], self.rate)
 
     @cached_property
-    def flights(self) -> tuple[Flight, ...]:
-        """When each foot is in the air to where the motion has it."""
-        ways = np.array([np.linalg.norm(foot.aside) for foot in self.feet]) / self.leg
+    def flights(self) -> tuple[FootFlight, ...]:
+        """Flight of each foot to its own position."""
+        displacements = np.array([np.linalg.norm(foot.aside) for foot in self.feet]) / self.leg
         joints = np.linalg.norm(self.turns[1], axis=1)
-        turns = [abs(foot.heading) for foot in self.feet]
-        stepping = [seconds_of(np.array(each), leg[:2]) for *each, leg in zip(ways, turns, self.legs, strict=True)]
+        rotation_matrices = [abs(foot.heading) for foot in self.feet]
+        stepping = [
+            seconds_of(np.array(each), leg[:2])
+            for *each, leg in zip(displacements, rotation_matrices, self.legs, strict=True)
+        ]
         swinging = [seconds_of(joints[legs], self.peaks[legs]) for legs in self.leg_segments]
         needed = np.array([stepping, swinging])
         own = self.standing.footing.states[:, self.first :]
-        return flights_of(own, self.seen.states, ways, needed, self.given, self.rate)
+        return flights_of(own, self.seen.states, displacements, needed, self.given, self.rate)
 
     @property
     def leg_segments(self) -> tuple[slice, slice]:
@@ -232,7 +232,7 @@ class _Change:
     def footing(
         self, motion: NormalizedMotion, bases: Sequence[_LedFoot], positions: FloatArray, rotations: FloatArray
     ) -> Footing:
-        """Where the feet of a led body are: in the air as the joints of its legs have them, else at their ``bases``."""
+        """Footing of an inertialised body: swing feet follow the joints of their legs, others their ``bases``."""
         own, on = self.standing.footing, slice(self.first, None)
         states, soft_thresholds, ankles = own.states.copy(), own.soft_thresholds.copy(), own.ankles.copy()
         feet, toes = own.feet[:].copy(), own.toes[:].copy()
@@ -244,18 +244,18 @@ class _Change:
         soft_thresholds[:, on] += place_left(self.times, self.seconds) * (
             self.seen.soft_thresholds[:, None] - soft_thresholds[:, on]
         )
-        _, runs = leg_stretches(motion, states)
+        _, runs = leg_extensions(motion, states)
         return replace(
             own, states=states, soft_thresholds=soft_thresholds, runs=runs, ankles=ankles, feet=feet, toes=toes
         )
 
-    def states(self, side: int, flight: Flight) -> NDArray[np.int64]:
-        """(F,) how a foot stands from the change on."""
+    def states(self, side: int, flight: FootFlight) -> NDArray[np.int64]:
+        """States (F,) of a foot from the transition on."""
         foot = self.feet[side]
         return states_of(foot.states, foot.state, flight, round(foot.settling(flight, self.seconds) * self.rate))
 
-    def held_foot(self, side: int, flight: Flight) -> _LedFoot:
-        """It stands aside until it is lifted, then what is different dies away until it lands."""
+    def held_foot(self, side: int, flight: FootFlight) -> _LedFoot:
+        """Path of a foot that keeps its contact until it is lifted, with an offset that decays until it lands."""
         foot = self.feet[side]
         if not flight.held:
             return _LedFoot(foot.own, np.zeros_like(foot.own.ankles))
@@ -267,22 +267,25 @@ class _Change:
         return _LedFoot(path, carries)
 
     def carried(self, bases: Sequence[_LedFoot], positions: FloatArray) -> FloatArray:
-        """(F,) metres by which a body whose joints are led rises for standing legs to be as long as their joints have
-        them: knees that are nearly straight go as joints do.
+        """Rise (F,) in metres of the body for standing legs to keep the lengths of their joints.
+
+        Nearly straight knees so move as joints do.
         """
-        layout, ways, shares = self.standing.morphology.layout, [], []
+        layout, displacements, fractions = self.standing.morphology.layout, [], []
         for side, (flight, base) in enumerate(zip(self.flights, bases, strict=True)):
             hips, ankles = (positions[self.first :, point] for point in (layout.hip(side), layout.ankle(side)))
             off = base.path.ankles - hips
             below = self.leg_lengths(side, ankles - hips, off) ** 2 - np.sum(off[:, :2] ** 2, axis=1)
-            ways.append(off[:, 2] + np.sqrt(np.maximum(below, 0.0)))
-            shares.append(carrying(self.states(side, flight), self.rate))
-        both = np.array(shares) / (1.0 + shares[0] * shares[1])
-        return np.asarray((both * np.array(ways)).sum(axis=0))
+            displacements.append(off[:, 2] + np.sqrt(np.maximum(below, 0.0)))
+            fractions.append(carrying(self.states(side, flight), self.rate))
+        both = np.array(fractions) / (1.0 + fractions[0] * fractions[1])
+        return np.asarray((both * np.array(displacements)).sum(axis=0))
 
     def leg_lengths(self, side: int, led: FloatArray, off: FloatArray) -> FloatArray:
-        """(F,) metres of a leg whose joints take its ankle ``led`` (F, 3) from its hip, where it stands ``off`` (F, 3):
-        to a foot that is farther aside it stretches, as METHOD (11) has it, before the body comes down.
+        """Length (F,) in metres of a leg whose joints put its ankle at ``led`` (F, 3) from its hip, while its foot is
+        at ``off``.
+
+        It extends to a foot farther aside, by METHOD (11), before the body sinks.
         """
         aside, own = (np.sum(each[:, :2] ** 2, axis=1) for each in (off, led))
         whole, length = self.standing.morphology.still.leg[side].sum(), np.sum(led**2, axis=1)
@@ -294,7 +297,7 @@ class _Change:
     def drops(
         self, motion: NormalizedMotion, footing: Footing, positions: FloatArray, rotations: FloatArray
     ) -> FloatArray:
-        """(F,) metres by which the root comes down for legs to reach feet that stand aside; not at once."""
+        """Root lowering (F,) in metres for legs to reach displaced feet, fading in."""
         on = slice(self.first, None)
         rows, needed = self.standing.morphology.rows, np.empty(len(self.times))
         ankles = footing.ankles[:, on, :3] - positions[on, 0]
@@ -305,9 +308,9 @@ class _Change:
         return smooth_drops(needed, self.rate) * (1.0 - place_left(self.times, SHORTEST))
 
     def swung_foot(
-        self, side: int, flight: Flight, base: FootPath, positions: FloatArray, rotations: FloatArray
+        self, side: int, flight: FootFlight, base: FootPath, positions: FloatArray, rotations: FloatArray
     ) -> FootPath:
-        """In the air it goes as the joints of its leg do, of a body that is led: from its ``base``, and back there."""
+        """Path of a swing foot with the joints of its leg, blended with its ``base`` at both ends."""
         if flight.height > 0.0:
             return base
         layout, free = self.standing.morphology.layout, flight.free(self.times, self.rate)[:, None]
@@ -320,7 +323,7 @@ class _Change:
         return FootPath(ankles, feet, toes)
 
     def above_ground(self, side: int, foot: FootPath, states: NDArray[np.int64]) -> FootPath:
-        """No deeper in the ground than the motion has it by itself."""
+        """The foot, no deeper in the ground than its own motion."""
         measures, ground = sole_rows(self.standing.morphology, side), self.standing.ground
         measures = measures if len(measures) == 1 else measures[self.first :]
         own = depths_of(self.feet[side].own, measures, ground)
@@ -328,9 +331,9 @@ class _Change:
         return out_of_ground(foot, measures, seen_coming(deeper, states != 0, self.rate))
 
     def lead_body(self, goes: FloatArray, positions: FloatArray, rotations: FloatArray) -> slice:
-        """Root by ``goes`` (F, 3), and it and all joints by what is left of where they were, in place.
+        """Displace the root by ``goes`` (F, 3), and add the remaining differences to root and joints, in place.
 
-        Legs are put on their ankles later. The frames are given back in which joints are led.
+        Legs are placed on their ankles later. Returns the frames of the transition.
         """
         layout = self.standing.morphology.layout
         parents, proximal = layout.parent_segments(), layout.proximal_points()
@@ -348,10 +351,10 @@ class _Change:
             if segment == 0:
                 led.turns[:, 0] = turned(left, led.old_turns[:, 0])
                 continue
-            carrier = parents[segment]
-            led.carry(proximal[segment], carrier, proximal[carrier])
-            local = np.swapaxes(led.old_turns[:, carrier], 1, 2) @ led.old_turns[:, segment]
-            led.turns[:, segment] = led.turns[:, carrier] @ turned(left, local)
+            parent = parents[segment]
+            led.carry(proximal[segment], parent, proximal[parent])
+            local = np.swapaxes(led.old_turns[:, parent], 1, 2) @ led.old_turns[:, segment]
+            led.turns[:, segment] = led.turns[:, parent] @ turned(left, local)
         hands = [(layout.wrist(side) + 1, layout.spine_count + 5 + 4 * side) for side in range(2)]
         toes = [(layout.ankle(side) + 2, layout.spine_count + 13 + 4 * side) for side in range(2)]
         for end, segment in ((layout.head_end, layout.spine_count + 1), *hands, *toes):
@@ -362,7 +365,7 @@ class _Change:
 
 @dataclass(frozen=True, eq=False)
 class _Led:
-    """Frames of a body as they were, and as they are led, which are written."""
+    """Frames of a body before the transition, and the inertialised ones, which are written."""
 
     old_places: FloatArray
     old_turns: FloatArray
@@ -370,28 +373,26 @@ class _Led:
     turns: FloatArray
 
     def carry(self, point: int, segment: int, origin: int) -> None:
-        """A point goes with the segment that carries it and turns about ``origin``."""
+        """Write a point that moves with its parent segment about ``origin``."""
         arm = self.old_places[:, point] - self.old_places[:, origin]
-        turn = self.turns[:, segment] @ np.swapaxes(self.old_turns[:, segment], 1, 2)
-        self.places[:, point] = self.places[:, origin] + (turn @ arm[:, :, None])[:, :, 0]
+        rotation = self.turns[:, segment] @ np.swapaxes(self.old_turns[:, segment], 1, 2)
+        self.places[:, point] = self.places[:, origin] + (rotation @ arm[:, :, None])[:, :, 0]
 
 
 def _turned_back(now: FloatArray, then: FloatArray) -> FloatArray:
-    """(2, ..., 3, 3) turns two frames and one frame before ``now``, after which they are ``then`` in one."""
+    """Rotations (2, ..., 3, 3) two frames and one frame before ``now``, extrapolated from ``then``, one frame later."""
     back = now @ np.swapaxes(then, -1, -2)
     return np.stack([back @ back @ now, back @ now])
 
 
-def _in_carriers(rotations: FloatArray, carriers: NDArray[np.int64]) -> FloatArray:
-    """(N, S, 3, 3) segments in the axes of their carriers, the pelvis in the world's."""
+def _in_carriers(rotations: FloatArray, parents: NDArray[np.int64]) -> FloatArray:
+    """Rotations (N, S, 3, 3) in the axes of the parents, of the pelvis in the world."""
     local = rotations[:].copy()
-    local[:, 1:] = np.swapaxes(rotations[:, carriers[1:]], 2, 3) @ rotations[:, 1:]
+    local[:, 1:] = np.swapaxes(rotations[:, parents[1:]], 2, 3) @ rotations[:, 1:]
     return np.asarray(local)
 
 
 def _ways(own: FloatArray, led: FloatArray) -> FloatArray:
-    """(F, ..., 3) rotation vectors from ``own`` (F, ..., 3, 3) to ``led``: from the last frame backwards they go on,
-    where the shorter way would change.
-    """
-    turns = sign_continuous(from_matrix(led @ np.swapaxes(own, -1, -2))[::-1])[::-1]
-    return rotation_vectors(turns * np.where(turns[-1, ..., 3:] < 0.0, -1.0, 1.0))
+    """Rotation vectors (F, ..., 3) from ``own`` (F, ..., 3, 3) to ``led``, continuous backwards from the last frame."""
+    rotation_matrices = sign_continuous(from_matrix(led @ np.swapaxes(own, -1, -2))[::-1])[::-1]
+    return rotation_vectors(rotation_matrices * np.where(rotation_matrices[-1, ..., 3:] < 0.0, -1.0, 1.0))

@@ -1,4 +1,4 @@
-"""Hands, knees and seat that stand, as constraints above all of the user's: these yield to them as to standing feet."""
+"""Contacts of hands, knees and seat as constraints above all of the user's."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,22 +18,24 @@ from studio.core.kernels import layout as at
 from studio.core.kernels import records
 from studio.core.kernels.support.body_settling import place_arms
 from studio.core.single import PoseArray
-from studio.core.solver.asking.rows import Rows
-from studio.core.solver.standing.blends import freedom
-from studio.core.solver.standing.carrying import Hold, track_of
+from studio.core.solver.asking.task_rows import TaskRecords
+from studio.core.solver.standing.blends import release_weight
+from studio.core.solver.standing.body_support import GroundContact, track_of
 from studio.core.solver.standing.footing import Footing
-from studio.core.solver.standing.settling import Arms
+from studio.core.solver.standing.settling import ArmStance
 
 FloatArray = NDArray[np.float64]
 
-FREE = Chain(trunk=1.0, root=1.0)
-TURNED = Chain(clavicle=0.0, end_segment=1.0)
-ALWAYS = ActivationCurve(0.0, 0.0, 0.0, 0.0)
+CONTACT_CHAIN = Chain(trunk=1.0, root=1.0)
+HAND_CHAIN = Chain(clavicle=0.0, end_segment=1.0)
+CONTACT_ACTIVATION = ActivationCurve(0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
-class Held:
-    """A generated constraint, where it stands (F,), and the places (F, 3) and turns (F, 3, 3) that it keeps."""
+class ContactConstraint:
+    """Generated constraint, the frames of its contact (F,), and the positions (F, 3) and rotations (F, 3, 3) that it
+    keeps.
+    """
 
     constraint: Constraint
     standing: NDArray[np.bool_]
@@ -41,29 +43,50 @@ class Held:
     turns: FloatArray
 
 
-def held_points(
-    holds: Sequence[Hold], footing: Footing, body: AnyMorphology, positions: PoseArray, rotations: PoseArray
-) -> list[Held]:
-    """What keeps all that stands where a body on the ground has it, ``positions`` (F, P, 3), ``rotations``.
+def contact_constraints(
+    holds: Sequence[GroundContact], footing: Footing, body: AnyMorphology, positions: PoseArray, rotations: PoseArray
+) -> list[ContactConstraint]:
+    """Constraints that keep all contacts where the grounded body has them, ``positions`` (F, P, 3), ``rotations``.
 
-    A leg that stands on its knee and its foot keeps both: a hip at its limits would turn the one about the other.
+    A leg in contact at knee and foot keeps both: a hip at its limits would rotate the one about the other.
     """
     found = []
     for hold in holds:
         place = track_of(hold.point, body, positions)
-        turn = rotations[:, body.layout.segment(_part(hold.point, "hand"))] if hold.point.member == "hand" else None
-        turns = np.broadcast_to(np.eye(3), (len(place), 3, 3)) if turn is None else turn
+        rotation = rotations[:, body.layout.segment(_part(hold.point, "hand"))] if hold.point.member == "hand" else None
+        rotation_matrices = np.broadcast_to(np.eye(3), (len(place), 3, 3)) if rotation is None else rotation
         point = _body_point(hold.point, body)
         name, standing = f"{hold.point.words} contact", hold.standing
-        found.append(Held(PositionConstraint("", name, point, FREE, 0, ALWAYS), standing, place, turns))
-        if turn is not None:
+        found.append(
+            ContactConstraint(
+                PositionConstraint("", name, point, CONTACT_CHAIN, 0, CONTACT_ACTIVATION),
+                standing,
+                place,
+                rotation_matrices,
+            )
+        )
+        if rotation is not None:
             hand = BodyPoint(_part(hold.point, "hand"))
-            found.append(Held(OrientationConstraint("", name, hand, TURNED, 0, ALWAYS), standing, place, turns))
+            found.append(
+                ContactConstraint(
+                    OrientationConstraint("", name, hand, HAND_CHAIN, 0, CONTACT_ACTIVATION),
+                    standing,
+                    place,
+                    rotation_matrices,
+                )
+            )
         both = standing & (footing.states[hold.point.side] != 0)
         if hold.point.member == "knee" and both.any():
             ankle = BodyPoint(_part(hold.point, "shank"), at_end=True)
             place = positions[:, body.layout.ankle(hold.point.side)]
-            found.append(Held(PositionConstraint("", name, ankle, FREE, 0, ALWAYS), both, place, turns))
+            found.append(
+                ContactConstraint(
+                    PositionConstraint("", name, ankle, CONTACT_CHAIN, 0, CONTACT_ACTIVATION),
+                    both,
+                    place,
+                    rotation_matrices,
+                )
+            )
     return found
 
 
@@ -78,18 +101,15 @@ def _body_point(point: ContactPoint, body: AnyMorphology) -> BodyPoint:
     return BodyPoint(_part(point, "forearm" if point.member == "hand" else "thigh"), at_end=True)
 
 
-def place_held(rows: Rows, held: Sequence[Held], window: slice) -> None:
-    """Give the first of packed constraints, those of ``held``, their target at every frame.
-
-    ``window`` are the frames of the answer.
-    """
+def write_contact_targets(rows: TaskRecords, held: Sequence[ContactConstraint], window: slice) -> None:
+    """Write the targets of contact constraints, the first of the packed tasks, in the frames of ``window``."""
     for row, each in enumerate(held):
-        rows.places[row], rows.turns[row] = each.places[window], each.turns[window]
+        rows.positions[row], rows.rotations[row] = each.places[window], each.turns[window]
 
 
 def release_hands(
-    arms: Arms,
-    holds: Sequence[Hold],
+    arms: ArmStance,
+    holds: Sequence[GroundContact],
     body: AnyMorphology,
     channels: FloatArray,
     frame_rate: float,
@@ -97,7 +117,8 @@ def release_hands(
     positions: FloatArray,
     rotations: FloatArray,
 ) -> None:
-    """Arms that are about to stand, or have just stood, between where constraints put them and where they would stand.
+    """Blend arms that are about to touch the ground, or have just left it, between their constraints and their
+    contacts.
 
     ``positions`` (F, P, 3) and ``rotations`` of the window's frames, in place.
     """
@@ -108,7 +129,7 @@ def release_hands(
         if hold.point.member != "hand":
             continue
         side = hold.point.side
-        firm = (1.0 - freedom(hold.standing, frame_rate))[window]
+        firm = (1.0 - release_weight(hold.standing, frame_rate))[window]
         leaving = (firm > 0.0) & (firm < 1.0)
         soft_thresholds[side, leaving] = arms.soft_thresholds[side, window][leaving]
         own = positions[:, layout.wrist(side)]

@@ -1,23 +1,33 @@
-"""The keys of the timeline: frames, keys and contacts, handles, deletion, Esc."""
+"""The keyboard of the timeline: frames, keys and contacts, handles, deletion, Esc."""
 
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt
 
+from studio.document.key_edits import nudge_keys, stretch_keys
 from studio.timeline import edits
+from studio.timeline.shown import Shown
 
 if TYPE_CHECKING:
     from studio.timeline.canvas import TrackCanvas
 
-Key = Qt.Key
+Key, Modifier = Qt.Key, Qt.KeyboardModifier
 STEPS = {Key.Key_Left: -1, Key.Key_Right: 1}
+FRAMING = (Key.Key_A, Key.Key_F)
+"""Keys that frame all curves, or the selected keys."""
 JUMPS = {Key.Key_Up: -1, Key.Key_Down: 1}
 
 
-def is_wanted(canvas: "TrackCanvas", key: int) -> bool:
+def is_wanted(canvas: "TrackCanvas", key: int, modifiers: Qt.KeyboardModifier) -> bool:
     """Whether a key means something here that the window's shortcuts must not take."""
     if key == Key.Key_Escape:
-        return canvas.gesture is not None or canvas.handle is not None
+        return canvas.gesture is not None or canvas.handle is not None or bool(canvas.document.keys.items)
+    if modifiers & Modifier.AltModifier and key in (*STEPS, *JUMPS):
+        return True
+    if canvas.editing and key in FRAMING and modifiers == Modifier.NoModifier:
+        return True
+    if (key, modifiers) == (Key.Key_A, Modifier.ControlModifier):
+        return True
     return key in STEPS and canvas.handle is not None
 
 
@@ -26,7 +36,13 @@ def press_key(canvas: "TrackCanvas", key: Qt.Key, modifiers: Qt.KeyboardModifier
     shown = canvas.shown
     if shown is None:
         return False
-    if key in STEPS and canvas.handle is not None:
+    if modifiers & Modifier.AltModifier and key in (*STEPS, *JUMPS):
+        _press_with_alt(shown, key, modifiers)
+    elif canvas.editing and key in FRAMING and modifiers == Modifier.NoModifier:
+        canvas.frame_curves(key == Key.Key_F)
+    elif (key, modifiers) == (Key.Key_A, Modifier.ControlModifier):
+        edits.select_all_keys(shown)
+    elif key in STEPS and canvas.handle is not None:
         edits.nudge(shown, STEPS[key])
         canvas.setAccessibleName(edits.handle_words(shown))
     elif key in (Key.Key_Delete, Key.Key_Backspace):
@@ -38,12 +54,25 @@ def press_key(canvas: "TrackCanvas", key: Qt.Key, modifiers: Qt.KeyboardModifier
     return True
 
 
+def _press_with_alt(shown: Shown, key: Qt.Key, modifiers: Qt.KeyboardModifier) -> None:
+    """Move the selected keys by a frame, with Shift by ten, with Ctrl stretch them; select those that come next."""
+    if key in JUMPS:
+        edits.go_to_key(shown, JUMPS[key])
+        edits.select_keys_at_playhead(shown)
+    elif modifiers & Modifier.ControlModifier:
+        stretch_keys(shown.document, STEPS[key])
+    else:
+        nudge_keys(shown.document, STEPS[key] * (10 if modifiers & Modifier.ShiftModifier else 1))
+
+
 def _escape(canvas: "TrackCanvas") -> bool:
     if canvas.gesture is not None:
         canvas.gesture.cancel()
         canvas.end_gesture()
     elif canvas.handle is not None:
         canvas.set_handle(None)
+    elif canvas.document.keys.items:
+        canvas.document.keys.clear()
     else:
         return False
     return True

@@ -1,6 +1,6 @@
-"""A row of clips on the ground: what each part of it is asked alone, and what all of them come to.
+"""Parts of a row of clips, grounded separately and joined.
 
-A part is what plays from one change of the motion to the next. It stands by itself, so it never knows of the others.
+A part reaches from one transition to the next.
 """
 
 from collections.abc import Sequence
@@ -18,14 +18,14 @@ if TYPE_CHECKING:
 
 
 def parts_of(request: AdaptRequest) -> list[tuple[slice, AdaptRequest]]:
-    """What is asked in the frames from change to change, each as a motion of its own."""
+    """Requests between transitions, each as a motion of its own."""
     if not request.motion.changes:
         return [(slice(0, request.motion.frame_count), request)]
     return [(frames, _part(request, frames)) for frames in request.motion.parts]
 
 
 def windows_in(frames: slice, count: int, windows: Sequence[slice] | None) -> list[slice]:
-    """What ``windows`` are in a part, of a row of ``count`` frames: with its ends, from and to which it is led."""
+    """``windows`` within a part of a row of ``count`` frames, and its ends, which transitions read."""
     last = frames.stop - frames.start
     if windows is None:
         return [slice(0, last)]
@@ -50,7 +50,7 @@ def _part(request: AdaptRequest, frames: slice) -> AdaptRequest:
 
 
 def joined(request: AdaptRequest, parts: Sequence["Standing"]) -> "Standing":
-    """One after the other, as all of the ``request``."""
+    """Parts joined in time as the result of the ``request``."""
     if len(parts) == 1:
         return parts[0]
     footings = [each.footing for each in parts]

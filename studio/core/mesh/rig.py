@@ -1,0 +1,69 @@
+"""Rig: the joints that a character's file has, with their names and axes, and the skin as it hangs from them."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.plausible import SKIN
+
+FloatArray = NDArray[np.float64]
+
+STILL = -1
+"""The segment of a joint above the pelvis, which no segment moves."""
+_COLUMNS: tuple[tuple[str, type, tuple[int, ...]], ...] = (
+    ("parents", np.int32, ()),
+    ("positions", np.float64, (3,)),
+    ("rotations", np.float64, (3, 3)),
+    ("segments", np.int32, ()),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Rig:
+    """J joints, parents before children, standing among the vertices of a mesh as they were bound.
+
+    Raises ValueError naming a member whose shape or content is wrong.
+    """
+
+    names: tuple[str, ...]
+    parents: NDArray[np.int32]
+    """(J,), -1 for the root."""
+    positions: FloatArray
+    """(J, 3) metres, Z up."""
+    rotations: FloatArray
+    """(J, 3, 3) of the joints' own axes in the world."""
+    segments: NDArray[np.int32]
+    """(J,) the canonical segment that each moves with, ``STILL`` above the pelvis."""
+    joints: NDArray[np.int32]
+    """(V, n) joints from which each vertex hangs."""
+    weights: NDArray[np.float32]
+    """(V, n), each row sums to 1; 0 where there is no influence."""
+
+    def __post_init__(self) -> None:
+        count = len(self.names)
+        if not count or len(set(self.names)) != count:
+            raise ValueError("rig: every joint needs a name of its own.")
+        for name, kind, shape in _COLUMNS:
+            self._set(name, kind, (count, *shape))
+        self._set("joints", np.int32, np.shape(self.joints))
+        self._set("weights", np.float32, np.shape(self.joints))
+        if self.parents[0] != -1 or (self.parents[1:] < 0).any() or (self.parents[1:] >= np.arange(1, count)).any():
+            raise ValueError("rig: a joint comes before its parent, or there are several roots.")
+        if self.joints.ndim != 2 or self.joints.min(initial=0) < 0 or self.joints.max(initial=0) >= count:
+            raise ValueError("rig: a vertex hangs from a joint that is not there.")
+        SKIN.check(self.positions)
+        if not np.allclose(self.rotations @ np.swapaxes(self.rotations, 1, 2), np.eye(3), atol=1e-4):
+            raise ValueError("rig: holds a matrix that is not a rotation.")
+        if self.segments.min() < STILL or not (np.linalg.det(self.rotations) > 0.0).all():
+            raise ValueError("rig: holds a segment that is none, or a mirrored joint.")
+        if (self.weights < 0.0).any() or not np.allclose(self.weights.sum(axis=1), 1.0, atol=1e-4):
+            raise ValueError("rig: weights are not negative, and each row sums to 1.")
+
+    def _set(self, name: str, kind: type, shape: tuple[int, ...]) -> None:
+        array: NDArray[Any] = np.array(getattr(self, name), dtype=kind)
+        if array.shape != shape or not np.isfinite(array).all():
+            raise ValueError(f"rig: {name} are not finite numbers of shape {shape}.")
+        array.setflags(write=False)
+        object.__setattr__(self, name, array)

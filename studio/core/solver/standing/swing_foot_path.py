@@ -1,0 +1,249 @@
+"""Paths of swing feet over uneven ground: detours above and around obstacles (METHOD 4).
+
+A foot may be raised, held back or moved ahead along its flight, and pitched. For each flight with an obstacle the least
+detour is searched; the path of least second differences follows it, as closely as its acceleration allows.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solveh_banded
+from scipy.ndimage import binary_dilation
+from scipy.spatial.transform import Rotation
+
+from studio.core.grounds.ground import Ground
+from studio.core.runs import runs_of
+from studio.core.solver.standing.footprints import GROUND_EDGE
+
+FloatArray = NDArray[np.float64]
+
+SOLE_TOLERANCE, PENETRATION_TOLERANCE = 0.005, 0.001
+"""Tolerances in metres between a sole and the ground: penetration of a riser or overlap of an edge, and height below
+which a foot comes no nearer than on the level floor; and penetration that is ignored.
+"""
+DETOURS = np.array(
+    [[0.01 * ahead, 0.0, np.radians(15.0) * pitch] for ahead in range(-15, 16) for pitch in range(-3, 4)]
+)
+"""Detours: metres ahead along the flight, metres up (computed for each), radians of pitch."""
+DETOUR_COSTS = np.array([1.0, 1.0, 0.08])
+"""Cost of a detour in metres for a metre, or a radian."""
+DETOUR_SECONDS = 0.3
+"""Seconds in which entering a detour costs as much as keeping it."""
+NEAR_CONTACT = 0.12
+"""Seconds from a contact within which detours cost more."""
+PATH_STIFFNESS = 0.01
+"""Seconds within which a path bends; longer where its acceleration would be too great."""
+SOFTENING_FACTOR, SOFTENING_ROUNDS, SOFTENING_MARGIN = 1.5, 8, 0.1
+"""Factor of each softening, their number, and their margin in seconds."""
+MOST_ACCELERATION, GENTLE_ACCELERATION = 0.6, 30.0
+"""Acceleration that a detour may add, relative to the foot's own, and in metres a second squared."""
+RAISING_ROUNDS = 8
+"""Iterations of raising a path that still penetrates."""
+SHORTEST_FLIGHT = 0.05
+"""Length in metres of a flight without direction."""
+_SCARCE, _FIRM = 1e-9, 1e9
+"""Weights: small enough to keep the equations solvable, and great enough to fix a standing foot."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sole:
+    """A foot over the ground: ``ankles`` (F, 3), world rotations ``feet`` and ``toes`` (F, 3, 3), and low ``points``
+    (F, P, 3), heel to tip.
+    """
+
+    ankles: FloatArray
+    feet: FloatArray
+    toes: FloatArray
+    points: FloatArray
+
+    @classmethod
+    def of(cls, ankles: FloatArray, feet: FloatArray, toes: FloatArray, measures: FloatArray) -> "Sole":
+        """Sole with ``measures`` (F or 1, 6) as in ``morphology.sole_rows``."""
+        forward, left, down, height, heel, length = np.broadcast_to(measures, (len(ankles), 6)).T
+        zero, fractions = np.zeros(len(ankles)), np.linspace(0.0, 1.0, 4)[:, None]
+
+        def place(rotation_matrices: FloatArray, *offset: FloatArray) -> FloatArray:
+            return np.asarray(np.einsum("fij,fj->fi", rotation_matrices, np.column_stack(offset)))[:, None]
+
+        back = ankles[:, None] + place(feet, -heel, zero, -height)
+        joint = ankles[:, None] + place(feet, forward, left, down)
+        ball, under = (
+            joint + place(rotation_matrices, zero, zero, -height - down) for rotation_matrices in (feet, toes)
+        )
+        tip = joint + place(toes, length, zero, -height - down)
+        points = np.concatenate([back + fractions * (ball - back), under + fractions[1:] * (tip - under)], axis=1)
+        return cls(ankles, feet, toes, points)
+
+
+def worn_height(ground: Ground, places: FloatArray) -> FloatArray:
+    """Ground height (...) at ``places`` (..., 2 or 3) with ``SOLE_TOLERANCE`` metres of each edge worn away."""
+    angles = np.pi / 4.0 * np.arange(8)
+    ring = np.concatenate([np.zeros((1, 2)), SOLE_TOLERANCE * np.column_stack([np.cos(angles), np.sin(angles)])])
+    return np.asarray(ground.height_at(places[..., None, :2] + ring).min(axis=-1))
+
+
+def clear_swing_foot(level: Sole, sole: Sole, states: NDArray[np.int64], ground: Ground, frame_rate: float) -> Sole:
+    """A foot planned ``level``, projected to the ground, with detours around obstacles while ``states`` are 0."""
+    flight = _Flight.of(level, sole, states, ground)
+    flying = np.flatnonzero(states == 0)
+    lacks = np.zeros(len(states))
+    lacks[flying] = flight.lack(flying, np.zeros((len(flying), 3)))
+    spans = [span for span in runs_of(states == 0) if lacks[slice(*span)].max() > PENETRATION_TOLERANCE]
+    if not spans:
+        return sole
+    displacements = np.zeros((len(states), 3))
+    for first, past in spans:
+        if lacks[first:past].max() < GROUND_EDGE:
+            displacements[first:past, 1] = np.maximum(lacks[first:past], 0.0)
+            continue
+        frames = np.arange(first, past)
+        lifts = np.maximum(flight.lack(frames, DETOURS[None]), 0.0)
+        near = steps_to_ground(first, past, len(states)) / frame_rate
+        displacements[first:past] = _least_detour(lifts, near, frame_rate, first > 0, past < len(states))
+    return flight.moved(_smooth_path(displacements, spans, flight, frame_rate))
+
+
+@dataclass(frozen=True, eq=False)
+class _Flight:
+    """Geometry of a foot along paths (..., 3: ahead, up, pitch): ``ahead`` and ``heading`` (F, 2) level unit vectors,
+    ``arms`` (F, P, 2) from the ankle along the heading and up, ``least`` (F, P) required heights above ground in
+    metres.
+    """
+
+    sole: Sole
+    ground: Ground
+    states: NDArray[np.int64]
+    ahead: FloatArray
+    heading: FloatArray
+    arms: FloatArray
+    least: FloatArray
+
+    @classmethod
+    def of(cls, level: Sole, sole: Sole, states: NDArray[np.int64], ground: Ground) -> "_Flight":
+        ahead, heading = np.zeros((len(states), 2)), sole.feet[:, :2, 0]
+        for first, past in runs_of(states == 0):
+            displacement = sole.ankles[min(past, len(states) - 1), :2] - sole.ankles[max(first - 1, 0), :2]
+            length = np.linalg.norm(displacement)
+            ahead[first:past] = displacement / length if length > SHORTEST_FLIGHT else 0.0
+        heading = heading / np.maximum(np.linalg.norm(heading, axis=1, keepdims=True), 1e-9)
+        arms = sole.points - sole.ankles[:, None]
+        arms = np.stack([np.einsum("fpk,fk->fp", arms[..., :2], heading), arms[..., 2]], axis=-1)
+        return cls(
+            sole, ground, states, ahead, heading, arms, np.minimum(level.points[..., 2] - ground.height, SOLE_TOLERANCE)
+        )
+
+    def lack(self, frames: NDArray[np.int64], path: FloatArray) -> FloatArray:
+        """Penetration (N, ...) in metres of soles at ``frames`` (N,) displaced by ``path`` (N or 1, ..., 3)."""
+        more = (frames, *[None] * (path.ndim - 2))
+        c, s = np.cos(path[..., 2])[..., None] - 1.0, np.sin(path[..., 2])[..., None]
+        along, up = self.arms[more][..., 0], self.arms[more][..., 1]
+        moved = path[..., None, :1] * self.ahead[more][..., None, :]
+        moved = moved + (c * along + s * up)[..., None] * self.heading[more][..., None, :]
+        heights = self.ground.height_at(self.sole.points[more][..., :2] + moved)
+        low = self.sole.points[more][..., 2] + path[..., 1:2] + c * up - s * along
+        return np.asarray((heights + self.least[more] - low).max(axis=-1))
+
+    def moved(self, path: FloatArray) -> Sole:
+        """The foot displaced along ``path`` (F, 3)."""
+        axes = np.column_stack([-self.heading[:, 1], self.heading[:, 0], np.zeros(len(path))])
+        rotation_matrices = Rotation.from_rotvec(path[:, 2:] * axes).as_matrix()
+        ankles = self.sole.ankles + np.column_stack([path[:, :1] * self.ahead, path[:, 1]])
+        return Sole(ankles, rotation_matrices @ self.sole.feet, rotation_matrices @ self.sole.toes, self.sole.points)
+
+
+def steps_to_ground(first: int, past: int, count: int) -> NDArray[np.int64]:
+    """Distance (past - first,) in frames from each frame of a flight to the nearest contact; clip ends are none."""
+    steps = np.arange(1, past - first + 1)
+    far = np.full(past - first, past - first)
+    return np.minimum(steps if first > 0 else far, steps[::-1] if past < count else far)
+
+
+def _least_detour(
+    lifts: FloatArray, near: FloatArray, frame_rate: float, from_ground: bool, to_ground: bool
+) -> FloatArray:
+    """Least detour (N, 3) through one flight, with the ``lifts`` (N, W) of each of ``DETOURS``, ``near`` (N,) seconds
+    from the ground.
+
+    It minimises the sum of squared detours and squared speeds, by dynamic programming (Bellman 1957).
+    """
+    count, flat = len(lifts), DETOURS * DETOUR_COSTS
+    lengths = np.sum(flat**2, axis=1) + lifts**2
+    costs = lengths * (1.0 + (NEAR_CONTACT / near[:, None]) ** 4) / (frame_rate * DETOUR_SECONDS) ** 2
+    between = np.sum((flat[:, None] - flat) ** 2, axis=2)
+    total, came = costs[0] + from_ground * lengths[0], np.zeros(lifts.shape, dtype=np.int64)
+    whole, displacements = np.empty(between.shape), np.arange(len(flat))
+    for row in range(1, count):
+        np.subtract(lifts[row][:, None], lifts[row - 1], out=whole)
+        np.multiply(whole, whole, out=whole)
+        whole += between
+        whole += total
+        came[row] = whole.argmin(axis=1)
+        total = whole[displacements, came[row]] + costs[row]
+    best, chosen = int((total + to_ground * lengths[-1]).argmin()), np.zeros((count, 3))
+    for row in range(count - 1, -1, -1):
+        chosen[row] = DETOURS[best]
+        chosen[row, 1] = lifts[row, best]
+        best = came[row, best]
+    return chosen
+
+
+def _smooth_path(
+    displacements: FloatArray, spans: list[tuple[int, int]], flight: _Flight, frame_rate: float
+) -> FloatArray:
+    """Smooth path (F, 3) along the detours through the ``spans`` of frames, softer where its acceleration is too great.
+
+    The horizontal part may be softer than the vertical one, which clears the remaining penetration afterwards.
+    """
+    stiff = np.full((len(displacements), 2), PATH_STIFFNESS)  # led along and turned; raised
+    own = float(np.linalg.norm(np.diff(flight.sole.ankles, 2, axis=0), axis=1).max(initial=0.0))
+    most = max(MOST_ACCELERATION * own, GENTLE_ACCELERATION / frame_rate**2)
+    for _ in range(SOFTENING_ROUNDS):
+        path = _bent_path(displacements, spans, flight, 1.0 / (stiff * frame_rate) ** 4)
+        bent = np.abs(np.diff(path[:, :2], 2, axis=0))
+        jerky = np.pad(bent > most, ((1, 1), (0, 0)))
+        if not jerky.any():
+            break
+        for column in range(2):
+            stiff[binary_dilation(jerky[:, column], iterations=round(SOFTENING_MARGIN * frame_rate) + 1), column] *= (
+                SOFTENING_FACTOR
+            )
+    return path
+
+
+def _bent_path(
+    displacements: FloatArray, spans: list[tuple[int, int]], flight: _Flight, weights: FloatArray
+) -> FloatArray:
+    """Path (F, 3) of least second differences through the detours, by ``weights`` (F, 2), raised until it is clear."""
+    still = np.where(flight.states == 0, 0.0, _FIRM)
+    held = still.copy()
+    for first, past in spans:
+        held[first:past] = weights[first:past, 0]
+    path = _bent_least(displacements, held)
+    path[flight.states != 0] = 0.0
+    path[:, 1] = 0.0
+    frames = np.concatenate([np.arange(*span) for span in spans])
+    raised = np.zeros((len(displacements), 1))
+    for _ in range(RAISING_ROUNDS):
+        lack = flight.lack(frames, path[frames])
+        low = frames[lack > PENETRATION_TOLERANCE]
+        if not len(low):
+            break
+        raised[low, 0] = path[low, 1] + lack[lack > PENETRATION_TOLERANCE]
+        still[low] = weights[low, 1]
+        path[:, 1] = np.where(flight.states == 0, _bent_least(raised, still)[:, 0], 0.0)
+    return path
+
+
+def _bent_least(target: FloatArray, weights: FloatArray) -> FloatArray:
+    """Paths (F, N) of least second differences near to ``target`` (F, N), by ``weights`` (F,)."""
+    count = len(weights)
+    bands = np.zeros((3, count))
+    bands[2] = weights + _SCARCE
+    if count > 2:
+        for place, fraction in enumerate((1.0, 4.0, 1.0)):
+            bands[2, place : count - 2 + place] += fraction
+        bands[1, 1:-1] -= 2.0
+        bands[1, 2:] -= 2.0
+        bands[0, 2:] += 1.0
+    return np.asarray(solveh_banded(bands, weights[:, None] * target))

@@ -1,0 +1,246 @@
+"""Channels: the single numbers of keyed fields, as curves of values with tangents, and their edits."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from studio.core.body.growth import KeyedProportions
+from studio.core.body.morphology import Proportions
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
+from studio.core.constraints.tangents import HEAVIEST, LIGHTEST, Tangent, TangentMode, Tangents, tangents_of
+from studio.core.rotations import from_euler, from_matrix, to_euler
+from studio.document.keyed_fields import Keyed, KeyedField
+
+FloatArray = NDArray[np.float64]
+
+ORDER = "ZYX"
+"""In which the angles of a rotation are shown: heading, then pitch, then roll."""
+ANGLES = ("heading", "pitch", "roll")
+AXES = ("x", "y", "z")
+DEGREES = 180.0 / np.pi
+STEP = 1e-5
+"""Seconds over which rates of angles are taken."""
+GRID = 24
+"""Steps from a key to the next in which angles are followed past half a turn."""
+SMALLEST = 0.05
+"""The least factor of a measure."""
+HANDLE = 3.0
+"""A tangent of weight 1 has a handle a third of the way to the next key."""
+
+
+class Side(IntEnum):
+    """The sides of a key."""
+
+    ARRIVING = 0
+    LEAVING = 1
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One number of a keyed field, shown in ``unit``: ``factor`` times what is stored."""
+
+    field: KeyedField
+    component: int
+    name: str
+    unit: str
+    factor: float = 1.0
+
+
+def channels_of(field: KeyedField, keyed: Keyed) -> tuple[Channel, ...]:
+    """The channels of a field; of measures those that change, or else the stature."""
+    match keyed:
+        case KeyedPlace():
+            return tuple(Channel(field, place, name, "m") for place, name in enumerate(AXES))
+        case KeyedTurn():
+            return tuple(Channel(field, place, name, "°", DEGREES) for place, name in enumerate(ANGLES))
+        case KeyedNumber():
+            is_angle = field.name == "heading"
+            return (Channel(field, 0, field.name, "°" if is_angle else "m", DEGREES if is_angle else 1.0),)
+        case KeyedProportions():
+            changing = np.flatnonzero(np.ptp(keyed.points, axis=0) > 0.0).tolist() or [0]
+            names = [each.name for each in fields(Proportions)]
+            return tuple(Channel(field, place, names[place].replace("_", " "), "×") for place in changing)
+        case ActivationCurve():
+            return (Channel(field, 0, "activation", ""),)
+    return ()
+
+
+def values_at(channel: Channel, keyed: Keyed, times: ArrayLike) -> FloatArray:
+    """(N,) values at ``times`` (N,) of the field."""
+    seconds = np.asarray(times, dtype=np.float64)
+    if isinstance(keyed, ActivationCurve):
+        return keyed.at(seconds)
+    if isinstance(keyed, KeyedTurn):
+        return np.asarray(_angles(keyed, seconds)[:, channel.component] * channel.factor)
+    return np.asarray(keyed.at(seconds)[:, channel.component] * channel.factor)
+
+
+def key_values(channel: Channel, keyed: Keyed) -> FloatArray:
+    """(K,) values of the keys."""
+    if isinstance(keyed, ActivationCurve):
+        return np.array([0.0, 1.0, 1.0, 0.0])
+    if isinstance(keyed, KeyedTurn):
+        return values_at(channel, keyed, keyed.times)
+    points: FloatArray = keyed.points  # type: ignore[attr-defined]
+    return np.asarray(points[:, channel.component] * channel.factor)
+
+
+def handle_of(channel: Channel, keyed: Keyed, place: int, side: Side) -> tuple[float, float] | None:
+    """Seconds and value from a key to the end of its tangent's handle; None where it has none on that side."""
+    other = place + (1 if side is Side.LEAVING else -1)
+    if not 0 <= other < len(keyed.times):
+        return None
+    gap = keyed.times[other] - keyed.times[place]
+    if isinstance(keyed, ActivationCurve):
+        if (place, side) not in _EASES or gap == 0.0:
+            return None
+        return keyed.weights[place] * gap / HANDLE, 0.0
+    own = keyed.tangents[place] if keyed.tangents else None
+    if side is Side.LEAVING and own is not None and own.is_stepped:
+        return None
+    weight = own.weights[side] if own is not None else 1.0
+    seconds = weight * gap / HANDLE
+    return seconds, seconds * _rate(channel, keyed, place, side)
+
+
+_EASES = ((0, Side.LEAVING), (1, Side.ARRIVING), (2, Side.LEAVING), (3, Side.ARRIVING))
+"""The sides of an activation's four times on which it rises or falls."""
+
+
+def with_values(channel: Channel, keyed: Keyed, values: Mapping[int, float]) -> Keyed:
+    """The same with other values of some keys; an activation's stay."""
+    if not isinstance(keyed, Keys):
+        return keyed
+    numbers = list(keyed.values)
+    for place, value in values.items():
+        numbers[place] = _with_component(keyed, place, channel.component, value / channel.factor)
+    return replace(keyed, values=tuple(numbers))
+
+
+def with_handle(
+    channel: Channel, keyed: Keyed, place: int, side: Side, seconds: float, value: float, broken: bool = False
+) -> Keyed:
+    """The same with the handle of a tangent so far from its key; the other side turns with it unless it is ``broken``.
+
+    ``seconds`` count from the key, as ``handle_of`` has them. Of an activation only the weight follows.
+    """
+    other = place + (1 if side is Side.LEAVING else -1)
+    gap = keyed.times[other] - keyed.times[place]
+    weight = min(max(HANDLE * seconds / gap, LIGHTEST), HEAVIEST)
+    if isinstance(keyed, ActivationCurve):
+        return keyed.with_weight(place, weight)
+    least = LIGHTEST * gap / HANDLE
+    seconds = seconds if seconds / gap > least / gap else least
+    rate = _stored_rate(channel, keyed, place, side, value / seconds / channel.factor)
+    own = (keyed.tangents[place] if keyed.tangents else None) or Tangents()
+    sides = [own.arriving, own.leaving]
+    broken = broken or own.broken
+    sides[side] = Tangent(TangentMode.FREE, rate, weight)
+    if not broken:
+        sides[1 - side] = Tangent(TangentMode.FREE, rate, sides[1 - side].weight)
+    return keyed.with_tangents(place, Tangents(sides[0], sides[1], broken))
+
+
+def with_mode(keyed: Keyed, place: int, mode: TangentMode) -> Keyed:
+    """The same with both tangents of a key of a mode; a free one keeps the rate that it has. An activation stays."""
+    if not isinstance(keyed, Keys):
+        return keyed
+    own = (keyed.tangents[place] if keyed.tangents else None) or Tangents()
+    if mode is not TangentMode.FREE:
+        return keyed.with_tangents(place, tangents_of(mode, own.weights))
+    arriving, leaving = keyed.rates()
+    rate = tuple(((arriving[place] + leaving[place]) / 2.0).tolist())
+    return keyed.with_tangents(
+        place, Tangents(Tangent(mode, rate, own.weights[0]), Tangent(mode, rate, own.weights[1]))
+    )
+
+
+def with_broken(keyed: Keyed, place: int, broken: bool) -> Keyed:
+    """The same with the tangents of a key broken apart, each as it is, or joined again at the mean of both."""
+    if not isinstance(keyed, Keys):
+        return keyed
+    if not broken:
+        return with_mode(keyed, place, TangentMode.FREE)
+    own = (keyed.tangents[place] if keyed.tangents else None) or Tangents()
+    sides = [
+        Tangent(TangentMode.FREE, tuple(rates[place].tolist()), weight)
+        for rates, weight in zip(keyed.rates(), own.weights, strict=True)
+    ]
+    return keyed.with_tangents(place, Tangents(sides[0], sides[1], True))
+
+
+def with_even_weights(keyed: Keyed, place: int) -> Keyed:
+    """The same with the tangents of a key of weight 1."""
+    if isinstance(keyed, ActivationCurve):
+        return keyed.with_weight(place, 1.0)
+    own = keyed.tangents[place] if keyed.tangents else None
+    if own is None:
+        return keyed
+    return keyed.with_tangents(
+        place, replace(own, arriving=replace(own.arriving, weight=1.0), leaving=replace(own.leaving, weight=1.0))
+    )
+
+
+def _with_component(keyed: Keys, place: int, component: int, value: float) -> object:
+    old = keyed.values[place]
+    if isinstance(keyed, KeyedTurn):
+        angles = to_euler(ORDER, np.array(old))
+        angles[component] = value
+        return tuple(from_euler(ORDER, angles).tolist())
+    if isinstance(old, Proportions):
+        name = fields(Proportions)[component].name
+        return replace(old, **{name: max(value, SMALLEST)})
+    return (*old[:component], value, *old[component + 1 :]) if keyed.size > 1 else value
+
+
+def _rate(channel: Channel, keyed: Keys, place: int, side: Side) -> float:
+    """The rate a second of a channel on one side of a key, in its unit."""
+    rate = keyed.rates()[side][place]
+    if isinstance(keyed, KeyedTurn):
+        rate = _angle_rates(keyed, place, rate)
+    return float(rate[channel.component] * channel.factor)
+
+
+def _stored_rate(channel: Channel, keyed: Keys, place: int, side: Side, rate: float) -> tuple[float, ...]:
+    """The rates of all components with that of the channel as it is asked, stored units a second."""
+    rates = keyed.rates()[side][place].copy()
+    if not isinstance(keyed, KeyedTurn):
+        rates[channel.component] = rate
+        return tuple(rates.tolist())
+    angles = to_euler(ORDER, np.array(keyed.values[place]))
+    turning = _angle_rates(keyed, place, rates)
+    turning[channel.component] = rate
+    step = STEP / max(1.0, float(np.abs(turning).max()))
+    later = _rotation(from_euler(ORDER, angles + step * turning))
+    return tuple((_rotation(np.array(keyed.values[place])).inv() * later).as_rotvec() / step)
+
+
+def _angle_rates(keyed: KeyedTurn, place: int, rate: FloatArray) -> FloatArray:
+    """(3,) radians a second of heading, pitch and roll of a key that turns at ``rate`` (3,) about its own axes."""
+    here = np.array(keyed.values[place])
+    step = STEP / max(1.0, float(np.linalg.norm(rate)))
+    later = (_rotation(here) * type(_rotation(here)).from_rotvec(step * rate)).as_quat()
+    change = to_euler(ORDER, later) - to_euler(ORDER, here)
+    return np.asarray((np.mod(change + np.pi, 2.0 * np.pi) - np.pi) / step)
+
+
+def _rotation(quaternion: FloatArray) -> Any:
+    from scipy.spatial.transform import Rotation
+
+    return Rotation.from_quat(quaternion)
+
+
+def _angles(keyed: KeyedTurn, times: FloatArray) -> FloatArray:
+    """(N, 3) radians at ``times`` (N,), followed past half a turn from the first key on."""
+    keys = keyed.seconds
+    between = np.interp(np.arange(GRID * (len(keys) - 1) + 1) / GRID, np.arange(len(keys)), keys)
+    grid, places = np.unique(np.concatenate([times, between, keys[:1]]), return_inverse=True)
+    angles = np.unwrap(to_euler(ORDER, from_matrix(keyed.at(grid))), axis=0)
+    first = places[-1]
+    whole = np.round((angles[first] - to_euler(ORDER, np.array(keyed.values[0]))) / (2.0 * np.pi))
+    return np.asarray((angles - 2.0 * np.pi * whole)[places[: len(times)]])

@@ -1,0 +1,340 @@
+"""Copies of constraints, contacts and keys as JSON that a person can read, pasted elsewhere, mirrored if asked."""
+
+import json
+import math
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from studio.core.body.growth import KeyedProportions
+from studio.core.captures.contacts import ContactInterval
+from studio.core.constraints.base import Constraint
+from studio.core.constraints.carried_over import MIRROR, Carry, carried_over, mirrored_constraint
+from studio.core.constraints.keyed import Key, KeyedNumber, KeyedPlace, KeyedTurn, Keys
+from studio.core.constraints.objections import objection
+from studio.core.errors import StudioError
+from studio.core.names import free_name
+from studio.core.project import Project
+from studio.core.stage.scope import EVERYONE, Scope
+from studio.document.editing import EditedProject
+from studio.document.key_edits import replace_fields
+from studio.document.keyed_fields import (
+    KeyedField,
+    KeyRef,
+    from_stage,
+    keyed_value,
+    places_at,
+    selected_fields,
+    to_stage,
+)
+from studio.document.mirrored import mirrored_entity
+from studio.io.json_text import json_of
+from studio.io.project.constraint_file import constraint_of, constraint_record, too_large
+from studio.io.project.entity_json import entity_of, entity_record
+from studio.io.project.value_json import Json, MemberCodec, from_json, to_json
+
+FORMAT = "morpho-studio clipboard"
+VERSION = 1
+WHERE = "Clipboard"
+KINDS: Mapping[str, type[Keys]] = {
+    "places": KeyedPlace,
+    "numbers": KeyedNumber,
+    "rotations": KeyedTurn,
+    "measures": KeyedProportions,
+}
+NOTHING = "The clipboard holds nothing to paste here. Copy constraints, contacts or keys first."
+_NUMBERS = re.compile(r"\[\s+(-?[\d.e+-]+(?:,\s+-?[\d.e+-]+)*)\s+\]")
+
+
+def copied(document: EditedProject) -> str:
+    """The selected keys, or else constraints and contacts, as JSON; empty where there are none."""
+    keys = _key_records(document)
+    record: dict[str, Json] = {"format": FORMAT, "version": VERSION, "from": _origin(document)}
+    if keys:
+        record["keys"] = keys
+    else:
+        record |= _entity_records(document)
+    if len(record) == 3:
+        return ""
+    text = json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False)
+    return _NUMBERS.sub(lambda found: "[" + re.sub(r"\s+", " ", found[1]) + "]", text)
+
+
+def paste(document: EditedProject, text: str, mirrored: bool = False) -> None:
+    """Paste what ``copied`` gave, as one step, and select it.
+
+    Keys go into the same fields of what is selected, from the playhead on. Constraints and contacts keep their times
+    where they are pasted on another motion or body, or mirrored; else they begin at the playhead. Raises StudioError
+    where there is nothing to paste, or it does not fit.
+    """
+    record = _record_of(text)
+    if "keys" in record:
+        _paste_keys(document, record["keys"], mirrored)
+    else:
+        _paste_entities(document, record, mirrored)
+
+
+def _origin(document: EditedProject) -> Json:
+    clip = document.active_clip
+    if clip is None:
+        return {}
+    rate = document.project.frame_rate_of(clip)
+    return {"motion_id": clip.motion_id, "performer_id": document.active_performer_id or "", "frame_rate": rate}
+
+
+def _record_of(text: str) -> dict[str, Any]:
+    try:
+        record = json_of(text.encode())
+    except ValueError:
+        record = None
+    if not isinstance(record, dict) or record.get("format") != FORMAT:
+        raise StudioError(NOTHING)
+    if record.get("version") != VERSION:
+        raise StudioError("The clipboard was filled by a newer version of Morpho Studio. Update this one to paste it.")
+    if large := too_large({name: item for name, item in record.items() if name != "from"}):
+        raise StudioError(f"{WHERE}, {large} is too large to be true. Lengths are metres, times seconds.")
+    return record
+
+
+def _entity_records(document: EditedProject) -> dict[str, Json]:
+    project, selection = document.shown_project, document.selection
+    constraints = [constraint_record(project.constraints[key]) for key in selection.of("constraints")]
+    contacts = [_contact_record(project.contacts[key]) for key in selection.of("contacts")]
+    found = {"constraints": constraints, "contacts": contacts}
+    return {name: records for name, records in found.items() if records}
+
+
+def _contact_record(contact: ContactInterval) -> Json:
+    record = entity_record("contacts", "", contact, {})
+    return {name: item for name, item in record.items() if name not in ("id", "schema", "motion_id")}
+
+
+def _paste_entities(document: EditedProject, record: Mapping[str, Any], mirrored: bool) -> None:
+    clip, origin = document.active_clip, record.get("from", {})
+    if clip is None:
+        raise StudioError("Nothing plays that constraints could be pasted on. Add a clip to a character first.")
+    chosen = [key for key in document.selection.of("performers") if key in document.project.performers]
+    body = chosen[-1] if chosen and chosen[-1] != origin.get("performer_id") else ""
+    constraints = [
+        constraint_of(item, clip.motion_id, f"{WHERE}, constraints[{place}]")
+        for place, item in enumerate(_list_of(record, "constraints"))
+    ]
+    rate = document.project.frame_rate_of(clip)
+    contacts = _contacts_of(document, record, clip.motion_id, rate / float(origin.get("frame_rate") or rate))
+    if not constraints and not contacts:
+        raise StudioError(NOTHING)
+    moves = not (mirrored or body or origin.get("motion_id") != clip.motion_id)
+    if moves:
+        begins = [each.activation.start for each in constraints] + [each.first / rate for each in contacts]
+        here = (document.playhead.time - clip.start) * clip.speed + clip.first / rate
+        seconds = round((here - min(begins)) * rate) / rate
+        constraints = [carried_over(each, _later(seconds)) for each in constraints]
+        frames = round(seconds * rate)
+        contacts = [replace(each, first=each.first + frames, last=each.last + frames) for each in contacts]
+    if mirrored:
+        constraints = [mirrored_constraint(each) for each in constraints]
+        contacts = [mirrored_entity(each) for each in contacts]
+    count = len(constraints) + len(contacts)
+    name = constraints[0].name if constraints else f"{contacts[0].point.words} contact"
+    text = f"Paste {name if count == 1 else f'{count} items'}{' mirrored' if mirrored else ''}"
+    with document.group(text):
+        items = [("constraints", _add(document, each, body, text)) for each in constraints]
+        items += [("contacts", _add_contact(document, each, body, text)) for each in contacts]
+    document.selection.set(*(("performers", key) for key in chosen), *items)
+
+
+def _list_of(record: Mapping[str, Any], name: str) -> list[Any]:
+    found = record.get(name, [])
+    if not isinstance(found, list):
+        raise StudioError(f"{WHERE}, {name}: expected a list.")
+    return found
+
+
+def _contacts_of(
+    document: EditedProject, record: Mapping[str, Any], motion_id: str, frames: float
+) -> list[ContactInterval]:
+    """The contacts, in frames of the motion, each of which is ``frames`` of the one they were copied from."""
+    found: list[ContactInterval] = []
+    for place, item in enumerate(_list_of(record, "contacts")):
+        try:
+            each = entity_of("contacts", {**item, "motion_id": motion_id}, _no_member)
+        except (ValueError, TypeError) as error:
+            raise StudioError(f"{WHERE}, contacts[{place}], {error}") from error
+        assert isinstance(each, ContactInterval)
+        found.append(replace(each, first=round(each.first * frames), last=round(each.last * frames)))
+    return found
+
+
+def _later(seconds: float) -> Carry:
+    return Carry(seconds, 1.0, 0.0, (0.0, 0.0), False, -math.inf, math.inf)
+
+
+def _scope(project: Project, scope: Scope, body: str) -> Scope:
+    """Of the body on which it is pasted; else as it was, where that body or clip is there."""
+    if body:
+        return Scope(performer_id=body)
+    there = scope.performer_id in ("", *project.performers) and scope.clip_id in ("", *project.clips)
+    return scope if there else EVERYONE
+
+
+def _add(document: EditedProject, constraint: Constraint, body: str, text: str) -> str:
+    """Add a constraint under a free name; last in priority where it would contradict another one."""
+    others = document.shown_project.constraints_of(constraint.motion_id).values()
+    name = free_name(constraint.name, {each.name for each in others})
+    new = replace(constraint, name=name, scope=_scope(document.project, constraint.scope, body))
+    if objection(new, others):
+        new = replace(new, priority=max((each.priority for each in others), default=-1) + 1)
+    return document.add_shown("constraints", new, text)
+
+
+def _add_contact(document: EditedProject, contact: ContactInterval, body: str, text: str) -> str:
+    """Add a contact in the place of those of its point that it covers."""
+    new = replace(contact, scope=_scope(document.project, contact.scope, body))
+    for key, each in document.shown_project.contacts_of(new.motion_id).items():
+        same = (each.point, each.scope) == (new.point, new.scope)
+        if same and each.first <= new.last and new.first <= each.last:
+            document.remove("contacts", key, text)
+    return document.add_shown("contacts", new, text)
+
+
+@dataclass(frozen=True)
+class _CopiedKeys:
+    """Keys of one field: of which entity and field they were, and their seconds after the first of all."""
+
+    entity: str
+    field: str
+    keyed: Keys
+
+
+def _key_records(document: EditedProject) -> list[Json]:
+    project, clip = document.shown_project, document.active_clip
+    found: list[tuple[KeyedField, Keys]] = []
+    for field, places in document.keys.by_field().items():
+        value = keyed_value(project, field)
+        if isinstance(value, Keys):
+            others = set(range(len(value.times))) - set(places)
+            kept = value.without_keys(others)
+            times = {at: to_stage(project, clip, field, time) for at, time in enumerate(kept.times)}
+            found.append((field, kept.with_times(times)))
+    first = min((value.times[0] for _, value in found), default=0.0)
+    return [
+        {
+            "of": getattr(project.get(*field.item), "name", ""),
+            "entity": "/".join(field.item),
+            "field": field.name,
+            "kind": next(name for name, kind in KINDS.items() if isinstance(value, kind)),
+            "keys": _without_kind(to_json(value.moved(-first), _NO_ARRAYS)),
+        }
+        for field, value in found
+    ]
+
+
+def _without_kind(record: dict[str, Json]) -> dict[str, Json]:
+    return {name: item for name, item in record.items() if name not in ("kind", "before", "after")}
+
+
+def _paste_keys(document: EditedProject, records: Json, mirrored: bool) -> None:
+    copies = [_keys_of(item, place) for place, item in enumerate(records if isinstance(records, list) else ())]
+    project, clip = document.shown_project, document.active_clip
+    values: dict[KeyedField, Keys] = {}
+    pasted: dict[KeyedField, list[float]] = {}
+    for copy, field in _destinations(document, copies):
+        old = values.get(field, keyed_value(project, field))
+        keyed = _mirrored(project, field, copy.keyed) if mirrored else copy.keyed
+        times = [from_stage(project, clip, field, time + document.playhead.time) for time in keyed.times]
+        new = [Key(time, key.value, key.tangents) for time, key in zip(times, keyed.keys, strict=True)]
+        values[field] = old.with_keys(new) if isinstance(old, Keys) else replace(keyed, times=tuple(times))
+        pasted[field] = times
+    if not values:
+        raise StudioError("Nothing selected has keys of this kind. Select a constraint, prop or character to paste on.")
+    count = sum(map(len, pasted.values()))
+    words = "key" if count == 1 else f"{count} keys"
+    replace_fields(document, values, f"Paste {words}{' mirrored' if mirrored else ''}")
+    document.keys.set(
+        KeyRef(field, place) for field, value in values.items() for place in places_at(value, pasted[field])
+    )
+
+
+def _keys_of(record: Json, place: int) -> _CopiedKeys:
+    try:
+        kind = KINDS[record["kind"]]
+        keyed: Keys = from_json(record["keys"], kind, _NO_ARRAYS)
+        return _CopiedKeys(str(record["entity"]), str(record["field"]), keyed)
+    except (KeyError, TypeError, ValueError) as error:
+        raise StudioError(f"{WHERE}, keys[{place}]: {error}") from error
+
+
+def _destinations(document: EditedProject, copies: Iterable[_CopiedKeys]) -> Iterable[tuple[_CopiedKeys, KeyedField]]:
+    """Into which field each is pasted: of one entity into all that are selected, of several one into each in turn."""
+    groups: dict[str, list[_CopiedKeys]] = {}
+    for copy in copies:
+        groups.setdefault(copy.entity, []).append(copy)
+    items = dict.fromkeys(
+        ("characters", document.project.performers[key].character_id) if name == "performers" else (name, key)
+        for name, key in document.selection.items
+        if name != "performers" or key in document.project.performers
+    )
+    if not items:
+        items = dict.fromkeys(_item(entity) for entity in groups)
+    fitting = [item for item in items if item[0] in ("constraints", "props", "characters")]
+    pairs = (
+        [(group, item) for group in groups.values() for item in fitting]
+        if len(groups) == 1
+        else list(zip(groups.values(), fitting, strict=False))
+    )
+    for group, item in pairs:
+        for copy in group:
+            field = _field_for(document, copy, item)
+            if field is not None:
+                yield copy, field
+
+
+def _item(entity: str) -> tuple[str, str]:
+    collection, _, entity_id = entity.partition("/")
+    return collection, entity_id
+
+
+def _field_for(document: EditedProject, copy: _CopiedKeys, item: tuple[str, str]) -> KeyedField | None:
+    """The field of an entity that takes such keys: of the same name, else keyed alike, else a fixed one like them."""
+    project = document.shown_project
+    entity = project.get(*item)
+    if entity is None:
+        return None
+    alike = [field for field, value in selected_fields(project, [item]).items() if isinstance(value, type(copy.keyed))]
+    same = [field for field in alike if field.name == copy.field]
+    fixed = [
+        KeyedField(*item, name)
+        for name in dict.fromkeys((copy.field, "target", "centre", "position", "proportions"))
+        if _is_plain(getattr(entity, name, None), copy.keyed)
+    ]
+    return next(iter((*same, *(field for field in fixed if field.name == copy.field), *alike, *fixed)), None)
+
+
+def _is_plain(value: Any, keyed: Keys) -> bool:
+    """True if a value that is not keyed is like those of the keys."""
+    return type(value) is type(keyed.values[0]) and (not isinstance(value, tuple) or len(value) == keyed.size)
+
+
+def _mirrored(project: Project, field: KeyedField, keyed: Keys) -> Keys:
+    """The keys in the mirror image of the motion."""
+    match keyed:
+        case KeyedPlace():
+            values = tuple(map(tuple, MIRROR.places(keyed.values).tolist()))
+            return replace(keyed.with_rates(MIRROR.ways), values=values)
+        case KeyedTurn():
+            entity = project.get(*field.item)
+            assert isinstance(entity, Constraint)
+            part = entity.point.part
+            values = tuple(map(tuple, MIRROR.turns(keyed.values, part).tolist()))
+            return replace(keyed.with_rates(lambda rate: MIRROR.own_rates(rate, part)), values=values)
+        case KeyedNumber() if field.name == "heading":
+            return replace(keyed.with_rates(lambda rate: -rate), values=tuple(-value for value in keyed.values))
+    return keyed
+
+
+def _no_member(_name: object) -> Any:
+    raise ValueError("an array is not expected here.")
+
+
+_NO_ARRAYS = MemberCodec(_no_member, _no_member)

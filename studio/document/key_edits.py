@@ -1,0 +1,230 @@
+"""Edits of keys as undo steps: set, delete, move and scale them."""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from studio.core.body.growth import KeyedProportions
+from studio.core.body.morphology import Proportions
+from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
+from studio.core.constraints.tangents import Beyond
+from studio.document.editing import EditedProject
+from studio.document.keyed_fields import (
+    Keyed,
+    KeyedField,
+    KeyRef,
+    from_stage,
+    keyed_value,
+    places_at,
+    selected_fields,
+    to_stage,
+    with_times,
+)
+
+SLOWEST, FASTEST = 0.01, 100.0
+"""By what keys may be scaled at once."""
+
+
+def replace_fields(
+    document: EditedProject, values: Mapping[KeyedField, Any], text: str, gesture: int | None = None
+) -> None:
+    """Put other values in keyed fields, as the active clip shows them: one undo step."""
+    changes: dict[tuple[str, str], dict[str, Any]] = {}
+    for field, value in values.items():
+        changes.setdefault(field.item, {})[field.name] = value
+    with document.group(text, gesture):
+        for (collection, entity_id), named in changes.items():
+            entity: Any = document.shown_project.get(collection, entity_id)
+            if entity is not None:
+                document.replace_shown(collection, entity_id, replace(entity, **named), text)
+
+
+class KeyDrag:
+    """The selected keys while they are dragged: every state is made of what they were when it began."""
+
+    def __init__(self, document: EditedProject) -> None:
+        self._document, self._clip = document, document.active_clip
+        self._gesture = document.new_gesture()
+        self.before: dict[KeyedField, Keyed] = {}
+        self._places = document.keys.by_field()
+        for field in self._places:
+            value = keyed_value(document.shown_project, field)
+            if value is not None:
+                self.before[field] = value
+
+    @property
+    def count(self) -> int:
+        """How many keys are dragged."""
+        return sum(map(len, self._places.values()))
+
+    def stage_times(self) -> list[float]:
+        """Seconds of the stage at which the dragged keys lay."""
+        return [
+            to_stage(self._document.project, self._clip, field, value.times[place])
+            for field, value in self.before.items()
+            for place in self._places[field]
+        ]
+
+    def move(self, seconds: float, changed: Mapping[KeyedField, Keyed] | None = None) -> None:
+        """Show the keys so many seconds of the stage later, in fields that are ``changed`` otherwise too."""
+        self._show(lambda time: time + seconds, 1.0, "Move", changed or {})
+
+    def scale(self, factor: float, about: float) -> None:
+        """Show the keys ``factor`` times as far from a second of the stage."""
+        factor = min(max(factor, SLOWEST), FASTEST)
+        self._show(lambda time: about + (time - about) * factor, 1.0 / factor, "Scale", {})
+
+    def cancel(self) -> None:
+        """Put everything back; the step vanishes."""
+        self._put(self.before, "Move keys")
+        self._document.keys.set(KeyRef(field, place) for field, places in self._places.items() for place in places)
+
+    def _show(
+        self, change: Callable[[float], float], speed: float, verb: str, changed: Mapping[KeyedField, Keyed]
+    ) -> None:
+        project, clip = self._document.project, self._clip
+        values, moved = {}, {}
+        for field, value in self.before.items():
+            moved[field] = {
+                place: from_stage(project, clip, field, change(to_stage(project, clip, field, value.times[place])))
+                for place in self._places[field]
+            }
+            values[field] = with_times(changed.get(field, value), moved[field], speed)
+        self._put(values, f"{verb} {words_for(self.count)}")
+        self._document.keys.set(
+            KeyRef(field, place) for field, value in values.items() for place in places_at(value, moved[field].values())
+        )
+
+    def _put(self, values: Mapping[KeyedField, Keyed], text: str) -> None:
+        there = {field: value for field, value in values.items() if keyed_value(self._document.project, field)}
+        replace_fields(self._document, there, text, self._gesture)
+
+
+def words_for(count: int) -> str:
+    """``key`` or ``3 keys``."""
+    return "key" if count == 1 else f"{count} keys"
+
+
+def nudge_keys(document: EditedProject, frames: int) -> None:
+    """Move the selected keys by whole frames of the stage: one undo step."""
+    KeyDrag(document).move(frames / document.playhead.frame_rate)
+
+
+def stretch_keys(document: EditedProject, frames: int) -> None:
+    """Scale the selected keys about the playhead so that the farthest one moves by so many frames away from it."""
+    drag, here = KeyDrag(document), document.playhead.time
+    farthest = max((abs(time - here) for time in drag.stage_times()), default=0.0)
+    if farthest > 0.0:
+        drag.scale(1.0 + frames / document.playhead.frame_rate / farthest, here)
+
+
+def delete_keys(document: EditedProject) -> bool:
+    """Delete the selected keys as one step; true if there were any that can be deleted.
+
+    A field that has no key left keeps the value that it has at the playhead. An activation keeps its four times.
+    """
+    values: dict[KeyedField, Any] = {}
+    count = 0
+    for field, places in document.keys.by_field().items():
+        value = keyed_value(document.shown_project, field)
+        if not isinstance(value, Keys):
+            continue
+        count += len(places)
+        values[field] = (
+            value.without_keys(set(places)) if len(places) < len(value.times) else _fixed(document, field, value)
+        )
+    if values:
+        replace_fields(document, values, f"Delete {words_for(count)}")
+    return bool(values)
+
+
+def set_keys(document: EditedProject) -> int:
+    """Set a key at the playhead in all keyed fields of the selection, with the value that is there; how many.
+
+    A selected constraint, prop or body of which nothing is keyed begins to be: its target, place or measures.
+    """
+    fields = selected_fields(document.shown_project, document.selection.items)
+    values: dict[KeyedField, Any] = {
+        field: value.with_key(time, value.value_at(time))
+        for field, value in fields.items()
+        if isinstance(value, Keys)
+        for time in (time_at_playhead(document, field),)
+    }
+    keyed = {field.item for field in values}
+    for field, value in _fixed_fields(document).items():
+        if field.item not in keyed:
+            values[field] = value
+    if values:
+        replace_fields(document, values, "Set key" if len(values) == 1 else f"Set {len(values)} keys")
+        document.keys.set(
+            KeyRef(field, place)
+            for field, value in values.items()
+            for place in places_at(value, (time_at_playhead(document, field),))
+        )
+    return len(values)
+
+
+def time_at_playhead(document: EditedProject, field: KeyedField) -> float:
+    """The second at which a key of a field is set: that of constraints at a whole frame of their motion."""
+    clip = document.active_clip
+    seconds = from_stage(document.project, clip, field, document.playhead.time)
+    if field.collection != "constraints" or clip is None:
+        return seconds
+    rate = document.project.frame_rate_of(clip)
+    return round(seconds * rate) / rate
+
+
+def _fixed(document: EditedProject, field: KeyedField, value: Keys) -> Any:
+    """The value that holds at the playhead as a field has it that is not keyed."""
+    found = value.value_at(time_at_playhead(document, field))
+    return Proportions(*found) if isinstance(found, tuple) and isinstance(value, KeyedProportions) else found
+
+
+def _fixed_fields(document: EditedProject) -> dict[KeyedField, Keys]:
+    """What of the selection is not keyed, with one key at the playhead: targets, centres, places of props, measures."""
+    found: dict[KeyedField, Keys] = {}
+    for collection, entity_id in document.selection.items:
+        if collection == "performers" and entity_id in document.project.performers:
+            collection, entity_id = "characters", document.project.performers[entity_id].character_id
+        entity: Any = document.shown_project.get(collection, entity_id)
+        names = {"constraints": ("target", "centre", "place"), "props": ("position",), "characters": ("proportions",)}
+        for name in names.get(collection, ()):
+            field = KeyedField(collection, entity_id, name)
+            keys = _first_key(time_at_playhead(document, field), getattr(entity, name, None))
+            if keys is not None:
+                found[field] = keys
+    return found
+
+
+def _first_key(time: float, value: Any) -> Keys | None:
+    """One key of a plain value; None of what follows something, or is not there."""
+    match value:
+        case Proportions():
+            return KeyedProportions((time,), (value,))
+        case (_, _, _):
+            return KeyedPlace((time,), (value,))
+        case (_, _, _, _):
+            return KeyedTurn((time,), (value,))
+        case float():
+            return KeyedNumber((time,), (value,))
+    return None
+
+
+def edit_selected(document: EditedProject, edit: Callable[[Keyed, int], Keyed], text: str) -> None:
+    """Change every selected key by ``edit``, as one step."""
+    values: dict[KeyedField, Any] = {}
+    for field, places in document.keys.by_field().items():
+        value = keyed_value(document.shown_project, field)
+        if value is not None:
+            for place in places:
+                value = edit(value, place)
+            values[field] = value
+    replace_fields(document, values, text)
+
+
+def set_beyond(document: EditedProject, fields: Iterable[KeyedField], side: str, beyond: Beyond) -> None:
+    """Set what curves do ``before`` their first key or ``after`` their last one, as one step."""
+    values = {field: keyed_value(document.shown_project, field) for field in fields}
+    changes: dict[str, Any] = {side: beyond}
+    keyed = {field: replace(value, **changes) for field, value in values.items() if isinstance(value, Keys)}
+    replace_fields(document, keyed, f"{beyond.value.capitalize()} {side} keys")

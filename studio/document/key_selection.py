@@ -1,0 +1,89 @@
+"""KeySelection: which keys the user works on. Not undoable; never holds a key that is gone."""
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QObject, Signal
+
+from studio.document.keyed_fields import KeyedField, KeyRef, keyed_value, owners_of, places_at
+
+if TYPE_CHECKING:
+    from studio.document.editing import EditedProject
+
+
+class KeySelection(QObject):
+    """A set of keys, all of entities that are selected themselves.
+
+    Where keys of a field are moved or undone it follows them by their order, where some are added or deleted by time.
+    """
+
+    changed = Signal()
+
+    def __init__(self, document: "EditedProject") -> None:
+        super().__init__(document)
+        self._document = document
+        self._items: frozenset[KeyRef] = frozenset()
+        self._by_field: dict[KeyedField, tuple[int, ...]] = {}
+        self._times: dict[KeyedField, tuple[float, ...]] = {}
+        document.entity_changed.connect(self._follow)
+        document.project_opened.connect(self.clear)
+        document.selection.changed.connect(self._drop_unselected)
+
+    @property
+    def items(self) -> frozenset[KeyRef]:
+        """All selected keys."""
+        return self._items
+
+    def __contains__(self, key: object) -> bool:
+        return key in self._items
+
+    def by_field(self) -> Mapping[KeyedField, tuple[int, ...]]:
+        """The places of the selected keys of each field, in order."""
+        return self._by_field
+
+    def set(self, keys: Iterable[KeyRef]) -> None:
+        """Select these keys and no others."""
+        items = frozenset(keys)
+        project = self._document.project
+        self._times = {
+            field: value.times
+            for field in {key.field for key in items}
+            if (value := keyed_value(project, field)) is not None
+        }
+        items = frozenset(key for key in items if key.place < len(self._times.get(key.field, ())))
+        if items != self._items:
+            found: dict[KeyedField, list[int]] = {}
+            for field, place in sorted(items):
+                found.setdefault(field, []).append(place)
+            self._by_field = {field: tuple(places) for field, places in found.items()}
+            self._items = items
+            self.changed.emit()
+
+    def clear(self) -> None:
+        """Select no key."""
+        self.set(())
+
+    def toggle(self, keys: Iterable[KeyRef]) -> None:
+        """Add the keys, or take them out where all of them are selected: Ctrl+click."""
+        keys = frozenset(keys)
+        self.set(self._items - keys if keys <= self._items else self._items | keys)
+
+    def _follow(self, collection: str, entity_id: str) -> None:
+        """Keep to the keys of a changed entity; an empty id stands for many."""
+        if not any(field.collection == collection and entity_id in ("", field.entity_id) for field in self._times):
+            return
+        kept: list[KeyRef] = []
+        for field, places in self.by_field().items():
+            value, before = keyed_value(self._document.project, field), self._times[field]
+            if value is None:
+                continue
+            if len(value.times) != len(before):
+                places = places_at(value, (before[place] for place in places))
+            kept += [KeyRef(field, place) for place in places]
+        self.set(kept)
+
+    def _drop_unselected(self) -> None:
+        selected = set(self._document.selection.items)
+        project = self._document.project
+        kept = {field for field in self._times if selected.intersection(owners_of(project, *field.item))}
+        self.set(key for key in self._items if key.field in kept)

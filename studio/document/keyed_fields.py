@@ -1,0 +1,115 @@
+"""Keyed fields: everything of a project that has keys over time, by one name each."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
+
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.keyed import Keys
+from studio.core.project import Project
+from studio.core.stage.clip import Clip
+
+Keyed = Keys | ActivationCurve
+"""What has keys: an activation has its four times."""
+
+KEYED_COLLECTIONS = ("constraints", "props", "characters")
+
+
+class KeyedField(NamedTuple):
+    """The field of an entity that has keys."""
+
+    collection: str
+    entity_id: str
+    name: str
+
+    @property
+    def item(self) -> tuple[str, str]:
+        """(collection, id) of the entity."""
+        return self.collection, self.entity_id
+
+
+class KeyRef(NamedTuple):
+    """One key of a field, by its place in the order of times."""
+
+    field: KeyedField
+    place: int
+
+
+def fields_of(collection: str, entity_id: str, entity: Any) -> dict[KeyedField, Keyed]:
+    """The keyed fields of one entity."""
+    if entity is None or collection not in KEYED_COLLECTIONS:
+        return {}
+    values = vars(entity).items()
+    return {KeyedField(collection, entity_id, name): value for name, value in values if isinstance(value, Keyed)}
+
+
+def keyed_value(project: Project, field: KeyedField) -> Keyed | None:
+    """What is keyed there; None where there are no keys any more."""
+    value = getattr(project.get(*field.item), field.name, None)
+    return value if isinstance(value, Keyed) else None
+
+
+def owners_of(project: Project, collection: str, entity_id: str) -> tuple[tuple[str, str], ...]:
+    """The items of the selection by which an entity's keys may be selected: a body's too for its character."""
+    bodies = (
+        ("performers", key)
+        for key, each in project.performers.items()
+        if (collection, each.character_id) == ("characters", entity_id)
+    )
+    return ((collection, entity_id), *bodies)
+
+
+def selected_fields(project: Project, items: Iterable[tuple[str, str]]) -> dict[KeyedField, Keyed]:
+    """The keyed fields of selected entities, of a performer those of its character."""
+    entities = dict.fromkeys(
+        ("characters", project.performers[key].character_id)
+        if collection == "performers" and key in project.performers
+        else (collection, key)
+        for collection, key in items
+    )
+    return {
+        field: value
+        for collection, key in entities
+        for field, value in fields_of(collection, key, project.get(collection, key)).items()
+    }
+
+
+def to_stage(project: Project, clip: Clip | None, field: KeyedField, seconds: float) -> float:
+    """Seconds of the stage at which a key lies: those of constraints count from the motion that ``clip`` plays."""
+    if field.collection != "constraints" or clip is None:
+        return seconds
+    return clip.start + (seconds - clip.first / project.frame_rate_of(clip)) / clip.speed
+
+
+def from_stage(project: Project, clip: Clip | None, field: KeyedField, seconds: float) -> float:
+    """The opposite of ``to_stage``."""
+    if field.collection != "constraints" or clip is None:
+        return seconds
+    return (seconds - clip.start) * clip.speed + clip.first / project.frame_rate_of(clip)
+
+
+def with_times(keyed: Keyed, times: Mapping[int, float], speed: float = 1.0) -> Keyed:
+    """The same with the keys at some places at other times: of an activation those in their way are pushed along."""
+    if isinstance(keyed, Keys):
+        return keyed.with_times(times, speed)
+    order = dict(zip(sorted(times), sorted(times.values()), strict=True))
+    return keyed.with_times(
+        *(
+            order.get(
+                place,
+                max(
+                    min(time, *(order[other] for other in order if other > place), 1e9),
+                    *(order[other] for other in order if other < place),
+                    -1e9,
+                ),
+            )
+            for place, time in enumerate(keyed.times)
+        )
+    )
+
+
+def places_at(keyed: Keyed, times: Iterable[float]) -> tuple[int, ...]:
+    """Which keys stand at these times."""
+    if isinstance(keyed, Keys):
+        found = (keyed.key_at(time) for time in times)
+        return tuple(place for place in found if place is not None)
+    return tuple(dict.fromkeys(keyed.times.index(time) for time in times if time in keyed.times))

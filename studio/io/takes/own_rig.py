@@ -1,0 +1,113 @@
+"""A character's motion on the joints of the file that it came from: their names, hierarchy, rest pose and axes."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.canonical import BodyLayout, BodyPart
+from studio.core.body.humanoid import BodyMap
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
+from studio.core.mesh.joint_skin import FloatArray, JointSkin
+from studio.core.mesh.rig import STILL, Rig
+from studio.core.mesh.skin import bound_pose, fit_skin, segment_forms
+from studio.core.rotations import from_matrix
+from studio.io.export import Take
+
+_Y_UP = (".fbx", ".glb", ".gltf")
+"""Kinds of files whose writers turn the world and with it the axes of every joint."""
+_WORLD_TO_FILE = np.eye(3)[[1, 2, 0]]
+
+
+def has_own_rig(take: Take) -> bool:
+    """True if the character of an adapted motion has joints of its own."""
+    return take.adapted is not None and take.character is not None and take.character.skin.rig is not None
+
+
+def on_own_rig(take: Take, suffix: str) -> Take:
+    """The same motion on the character's own joints, with its skin as it hangs from them.
+
+    Every joint moves with the segment of the body that it belongs to, so that its skin goes where that of the file
+    would; what a capture has beside the body is left out. Files with Y up name the axes of all joints anew: so they are
+    named here that those of the file come out in a file of the kind of ``suffix``.
+    """
+    character, adapted = take.character, take.adapted
+    assert character is not None
+    assert adapted is not None
+    mesh, body, rig = character.skin, adapted.morphology, character.skin.rig
+    assert rig is not None
+    positions, rotations = _bound(rig, *segment_forms(mesh, character.build, body))
+    if suffix in _Y_UP:
+        rotations = rotations @ _WORLD_TO_FILE
+    moving = rig.segments != STILL
+    segments = rig.segments[moving]
+    proximal = np.array(body.layout.proximal_points())
+    then, axes = bound_pose(mesh, body)
+    turned = adapted.rotations[:] @ np.swapaxes(axes, 1, 2)
+    frames, count = adapted.frame_count, len(rig.names)
+    world_turns, world_places = np.empty((frames, count, 3, 3)), np.empty((frames, count, 3))
+    world_turns[:], world_places[:] = rotations, positions
+    world_turns[:, moving] = turned[:, segments] @ rotations[moving]
+    away = positions[moving] - then[proximal[segments]]
+    world_places[:, moving] = adapted.positions[:][:, proximal[segments]] + np.einsum(
+        "fjab,jb->fja", turned[:, segments], away
+    )
+    parents = rig.parents.astype(np.int64)
+    local_turns, local_places = _local(parents, world_turns, world_places)
+    rest_turns, rest_places = (each[0] for each in _local(parents, rotations[None], positions[None]))
+    skin = fit_skin(character.shown_skin, character.build, body)
+    return replace(
+        take,
+        capture=replace(
+            take.capture,
+            skeleton=Skeleton(rig.names, parents, rest_places, np.zeros(count, dtype=bool)),
+            poses=PoseSequence(from_matrix(local_turns), local_places),
+            body_map=_body_map(rig, body.layout.spine_count),
+            reference_rotations=from_matrix(rest_turns),
+        ),
+        bound=JointSkin(
+            skin.vertices.astype(np.float64),
+            skin.normals.astype(np.float64),
+            skin.triangles,
+            rig.joints,
+            rig.weights.astype(np.float64),
+            positions,
+            rotations,
+            skin.appearance,
+        ),
+        rest_rotations=from_matrix(rest_turns),
+    )
+
+
+def _bound(rig: Rig, forms: FloatArray, shifts: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Positions (J, 3) and rotations (J, 3, 3) of the joints on the body to which the skin is fitted."""
+    of_joint = np.maximum(rig.segments, 0)
+    positions = np.einsum("jab,jb->ja", forms[of_joint], rig.positions) + shifts[of_joint]
+    left, _, right = np.linalg.svd(forms[of_joint])
+    turns = left @ right
+    is_still = rig.segments == STILL
+    positions[is_still] = rig.positions[is_still]
+    turns[is_still] = np.eye(3)
+    return positions, turns @ rig.rotations
+
+
+def _local(parents: NDArray[np.int64], turns: FloatArray, places: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Rotations (F, J, 3, 3) and translations (F, J, 3) in the parents' axes, of joints in the world."""
+    above = np.maximum(parents, 0)
+    is_root = parents < 0
+    carriers = np.where(is_root[:, None, None], np.eye(3), np.swapaxes(turns[:, above], -1, -2))
+    moved = places - np.where(is_root[:, None], 0.0, places[:, above])
+    return carriers @ turns, np.einsum("fjab,fjb->fja", carriers, moved)
+
+
+def _body_map(rig: Rig, spine_count: int) -> BodyMap:
+    """Which joint plays which part: the first that moves with its segment."""
+    first = {int(segment): int(np.argmax(rig.segments == segment)) for segment in np.unique(rig.segments)}
+    spine = tuple(first[segment] for segment in range(spine_count) if segment in first)
+    layout = BodyLayout(spine_count)
+    inner = (BodyPart.ABDOMEN, BodyPart.THORAX)
+    parts = {
+        part: first[layout.segment(part)] for part in BodyPart if part not in inner and layout.segment(part) in first
+    }
+    return BodyMap(parts, spine)

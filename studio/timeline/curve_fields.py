@@ -1,0 +1,94 @@
+"""Fields of the curve editor: time and value of the selected key, typed."""
+
+from PySide6.QtCore import QSignalBlocker, Signal
+from PySide6.QtWidgets import QDoubleSpinBox, QGridLayout, QLabel, QWidget
+
+from studio.document import colours
+from studio.document.channels import Channel, key_values, with_values
+from studio.document.key_edits import KeyDrag
+from studio.document.keyed_fields import Keyed, keyed_value
+from studio.timeline.shown import Shown
+from studio.timeline.tracks.value_curves import ValueCurves, stage_time
+
+FAR = 1e6
+HEIGHT = 56
+
+
+class CurveFields(QWidget):
+    """Time and value of the selected keys: of the first of them, and all of the active channel get the value typed."""
+
+    changed = Signal()
+
+    def __init__(self, curves: ValueCurves, parent: QWidget) -> None:
+        super().__init__(parent)
+        self._curves = curves
+        self._shown: Shown | None = None
+        self._target: tuple[Channel, tuple[int, ...]] | None = None
+        self.time, self.value = _field("Time of key", " s"), _field("Value of key", "")
+        self.time.valueChanged.connect(self._set_time)
+        self.value.valueChanged.connect(self._set_value)
+        self._name = QLabel("Value")
+        rows = QGridLayout(self)
+        rows.setContentsMargins(14, 0, 8, 0)
+        rows.setSpacing(4)
+        for place, (label, field) in enumerate(((QLabel("Time"), self.time), (self._name, self.value))):
+            rows.addWidget(label, place, 0)
+            rows.addWidget(field, place, 1)
+        self.setStyleSheet(
+            f"QLabel {{ color: {colours.TEXT_THIRD}; font-size: 11px; }} QDoubleSpinBox {{ font-size: 12px; }}"
+            " QAbstractSpinBox::up-button, QAbstractSpinBox::down-button { width: 0; border: none; }"
+        )
+
+    def show_keys(self, shown: Shown | None) -> None:
+        """Show the selected keys of the active channel; disabled where none is selected."""
+        self._shown = shown
+        self._target = self._find() if shown is not None else None
+        self.time.setEnabled(self._target is not None)
+        keyed = self._keyed()
+        self.value.setEnabled(keyed is not None and self._target is not None and self._target[0].unit != "")
+        if shown is None or self._target is None or keyed is None:
+            return
+        channel, places = self._target
+        self._name.setText(channel.name.capitalize())
+        with QSignalBlocker(self.time), QSignalBlocker(self.value):
+            self.time.setValue(stage_time(shown, channel.field, keyed.times[places[0]]))
+            self.value.setSuffix(f" {channel.unit}" if channel.unit else "")
+            self.value.setValue(float(key_values(channel, keyed)[places[0]]))
+
+    def _find(self) -> tuple[Channel, tuple[int, ...]] | None:
+        """The active channel, or else the first one with a selected key."""
+        assert self._shown is not None
+        selected = self._shown.document.keys.by_field()
+        channels = [channel for channel, _ in self._curves.channels(self._shown) if channel.field in selected]
+        channels.sort(key=lambda channel: channel != self._curves.active)
+        return (channels[0], selected[channels[0].field]) if channels else None
+
+    def _keyed(self) -> Keyed | None:
+        if self._shown is None or self._target is None:
+            return None
+        return keyed_value(self._shown.project, self._target[0].field)
+
+    def _set_time(self, seconds: float) -> None:
+        keyed = self._keyed()
+        if self._shown is not None and self._target is not None and keyed is not None:
+            channel, places = self._target
+            old = stage_time(self._shown, channel.field, keyed.times[places[0]])
+            KeyDrag(self._shown.document).move(seconds - old)
+            self.changed.emit()
+
+    def _set_value(self, value: float) -> None:
+        keyed = self._keyed()
+        if self._shown is not None and self._target is not None and keyed is not None:
+            channel, places = self._target
+            changed = with_values(channel, keyed, dict.fromkeys(places, value))
+            KeyDrag(self._shown.document).move(0.0, {channel.field: changed})
+            self.changed.emit()
+
+
+def _field(name: str, suffix: str) -> QDoubleSpinBox:
+    field = QDoubleSpinBox(decimals=3, minimum=-FAR, maximum=FAR, singleStep=0.01, suffix=suffix)
+    field.setKeyboardTracking(False)
+    field.setAccessibleName(name)
+    field.setToolTip(name)
+    field.lineEdit().returnPressed.connect(field.clearFocus)
+    return field

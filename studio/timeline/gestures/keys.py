@@ -1,0 +1,84 @@
+"""Drags on keys: move or scale the selected ones, or select those in a box."""
+
+from PySide6.QtCore import QPointF, QRectF
+
+from studio.document.key_edits import KeyDrag
+from studio.document.keyed_fields import KeyRef
+from studio.timeline.figures import moment
+from studio.timeline.gestures.gesture import Gesture, Mark
+from studio.timeline.sheet import Sheet
+from studio.timeline.shown import Shown
+from studio.timeline.snapping import key_magnets, snapped
+from studio.timeline.tracks.brush import KEY_REACH
+from studio.timeline.tracks.keys import fields_in, key_height, keys_between, stage_times
+
+
+class DragKeys(Gesture):
+    """Move the selected keys in time; with ``scaling`` scale them about the playhead. A single undo step."""
+
+    def __init__(self, shown: Shown, grabbed: KeyRef, press: QPointF, scaling: bool) -> None:
+        self.shown, self.scaling = shown, scaling
+        self._drag = KeyDrag(shown.document)
+        self._grabbed = float(stage_times(shown, grabbed.field)[grabbed.place])
+        self._press_time = shown.axis.time_at(press.x())
+        self._magnets = key_magnets(shown, scaling)
+        shown.live.interactive = True
+
+    def update(self, position: QPointF, free: bool) -> None:
+        """The grabbed key follows the mouse; ``free`` keeps it from catching."""
+        axis, here = self.shown.axis, self.shown.document.playhead.time
+        wanted = self._grabbed + axis.time_at(position.x()) - self._press_time
+        caught = snapped(axis, wanted, self._magnets, free)
+        words = moment(caught.time * axis.frame_rate, caught.time)
+        if not self.scaling:
+            self._drag.move(caught.time - self._grabbed)
+            frames = (caught.time - self._grabbed) * axis.frame_rate
+            self.mark = Mark(caught.time, f"{words}  {frames:+.4g} frames", caught.caught)
+        elif abs(self._grabbed - here) * axis.frame_rate > 1e-3:
+            factor = (caught.time - here) / (self._grabbed - here)
+            self._drag.scale(factor, here)
+            self.mark = Mark(caught.time, f"{words}  × {max(factor, 0.01):.3g}", caught.caught)
+
+    def finish(self) -> None:
+        """Let the whole clip be solved."""
+        self.shown.live.interactive = False
+
+    def cancel(self) -> None:
+        """Put everything back; the step vanishes."""
+        self._drag.cancel()
+        self.finish()
+
+
+class BoxSelect(Gesture):
+    """Select the keys in a box; with ``add`` beside those that are selected."""
+
+    def __init__(self, sheet: Sheet, press: QPointF, add: bool) -> None:
+        self._sheet, self._press = sheet, press
+        self._before = sheet.shown.document.keys.items
+        self._kept = self._before if add else frozenset()
+        self._items = sheet.shown.document.selection.items if add else ()
+        self.box = QRectF(press, press)
+
+    def update(self, position: QPointF, free: bool) -> None:
+        """All keys between the press and the mouse, over the rows that the box touches."""
+        sheet, shown = self._sheet, self._sheet.shown
+        self.box = QRectF(self._press, position).normalized()
+        reach = self.box.adjusted(-KEY_REACH, -KEY_REACH, KEY_REACH, KEY_REACH)
+        begin, end = shown.axis.time_at(self.box.left()), shown.axis.time_at(self.box.right())
+        found: set[KeyRef] = set()
+        for row in sheet.rows:
+            if reach.top() <= key_height(row, sheet.rect(row)) <= reach.bottom():
+                found.update(keys_between(shown, fields_in(shown, row), begin, end))
+        if not shown.dope:
+            owners = dict.fromkeys(key.field.item for key in sorted(found) if key.field.collection != "characters")
+            bodies = (
+                row.id
+                for row in sheet.rows
+                if row.kind == "growth" and found.intersection(keys_between(shown, fields_in(shown, row), begin, end))
+            )
+            shown.document.selection.set(*self._items, *owners, *(("performers", key) for key in bodies))
+        shown.document.keys.set(found | self._kept)
+
+    def cancel(self) -> None:
+        """Select what was selected."""
+        self._sheet.shown.document.keys.set(self._before)

@@ -1,0 +1,139 @@
+"""Drags in the curve editor: of keys in time and value, of the handles of tangents, of a box."""
+
+from PySide6.QtCore import QPointF, QRect, QRectF, Qt
+
+from studio.document.channels import key_values, with_handle, with_values
+from studio.document.key_edits import KeyDrag, replace_fields
+from studio.timeline.figures import moment
+from studio.timeline.gestures.gesture import Gesture, Mark
+from studio.timeline.shown import Shown
+from studio.timeline.snapping import key_magnets, snapped
+from studio.timeline.tracks.value_curves import (
+    HandleRef,
+    ValueCurves,
+    own_times,
+    plot_area,
+    stage_time,
+    value_in,
+)
+
+LOCK = 5.0
+"""Pixels below which a drag does not change time, or value, so that a hand need not be exact."""
+STEPS = {"m": 0.01, "°": 5.0, "×": 0.01}
+"""What values catch on with Ctrl, by unit."""
+FINE = 0.1
+Modifier = Qt.KeyboardModifier
+
+
+class DragCurveKeys(Gesture):
+    """Move the selected keys in time, and those of the grabbed channel in value: one undo step.
+
+    Shift is finer, Ctrl catches on round values.
+    """
+
+    def __init__(self, shown: Shown, curves: ValueCurves, row: QRect, grabbed: HandleRef, press: QPointF) -> None:
+        self.shown, self._curves, self._area = shown, curves, plot_area(row)
+        self._grabbed, self._press = grabbed, press
+        self._drag = KeyDrag(shown.document)
+        channel = grabbed.channel
+        keyed = self._drag.before[channel.field]
+        self._time = stage_time(shown, channel.field, keyed.times[grabbed.place])
+        self._values = key_values(channel, keyed)
+        self._places = shown.document.keys.by_field()[channel.field]
+        self._magnets = key_magnets(shown, False)
+        self._is_moved = self._is_raised = False
+        shown.live.interactive = True
+
+    def update(self, position: QPointF, free: bool) -> None:
+        """The grabbed key follows the mouse."""
+        way, channel = position - self._press, self._grabbed.channel
+        self._is_moved |= abs(way.x()) >= LOCK
+        self._is_raised |= abs(way.y()) >= LOCK
+        caught = snapped(self.shown.axis, self._time + way.x() / self.shown.axis.scale, self._magnets, free)
+        seconds = caught.time - self._time if self._is_moved else 0.0
+        rise = self._curves.value_of(self.shown, self._area, channel.unit, -way.y()) if self._is_raised else 0.0
+        rise *= FINE if self.modifiers & Modifier.ShiftModifier else 1.0
+        old = float(self._values[self._grabbed.place])
+        step = STEPS.get(channel.unit, 0.0)
+        if self._is_raised and step and self.modifiers & Modifier.ControlModifier:
+            rise = round((old + rise) / step) * step - old
+        before = self._drag.before[channel.field]
+        changed = with_values(channel, before, {place: float(self._values[place]) + rise for place in self._places})
+        self._drag.move(seconds, {channel.field: changed})
+        time = self._time + seconds
+        text = f"{moment(time * self.shown.axis.frame_rate, time)}  {channel.name} {old + rise:.4g} {channel.unit}"
+        self.mark = Mark(time, text.strip(), caught.caught if self._is_moved else None)
+
+    def finish(self) -> None:
+        """Let the whole clip be solved."""
+        self.shown.live.interactive = False
+
+    def cancel(self) -> None:
+        """Put everything back; the step vanishes."""
+        self._drag.cancel()
+        self.finish()
+
+
+class DragTangent(Gesture):
+    """Drag the handle of a tangent: its rate and its weight. One undo step.
+
+    The other side turns with it unless they are broken, or Alt breaks them now; Shift is finer, Ctrl keeps the weight.
+    """
+
+    def __init__(self, shown: Shown, curves: ValueCurves, row: QRect, handle: HandleRef, press: QPointF) -> None:
+        self.shown, self._curves, self._area, self._handle, self._press = shown, curves, plot_area(row), handle, press
+        before = value_in(shown, handle.channel)
+        assert before is not None
+        assert handle.side is not None
+        self._before, self._side = before, handle.side
+        begin = curves.handle_point(shown, self._area, handle, before)
+        self._begin = begin if begin is not None else press
+        self._key = curves.point(shown, self._area, handle.channel, before, handle.place)
+        self._gesture = shown.document.new_gesture()
+        shown.live.interactive = True
+
+    def update(self, position: QPointF, free: bool) -> None:
+        """The end of the handle follows the mouse."""
+        channel, shown = self._handle.channel, self.shown
+        share = FINE if self.modifiers & Modifier.ShiftModifier else 1.0
+        way = self._begin + (position - self._press) * share - self._key
+        begin = own_times(shown, channel.field, shown.axis.time_at(self._key.x()))
+        end = own_times(shown, channel.field, shown.axis.time_at(self._key.x() + way.x()))
+        seconds, value = float(end - begin), self._curves.value_of(shown, self._area, channel.unit, -way.y())
+        if self.modifiers & Modifier.ControlModifier and way.x():
+            kept = self._begin.x() - self._key.x()
+            seconds, value = seconds * kept / way.x(), value * kept / way.x()
+        new = with_handle(channel, self._before, self._handle.place, self._side, seconds, value, free)
+        replace_fields(shown.document, {channel.field: new}, "Move tangent", self._gesture)
+        time = shown.axis.time_at(self._key.x())
+        rate = value / seconds if seconds else 0.0
+        self.mark = Mark(time, f"{channel.name} {rate:.3g} {channel.unit}/s")
+
+    def finish(self) -> None:
+        """Let the whole clip be solved."""
+        self.shown.live.interactive = False
+
+    def cancel(self) -> None:
+        """Put everything back; the step vanishes."""
+        replace_fields(self.shown.document, {self._handle.channel.field: self._before}, "Move tangent", self._gesture)
+        self.finish()
+
+
+class BoxSelectCurves(Gesture):
+    """Select the keys whose diamonds are in a box; with ``add`` beside those that are selected."""
+
+    def __init__(self, shown: Shown, curves: ValueCurves, row: QRect, press: QPointF, add: bool) -> None:
+        self._shown, self._points = shown, list(curves.points(shown, plot_area(row)))
+        self._press, self._before = press, shown.document.keys.items
+        self._kept = self._before if add else frozenset()
+        self.box = QRectF(press, press)
+
+    def update(self, position: QPointF, free: bool) -> None:
+        """All keys between the press and the mouse."""
+        self.box = QRectF(self._press, position).normalized()
+        found = {handle.key for handle, point in self._points if self.box.contains(point)}
+        self._shown.document.keys.set(found | self._kept)
+
+    def cancel(self) -> None:
+        """Select what was selected."""
+        self._shown.document.keys.set(self._before)

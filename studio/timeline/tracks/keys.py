@@ -1,0 +1,208 @@
+"""Keys as diamonds in the rows: where they lie, how they look, which are under the mouse or in a box."""
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QPointF, QRect, QRectF
+from PySide6.QtGui import QColor, QPainter
+
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.keyed import Keys
+from studio.document import colours
+from studio.document.keyed_fields import Keyed, KeyedField, KeyRef, fields_of, keyed_value, selected_fields
+from studio.timeline.shown import Row, Shown, label_area
+from studio.timeline.tracks.brush import KEY_REACH, paint_bar, paint_key, paint_label, translucent
+from studio.timeline.tracks.layer import INDENT
+
+FloatArray = NDArray[np.float64]
+
+HEIGHT = 22
+SUMMARY = "summary"
+"""The kind of the dope sheet's row that shows the keys of all the others."""
+SHEET = "sheet"
+"""The kind of a row of the dope sheet; its id names the field."""
+APART = 3.0
+"""Pixels between keys below which they are drawn as one bar."""
+BAR = 3.0
+"""Pixels of half the height of such a bar."""
+FIELD_NAMES = {"proportions": "measures"}
+
+
+def sheet_id(field: KeyedField) -> str:
+    """The id of a field's row."""
+    return "/".join(field)
+
+
+def field_of(row_id: str) -> KeyedField:
+    """The field of a row."""
+    collection, _, rest = row_id.partition("/")
+    entity_id, _, name = rest.rpartition("/")
+    return KeyedField(collection, entity_id, name)
+
+
+def sheet_fields(shown: Shown) -> dict[KeyedField, Keyed]:
+    """What the dope sheet shows: the keyed fields of the selection, or else all that the stage shows here."""
+    chosen = selected_fields(shown.project, shown.document.selection.items)
+    if chosen:
+        return chosen
+    project, performer_id = shown.project, shown.subject.performer_id
+    constraints = project.constraints_for(performer_id, shown.subject.clip)
+    characters = dict.fromkeys(each.character_id for each in project.performers.values() if each.visible)
+    entities = (
+        *(("constraints", key, each) for key, each in constraints.items()),
+        *(("props", key, each) for key, each in project.props.items()),
+        *(("characters", key, project.characters[key]) for key in characters),
+    )
+    return {field: value for entity in entities for field, value in fields_of(*entity).items()}
+
+
+def rows_of(shown: Shown) -> list[tuple[str, str, int]]:
+    """Kind, id and height of the dope sheet's rows, the summary first."""
+    rows = [(SHEET, sheet_id(field), HEIGHT) for field in sheet_fields(shown)]
+    return [(SUMMARY, "", HEIGHT), *rows]
+
+
+def fields_in(shown: Shown, row: Row) -> tuple[KeyedField, ...]:
+    """The fields whose keys a row shows; a constraint's bar shows its activation by handles of its own."""
+    match row.kind:
+        case "summary":
+            return tuple(sheet_fields(shown))
+        case "sheet":
+            return (field_of(row.id),)
+        case "growth":
+            return growth_fields(shown, row.id)
+        case "constraints" | "props":
+            return _keys_of(shown, row.kind, row.id)
+    return ()
+
+
+def _keys_of(shown: Shown, collection: str, entity_id: str) -> tuple[KeyedField, ...]:
+    found = fields_of(collection, entity_id, shown.project.get(collection, entity_id))
+    return tuple(field for field, value in found.items() if not isinstance(value, ActivationCurve))
+
+
+def stage_times(shown: Shown, field: KeyedField) -> FloatArray:
+    """(K,) seconds of the stage at which the keys of a field lie."""
+    value = keyed_value(shown.project, field)
+    times = value.seconds if isinstance(value, Keys) else np.array(value.times if value is not None else ())
+    return np.asarray(shown.subject.to_stage(times)) if field.collection == "constraints" else times
+
+
+def keys_between(shown: Shown, fields: Iterable[KeyedField], begin: float, end: float) -> tuple[KeyRef, ...]:
+    """The keys from one second of the stage to another."""
+    found = []
+    for field in fields:
+        times = stage_times(shown, field)
+        first, last = np.searchsorted(times, begin, "left"), np.searchsorted(times, end, "right")
+        found += [KeyRef(field, place) for place in range(int(first), int(last))]
+    return tuple(found)
+
+
+def keys_at(shown: Shown, row: Row, area: QRect, point: QPointF) -> tuple[KeyRef, ...]:
+    """The keys of the diamond under the mouse: all of the row that lie at one time; none beside diamonds."""
+    if abs(point.y() - key_height(row, area)) > KEY_REACH + 1.0:
+        return ()
+    fields, axis, reach = fields_in(shown, row), shown.axis, KEY_REACH + 1.0
+    near = keys_between(shown, fields, axis.time_at(point.x() - reach), axis.time_at(point.x() + reach))
+    if not near:
+        return ()
+    times = {key: float(stage_times(shown, key.field)[key.place]) for key in near}
+    nearest = min(times.values(), key=lambda time: abs(axis.x_of_time(time) - point.x()))
+    return tuple(key for key, time in times.items() if abs(time - nearest) * axis.scale < 1.0)
+
+
+def key_height(row: Row, area: QRect) -> float:
+    """The pixel at which the diamonds of a row lie."""
+    if row.kind == "constraints":
+        from studio.timeline.tracks import constraint
+
+        return constraint.baseline(area) - constraint.curve_height(area) / 2
+    return area.center().y() + 0.5
+
+
+def paint_keys(painter: QPainter, shown: Shown, row: Row, area: QRect, colour: str) -> None:
+    """Diamonds, with a light edge where they are selected; a bar where they lie closer than they can be told apart."""
+    axis = shown.axis
+    begin, end = axis.time_at(axis.left - KEY_REACH), axis.time_at(axis.right + 20.0)
+    plain: list[FloatArray] = [np.empty(0)]
+    chosen: list[FloatArray] = [np.empty(0)]
+    selected = shown.document.keys.by_field()
+    for field in fields_in(shown, row):
+        times = stage_times(shown, field)
+        seen = (times >= begin) & (times <= end)
+        if field in selected:
+            picked = np.zeros(len(times), dtype=bool)
+            picked[list(selected[field])] = True
+            chosen.append(times[seen & picked])
+            seen &= ~picked
+        plain.append(times[seen])
+    y = key_height(row, area)
+    _paint_diamonds(painter, shown, np.concatenate(plain), y, colour, False)
+    _paint_diamonds(painter, shown, np.concatenate(chosen), y, colour, True)
+
+
+def _paint_diamonds(painter: QPainter, shown: Shown, times: FloatArray, y: float, colour: str, selected: bool) -> None:
+    if not len(times):
+        return
+    xs = np.unique(np.round(shown.axis.left + (times - shown.axis.start) * shown.axis.scale, 1))
+    breaks = np.flatnonzero(np.diff(xs) >= APART) + 1
+    for run in np.split(xs, breaks):
+        left, right = float(run[0]), float(run[-1])
+        if right > left:
+            edge = colours.SELECTED_HANDLE if selected else None
+            paint_bar(painter, QRectF(left, y - BAR, right - left, 2.0 * BAR), translucent(colour, 0.7), BAR, edge)
+            paint_key(painter, QPointF(right, y), colour, selected)
+        paint_key(painter, QPointF(left, y), colour, selected)
+
+
+def paint_sheet_label(painter: QPainter, row: Row, area: QRect, shown: Shown) -> None:
+    """Whose keys they are, and of what."""
+    if row.kind == SUMMARY:
+        paint_label(painter, label_area(area), "All keys", colours.TEXT)
+        return
+    paint_label(painter, label_area(area), row_words(shown, row), colours.TEXT_SECOND)
+
+
+def row_words(shown: Shown, row: Row) -> str:
+    """``Kick target · target``."""
+    field = field_of(row.id)
+    return f"{getattr(shown.project.get(*field.item), 'name', '')} · {field_words(field)}"
+
+
+def field_words(field: KeyedField) -> str:
+    """What of an entity is keyed."""
+    return FIELD_NAMES.get(field.name, field.name)
+
+
+def row_colour(shown: Shown, row: Row) -> str:
+    """The colour of a row's diamonds: of the kind of the constraint, or of the body."""
+    if row.kind == SUMMARY:
+        return colours.TEXT_SECOND
+    field = field_of(row.id)
+    entity = shown.project.get(*field.item)
+    if field.collection == "constraints" and entity is not None:
+        return colours.kind_colour(entity.kind)
+    return getattr(entity, "colour", colours.TEXT_SECOND)
+
+
+def paint_sheet(painter: QPainter, row: Row, area: QRect, shown: Shown) -> None:
+    """A row of the dope sheet."""
+    if row.kind == SUMMARY:
+        painter.fillRect(area, QColor(colours.BAR))
+    paint_keys(painter, shown, row, area, row_colour(shown, row))
+
+
+def paint_growth_label(painter: QPainter, area: QRect) -> None:
+    """What is keyed."""
+    paint_label(painter, label_area(area).adjusted(INDENT, 0, 0, 0), "Measures", colours.TEXT_SECOND)
+
+
+def growth_rows(shown: Shown, performer_id: str) -> list[tuple[str, str, int]]:
+    """Kind, id and height of the row of a performer whose body grows."""
+    return [("growth", performer_id, HEIGHT)] if growth_fields(shown, performer_id) else []
+
+
+def growth_fields(shown: Shown, performer_id: str) -> tuple[KeyedField, ...]:
+    """The keyed measures of a performer; none of a body that stays as it is."""
+    return _keys_of(shown, "characters", shown.project.performers[performer_id].character_id)

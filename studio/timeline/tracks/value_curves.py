@@ -1,0 +1,271 @@
+"""The curve editor: values of keyed channels over the plot's time, with keys, tangents and handles."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from PySide6.QtCore import QPointF, QRect, QRectF, Qt
+from PySide6.QtGui import QColor, QPainter, QPolygonF
+
+from studio.document import colours
+from studio.document.channels import Channel, Side, channels_of, handle_of, key_values, values_at
+from studio.document.keyed_fields import Keyed, KeyedField, KeyRef, keyed_value, selected_fields
+from studio.timeline.shown import LABEL_WIDTH, Shown, within
+from studio.timeline.tracks.brush import font, hairline, paint_dot, paint_key, translucent
+
+FloatArray = NDArray[np.float64]
+
+REACH = 7.0
+"""Pixels within which a key or a handle is taken hold of."""
+EMPTY = "Select something that has keys, or press S to set one"
+SAMPLE = 2.0
+"""Pixels between the points of a curve."""
+ROOM = 0.12
+"""What of the height stays free above and below curves that are framed."""
+LEAST_SPAN = {"m": 0.05, "°": 5.0, "×": 0.05, "": 1.0}
+"""The least difference of values that is framed, by unit."""
+CHANNEL_COLOURS = {
+    "x": "#E4706A",
+    "y": "#7FBF6A",
+    "z": "#6A9BE4",
+    "heading": "#6A9BE4",
+    "pitch": "#7FBF6A",
+    "roll": "#E4706A",
+}
+
+
+class HandleRef(NamedTuple):
+    """The handle of a tangent, or with no side the key of a channel."""
+
+    channel: Channel
+    place: int
+    side: Side | None = None
+
+    @property
+    def key(self) -> KeyRef:
+        """The key it belongs to."""
+        return KeyRef(self.channel.field, self.place)
+
+
+@dataclass(frozen=True)
+class ValueRange:
+    """The values at the bottom and at the top of the plot."""
+
+    low: float
+    high: float
+
+
+class ValueCurves:
+    """What the curve editor shows, and over which values of each unit."""
+
+    def __init__(self) -> None:
+        self.shown = False
+        self.ranges: dict[str, ValueRange] = {}
+        self.active: Channel | None = None
+        """The channel that was taken hold of last, whose value the field shows."""
+
+    def channels(self, shown: Shown) -> list[tuple[Channel, Keyed]]:
+        """The channels of what is selected."""
+        fields = selected_fields(shown.project, shown.document.selection.items)
+        return [(channel, value) for field, value in fields.items() for channel in channels_of(field, value)]
+
+    def frame(self, shown: Shown, selected: bool) -> None:
+        """Show all values, or with ``selected`` those of the selected keys, and their times."""
+        keys = shown.document.keys.by_field() if selected else {}
+        found: dict[str, list[float]] = {}
+        times: list[float] = []
+        for channel, keyed in self.channels(shown):
+            values = key_values(channel, keyed)
+            if keys and channel.field not in keys:
+                continue
+            chosen = list(keys.get(channel.field, range(len(values))))
+            found.setdefault(channel.unit, []).extend(values[chosen].tolist())
+            times += [stage_time(shown, channel.field, keyed.times[place]) for place in chosen]
+            if not keys:
+                span = np.linspace(keyed.times[0], keyed.times[-1], 200)
+                found[channel.unit].extend(values_at(channel, keyed, span).tolist())
+        self.ranges |= {unit: _framed(every, unit) for unit, every in found.items()}
+        if keys and len(times) > 1:
+            shown.axis.show(min(times), max(times))
+
+    def range_of(self, shown: Shown, unit: str) -> ValueRange:
+        """The values between which a unit is shown; all of them until it is framed."""
+        if unit not in self.ranges:
+            values = [
+                value
+                for channel, keyed in self.channels(shown)
+                if channel.unit == unit
+                for value in values_at(channel, keyed, np.linspace(keyed.times[0], keyed.times[-1], 200)).tolist()
+            ]
+            self.ranges[unit] = _framed(values, unit)
+        return self.ranges[unit]
+
+    def zoom(self, factor: float, share: float) -> None:
+        """Spread the values by ``factor`` about a ``share`` of the height from the bottom."""
+        for unit, old in self.ranges.items():
+            fixed, span = old.low + share * (old.high - old.low), (old.high - old.low) / factor
+            self.ranges[unit] = ValueRange(fixed - share * span, fixed + (1.0 - share) * span)
+
+    def scroll(self, share: float) -> None:
+        """Move the values up by a share of the height."""
+        for unit, old in self.ranges.items():
+            step = share * (old.high - old.low)
+            self.ranges[unit] = ValueRange(old.low - step, old.high - step)
+
+    def y_of(self, shown: Shown, area: QRect, unit: str, value: float) -> float:
+        """Pixel of a value."""
+        span = self.range_of(shown, unit)
+        return area.bottom() - (value - span.low) / (span.high - span.low) * area.height()
+
+    def value_of(self, shown: Shown, area: QRect, unit: str, pixels: float) -> float:
+        """The difference of values that so many pixels upwards are."""
+        span = self.range_of(shown, unit)
+        return pixels / area.height() * (span.high - span.low)
+
+    def point(self, shown: Shown, area: QRect, channel: Channel, keyed: Keyed, place: int) -> QPointF:
+        """Where a key lies."""
+        value = float(key_values(channel, keyed)[place])
+        x = shown.axis.x_of_time(stage_time(shown, channel.field, keyed.times[place]))
+        return QPointF(x, self.y_of(shown, area, channel.unit, value))
+
+    def handle_point(self, shown: Shown, area: QRect, handle: HandleRef, keyed: Keyed) -> QPointF | None:
+        """Where the end of a tangent's handle lies."""
+        assert handle.side is not None
+        found = handle_of(handle.channel, keyed, handle.place, handle.side)
+        if found is None:
+            return None
+        seconds, value = found
+        x = shown.axis.x_of_time(stage_time(shown, handle.channel.field, keyed.times[handle.place] + seconds))
+        there = float(key_values(handle.channel, keyed)[handle.place]) + value
+        return QPointF(x, self.y_of(shown, area, handle.channel.unit, there))
+
+    def handles(self, shown: Shown, area: QRect) -> Iterator[tuple[HandleRef, QPointF]]:
+        """The handles of the selected keys."""
+        selected = shown.document.keys.by_field()
+        for channel, keyed in self.channels(shown):
+            for place in selected.get(channel.field, ()):
+                for side in Side:
+                    handle = HandleRef(channel, place, side)
+                    point = self.handle_point(shown, area, handle, keyed)
+                    if point is not None:
+                        yield handle, point
+
+    def points(self, shown: Shown, area: QRect) -> Iterator[tuple[HandleRef, QPointF]]:
+        """The keys of all channels."""
+        for channel, keyed in self.channels(shown):
+            for place in range(len(keyed.times)):
+                yield HandleRef(channel, place), self.point(shown, area, channel, keyed, place)
+
+    def hit(self, shown: Shown, area: QRect, position: QPointF) -> HandleRef | None:
+        """The handle, or else the key, under the mouse; of several the nearest, in the active channel first."""
+        for candidates in (self.handles(shown, area), self.points(shown, area)):
+            near = [(each, at) for each, at in candidates if within(position, at.x(), at.y(), REACH)]
+            if near:
+                return min(
+                    near, key=lambda each: (each[1] - position).manhattanLength() - (each[0].channel == self.active)
+                )[0]
+        return None
+
+    def paint(self, painter: QPainter, row: QRect, shown: Shown) -> None:
+        """The curves, their keys, and the handles of those that are selected."""
+        area = plot_area(row)
+        channels = self.channels(shown)
+        painter.save()
+        painter.setClipRect(area.adjusted(0, -4, 0, 3), Qt.ClipOperation.IntersectClip)
+        if not channels:
+            painter.setFont(font(12))
+            painter.setPen(QColor(colours.TEXT_THIRD))
+            painter.drawText(area, Qt.AlignmentFlag.AlignCenter, EMPTY)
+        else:
+            self._paint_scale(painter, area, shown, (self.active or channels[0][0]).unit)
+        for channel, keyed in channels:
+            self._paint_curve(painter, area, shown, channel, keyed)
+        self._paint_handles(painter, area, shown)
+        for handle, point in self.points(shown, area):
+            paint_key(painter, point, colour_of(handle.channel), handle.key in shown.document.keys)
+        _paint_legend(painter, area, [channel for channel, _ in channels])
+        painter.restore()
+
+    def _paint_scale(self, painter: QPainter, area: QRect, shown: Shown, unit: str) -> None:
+        """Lines at round values of one unit, with their figures."""
+        span = self.range_of(shown, unit)
+        step = 10.0 ** np.floor(np.log10((span.high - span.low) / 2.0))
+        step *= 2.0 if (span.high - span.low) / step > 8.0 else 1.0
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
+        painter.setFont(font(10))
+        for value in np.arange(np.ceil(span.low / step), np.floor(span.high / step) + 1) * step:
+            y = round(self.y_of(shown, area, unit, float(value)))
+            painter.fillRect(area.left(), y, area.width(), 1, translucent(colours.EDGE, 0.7))
+            painter.setPen(QColor(colours.TEXT_THIRD))
+            place = QRect(area.right() - 70, y - 15, 64, 14)
+            painter.drawText(place, Qt.AlignmentFlag.AlignRight, f"{value:.4g} {unit}".strip())
+
+    def _paint_curve(self, painter: QPainter, area: QRect, shown: Shown, channel: Channel, keyed: Keyed) -> None:
+        xs = np.arange(area.left(), area.right() + SAMPLE, SAMPLE)
+        stage = shown.axis.start + (xs - shown.axis.left) / shown.axis.scale
+        times = np.unique(np.concatenate([own_times(shown, channel.field, stage), keyed.times]))
+        values = values_at(channel, keyed, times)
+        span = self.range_of(shown, channel.unit)
+        ys = area.bottom() - (values - span.low) / (span.high - span.low) * area.height()
+        xs = np.array([shown.axis.x_of_time(stage_time(shown, channel.field, time)) for time in times.tolist()])
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(hairline(colour_of(channel), 2.0 if channel == self.active else 1.4))
+        ys = np.clip(ys, -1e5, 1e5)
+        painter.drawPolyline(QPolygonF(list(map(QPointF, xs.tolist(), ys.tolist()))))
+
+    def _paint_handles(self, painter: QPainter, area: QRect, shown: Shown) -> None:
+        keyed = dict(self.channels(shown))
+        for handle, end in self.handles(shown, area):
+            begin = self.point(shown, area, handle.channel, keyed[handle.channel], handle.place)
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            painter.setPen(hairline(translucent(colours.SELECTED_HANDLE, 0.8), 1.0))
+            painter.drawLine(begin, end)
+            paint_dot(painter, end, 3.5, colours.SELECTED_HANDLE, colours.PANEL)
+
+
+def plot_area(row: QRect) -> QRect:
+    """Where the curves lie in the plot."""
+    return row.adjusted(LABEL_WIDTH, 10, 0, -10)
+
+
+def colour_of(channel: Channel) -> str:
+    """The colour of a curve: of its axis, or light."""
+    return CHANNEL_COLOURS.get(channel.name, colours.TEXT_SECOND)
+
+
+def stage_time(shown: Shown, field: KeyedField, seconds: float) -> float:
+    """Seconds of the stage at which seconds of a field lie."""
+    return float(shown.subject.to_stage(seconds)) if field.collection == "constraints" else seconds
+
+
+def own_times(shown: Shown, field: KeyedField, stage: ArrayLike) -> FloatArray:
+    """The opposite of ``stage_time``, for one or many."""
+    seconds = np.asarray(stage, dtype=np.float64)
+    return np.asarray(shown.subject.to_motion(seconds)) if field.collection == "constraints" else seconds
+
+
+def value_in(shown: Shown, channel: Channel) -> Keyed | None:
+    """What is keyed of a channel."""
+    return keyed_value(shown.project, channel.field)
+
+
+def _framed(values: Iterable[float], unit: str) -> ValueRange:
+    every = np.array([*values]) if values else np.array([0.0, 1.0])
+    every = every if len(every) else np.array([0.0, 1.0])
+    low, high = float(every.min()), float(every.max())
+    span = max(high - low, LEAST_SPAN.get(unit, 0.1))
+    middle = (low + high) / 2.0
+    return ValueRange(middle - span * (0.5 + ROOM), middle + span * (0.5 + ROOM))
+
+
+def _paint_legend(painter: QPainter, area: QRect, channels: list[Channel]) -> None:
+    """The names of the curves in their colours."""
+    painter.setFont(font(11))
+    x = float(area.left() + 6)
+    for name, colour in dict.fromkeys((f"{each.name} {each.unit}".strip(), colour_of(each)) for each in channels):
+        painter.setPen(QColor(colour))
+        width = painter.fontMetrics().horizontalAdvance(name)
+        painter.drawText(QRectF(x, area.top() - 8, width + 2.0, 16), Qt.AlignmentFlag.AlignVCenter, name)
+        x += width + 12

@@ -1,0 +1,175 @@
+"""Constraints, contacts and keys are copied as readable JSON and pasted elsewhere, mirrored if asked."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from studio.core.captures.contacts import ContactPoint
+from studio.core.constraints.keyed import KeyedPlace
+from studio.core.constraints.tangents import Tangent, TangentMode, Tangents
+from studio.core.errors import StudioError
+from studio.core.stage.prop import Prop
+from studio.core.stage.scope import Scope
+from studio.document.clipboard import copied, paste
+from studio.document.document import Document
+from studio.document.keyed_fields import KeyedField, KeyRef
+from tests.builders import make_constraint, make_contact, make_project
+
+SIDE = Tangent(TangentMode.FREE, (0.0, 1.0, 0.5))
+KEYS = KeyedPlace((0.1, 0.2, 0.3), ((0.4, -0.3, 1.2), (0.5, -0.2, 1.3), (0.4, -0.1, 1.2)))
+BENT = KEYS.with_tangents(1, Tangents(SIDE, SIDE))
+FIELD = KeyedField("constraints", "reach", "target")
+
+
+@pytest.fixture
+def document(qapp):
+    project = make_project(characters=2, constraints=0, contacts=0, frames=61)
+    project = project.with_entity("constraints", "reach", make_constraint(name="Right reach", target=BENT))
+    project = project.with_entity("contacts", "heel", make_contact(point=ContactPoint.LEFT_HEEL, first=3, last=12))
+    document = Document(project)
+    document.selection.set(("constraints", "reach"))
+    yield document
+    document.close()
+
+
+def new_constraint(document, before):
+    [key] = set(document.project.constraints) - before
+    return document.project.constraints[key]
+
+
+def test_what_is_copied_is_json_that_a_person_can_read(document):
+    document.selection.set(("constraints", "reach"), ("contacts", "heel"))
+    text = copied(document)
+    record = json.loads(text)
+    assert record["constraints"][0]["name"] == "Right reach"
+    assert record["contacts"] == [
+        {"point": "left_heel", "first": 3, "last": 12, "scope": record["contacts"][0]["scope"]}
+    ]
+    assert "[0.4, -0.3, 1.2]" in text
+    assert "motion_id" not in record["constraints"][0]
+
+
+def test_a_constraint_pasted_where_it_was_begins_at_the_playhead(document):
+    text, before = copied(document), set(document.project.constraints)
+    rate = document.project.captures["capture"].frame_rate
+    document.playhead.set_time(0.5)
+    start = round(0.5 * rate) / rate
+    paste(document, text)
+    new = new_constraint(document, before)
+    assert new.activation.start == pytest.approx(start)
+    assert new.target.times == pytest.approx([time + start for time in KEYS.times])
+    assert new.target.tangents == BENT.tangents
+    assert new.name != "Right reach"
+    assert document.undo_stack.count() == 1
+    document.undo_stack.undo()
+    assert set(document.project.constraints) == before
+
+
+def test_a_constraint_pasted_on_another_body_is_of_it_alone_and_keeps_its_times(document):
+    text, before = copied(document), set(document.project.constraints)
+    document.selection.set(("performers", "performer 1"))
+    document.playhead.set_time(0.5)
+    paste(document, text)
+    new = new_constraint(document, before)
+    assert new.scope == Scope(performer_id="performer 1")
+    assert new.activation == make_constraint().activation
+    assert ("performers", "performer 1") in document.selection
+
+
+def test_a_constraint_is_pasted_mirrored_and_its_name_says_the_other_side(document):
+    text, before = copied(document), set(document.project.constraints)
+    paste(document, text, mirrored=True)
+    new = new_constraint(document, before)
+    assert new.name == "Left reach"
+    assert new.point.part.value == "left_forearm"
+    assert new.target.values[0] == pytest.approx((0.4, 0.3, 1.2))
+    assert new.target.tangents[1].leaving.rate == pytest.approx((0.0, -1.0, 0.5))
+    assert new.activation == make_constraint().activation
+
+
+def test_contacts_are_pasted_in_the_place_of_those_they_cover(document):
+    document.selection.set(("contacts", "heel"))
+    text = copied(document)
+    rate = document.project.captures["capture"].frame_rate
+    document.playhead.set_time(8 / rate)
+    paste(document, text)
+    spans = [(each.first, each.last) for each in document.project.contacts.values()]
+    assert spans == [(8, 17)]
+    document.selection.set(*(("contacts", key) for key in document.project.contacts))
+    paste(document, copied(document), mirrored=True)
+    assert {each.point for each in document.project.contacts.values()} == {
+        ContactPoint.LEFT_HEEL,
+        ContactPoint.RIGHT_HEEL,
+    }
+
+
+def test_a_paste_in_another_project_gives_the_same_constraint(document):
+    text = copied(document)
+    other = Document(make_project(characters=1, constraints=0, contacts=0, frames=40))
+    paste(other, text)
+    [new] = other.project.constraints.values()
+    assert new.target == BENT.moved(0.0)
+    assert new.point == make_constraint().point
+    other.close()
+
+
+def test_keys_are_pasted_at_the_playhead_with_their_tangents(document):
+    document.keys.set([KeyRef(FIELD, 0), KeyRef(FIELD, 1)])
+    text = copied(document)
+    document.playhead.set_time(0.5)
+    paste(document, text)
+    target = document.project.constraints["reach"].target
+    assert target.times == pytest.approx((0.1, 0.2, 0.3, 0.5, 0.6))
+    assert target.values[3:] == KEYS.values[:2]
+    assert target.tangents[4] == BENT.tangents[1]
+    assert {key.place for key in document.keys.items} == {3, 4}
+    assert document.undo_stack.undoText() == "Paste 2 keys"
+
+
+def test_keys_are_pasted_on_other_constraints_and_props_mirrored_if_asked(document):
+    document.keys.set([KeyRef(FIELD, 0), KeyRef(FIELD, 2)])
+    text = copied(document)
+    other = document.add("constraints", make_constraint(name="Left", priority=1), "Add")
+    ball = document.add("props", Prop("Ball", position=(0.0, 0.0, 0.5)), "Add")
+    document.playhead.set_time(0.0)
+    document.selection.set(("constraints", other), ("props", ball))
+    paste(document, text, mirrored=True)
+    for value in (document.project.constraints[other].target, document.project.props[ball].position):
+        assert value.times == pytest.approx((0.0, 0.2))
+        assert value.values[0] == pytest.approx((0.4, 0.3, 1.2))
+    document.undo_stack.undo()
+    assert document.project.props[ball].position == (0.0, 0.0, 0.5)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "hello",
+        "[1, 2]",
+        '{"format": "something else"}',
+        '{"format": "morpho-studio clipboard", "version": 9}',
+        '{"format": "morpho-studio clipboard", "version": 1}',
+        '{"format": "morpho-studio clipboard", "version": 1, "constraints": [{"kind": "no"}]}',
+        '{"format": "morpho-studio clipboard", "version": 1, "contacts": [{"point": "left_heel"}]}',
+        '{"format": "morpho-studio clipboard", "version": 1, "keys": [{"kind": "places", "keys": {"times": []}}]}',
+        '{"format": "morpho-studio clipboard", "version": 1, "keys": 3}',
+    ],
+)
+def test_anything_else_on_the_clipboard_is_refused_in_a_sentence_and_changes_nothing(document, text):
+    before = document.project
+    with pytest.raises(StudioError):
+        paste(document, text)
+    assert document.project is before
+
+
+def test_a_constraint_of_a_body_that_is_not_there_is_pasted_for_all(document):
+    reach = document.project.constraints["reach"]
+    document.replace("constraints", "reach", replace(reach, scope=Scope(performer_id="performer 1")), "Scope")
+    text = copied(document)
+    other = Document(make_project(characters=1, constraints=0, contacts=0, frames=40))
+    paste(other, text)
+    [new] = other.project.constraints.values()
+    assert not new.scope.is_narrow
+    other.close()
