@@ -8,8 +8,9 @@ from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtGui import QKeyEvent, QKeySequence
 from PySide6.QtWidgets import QAbstractSpinBox, QApplication, QComboBox, QLineEdit, QPlainTextEdit, QTextEdit
 
+from studio.app.strike_edit import clips_until
 from studio.app.workbench import Workbench
-from studio.core.project import Performer, Project, new_id
+from studio.core.project import Entity, Performer, Project, new_id
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import KeyCondition
 from studio.live.take import Take, edits_of
@@ -115,10 +116,14 @@ def record(bench: Workbench) -> None:
 
 
 def put_take(bench: Workbench, take: Take) -> None:
-    """What was recorded becomes the rows of who played it, and what plays: one undo step."""
+    """What was recorded becomes the rows of who played it from the playhead on, and what plays: one undo step."""
     document = bench.document
-    project = document.project
-    made = edits_of(take, project, bench.live.motion, iter(new_id, ""))
+    project, begin = document.project, document.playhead.time
+    if abs(begin - take.begin) < 0.5 / document.playhead.frame_rate:
+        begin = take.begin
+    made = edits_of(take, project, bench.live.motion, iter(new_id, ""), begin)
+    if begin != take.begin:
+        made = [_after(project, *edit, begin) for edit in made]
     rows = [entity for _, _, entity in made if isinstance(entity, Performer)]
     with document.group("Record a take"):
         for collection, key, entity in made:
@@ -127,13 +132,22 @@ def put_take(bench: Workbench, take: Take) -> None:
             else:
                 document.put_all(collection, {key: entity}, "Record a take")
     rate = document.playhead.frame_rate
-    document.playhead.set_range(round(take.begin * rate), round(take.end * rate))
-    document.playhead.set_time(take.begin)
+    document.playhead.set_range(round(begin * rate), round((begin + take.end - take.begin) * rate))
+    document.playhead.set_time(begin)
     clips = sum(len(each.clips) for each in rows)
     bench.said.emit(
         f"Recorded {take.end - take.begin:.1f} s: {clips} clips of {len(rows)} performers are their rows now."
         " Undo gives back what was there."
     )
+
+
+def _after(project: Project, collection: str, key: str, entity: Entity, begin: float) -> tuple[str, str, Entity]:
+    """An edit of a take whose rows keep what they have until ``begin``."""
+    if not isinstance(entity, Performer):
+        return collection, key, entity
+    before = project.performers[key]
+    rates = {each.motion_id: project.frame_rate_of(each) for each in before.clips}
+    return collection, key, replace(entity, clips=(*clips_until(before, begin, rates), *entity.clips))
 
 
 def clips_of(project: Project, performer_id: str) -> list[Clip]:

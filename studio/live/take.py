@@ -60,16 +60,22 @@ class Recorded:
 
 
 def edits_of(
-    take: Take, project: Project, motion_of: Callable[[str], NormalizedMotion], names: Iterator[str]
+    take: Take,
+    project: Project,
+    motion_of: Callable[[str], NormalizedMotion],
+    names: Iterator[str],
+    begin: float | None = None,
 ) -> list[Edit]:
     """What makes ``project`` play the take: rows, and what is asked in them; ``names`` are new ids.
 
-    Raises StudioError where a motion cannot be had.
+    It plays from ``begin`` seconds of the stage on, or when it was played. Raises StudioError where a motion cannot be
+    had.
     """
-    recorded = [each for key in project.performers for each in _row(take, key, project, motion_of, names)]
+    later = 0.0 if begin is None else begin - take.begin
+    recorded = [each for key in project.performers for each in _row(take, key, project, motion_of, names, later != 0.0)]
     edits: list[Edit] = []
     for key, performer in project.performers.items():
-        row = tuple(each.clip for each in recorded if each.performer_id == key)
+        row = tuple(replace(each.clip, start=each.clip.start + later) for each in recorded if each.performer_id == key)
         if row:
             begun = [each for whose, each in take.begun if whose == key]
             layers = performer.layers if all(each.own for each in begun) else ()
@@ -79,16 +85,22 @@ def edits_of(
 
 
 def _row(
-    take: Take, key: str, project: Project, motion_of: Callable[[str], NormalizedMotion], names: Iterator[str]
+    take: Take,
+    key: str,
+    project: Project,
+    motion_of: Callable[[str], NormalizedMotion],
+    names: Iterator[str],
+    cut: bool,
 ) -> Iterator[Recorded]:
     """The clips of one performer, each where it stood, until another one took over.
 
-    What played when the take began begins when it did, and what played at its end plays on: how a body stands has to
-    do with what comes before and after.
+    What played when the take began begins when it did, unless it is ``cut`` there, and what played at its end plays
+    on: how a body stands has to do with what comes before and after.
     """
     begun = [each for whose, each in take.begun if whose == key]
     for place, each in enumerate(begun):
         begin = -math.inf if each.own else each.since
+        begin = max(begin, take.begin) if cut else begin
         end = math.inf if each is begun[-1] else begun[place + 1].since - 1.0 / each.timing.frame_rate
         for played in each.played:
             source = each.clips[played.piece.origin[0]]

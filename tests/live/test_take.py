@@ -59,6 +59,32 @@ def test_a_row_that_nobody_touched_is_recorded_as_it_is():
     assert play.misses().max() < 1e-6
 
 
+def test_a_take_begins_where_it_is_put_on_the_timeline_and_plays_as_it_was_seen():
+    """It landed when it was played, 28 s behind nothing."""
+    play = Play(staged(clip_of("straight_punch", 60)))
+    play.step(90)
+    play.stage.record()
+    play.step(10)
+    play.stage.start("one", clip_of("front_kick", 64))
+    play.step(90)
+    take, begin = play.stage.recorded(), 0.5
+    project = play.stage.project
+    made = edits_of(take, project, lambda motion_id: motion_of(project, motion_id, prepare), iter(new_id, ""), begin)
+    for collection, key, entity in made:
+        project = project.with_entity(collection, key, entity)
+    clips = project.performers["one"].clips
+    assert clips[0].start == pytest.approx(begin, abs=STEP)
+    assert clips[1].start == pytest.approx(begin + 10 * STEP, abs=1.5 * STEP)
+    one = perform(project, ["one"], prepare, lambda request: adapt(replace(request, eased=False))).performances["one"]
+    timing = one.composite.timing
+    frames = [
+        (round(timing.frame_at(seconds + begin - take.begin)), seen)
+        for seconds, seen in play.seen
+        if seconds > take.begin + 0.8  # the first transition has less before it than when it was played
+    ]
+    assert max(np.abs(one.adapted.positions[frame] - seen).max() for frame, seen in frames) < 0.01
+
+
 def test_who_came_to_play_nothing_in_a_take_keeps_its_row():
     play = Play(staged(clip_of("walk_turn", 100, 160)))
     play.step(1, 0.0)
