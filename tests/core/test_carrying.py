@@ -281,7 +281,7 @@ def test_it_misses_hardly_more_than_an_optimum_does() -> None:
     weights = np.sqrt(stiffness) * np.array([1.0, 1.0, 1.0, *[kernel.METRES_PER_RADIAN] * 3])
     for seed in range(200):
         links = _Links(seed)
-        links.min_lengths[0] = links.max_lengths[0]
+        links.least[0] = links.most[0]
 
         def costs(move: np.ndarray, links: _Links = links) -> np.ndarray:
             return np.concatenate([links.misses(move), weights * move])

@@ -86,7 +86,7 @@ class _Search:
         search, chain, rows = self.search, self.free.chain, self.search.rows
         rows.jacobian[:], rows.errors[: self.count] = 0.0, self.goals - self.gained
         for row, (segment, point) in enumerate(zip(self.segments, self.points, strict=True)):
-            rows.weight_rows[row], rows.roles[row], rows.point_errors["carrier"][row] = (
+            rows.weight_rows[row], rows.roles[row], rows.point_errors["segment"][row] = (
                 row,
                 EQUALITY_ROW if row < self.held else OBJECTIVE_ROW,
                 -1,

@@ -108,7 +108,7 @@ class Keys:
         return tuple(map(Key, self.times, self.values, tangents))
 
     def key_at(self, time: float) -> int | None:
-        """Which key stands at ``time``; None where none does."""
+        """Index of the key at ``time``; None where there is none."""
         place = bisect_left(self.times, time - SAME_TIME)
         return place if place < len(self.times) and self.times[place] <= time + SAME_TIME else None
 
