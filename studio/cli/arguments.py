@@ -8,7 +8,7 @@ import platformdirs
 
 from studio.cli.ranges import LONGEST, key_press, number, size, whole
 from studio.core.plausible import FRAME_RATE, PLACE
-from studio.io.export_options import REST_POSES, ROOTS
+from studio.io.export_choices import REST_POSES, ROOTS
 from studio.io.joint_names import joint_namings
 from studio.library.clips import Kind, Limb
 from studio.live.tracker import LOOPBACK, PORT

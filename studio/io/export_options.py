@@ -15,21 +15,12 @@ from studio.core.errors import StudioError
 from studio.core.rotations import IDENTITY, from_matrix, multiply
 from studio.core.stage.placement import Placement
 from studio.io.export import Take, skin_of
+from studio.io.export_choices import JOINTED, REST_POSES, ROOTS, SKELETAL
 from studio.io.joint_names import with_joint_names
 from studio.io.takes.own_rig import has_own_rig, on_own_rig
 
 FloatArray = NDArray[np.float64]
 
-REST_POSES = {"t": "T-pose", "own": "Bind pose"}
-"""In which pose every angle of a file is zero, by key."""
-ROOTS = {"": "Hips travel", "floor": "Root joint on floor", "in-place": "In place"}
-"""Where the travel of a body is kept, by key."""
-
-SKELETAL = (".bvh", ".fbx", ".glb", ".gltf", ".usd", ".usda", ".usdc", ".usdz")
-"""Kinds of files that hold a skeleton: a character carries the capture's fingers, props and other joints along in them,
-and they have a zero pose."""
-JOINTED = (*SKELETAL, ".csv", ".npz")
-"""Kinds of files that hold any joints; the others hold a body or its markers."""
 _ENDS = 1e-6
 """A part of a frame by which a range may be too short for it."""
 

@@ -12,7 +12,7 @@ import pytest
 
 from studio.cli.arguments import ADD_ARGUMENTS, add_export_options
 from studio.cli.main import VERBS, main, make_parser
-from studio.io.export_options import REST_POSES
+from studio.io.export_choices import REST_POSES
 
 ODD = ("nan", "inf", "-inf", "1e400", "-1", "0", "1", "", "x", "1x", "70000", "2147483648", "1e9", "9" * 5000, "1@nan")
 CAPTURE = "examples/captures/walk_turn.bvh"

@@ -11,7 +11,6 @@ from studio.core.body.kinematics import joint_world, rest_poses
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture
-from studio.core.normalized.normalize import heading
 from studio.core.rotations import IDENTITY, inverse, multiply, rotate
 
 FloatArray = NDArray[np.float64]
@@ -102,6 +101,8 @@ def _headings(capture: Capture) -> FloatArray:
     standing = rest_poses(capture.skeleton, capture.reference_rotations)
     rotations = joint_world(capture.skeleton, capture.poses)[1][:, pelvis]
     reference = joint_world(capture.skeleton, standing)[1][0, pelvis]
+    from studio.core.normalized.normalize import heading  # late: what computes is loaded after the window
+
     half = heading(rotations @ reference.T, capture.frame_rate) / 2.0
     turns[:, 2], turns[:, 3] = np.sin(half), np.cos(half)
     return turns

@@ -148,7 +148,7 @@ def _asked(pair: Pair, kicked: BodyPoint) -> dict[str, Constraint]:
             target=FollowPerformer(pair.red, kicked),
         ),
         PositionConstraint(
-            "ward_off", "Forearm meets ankle", FOREARM, guard, 0, hit_at(met), scope=red,
+            "ward_off", "Forearm meets ankle", FOREARM, guard, 0, around(met, 17, 0), scope=red,
             target=FollowPerformer(pair.white, ANKLE, awaits=True),
         ),
         PositionConstraint(
