@@ -39,7 +39,7 @@ TOLD_FROM = 0.03
 COMPILED = 0.98
 """How far it is when all is compiled: then it is fetched."""
 CHILD = (sys.executable, "-m", "studio.startup.kernel_warm_up")
-COMPLETE, LAST_TO_READ = "complete", "normalize.encode_frames-*.nbc"
+COMPLETE, LAST_TO_READ = "complete", "encode_channels.encode_frames-*.nbc"
 """What stands in a cache that is full, and in one of which a capture has been read."""
 
 

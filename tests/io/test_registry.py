@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from examples.trace_format import FORMAT as TRACE
+from examples.formats.trace_format import FORMAT as TRACE
 from studio.cli.main import main
 from studio.core.errors import StudioError
 from studio.io import registry
@@ -17,7 +17,7 @@ from studio.io.importing import ImportOptions, load_capture, load_character
 from studio.io.registry import OWN_FORMATS, Format, format_of, known_formats
 from tests.builders import make_capture
 
-EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "trace_format.py"
+EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "formats" / "trace_format.py"
 
 
 @pytest.fixture
@@ -42,7 +42,7 @@ def test_every_function_that_a_format_of_the_studio_names_is_there(known: Format
 
 
 def test_a_format_from_outside_reads_and_writes_in_every_verb(installed, tmp_path, capsys):
-    installed(trace="examples.trace_format:FORMAT")
+    installed(trace="examples.formats.trace_format:FORMAT")
     capture = make_capture()
     write_capture(capture, tmp_path / "walk.trace")
     back = load_capture(tmp_path / "walk.trace")
@@ -64,7 +64,7 @@ def test_a_format_that_fails_is_listed_with_its_error_and_the_others_are_there(i
         gone="no_such_module:FORMAT",
         wrong="studio.core.errors:StudioError",
         again="studio.io.registry:OWN_BVH",
-        trace="examples.trace_format:FORMAT",
+        trace="examples.formats.trace_format:FORMAT",
     )
     known = known_formats()
     assert known.formats == (*OWN_FORMATS, TRACE)
@@ -79,7 +79,7 @@ def test_a_format_that_fails_is_listed_with_its_error_and_the_others_are_there(i
 
 
 def test_the_verb_lists_what_there_is_and_what_failed(installed, capsys):
-    installed(gone="no_such_module:FORMAT", trace="examples.trace_format:FORMAT")
+    installed(gone="no_such_module:FORMAT", trace="examples.formats.trace_format:FORMAT")
     assert main(["formats"]) == 1
     told = capsys.readouterr().out
     assert re.search(r"Trace +\.trace +capture +motion", told)
@@ -113,8 +113,8 @@ def test_a_reader_that_returns_a_bare_capture_is_named_with_what_it_should_retur
 
 
 def test_a_second_format_of_the_same_name_is_refused(installed, monkeypatch):
-    monkeypatch.setattr("examples.trace_format.FORMAT", OWN_FORMATS[0])
-    installed(bvh="examples.trace_format:FORMAT")
+    monkeypatch.setattr("examples.formats.trace_format.FORMAT", OWN_FORMATS[0])
+    installed(bvh="examples.formats.trace_format:FORMAT")
     assert "there is already a format called BVH" in known_formats().failures[0]
 
 
