@@ -1,0 +1,1 @@
+"""Formats of captures added to the studio."""

@@ -1,7 +1,7 @@
 """The kinds of files that captures, characters and motions stand in, and which one a file is.
 
 A format is one file: functions to ``sniff``, ``read`` or ``write``, named by the ``Format`` here for the studio's own,
-or by an entry point of the group ``morpho_studio.formats`` for anybody else's (``examples/formats/trace_format.py`` is one).
+or by an entry point of the group ``morpho_studio.formats`` for others (example: ``examples/formats/trace_format.py``).
 """
 
 import hashlib

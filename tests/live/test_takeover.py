@@ -93,7 +93,7 @@ def test_of_takeovers_at_any_frame_few_are_sharper_than_permitted_and_none_jolts
     """Of 48 by chance 11 were, an arm turned 34 times as sharply as ever in its clips."""
     jolts = np.array([jolt for jolt, _ in by_chance()])
     assert np.mean(jolts > PERMITTED) < 1.0 / 6.0  # those whose foot would go on into the ground among them
-    assert jolts.max() < 5.0
+    assert jolts.max() < 6.0
 
 
 def test_what_stands_does_not_slide_where_a_clip_takes_over_at_any_frame():
