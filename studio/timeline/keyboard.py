@@ -22,7 +22,7 @@ def is_wanted(canvas: "TrackCanvas", key: int, modifiers: Qt.KeyboardModifier) -
     """Whether a key means something here that the window's shortcuts must not take."""
     if key == Key.Key_Escape:
         return canvas.gesture is not None or canvas.handle is not None or bool(canvas.document.keys.items)
-    if modifiers & Modifier.AltModifier and key in (*STEPS, *JUMPS):
+    if _moves_keys(key, modifiers) or _jumps_to_key(key, modifiers):
         return True
     if canvas.editing and key in FRAMING and modifiers == Modifier.NoModifier:
         return True
@@ -36,8 +36,11 @@ def press_key(canvas: "TrackCanvas", key: Qt.Key, modifiers: Qt.KeyboardModifier
     shown = canvas.shown
     if shown is None:
         return False
-    if modifiers & Modifier.AltModifier and key in (*STEPS, *JUMPS):
-        _press_with_alt(shown, key, modifiers)
+    if _moves_keys(key, modifiers):
+        _move_keys(shown, key, modifiers)
+    elif _jumps_to_key(key, modifiers):
+        edits.go_to_key(shown, JUMPS[key])
+        edits.select_keys_at_playhead(shown)
     elif canvas.editing and key in FRAMING and modifiers == Modifier.NoModifier:
         canvas.frame_curves(key == Key.Key_F)
     elif (key, modifiers) == (Key.Key_A, Modifier.ControlModifier):
@@ -54,12 +57,17 @@ def press_key(canvas: "TrackCanvas", key: Qt.Key, modifiers: Qt.KeyboardModifier
     return True
 
 
-def _press_with_alt(shown: Shown, key: Qt.Key, modifiers: Qt.KeyboardModifier) -> None:
-    """Move the selected keys by a frame, with Shift by ten, with Ctrl stretch them; select those that come next."""
-    if key in JUMPS:
-        edits.go_to_key(shown, JUMPS[key])
-        edits.select_keys_at_playhead(shown)
-    elif modifiers & Modifier.ControlModifier:
+def _moves_keys(key: int, modifiers: Qt.KeyboardModifier) -> bool:
+    return bool(modifiers & Modifier.AltModifier) and key in STEPS
+
+
+def _jumps_to_key(key: int, modifiers: Qt.KeyboardModifier) -> bool:
+    return modifiers == Modifier.ControlModifier and key in JUMPS
+
+
+def _move_keys(shown: Shown, key: Qt.Key, modifiers: Qt.KeyboardModifier) -> None:
+    """Move the selected keys by a frame, with Shift by ten; with Ctrl stretch them."""
+    if modifiers & Modifier.ControlModifier:
         stretch_keys(shown.document, STEPS[key])
     else:
         nudge_keys(shown.document, STEPS[key] * (10 if modifiers & Modifier.ShiftModifier else 1))

@@ -14,6 +14,7 @@ from studio.core.stage.prop import Prop
 from studio.document.key_edits import set_keys
 from studio.document.keyed_fields import KeyedField
 from studio.timeline.hover import hover_text
+from studio.timeline.keyboard import is_wanted
 from studio.timeline.menus import menu_at
 from tests.builders import make_constraint
 from tests.gui.hand import LEFT, RATE, Hand, curve, pixels
@@ -160,7 +161,7 @@ def test_shift_scales_the_selected_keys_about_the_playhead(document, timeline, k
 
 def test_the_keyboard_selects_nudges_and_deletes_keys(document, timeline, kick):
     document.playhead.set_frame(31)
-    press(timeline, Qt.Key.Key_Down, ALT)
+    press(timeline, Qt.Key.Key_Down, CONTROL)
     assert document.playhead.frame == 36
     assert selected(document) == {1}
     press(timeline, Qt.Key.Key_Right, ALT)
@@ -273,3 +274,9 @@ def test_random_edits_of_keys_are_undone_to_the_project_they_began_with(document
         states.pop()
         assert document.project == states[-1]
     assert document.project == before
+
+
+def test_alt_with_up_and_down_is_left_to_the_priority_of_the_constraint(timeline):
+    """The table of actions has them; the timeline takes no key that an action has with Alt."""
+    taken = {(key, ALT) for key in (Qt.Key.Key_Up, Qt.Key.Key_Down) if is_wanted(timeline.tracks, key, ALT)}
+    assert taken == set()
