@@ -27,7 +27,7 @@ FORMAT = Format(
 
 
 def sniff(head: bytes) -> bool:
-    """Whether a file that begins with ``head`` is a trace."""
+    """True if a file that begins with ``head`` is a trace."""
     return head.startswith(HEAD.encode())
 
 
@@ -49,7 +49,7 @@ def read(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
 
 
 def write(path: Path, take: Take, progress: Progress) -> None:
-    """Where the root of ``take`` is."""
+    """Write the places of the root of ``take``."""
     progress(0.0, f"Writing {path.name}")
     places = take.poses.local_translations[:, 0]
     lines = (f"{frame / take.frame_rate:.6f} {x} {y} {z}\n" for frame, (x, y, z) in enumerate(places))

@@ -38,25 +38,25 @@ _LETTERS = {"int32": b"i", "int64": b"l", "float32": b"f", "float64": b"d"}
 
 
 @dataclass(frozen=True, eq=False)
-class Element:
+class FbxElement:
     """``children`` is None for an element that is no block; an empty block has none."""
 
     name: str
     values: tuple[Value, ...] = ()
-    children: Sequence["Element"] | None = None
+    children: Sequence["FbxElement"] | None = None
 
 
-def element(name: str, *values: Value) -> Element:
+def element(name: str, *values: Value) -> FbxElement:
     """An element without a block."""
-    return Element(name, values)
+    return FbxElement(name, values)
 
 
-def block(name: str, *values: Value, children: Sequence[Element] = ()) -> Element:
+def block(name: str, *values: Value, children: Sequence[FbxElement] = ()) -> FbxElement:
     """An element with a block."""
-    return Element(name, values, children)
+    return FbxElement(name, values, children)
 
 
-def encode_document(elements: Sequence[Element]) -> Iterator[bytes]:
+def encode_document(elements: Sequence[FbxElement]) -> Iterator[bytes]:
     """The bytes of a whole file, a piece for each element. Raises StudioError where it exceeds 4 GB."""
     yield _HEAD
     end = len(_HEAD)
@@ -68,7 +68,7 @@ def encode_document(elements: Sequence[Element]) -> Iterator[bytes]:
     yield _END + _FOOT_ID + bytes(-end % 16) + bytes(4) + struct.pack("<I", VERSION) + bytes(120) + _FOOT_END
 
 
-def _encoded(item: Element, begin: int) -> bytes:
+def _encoded(item: FbxElement, begin: int) -> bytes:
     """The bytes of an element that begins at byte ``begin`` of the file."""
     name, values = item.name.encode(), b"".join(map(_value, item.values))
     content = [name, values]

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import __version__
-from studio.io.fbx.binary import CREATION_TIME, FILE_ID, VERSION, Element, Long, Value, block, element
+from studio.io.fbx.binary import CREATION_TIME, FILE_ID, VERSION, FbxElement, Long, Value, block, element
 
 FloatArray = NDArray[np.float64]
 
@@ -42,42 +42,42 @@ _CLASSES = {
 """The class that stands behind the name of an object, by the element that it is; clusters of a skin say their own."""
 
 
-def row(name: str, kind: str, label: str, flags: str, *values: Value) -> Element:
+def row(name: str, kind: str, label: str, flags: str, *values: Value) -> FbxElement:
     """One property."""
     return element("P", name, kind, label, flags, *values)
 
 
-def whole(name: str, value: int) -> Element:
+def whole(name: str, value: int) -> FbxElement:
     """A whole number."""
     return row(name, "int", "Integer", "", value)
 
 
-def choice(name: str, value: int) -> Element:
+def choice(name: str, value: int) -> FbxElement:
     """One of several, by its number."""
     return row(name, "enum", "", "", value)
 
 
-def number(name: str, value: float) -> Element:
+def number(name: str, value: float) -> FbxElement:
     """A number."""
     return row(name, "double", "Number", "", value)
 
 
-def animated(name: str, values: Sequence[float]) -> Element:
+def animated(name: str, values: Sequence[float]) -> FbxElement:
     """A vector of the local transform, which curves may move."""
     return row(name, name, "", "A", *map(float, values))
 
 
-def moment(name: str, seconds: float) -> Element:
+def moment(name: str, seconds: float) -> FbxElement:
     """A time."""
     return row(name, "KTime", "Time", "", ticks(seconds))
 
 
-def colour(name: str, values: Sequence[float]) -> Element:
+def colour(name: str, values: Sequence[float]) -> FbxElement:
     """Red, green and blue, 0 to 1."""
     return row(name, "Color", "", "A", *map(float, values))
 
 
-def properties(*rows: Element) -> Element:
+def properties(*rows: FbxElement) -> FbxElement:
     """The block of an object's properties."""
     return block("Properties70", children=rows)
 
@@ -92,14 +92,14 @@ def matrix(transform: FloatArray) -> FloatArray:
     return np.ascontiguousarray(transform.T).ravel()
 
 
-class Document:
+class FbxDocument:
     """Objects and connections of one scene with one animation of ``frame_count`` frames at ``frame_rate`` Hz."""
 
     def __init__(self, name: str, frame_rate: float, frame_count: int) -> None:
         self._frame_rate, self._last = frame_rate, (frame_count - 1) / frame_rate
         self.key_times = np.round(np.arange(frame_count) * (TICKS / frame_rate)).astype(np.int64)
-        self._objects: list[Element] = []
-        self._connections: list[Element] = []
+        self._objects: list[FbxElement] = []
+        self._connections: list[FbxElement] = []
         span = [moment(f"{which}{end}", time) for which in ("Local", "Reference")
                 for end, time in (("Start", 0.0), ("Stop", self._last))]  # fmt: skip
         self._animation = name
@@ -107,7 +107,7 @@ class Document:
         self.layer = self.add("AnimationLayer", "BaseLayer", "", [], within=stack)
 
     def add(
-        self, kind: str, name: str, subkind: str, children: Sequence[Element], *, within: Long | None = None,
+        self, kind: str, name: str, subkind: str, children: Sequence[FbxElement], *, within: Long | None = None,
         own_class: str = "",
       ) -> Long:  # fmt: skip
         """The number of a new object, connected to the one that it is ``within``."""
@@ -123,7 +123,7 @@ class Document:
         kind = ("OP", child, parent, to_property) if to_property else ("OO", child, parent)
         self._connections.append(element("C", *kind))
 
-    def elements(self) -> list[Element]:
+    def elements(self) -> list[FbxElement]:
         """All elements of the file."""
         counts = Counter(each.name for each in self._objects) + Counter({"GlobalSettings": 1})
         types = [block("ObjectType", kind, children=[element("Count", count)]) for kind, count in counts.items()]
@@ -141,7 +141,7 @@ class Document:
             block("Takes", children=[element("Current", self._animation)]),
         ]
 
-    def _settings(self) -> Element:
+    def _settings(self) -> FbxElement:
         """Y up, Z towards the viewer, X to the right; centimetres."""
         axes = [
             whole(f"{axis}Axis{sign}", value)
@@ -164,13 +164,13 @@ class Document:
         ]
         return block("GlobalSettings", children=[element("Version", 1000), properties(*rows)])
 
-    def _description(self) -> Element:
+    def _description(self) -> FbxElement:
         active = row("ActiveAnimStackName", "KString", "", "", self._animation)
         scene = block("Document", _SCENE, "", "Scene", children=[properties(active), element("RootNode", WHOLE_SCENE)])
         return block("Documents", children=[element("Count", 1), scene])
 
 
-def _header() -> Element:
+def _header() -> FbxElement:
     dates = {"Version": 1000, "Year": 1970, "Month": 1, "Day": 1, "Hour": 10, "Minute": 0, "Second": 0}
     created = block(
         "CreationTimeStamp", children=[*(element(*each) for each in dates.items()), element("Millisecond", 0)]

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from studio.io.fbx.binary import element
-from studio.io.fbx.document import WHOLE_SCENE, Document, animated
+from studio.io.fbx.document import WHOLE_SCENE, FbxDocument, animated
 from studio.io.fbx.euler import euler_curves
 from studio.io.fbx.take_writer import (
     CURVES_SHARE,
@@ -27,7 +27,7 @@ def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
 
     As ``take_writer.write_take``. Raises StudioError when the file cannot be written.
     """
-    document = Document(stage.name, stage.frame_rate, stage.frame_count)
+    document = FbxDocument(stage.name, stage.frame_rate, stage.frame_count)
     for number, take in enumerate(stage.takes):
 
         def reported(share: float, number: int = number) -> None:
@@ -41,7 +41,7 @@ def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
     write_document(path, document, progress)
 
 
-def _put_prop(document: Document, prop: ExportedProp) -> None:
+def _put_prop(document: FbxDocument, prop: ExportedProp) -> None:
     places = positions_in_file(prop.places)
     order, angles = euler_curves(prop.rotations[:, [*WORLD_TO_FILE, 3]])
     begun = animated("Lcl Translation", places[0]), animated("Lcl Rotation", angles[0])

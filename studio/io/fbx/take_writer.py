@@ -11,10 +11,10 @@ from studio.core.mesh.appearance import Material
 from studio.core.mesh.joint_skin import JointSkin
 from studio.core.rotations import IDENTITY
 from studio.io.export import Take, plain_material, skin_of
-from studio.io.fbx.binary import Element, Long, block, element, encode_document
+from studio.io.fbx.binary import FbxElement, Long, block, element, encode_document
 from studio.io.fbx.document import (
     WHOLE_SCENE,
-    Document,
+    FbxDocument,
     animated,
     choice,
     colour,
@@ -52,25 +52,25 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
     Centimetres, Y up, facing +Z; every angle is zero in the zero pose of the skeleton, the bind pose is that of the
     skin. Read back, every joint is within 0.01 mm and 0.01 degrees. Raises StudioError when the file cannot be written.
     """
-    document = Document(take.name, take.frame_rate, take.poses.frame_count)
+    document = FbxDocument(take.name, take.frame_rate, take.poses.frame_count)
     put_take(document, take, WHOLE_SCENE, lambda share: progress(CURVES_SHARE * share, f"Writing {path.name}"))
     write_document(path, document, progress)
 
 
-def write_document(path: Path, document: Document, progress: Progress) -> None:
+def write_document(path: Path, document: FbxDocument, progress: Progress) -> None:
     """Write what is finished, from ``CURVES_SHARE`` of the work on."""
     write_pieces(path, _reported(document.elements(), lambda: progress(CURVES_SHARE, f"Writing {path.name}")))
     progress(1.0, f"Wrote {path.name}")
 
 
-def _reported(elements: Sequence[Element], report: Callable[[], None]) -> Iterator[memoryview]:
+def _reported(elements: Sequence[FbxElement], report: Callable[[], None]) -> Iterator[memoryview]:
     for piece in encode_document(elements):
         for first in range(0, len(piece), _PIECE):
             report()
             yield memoryview(piece)[first : first + _PIECE]
 
 
-def put_take(document: Document, take: Take, parent: Long, progress: Share) -> None:
+def put_take(document: FbxDocument, take: Take, parent: Long, progress: Share) -> None:
     """Add the joints, curves and skin of ``take`` to what is ``parent``, 0 for the scene itself."""
     joints = _put_joints(document, take, parent, progress)
     skin = skin_of(take)
@@ -92,7 +92,7 @@ def put_take(document: Document, take: Take, parent: Long, progress: Share) -> N
     document.add("Pose", take.name, "BindPose", [*about, *nodes])
 
 
-def _put_joints(document: Document, take: Take, parent: Long, progress: Share) -> list[Long]:
+def _put_joints(document: FbxDocument, take: Take, parent: Long, progress: Share) -> list[Long]:
     """The joints as they stand in the skeleton's zero pose, and their curves."""
     skeleton, poses = take.skeleton, take.poses
     offsets = positions_in_file(skeleton.offsets)
@@ -116,7 +116,7 @@ def _put_joints(document: Document, take: Take, parent: Long, progress: Share) -
     return joints
 
 
-def node(*rows: Element, order: int = 0) -> list[Element]:
+def node(*rows: FbxElement, order: int = 0) -> list[FbxElement]:
     """What every node has, with ``rows`` of its own; ``order`` is that of its three rotations."""
     common = [
         row("RotationActive", "bool", "", "", 1),
@@ -132,7 +132,7 @@ def node(*rows: Element, order: int = 0) -> list[Element]:
     ]
 
 
-def put_curves(document: Document, node: Long, of_property: str, name: str, values: FloatArray) -> None:
+def put_curves(document: FbxDocument, node: Long, of_property: str, name: str, values: FloatArray) -> None:
     """Three curves with a key a frame, ``values`` (F, 3), of one property of a node."""
     axes = "XYZ"
     first = [row(f"d|{axis}", "Number", "", "A", float(value)) for axis, value in zip(axes, values[0], strict=True)]
@@ -151,7 +151,7 @@ def put_curves(document: Document, node: Long, of_property: str, name: str, valu
         document.connect(document.add("AnimationCurve", "", "", parts), curves, f"d|{axis}")
 
 
-def _put_mesh(document: Document, take: Take, skin: JointSkin, parent: Long) -> Long:
+def _put_mesh(document: FbxDocument, take: Take, skin: JointSkin, parent: Long) -> Long:
     """The node of the skin with its materials."""
     mesh = document.add("Model", f"{take.name} skin", "Mesh", node(), within=parent)
     for material in skin.appearance.materials if skin.appearance else (plain_material(take),):
@@ -159,7 +159,7 @@ def _put_mesh(document: Document, take: Take, skin: JointSkin, parent: Long) -> 
     return mesh
 
 
-def put_material(document: Document, material: Material, mesh: Long) -> None:
+def put_material(document: FbxDocument, material: Material, mesh: Long) -> None:
     """A material of a mesh, its picture inside the file."""
     colours = "#FFFFFF" if material.texture is not None else material.colour
     shares = [int(colours[place : place + 2], 16) / 255.0 for place in (1, 3, 5)]
@@ -183,7 +183,7 @@ def put_material(document: Document, material: Material, mesh: Long) -> None:
     document.add("Video", name, "Clip", clip, within=picture)
 
 
-def _geometry(skin: JointSkin) -> list[Element]:
+def _geometry(skin: JointSkin) -> list[FbxElement]:
     """Vertices, triangles, normals, and where there are textures their places."""
     look = skin.appearance
     kinds = look.triangle_materials if look else np.zeros(len(skin.triangles), np.int32)
@@ -197,7 +197,7 @@ def geometry(
     triangles: NDArray[np.int32],
     kinds: NDArray[np.int32],
     coordinates: NDArray[np.float32] | None = None,
-) -> list[Element]:
+) -> list[FbxElement]:
     """A mesh of ``vertices`` (V, 3) metres with ``normals`` (V, 3), ``triangles`` (T, 3), the material ``kinds`` (T,)
     of each, and ``coordinates`` (V, 2) in its textures.
     """
@@ -226,7 +226,7 @@ def geometry(
     ]
 
 
-def _mapped(mapping: str, reference: str) -> list[Element]:
+def _mapped(mapping: str, reference: str) -> list[FbxElement]:
     return [
         element("Version", 101),
         element("Name", ""),
@@ -236,7 +236,7 @@ def _mapped(mapping: str, reference: str) -> list[Element]:
 
 
 def _put_skin(
-    document: Document, name: str, skin: JointSkin, geometry: Long, stands: Sequence[tuple[Long, FloatArray]]
+    document: FbxDocument, name: str, skin: JointSkin, geometry: Long, stands: Sequence[tuple[Long, FloatArray]]
 ) -> None:
     """A cluster for each joint: the vertices that it carries, and how it stood when they were bound to it."""
     about = [element("Version", 101), element("Link_DeformAcuracy", 50.0)]
