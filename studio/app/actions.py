@@ -312,6 +312,8 @@ VIEW = (
            lambda bench: bench.timeline is not None and bench.timeline.editing_curves),
     Action("fold_rows", "View", "Fold timeline rows", view.fold_rows, ("Shift+T",),
            "Show constraints and plot as single lines, or at full height", _keyed),
+    Action("console", "View", "Python console", view.console, ("Ctrl+Shift+P",),
+           "Python on the open project; what it changes are undo steps", ends_group=True),
     Action("arrange", "View", "Arrange panels", view.arrange, tooltip="Show title bars, so that panels can be moved",
            checked=lambda bench: bool(bench.window and bench.window.arranging)),
     Action("reset_layout", "View", "Reset layout", view.reset_layout, ends_group=True),
