@@ -26,7 +26,7 @@ from studio.core.solver.standing.stand import stand
 from studio.core.stage.clip import Clip
 from studio.core.stage.scope import Scope
 from studio.library.clips import ClipLabel, Limb, hit_point
-from studio.library.searching import Asked, Result, metres
+from studio.library.searching import Result, StrikeQuery, metres
 
 CHAIN = Chain(limb=1.0, clavicle=1.0, trunk=0.6, root=0.4)
 """What of the body may help a limb to reach: P09 goes on from the limb to the trunk and the root."""
@@ -129,13 +129,13 @@ class Tried:
         return (*self.found.reasons, "meets it" if self.hits else f"falls {metres(self.missed)} short")
 
 
-def tried(found: Sequence[Result], asked: Asked) -> list[Tried]:
+def tried(found: Sequence[Result], asked: StrikeQuery) -> list[Tried]:
     """What hits before what does not, each in the order of ``found``."""
     all_tried = [Tried(each, missed_by(each, asked)) for each in found]
     return sorted(all_tried, key=lambda each: not each.hits)
 
 
-def missed_by(found: Result, asked: Asked) -> float:
+def missed_by(found: Result, asked: StrikeQuery) -> float:
     """Metres by which the hit misses the place although all is done to meet it, from the pose that was asked on."""
     pose, place = asked.pose, np.asarray(asked.place, dtype=np.float64)
     held = replace(pose, channels=np.repeat(pose.channels, round(HELD * pose.frame_rate), axis=0))

@@ -30,7 +30,7 @@ from studio.core.solver.standing.stand import Standing, stand
 from studio.library.clips import Kind, Limb
 from studio.library.hitting import hit_places, limb_root
 from studio.library.library import Library
-from studio.library.searching import Asked, Result, find
+from studio.library.searching import Result, StrikeQuery, find
 from studio.library.striking import Blow, Strike, strike_in
 from studio.live.keeping import STEP_SECONDS
 from studio.live.takeover import SEEN, Takeover, take_over
@@ -283,7 +283,7 @@ class Fighter:
         pose = encode(before.positions[last], before.rotations[last], self.body, self.rate, "shown")
         found = find(
             self.library,
-            Asked(pose, self.body, begins.place_in(USUAL_BLOW), limbs, kinds),
+            StrikeQuery(pose, self.body, begins.place_in(USUAL_BLOW), limbs, kinds),
             TRIED if step is None else 1,
         )
         nearest, missed = None, math.inf

@@ -75,7 +75,7 @@ def foot_speed(adapted: AdaptedMotion, sides: tuple[int, ...] = (0, 1)) -> Float
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
+class CurveQuery:
     """What a curve is asked of: values only, which a worker may hold."""
 
     project: Project

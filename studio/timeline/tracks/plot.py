@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QWidget
 
 from studio.document import colours
 from studio.engine.scheduler import SolveScheduler
-from studio.timeline.curves import Asked, Curve, Quantity, error_measure, plotted_constraint, seen_curve
+from studio.timeline.curves import Curve, CurveQuery, Quantity, error_measure, plotted_constraint, seen_curve
 from studio.timeline.shown import LABEL_WIDTH, Shown, label_area
 from studio.timeline.tracks.brush import font, paint_fold, paint_label, translucent
 
@@ -60,7 +60,7 @@ class PlotPicture(QObject):
         Curves of long motions are made by a worker, and until then the last ones are shown.
         """
         project, constraint_id = shown.project, plotted_constraint(shown)
-        asked = Asked(project, shown.subject, self.quantity, constraint_id)
+        asked = CurveQuery(project, shown.subject, self.quantity, constraint_id)
         revision = shown.document.revision if self.quantity.asks_document else 0
         known: dict[str, Known] = {}
         for body in shown.subject.bodies:
