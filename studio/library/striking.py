@@ -19,7 +19,7 @@ from studio.core.constraints.target import Place
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.compose import Composite, compose
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.pieces import Piece
+from studio.core.normalized.pieces import MotionPiece
 from studio.core.solver.adapt import adapt, hold
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import stand
@@ -64,10 +64,10 @@ class Blow:
         """From its start to its hit."""
         return (self.hit - self.start) / self.motion.frame_rate
 
-    def piece(self, begins: float) -> Piece:
+    def piece(self, begins: float) -> MotionPiece:
         """What of it plays from ``begins`` seconds on; it has taken over some time before it hits."""
         ease = min(EASED_IN * self.seconds, 1.0)
-        return Piece(self.motion, self.contacts, self.start, self.last, begins, ease=ease)
+        return MotionPiece(self.motion, self.contacts, self.start, self.last, begins, ease=ease)
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +93,7 @@ class Strike:
         return adapt(self.request(target))
 
 
-def make_strike(playing: Piece, at_frame: int, blow: Blow, body: Morphology, target: Place) -> Strike:
+def make_strike(playing: MotionPiece, at_frame: int, blow: Blow, body: Morphology, target: Place) -> Strike:
     """Let ``blow`` take over from ``playing`` at its frame ``at_frame``, and hit ``target``.
 
     ``target`` lies in the space of the motion that plays, on ``body``; it may be keyed or follow something.
@@ -141,7 +141,7 @@ def missed_by(found: Result, asked: StrikeQuery) -> float:
     held = replace(pose, channels=np.repeat(pose.channels, round(HELD * pose.frame_rate), axis=0))
     x, y, z = place.tolist()
     last = held.frame_count - 1
-    made = make_strike(Piece(held, (), 0, last), last, Blow.of(found), asked.body, (x, y, z))
+    made = make_strike(MotionPiece(held, (), 0, last), last, Blow.of(found), asked.body, (x, y, z))
     standing = stand(made.composite.motion, asked.body, made.composite.contacts, Ground())
     return float(hold(standing, [made.constraint], made.hit, made.hit).residuals[0, 0])
 

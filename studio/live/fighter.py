@@ -24,7 +24,7 @@ from studio.core.normalized.compose import Composite, compose
 from studio.core.normalized.encode import encode
 from studio.core.normalized.joining import Planar
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.pieces import Piece
+from studio.core.normalized.pieces import MotionPiece
 from studio.core.solver.adapt import hold
 from studio.core.solver.standing.stand import Standing, stand
 from studio.library.clips import Kind, Limb
@@ -143,7 +143,7 @@ class Fighter:
 
     library: Library
     body: Morphology
-    guard: Piece
+    guard: MotionPiece
     distance: float = 1.05
     executor: Executor | None = None
     follows: bool = True
@@ -263,19 +263,19 @@ class Fighter:
         return self._coming(state, Begins(self.plan.standing, self._rows, place, np.zeros(3)), piece)
 
     @property
-    def _guarding(self) -> Piece:
+    def _guarding(self) -> MotionPiece:
         return replace(self.guard, start=0.0, ease=CALMING)
 
-    def _stepping(self, turn: float, offset: FloatArray) -> Piece:
+    def _stepping(self, turn: float, offset: FloatArray) -> MotionPiece:
         own = Planar(turn, (float(offset[0]), float(offset[1])))
         return replace(self.guard, start=0.0, own=own, ease=STEP_SECONDS)
 
-    def _step_up(self, place: FloatArray) -> Piece | None:
+    def _step_up(self, place: FloatArray) -> MotionPiece | None:
         """What it plays to come nearer to a place; None where it is not too far off."""
         turn, offset = self._correction(place)
         return self._stepping(turn, offset) if self._apart(place) - self.distance > NEAR_ENOUGH else None
 
-    def _strike(self, begins: Begins, limbs: Sequence[Limb], kinds: Sequence[Kind], step: Piece | None) -> Coming:
+    def _strike(self, begins: Begins, limbs: Sequence[Limb], kinds: Sequence[Kind], step: MotionPiece | None) -> Coming:
         """The first of the best blows that will meet the target, else the nearest; a ``step`` up where there is one and
         the best does not.
         """
@@ -304,7 +304,7 @@ class Fighter:
         strike = strike_in(coming.takes.composite, coming.takes.first, blow, self.body, (x, y, z))
         return replace(coming, found=found, strike=strike)
 
-    def _coming(self, state: State, begins: Begins, piece: Piece) -> Coming:
+    def _coming(self, state: State, begins: Begins, piece: MotionPiece) -> Coming:
         def stood(whole: Composite) -> Standing:
             return stand(whole.motion, self.body, whole.contacts, Ground())
 

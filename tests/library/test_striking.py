@@ -10,7 +10,7 @@ from studio.cli.live import guard_of
 from studio.core.body.morphology import Proportions
 from studio.core.constraints.keyed import KeyedPlace
 from studio.core.grounds.ground import Ground
-from studio.core.normalized.pieces import Piece
+from studio.core.normalized.pieces import MotionPiece
 from studio.core.normalized.realize import realize
 from studio.core.quality.metrics import angular_acceleration, contact_quality, swing_depths
 from studio.core.solver.adapt import adapt
@@ -44,7 +44,7 @@ def bundled():
 def guard(library):
     """A fighter on guard, at the start of the punch."""
     take = library.clips[1].take
-    return Piece(take.motion, take.contacts, 0, 120)
+    return MotionPiece(take.motion, take.contacts, 0, 120)
 
 
 def found_for(library, body, ahead, height, frame=60, **changes):
