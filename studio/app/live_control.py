@@ -19,7 +19,7 @@ from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
 from studio.engine.performance import posed_performers
 from studio.live.recording import Recorder, Replay
-from studio.live.streamer import Broadcast, Shown
+from studio.live.streamer import Broadcast, StreamedPose
 from studio.live.tracker import LOOPBACK, PORT, Inbox, UdpInput
 from studio.panels.live import InputRow, LivePanel, SenderRow
 from studio.viewport.eyes import MIDDLE, Eye
@@ -222,14 +222,14 @@ class LiveControl:
         if self.broadcast is not None:
             self.broadcast.show([body for _, body in self.outgoing()], time.monotonic())
 
-    def outgoing(self) -> list[tuple[str, Shown]]:
+    def outgoing(self) -> list[tuple[str, StreamedPose]]:
         """The bodies that are shown, with their names, as they stand on the stage."""
         document = self.bench.document
         posed = posed_performers(document.project, self.bench.live.shown, document.playhead.time)
         bodies = []
         for place, pose in enumerate(posed.values()):
             turned = pose.placement.rotation @ pose.motion.rotations[pose.row]
-            body = Shown(self._out_port + place, pose.points, turned, pose.motion.morphology_at(pose.row))
+            body = StreamedPose(self._out_port + place, pose.points, turned, pose.motion.morphology_at(pose.row))
             bodies.append((pose.performer.name, body))
         return bodies
 

@@ -36,7 +36,7 @@ class Act:
 
 
 @dataclass(frozen=True)
-class Seen:
+class StageView:
     """The stage as it was seen last, at ``seconds``, and where each performer is in its behaviour."""
 
     project: Project
@@ -97,7 +97,7 @@ def act_of(state: State, role: Role, blend: float, playing: Clip, frame: int, fr
     return Act(clip, tuple(replace(each, scope=Scope(role.performer_id)) for each in asked))
 
 
-def senses_of(seen: Seen, behaviour: Behaviour, role: Role, heard: Senses) -> Senses:
+def senses_of(seen: StageView, behaviour: Behaviour, role: Role, heard: Senses) -> Senses:
     """What a performer senses: ``heard``, and how far all is that its state asks about, where all were last.
 
     ``heard.gaps`` is not looked at; a gap to who is not there is left out.

@@ -28,7 +28,7 @@ class Mark(StrEnum):
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class FrameScale:
     """Frames ``first`` to ``last`` over ``width`` pixels."""
 
     first: int
@@ -66,7 +66,7 @@ class ClipLine(QWidget):
         self._rate = 30.0
         self._label: ClipLabel | None = None
         self._proposed: ClipLabel | None = None
-        self._seen = Seen(0, 1, 100.0)
+        self._seen = FrameScale(0, 1, 100.0)
         self._held: Mark | None = None
         self._under: Mark | None = None
 
@@ -146,7 +146,7 @@ class ClipLine(QWidget):
         if self._label is not None:
             beside, end = round(AROUND * self._rate), self._speeds.shape[1] - 1
             first, last = max(self._label.first - beside, 0), min(self._label.last + beside, end)
-            self._seen = Seen(first, last, float(self.width()))
+            self._seen = FrameScale(first, last, float(self.width()))
 
     def paintEvent(self, _: QPaintEvent) -> None:
         label = self._label

@@ -14,7 +14,7 @@ from studio.timeline.curve_menu import offer_curves
 from studio.timeline.curves import Quantity
 from studio.timeline.gestures.begin import items_of
 from studio.timeline.gestures.contact import new_contact
-from studio.timeline.shown import Hit, Part, Shown
+from studio.timeline.shown import Hit, Part, RowContext
 from studio.timeline.tracks.keys import stage_times
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ def menu_at(canvas: "TrackCanvas", position: QPointF) -> QMenu | None:
     return menu if menu.actions() else None
 
 
-def _offer_quantities(menu: QMenu, canvas: "TrackCanvas", shown: Shown) -> None:
+def _offer_quantities(menu: QMenu, canvas: "TrackCanvas", shown: RowContext) -> None:
     for quantity in Quantity:
         action = menu.addAction(f"{quantity.value} ({quantity.unit(shown)})")
         action.setCheckable(True)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from PySide6.QtCore import QPoint, QPointF, QRect, QSize
 
-from studio.timeline.shown import FOLD_WIDTH, LABEL_WIDTH, Hit, Part, Row, Shown
+from studio.timeline.shown import FOLD_WIDTH, LABEL_WIDTH, Hit, Part, Row, RowContext
 from studio.timeline.tracks import clip, constraint, contacts, hold, keys, labels, layer, plot, ruler
 
 PLAYHEAD_REACH = 4.0
@@ -15,7 +15,7 @@ FOLDING = ("constraints", "lane")
 """Kinds of rows of which each can be folded by itself."""
 
 
-def rows_of(shown: Shown) -> tuple[Row, ...]:
+def rows_of(shown: RowContext) -> tuple[Row, ...]:
     """Labels, clips, layers, keys of growth, when props are held, contacts, constraints by priority; or the keys."""
     return _stacked(keys.rows_of(shown) if shown.dope else _heights(shown))
 
@@ -28,7 +28,7 @@ def _stacked(heights: list[tuple[str, str, int]]) -> tuple[Row, ...]:
     return tuple(rows)
 
 
-def _heights(shown: Shown) -> list[tuple[str, str, int]]:
+def _heights(shown: RowContext) -> list[tuple[str, str, int]]:
     """Kind, id and height of each row but those of the dope sheet."""
     visible = [key for key, each in shown.project.performers.items() if each.visible]
     players = visible if shown.apart else (shown.subject.performer_id,)
@@ -54,7 +54,7 @@ def _heights(shown: Shown) -> list[tuple[str, str, int]]:
 class Sheet:
     """The rows laid out in a widget of ``size``, scrolled down by ``scroll`` pixels."""
 
-    shown: Shown
+    shown: RowContext
     rows: tuple[Row, ...]
     size: QSize
     scroll: int = 0

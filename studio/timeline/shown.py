@@ -81,7 +81,7 @@ class Hit:
 
 
 @dataclass(frozen=True, eq=False)
-class Shown:
+class RowContext:
     """The document, the motion in question, the axis, the results, and which handle has the keyboard."""
 
     document: Document

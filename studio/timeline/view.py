@@ -22,7 +22,7 @@ from studio.timeline.gestures.keys import BoxSelect
 from studio.timeline.gestures.value_curves import BoxSelectCurves
 from studio.timeline.picture import PLOT, Picture
 from studio.timeline.sheet import FOLDING, RIGHT_MARGIN, Sheet, rows_of
-from studio.timeline.shown import LABEL_WIDTH, Part, Shown
+from studio.timeline.shown import LABEL_WIDTH, Part, RowContext
 from studio.timeline.subject import play_apart, stage_extent, subject_of
 from studio.timeline.tracks.constraint import looks_of
 from studio.timeline.tracks.keys import SHEET, SUMMARY, sheet_id
@@ -92,7 +92,7 @@ class TrackView(QWidget):
         self.picture.close()
 
     @property
-    def shown(self) -> Shown | None:
+    def shown(self) -> RowContext | None:
         """What the rows show, or None while no performer plays a motion."""
         return self.sheet.shown if self.sheet else None
 
@@ -118,7 +118,7 @@ class TrackView(QWidget):
             return
         apart = play_apart(self.document.project) if self.apart is None else self.apart
         remarks = self._remarks_on(self.document.project.captures[subject.motion.capture_id])
-        shown = Shown(
+        shown = RowContext(
             self.document,
             self.live,
             self.axis,

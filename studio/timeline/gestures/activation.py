@@ -10,7 +10,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.keyed import Keys
 from studio.document.keyed_fields import with_times
 from studio.timeline.gestures.gesture import EditGesture, Mark
-from studio.timeline.shown import HANDLES, Part, Shown
+from studio.timeline.shown import HANDLES, Part, RowContext
 from studio.timeline.snapping import Snapped
 
 
@@ -38,7 +38,7 @@ class DragHandle(EditGesture):
 
     collection = "constraints"
 
-    def __init__(self, shown: Shown, entity_id: str, part: Part, press: QPointF) -> None:
+    def __init__(self, shown: RowContext, entity_id: str, part: Part, press: QPointF) -> None:
         super().__init__(shown, entity_id, press)
         self.part = part
         self.text = f"Move {part} of {self.words}"
@@ -69,7 +69,7 @@ class MoveActivation(EditGesture):
 
     collection = "constraints"
 
-    def __init__(self, shown: Shown, entity_id: str, press: QPointF) -> None:
+    def __init__(self, shown: RowContext, entity_id: str, press: QPointF) -> None:
         super().__init__(shown, entity_id, press)
         self.text = f"Move {self.words} in time"
 

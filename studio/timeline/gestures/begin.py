@@ -10,12 +10,12 @@ from studio.timeline.gestures.gesture import Gesture
 from studio.timeline.gestures.hold import DragHold
 from studio.timeline.gestures.label import DragLabel
 from studio.timeline.gestures.view import Scrub
-from studio.timeline.shown import EDGES, HANDLES, Hit, Part, Shown
+from studio.timeline.shown import EDGES, HANDLES, Hit, Part, RowContext
 
 Cursor = Qt.CursorShape
 
 
-def gesture_at(hit: Hit, shown: Shown, press: QPointF) -> Gesture | None:
+def gesture_at(hit: Hit, shown: RowContext, press: QPointF) -> Gesture | None:
     """The drag of what was hit, or None where there is nothing to drag."""
     if hit.part == Part.TIME:
         return Scrub(shown.document.playhead, shown.axis)

@@ -11,7 +11,7 @@ from studio.core.stage.clip_row import ClipEdit, begun_at, edited, ended_at, fra
 from studio.document.clips import name_of
 from studio.timeline.figures import moment
 from studio.timeline.gestures.gesture import EditGesture, Mark
-from studio.timeline.shown import Part, Shown
+from studio.timeline.shown import Part, RowContext
 from studio.timeline.snapping import Snapped
 
 
@@ -20,7 +20,7 @@ class ClipGesture(EditGesture):
 
     collection = "clips"
 
-    def __init__(self, shown: Shown, clip_id: str, press: QPointF) -> None:
+    def __init__(self, shown: RowContext, clip_id: str, press: QPointF) -> None:
         selected = [key for key in shown.document.selection.of("clips") if key in shown.project.clips]
         self.clip_ids: Sequence[str] = selected if clip_id in selected else (clip_id,)
         super().__init__(shown, clip_id, press)
@@ -76,7 +76,7 @@ class ClipGesture(EditGesture):
 class MoveClips(ClipGesture):
     """Drag bars in time: one that begins where another ends catches there."""
 
-    def __init__(self, shown: Shown, clip_id: str, press: QPointF) -> None:
+    def __init__(self, shown: RowContext, clip_id: str, press: QPointF) -> None:
         super().__init__(shown, clip_id, press)
         self.text = f"Move {self.words} in time"
 
@@ -97,7 +97,7 @@ class MoveClips(ClipGesture):
 class TrimClip(ClipGesture):
     """Drag an end: the frames that are left play when they did."""
 
-    def __init__(self, shown: Shown, clip_id: str, part: Part, press: QPointF) -> None:
+    def __init__(self, shown: RowContext, clip_id: str, part: Part, press: QPointF) -> None:
         super().__init__(shown, clip_id, press)
         self.part = part
         self.text = f"Trim {self.words}"
@@ -124,6 +124,6 @@ class TrimClip(ClipGesture):
         return ended_at(clip, max(min(clip.last + way, count - 1), clip.first), count)
 
 
-def end_of(shown: Shown, clip: Clip) -> float:
+def end_of(shown: RowContext, clip: Clip) -> float:
     """Seconds at which a clip ends."""
     return clip.start + clip.length(shown.project.frame_rate_of(clip))

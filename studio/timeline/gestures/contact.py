@@ -8,7 +8,7 @@ from PySide6.QtCore import QPointF
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
 from studio.core.stage.scope import EVERYONE
 from studio.timeline.gestures.gesture import EditGesture, Mark
-from studio.timeline.shown import Part, Shown
+from studio.timeline.shown import Part, RowContext
 from studio.timeline.snapping import Snapped
 
 LONGEST_NEW = 0.3
@@ -16,7 +16,7 @@ LONGEST_NEW = 0.3
 
 
 def free_stretch(
-    shown: Shown, point: ContactPoint | Touch, frame: int, without: Collection[str] = ()
+    shown: RowContext, point: ContactPoint | Touch, frame: int, without: Collection[str] = ()
 ) -> tuple[int, int] | None:
     """First and last frame about ``frame`` that no contact of the point takes; None where one stands."""
     first, last = 0, shown.subject.last_frame
@@ -32,7 +32,7 @@ def free_stretch(
     return (first, last) if first <= frame <= last else None
 
 
-def new_contact(shown: Shown, point: ContactPoint | Touch, frame: int) -> ContactInterval | None:
+def new_contact(shown: RowContext, point: ContactPoint | Touch, frame: int) -> ContactInterval | None:
     """A contact about ``frame``, at most 0.3 s long and up to its neighbours; None where one stands."""
     subject, room = shown.subject, free_stretch(shown, point, frame)
     if room is None:
@@ -43,7 +43,7 @@ def new_contact(shown: Shown, point: ContactPoint | Touch, frame: int) -> Contac
     return ContactInterval(subject.motion_id, point, first, first + length, scopes[0] if scopes else EVERYONE)
 
 
-def contacts_shown(shown: Shown) -> dict[str, ContactInterval]:
+def contacts_shown(shown: RowContext) -> dict[str, ContactInterval]:
     """What stands while the active performer plays the clip, by id."""
     return shown.project.contacts_for(shown.subject.performer_id, shown.subject.clip)
 
@@ -53,7 +53,7 @@ class DragContact(EditGesture):
 
     collection = "contacts"
 
-    def __init__(self, shown: Shown, entity_id: str, part: Part, press: QPointF) -> None:
+    def __init__(self, shown: RowContext, entity_id: str, part: Part, press: QPointF) -> None:
         super().__init__(shown, entity_id, press)
         self.part = part
         self.text = f"{'Move' if part == Part.BODY else 'Trim'} {self.words}"

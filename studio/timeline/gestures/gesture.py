@@ -6,7 +6,7 @@ from typing import Any
 
 from PySide6.QtCore import QPointF, Qt
 
-from studio.timeline.shown import Shown
+from studio.timeline.shown import RowContext
 from studio.timeline.snapping import Snapped, magnets_of, snapped
 
 
@@ -45,7 +45,7 @@ class EditGesture(Gesture):
     collection = ""
     text = ""
 
-    def __init__(self, shown: Shown, entity_id: str, press: QPointF) -> None:
+    def __init__(self, shown: RowContext, entity_id: str, press: QPointF) -> None:
         self.shown, self.entity_id = shown, entity_id
         self.original: Any = shown.project.get(self.collection, entity_id)
         selected = shown.document.selection.of(self.collection)

@@ -4,7 +4,7 @@ from PySide6.QtCore import QPointF
 
 from studio.timeline.figures import moment
 from studio.timeline.gestures.gesture import EditGesture, Mark
-from studio.timeline.shown import Part, Shown
+from studio.timeline.shown import Part, RowContext
 from studio.timeline.tracks.hold import hold_under
 
 
@@ -13,7 +13,7 @@ class DragHold(EditGesture):
 
     collection = "props"
 
-    def __init__(self, shown: Shown, entity_id: str, part: Part, press: QPointF) -> None:
+    def __init__(self, shown: RowContext, entity_id: str, part: Part, press: QPointF) -> None:
         super().__init__(shown, entity_id, press)
         self.part = part
         self._hold = hold_under(shown, self.original, press.x()) or self.original.holds[0]

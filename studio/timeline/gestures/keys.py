@@ -7,7 +7,7 @@ from studio.document.keyed_fields import KeyRef
 from studio.timeline.figures import moment
 from studio.timeline.gestures.gesture import Gesture, Mark
 from studio.timeline.sheet import Sheet
-from studio.timeline.shown import Shown
+from studio.timeline.shown import RowContext
 from studio.timeline.snapping import key_magnets, snapped
 from studio.timeline.tracks.brush import KEY_REACH
 from studio.timeline.tracks.keys import fields_in, key_height, keys_between, stage_times
@@ -16,7 +16,7 @@ from studio.timeline.tracks.keys import fields_in, key_height, keys_between, sta
 class DragKeys(Gesture):
     """Move the selected keys in time; with ``scaling`` scale them about the playhead. A single undo step."""
 
-    def __init__(self, shown: Shown, grabbed: KeyRef, press: QPointF, scaling: bool) -> None:
+    def __init__(self, shown: RowContext, grabbed: KeyRef, press: QPointF, scaling: bool) -> None:
         self.shown, self.scaling = shown, scaling
         self._drag = KeyDrag(shown.document)
         self._grabbed = float(stage_times(shown, grabbed.field)[grabbed.place])

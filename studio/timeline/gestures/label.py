@@ -7,7 +7,7 @@ from PySide6.QtCore import QPointF
 from studio.core.captures.annotations import Label
 from studio.timeline.figures import moment
 from studio.timeline.gestures.gesture import EditGesture, Mark
-from studio.timeline.shown import Part, Shown
+from studio.timeline.shown import Part, RowContext
 
 
 class DragLabel(EditGesture):
@@ -15,7 +15,7 @@ class DragLabel(EditGesture):
 
     collection = "labels"
 
-    def __init__(self, shown: Shown, entity_id: str, part: Part, press: QPointF) -> None:
+    def __init__(self, shown: RowContext, entity_id: str, part: Part, press: QPointF) -> None:
         super().__init__(shown, entity_id, press)
         self.part = part
         self.text = f"{'Move' if part == Part.BODY else 'Trim'} label {self.original.name}"

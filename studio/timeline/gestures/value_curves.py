@@ -6,7 +6,7 @@ from studio.document.channels import key_values, with_handle, with_values
 from studio.document.key_edits import KeyDrag, replace_fields
 from studio.timeline.figures import moment
 from studio.timeline.gestures.gesture import Gesture, Mark
-from studio.timeline.shown import Shown
+from studio.timeline.shown import RowContext
 from studio.timeline.snapping import key_magnets, snapped
 from studio.timeline.tracks.value_curves import (
     HandleRef,
@@ -31,7 +31,7 @@ class DragCurveKeys(Gesture):
     Shift is finer, Ctrl catches on round values.
     """
 
-    def __init__(self, shown: Shown, curves: ValueCurves, row: QRect, grabbed: HandleRef, press: QPointF) -> None:
+    def __init__(self, shown: RowContext, curves: ValueCurves, row: QRect, grabbed: HandleRef, press: QPointF) -> None:
         self.shown, self._curves, self._area = shown, curves, plot_area(row)
         self._grabbed, self._press = grabbed, press
         self._drag = KeyDrag(shown.document)
@@ -80,7 +80,7 @@ class DragTangent(Gesture):
     The other side turns with it unless they are broken, or Alt breaks them now; Shift is finer, Ctrl keeps the weight.
     """
 
-    def __init__(self, shown: Shown, curves: ValueCurves, row: QRect, handle: HandleRef, press: QPointF) -> None:
+    def __init__(self, shown: RowContext, curves: ValueCurves, row: QRect, handle: HandleRef, press: QPointF) -> None:
         self.shown, self._curves, self._area, self._handle, self._press = shown, curves, plot_area(row), handle, press
         before = value_in(shown, handle.channel)
         assert before is not None
@@ -122,7 +122,7 @@ class DragTangent(Gesture):
 class BoxSelectCurves(Gesture):
     """Select the keys whose diamonds are in a box; with ``add`` beside those that are selected."""
 
-    def __init__(self, shown: Shown, curves: ValueCurves, row: QRect, press: QPointF, add: bool) -> None:
+    def __init__(self, shown: RowContext, curves: ValueCurves, row: QRect, press: QPointF, add: bool) -> None:
         self._shown, self._points = shown, list(curves.points(shown, plot_area(row)))
         self._press, self._before = press, shown.document.keys.items
         self._kept = self._before if add else frozenset()

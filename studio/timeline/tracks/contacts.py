@@ -6,7 +6,7 @@ from PySide6.QtGui import QColor, QPainter
 
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
 from studio.document import colours
-from studio.timeline.shown import EDGES, Hit, Part, Shown, label_area
+from studio.timeline.shown import EDGES, Hit, Part, RowContext, label_area
 from studio.timeline.tracks.brush import paint_bar, paint_fold, paint_label, translucent
 
 HEIGHT, FOLDED = 24, 13
@@ -57,7 +57,7 @@ def is_folded(row: QRect) -> bool:
     return row.height() <= FOLDED
 
 
-def contact_bar(shown: Shown, row: QRect, contact: ContactInterval) -> QRectF:
+def contact_bar(shown: RowContext, row: QRect, contact: ContactInterval) -> QRectF:
     """Where a contact lies: from its first frame to its last, three pixels at least."""
     line, (first, last) = lane(row, contact.point), played_frames(shown, contact)
     left, right = shown.x_of_frame(first), shown.x_of_frame(last)
@@ -65,13 +65,13 @@ def contact_bar(shown: Shown, row: QRect, contact: ContactInterval) -> QRectF:
     return QRectF(left - spare, line.top(), right - left + 2 * spare, line.height())
 
 
-def played_frames(shown: Shown, contact: ContactInterval) -> tuple[int, int]:
+def played_frames(shown: RowContext, contact: ContactInterval) -> tuple[int, int]:
     """First and last frame of a contact that the clip plays."""
     clip = shown.subject.clip
     return max(contact.first, clip.first), min(contact.last, clip.last)
 
 
-def paint_contacts(painter: QPainter, row: QRect, shown: Shown, row_id: str) -> None:
+def paint_contacts(painter: QPainter, row: QRect, shown: RowContext, row_id: str) -> None:
     """Bars that lie on one another, as most of an hour on a thousand pixels, are one; the selected has a light edge."""
     contacts = _contacts(shown, row_id)
     for point, fill in zip(LANES[row_id], FILLS, strict=False):
@@ -89,14 +89,14 @@ def paint_contacts(painter: QPainter, row: QRect, shown: Shown, row_id: str) -> 
             _paint_edge(painter, bar, shown.handle)
 
 
-def _paint_own(painter: QPainter, bar: QRectF, shown: Shown) -> None:
+def _paint_own(painter: QPainter, bar: QRectF, shown: RowContext) -> None:
     """A line in the body's colour under contacts that are its alone."""
     performer = shown.project.performers[shown.subject.performer_id]
     colour = shown.project.characters[performer.character_id].colour
     painter.fillRect(QRectF(bar.left(), bar.bottom() - 2, bar.width(), 2), QColor(colour))
 
 
-def seen_bars(shown: Shown, spans: list[tuple[int, int]]) -> list[tuple[float, float]]:
+def seen_bars(shown: RowContext, spans: list[tuple[int, int]]) -> list[tuple[float, float]]:
     """Pixels from and to which the bars of ``spans`` (first and last frame, in time) reach in the visible stretch.
 
     Those that lie on one another are joined.
@@ -120,7 +120,7 @@ def paint_contacts_label(painter: QPainter, row: QRect, row_id: str) -> None:
     paint_label(painter, label_area(row), row_id.capitalize(), colour, pixels)
 
 
-def contacts_hit(shown: Shown, row: QRect, row_id: str, point: QPointF) -> Hit:
+def contacts_hit(shown: RowContext, row: QRect, row_id: str, point: QPointF) -> Hit:
     """A contact or its end; else the lane, named by its point."""
     lanes = LANES[row_id]
     touching = lanes[0] if point.y() < row.top() + row.height() / 2 else lanes[-1]
@@ -159,7 +159,7 @@ def _paint_edge(painter: QPainter, bar: QRectF, handle: Part | None) -> None:
         )
 
 
-def _contacts(shown: Shown, row_id: str) -> list[tuple[str, ContactInterval]]:
+def _contacts(shown: RowContext, row_id: str) -> list[tuple[str, ContactInterval]]:
     own = shown.project.contacts_for(shown.subject.performer_id, shown.subject.clip)
     clip = shown.subject.clip
     return [
