@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QMenu
 from studio.core.errors import StudioError
 from studio.core.stage.clip_row import begun_at, ended_at, players_of
 from studio.document import clips
-from studio.timeline.shown import Hit, Part, RowContext
+from studio.timeline.shown import Hit, ItemPart, RowContext
 
 
 def performers_of_row(shown: RowContext, performer_id: str) -> tuple[str, ...]:
@@ -37,13 +37,13 @@ def add_layer(shown: RowContext, performer_id: str, motion_id: str, start: float
     document.selection.set(("performers", performer_id), ("clips", name))
 
 
-def nudged(shown: RowContext, clip_id: str, edge: Part, frames: int) -> None:
+def nudged(shown: RowContext, clip_id: str, edge: ItemPart, frames: int) -> None:
     """Trim an end of a clip by whole frames: one undo step."""
     project = shown.project
     clip = project.clips[clip_id]
     rate, count = project.frame_rate_of(clip), project.captures[project.motions[clip.motion_id].capture_id].frame_count
     text = f"Trim {clips.name_of(project, clip)}"
-    if edge == Part.FIRST:
+    if edge == ItemPart.FIRST:
         clips.edit_clip(shown.document, clip_id, lambda each: (begun_at(each, rate, each.first + frames),), text)
     else:
         clips.edit_clip(shown.document, clip_id, lambda each: (ended_at(each, each.last + frames, count),), text)

@@ -18,7 +18,7 @@ from studio.timeline.clip_edits import nudged
 from studio.timeline.gestures.activation import time_of, with_time
 from studio.timeline.gestures.begin import name_of
 from studio.timeline.gestures.contact import free_stretch, new_contact
-from studio.timeline.shown import EDGES, HANDLES, Part, RowContext
+from studio.timeline.shown import EDGES, HANDLES, ItemPart, RowContext
 from studio.timeline.tracks.keys import growth_fields, keys_between, sheet_fields, stage_times
 
 DELETABLE = ("constraints", "contacts", "clips", "labels")
@@ -118,7 +118,7 @@ def select_keys_at_playhead(shown: RowContext) -> None:
     shown.document.keys.set(keys_between(shown, sheet_fields(shown), time - close, time + close))
 
 
-def handles_of(shown: RowContext) -> tuple[Part, ...]:
+def handles_of(shown: RowContext) -> tuple[ItemPart, ...]:
     """What of the selected thing the keyboard may take hold of."""
     match shown.document.selection.current:
         case ("constraints", _):
@@ -128,7 +128,7 @@ def handles_of(shown: RowContext) -> tuple[Part, ...]:
     return ()
 
 
-def next_handle(shown: RowContext, forward: bool) -> Part | None:
+def next_handle(shown: RowContext, forward: bool) -> ItemPart | None:
     """The handle after the one that has the keyboard; None past the last one."""
     ring = handles_of(shown) if forward else handles_of(shown)[::-1]
     if not ring:
@@ -161,7 +161,7 @@ def nudge(shown: RowContext, frames: int) -> None:
             shown.document.replace_shown(collection, key, new, verb)
 
 
-def _shifted(shown: RowContext, constraint: Constraint, handle: Part, frames: int) -> Constraint:
+def _shifted(shown: RowContext, constraint: Constraint, handle: ItemPart, frames: int) -> Constraint:
     rate = shown.subject.frame_rate
     frame = round(time_of(constraint.activation, handle) * rate) + frames
     frame = min(max(frame, 0), shown.subject.last_frame)
@@ -176,18 +176,20 @@ def handle_words(shown: RowContext) -> str:
         return "Timeline"
     rate = shown.subject.frame_rate
     if isinstance(entity, Clip):
-        frame = entity.first if shown.handle == Part.FIRST else entity.last
+        frame = entity.first if shown.handle == ItemPart.FIRST else entity.last
         return f"Clip {clip_name(shown.project, entity)}, {shown.handle} {frame}"
     if isinstance(entity, ContactInterval):
-        frame = entity.first if shown.handle == Part.FIRST else entity.last
+        frame = entity.first if shown.handle == ItemPart.FIRST else entity.last
         return f"{name_of(entity)}, {shown.handle}, {shown.moment(frame)}"
     time = time_of(entity.activation, shown.handle)
     return f"{entity.name}, {shown.handle}, {shown.moment(time * rate)}"
 
 
-def _trimmed(shown: RowContext, entity_id: str, contact: ContactInterval, edge: Part, frames: int) -> ContactInterval:
+def _trimmed(
+    shown: RowContext, entity_id: str, contact: ContactInterval, edge: ItemPart, frames: int
+) -> ContactInterval:
     room = free_stretch(shown, contact.point, contact.first, (entity_id,))
     low, high = room or (contact.first, contact.last)
-    if edge == Part.FIRST:
+    if edge == ItemPart.FIRST:
         return replace(contact, first=min(max(contact.first + frames, low), contact.last))
     return replace(contact, last=max(min(contact.last + frames, high), contact.first))

@@ -4,7 +4,7 @@ from PySide6.QtCore import QPointF, QRect, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QFontMetrics, QPainter, QPolygonF
 
 from studio.document import colours
-from studio.timeline.gestures.gesture import Mark
+from studio.timeline.gestures.gesture import DragHint
 from studio.timeline.shown import LABEL_WIDTH, RowContext
 from studio.timeline.tracks import ruler
 from studio.timeline.tracks.brush import font, hairline, paint_bar, translucent
@@ -34,7 +34,7 @@ def paint_playhead(painter: QPainter, shown: RowContext, height: int) -> None:
     painter.drawPolygon(QPolygonF([QPointF(middle + dx, y) for dx, y in corners]))
 
 
-def paint_mark(painter: QPainter, shown: RowContext, mark: Mark, mouse: QPointF, area: QRect) -> None:
+def paint_mark(painter: QPainter, shown: RowContext, mark: DragHint, mouse: QPointF, area: QRect) -> None:
     """The line of what caught the drag, and the drag's words beside its handle."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
     if mark.caught is not None:

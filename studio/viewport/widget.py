@@ -29,7 +29,7 @@ from studio.viewport.constraining import Here, constraint_here
 from studio.viewport.dropping import StrikeDrops
 from studio.viewport.following import FollowCamera
 from studio.viewport.framing import selected_points
-from studio.viewport.gestures import Gesture
+from studio.viewport.gestures import ViewportGesture
 from studio.viewport.gizmo import ARROW_PIXELS, Gizmo, arrow_pixels
 from studio.viewport.glide import Glide
 from studio.viewport.handles import Handle, constraint_handles
@@ -69,7 +69,7 @@ class Viewport(Canvas):
         self.gizmo_part_hovered: str | None = None
         self.body_hovered: str | None = None
         """The performer under the mouse, whose joints can be seen."""
-        self.gesture: Gesture | None = None
+        self.gesture: ViewportGesture | None = None
         self.recording = RecordingView(self.show_again)
         self._recorded: MarkerFrame | None = None
         self._bones = False

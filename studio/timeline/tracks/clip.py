@@ -8,7 +8,7 @@ from studio.core.stage.clip import Clip
 from studio.document import colours
 from studio.engine.empty_stage import HIDDEN, empty_words
 from studio.timeline.figures import rate
-from studio.timeline.shown import Hit, Part, RowContext, label_area
+from studio.timeline.shown import Hit, ItemPart, RowContext, label_area
 from studio.timeline.tracks.brush import LABEL_INDENT, font, hairline, paint_dot, paint_fold, paint_label, translucent
 from studio.timeline.tracks.change import paint_take_over, take_over
 
@@ -192,10 +192,10 @@ def clip_hit(bars: list[tuple[Clip, QRectF]], performer_id: str, point: QPointF)
         reach = min(EDGE_REACH, bar.width() / 4)
         if not bar.adjusted(-reach / 2, 0, reach / 2, 0).contains(point):
             continue
-        part = Part.BODY
+        part = ItemPart.BODY
         if point.x() < bar.left() + reach:
-            part = Part.FIRST
+            part = ItemPart.FIRST
         elif point.x() > bar.right() - reach:
-            part = Part.LAST
+            part = ItemPart.LAST
         return Hit("clips", clip.id, part, performer_id)
-    return Hit("clip", performer_id, Part.EMPTY)
+    return Hit("clip", performer_id, ItemPart.EMPTY)

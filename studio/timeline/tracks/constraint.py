@@ -8,7 +8,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.target import key_times
 from studio.document import colours
 from studio.engine.residuals import unsolved_words
-from studio.timeline.shown import HANDLES, Hit, Part, RowContext, label_area, within
+from studio.timeline.shown import HANDLES, Hit, ItemPart, RowContext, label_area, within
 from studio.timeline.subject import Body
 from studio.timeline.tracks.brush import hairline, paint_dot, paint_fold, paint_label, translucent
 from studio.timeline.tracks.strip import PITCH, paint_strip, paint_unknown
@@ -42,7 +42,7 @@ def is_folded(row: QRect) -> bool:
     return row.height() <= FOLDED
 
 
-def handle_points(shown: RowContext, row: QRect, constraint: Constraint) -> dict[Part, QPointF]:
+def handle_points(shown: RowContext, row: QRect, constraint: Constraint) -> dict[ItemPart, QPointF]:
     """Where the four handles lie."""
     curve, low = constraint.activation, baseline(row) + 0.5
     times = (curve.start, curve.full, curve.full_end, curve.end)
@@ -126,10 +126,10 @@ def constraint_hit(shown: RowContext, row: QRect, constraint_id: str, point: QPo
     if near:
         return Hit("constraints", constraint_id, _nearest(near, point))
     inside = _curve_path(shown, row, constraint).contains(point)
-    return Hit("constraints", constraint_id, Part.BODY if inside else Part.EMPTY)
+    return Hit("constraints", constraint_id, ItemPart.BODY if inside else ItemPart.EMPTY)
 
 
-def _nearest(near: dict[Part, QPointF], point: QPointF) -> Part:
+def _nearest(near: dict[ItemPart, QPointF], point: QPointF) -> ItemPart:
     """Where handles lie on one another, the one that the mouse comes from: earlier ones from the left."""
     return min(
         near,

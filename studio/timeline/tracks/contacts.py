@@ -6,7 +6,7 @@ from PySide6.QtGui import QColor, QPainter
 
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
 from studio.document import colours
-from studio.timeline.shown import EDGES, Hit, Part, RowContext, label_area
+from studio.timeline.shown import EDGES, Hit, ItemPart, RowContext, label_area
 from studio.timeline.tracks.brush import paint_bar, paint_fold, paint_label, translucent
 
 HEIGHT, FOLDED = 24, 13
@@ -14,7 +14,7 @@ LINE, THIN_LINE = 7, 3
 """Pixels of a row, and of one of its lines, as high as it is and folded."""
 EDGE_REACH = 5.0
 LEAST_BAR = 3.0
-EDGE_FIELDS = {Part.FIRST: "first", Part.LAST: "last"}
+EDGE_FIELDS = {ItemPart.FIRST: "first", ItemPart.LAST: "last"}
 LANES: dict[str, tuple[ContactPoint | Touch, ...]] = {
     "left foot": (ContactPoint.LEFT_HEEL, ContactPoint.LEFT_TOE),
     "right foot": (ContactPoint.RIGHT_HEEL, ContactPoint.RIGHT_TOE),
@@ -131,26 +131,26 @@ def contacts_hit(shown: RowContext, row: QRect, row_id: str, point: QPointF) -> 
         for key, contact in _contacts(shown, row_id)
         if contact.point == touching and contact.last >= first and contact.first <= last
         for distance, part in _grip(contact_bar(shown, row, contact), point.x())
-        if part == Part.BODY or getattr(contact, EDGE_FIELDS[part]) in played_frames(shown, contact)
+        if part == ItemPart.BODY or getattr(contact, EDGE_FIELDS[part]) in played_frames(shown, contact)
     ]
     if hits:
         return min(hits, key=lambda pair: pair[0])[1]
-    return Hit("lane", touching.value, Part.EMPTY)
+    return Hit("lane", touching.value, ItemPart.EMPTY)
 
 
-def _grip(bar: QRectF, x: float) -> list[tuple[float, Part]]:
+def _grip(bar: QRectF, x: float) -> list[tuple[float, ItemPart]]:
     """The part of a bar at ``x`` with its distance; ends reach beyond the bar, and leave a third as body."""
     reach = min(EDGE_REACH, bar.width() / 3)
     if bar.left() - EDGE_REACH <= x <= bar.left() + reach:
-        return [(abs(x - bar.left()), Part.FIRST)]
+        return [(abs(x - bar.left()), ItemPart.FIRST)]
     if bar.right() - reach <= x <= bar.right() + EDGE_REACH:
-        return [(abs(x - bar.right()), Part.LAST)]
-    return [(0.0, Part.BODY)] if bar.left() < x < bar.right() else []
+        return [(abs(x - bar.right()), ItemPart.LAST)]
+    return [(0.0, ItemPart.BODY)] if bar.left() < x < bar.right() else []
 
 
-def _paint_edge(painter: QPainter, bar: QRectF, handle: Part | None) -> None:
+def _paint_edge(painter: QPainter, bar: QRectF, handle: ItemPart | None) -> None:
     if handle in EDGES:
-        x = bar.left() if handle == Part.FIRST else bar.right()
+        x = bar.left() if handle == ItemPart.FIRST else bar.right()
         paint_bar(
             painter,
             QRectF(x - 2, bar.top() - 2, 4, bar.height() + 4),

@@ -6,7 +6,7 @@ from PySide6.QtGui import QPainter
 from studio.core.stage.prop import Carried, Hold, InHand, Prop
 from studio.document import colours
 from studio.document.keyed_fields import fields_of
-from studio.timeline.shown import Hit, Part, RowContext, label_area
+from studio.timeline.shown import Hit, ItemPart, RowContext, label_area
 from studio.timeline.tracks.brush import paint_bar, paint_label, translucent
 from studio.timeline.tracks.clip import EDGE_REACH, paint_clip_text, seen_part
 
@@ -50,12 +50,12 @@ def hold_hit(shown: RowContext, row: QRect, prop_id: str, point: QPointF) -> Hit
     """An end of a bar, its body, or the row's empty place."""
     hold = hold_under(shown, shown.project.props[prop_id], point.x())
     if hold is None:
-        return Hit("props", prop_id, Part.EMPTY)
+        return Hit("props", prop_id, ItemPart.EMPTY)
     bar = hold_bar(shown, row, hold)
     reach = _reach(bar)
     if point.x() < bar.left() + reach:
-        return Hit("props", prop_id, Part.FIRST)
-    return Hit("props", prop_id, Part.LAST if point.x() > bar.right() - reach else Part.BODY)
+        return Hit("props", prop_id, ItemPart.FIRST)
+    return Hit("props", prop_id, ItemPart.LAST if point.x() > bar.right() - reach else ItemPart.BODY)
 
 
 def hold_under(shown: RowContext, prop: Prop, x: float) -> InHand | Carried | None:

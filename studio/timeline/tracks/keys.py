@@ -11,7 +11,7 @@ from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.keyed import Keys
 from studio.document import colours
 from studio.document.keyed_fields import Keyed, KeyedField, KeyRef, fields_of, keyed_value, selected_fields
-from studio.timeline.shown import Row, RowContext, label_area
+from studio.timeline.shown import RowContext, TimelineRow, label_area
 from studio.timeline.tracks.brush import KEY_REACH, paint_bar, paint_key, paint_label, translucent
 from studio.timeline.tracks.layer import INDENT
 
@@ -63,7 +63,7 @@ def rows_of(shown: RowContext) -> list[tuple[str, str, int]]:
     return [(SUMMARY, "", HEIGHT), *rows]
 
 
-def fields_in(shown: RowContext, row: Row) -> tuple[KeyedField, ...]:
+def fields_in(shown: RowContext, row: TimelineRow) -> tuple[KeyedField, ...]:
     """The fields whose keys a row shows; a constraint's bar shows its activation by handles of its own."""
     match row.kind:
         case "summary":
@@ -99,7 +99,7 @@ def keys_between(shown: RowContext, fields: Iterable[KeyedField], begin: float, 
     return tuple(found)
 
 
-def keys_at(shown: RowContext, row: Row, area: QRect, point: QPointF) -> tuple[KeyRef, ...]:
+def keys_at(shown: RowContext, row: TimelineRow, area: QRect, point: QPointF) -> tuple[KeyRef, ...]:
     """The keys of the diamond under the mouse: all of the row that lie at one time; none beside diamonds."""
     if abs(point.y() - key_height(row, area)) > KEY_REACH + 1.0:
         return ()
@@ -112,7 +112,7 @@ def keys_at(shown: RowContext, row: Row, area: QRect, point: QPointF) -> tuple[K
     return tuple(key for key, time in times.items() if abs(time - nearest) * axis.scale < 1.0)
 
 
-def key_height(row: Row, area: QRect) -> float:
+def key_height(row: TimelineRow, area: QRect) -> float:
     """The pixel at which the diamonds of a row lie."""
     if row.kind == "constraints":
         from studio.timeline.tracks import constraint
@@ -121,7 +121,7 @@ def key_height(row: Row, area: QRect) -> float:
     return area.center().y() + 0.5
 
 
-def paint_keys(painter: QPainter, shown: RowContext, row: Row, area: QRect, colour: str) -> None:
+def paint_keys(painter: QPainter, shown: RowContext, row: TimelineRow, area: QRect, colour: str) -> None:
     """Diamonds, with a light edge where they are selected; a bar where they lie closer than they can be told apart."""
     axis = shown.axis
     begin, end = axis.time_at(axis.left - KEY_REACH), axis.time_at(axis.right + 20.0)
@@ -158,7 +158,7 @@ def _paint_diamonds(
         paint_key(painter, QPointF(left, y), colour, selected)
 
 
-def paint_sheet_label(painter: QPainter, row: Row, area: QRect, shown: RowContext) -> None:
+def paint_sheet_label(painter: QPainter, row: TimelineRow, area: QRect, shown: RowContext) -> None:
     """Whose keys they are, and of what."""
     if row.kind == SUMMARY:
         paint_label(painter, label_area(area), "All keys", colours.TEXT)
@@ -166,7 +166,7 @@ def paint_sheet_label(painter: QPainter, row: Row, area: QRect, shown: RowContex
     paint_label(painter, label_area(area), row_words(shown, row), colours.TEXT_SECOND)
 
 
-def row_words(shown: RowContext, row: Row) -> str:
+def row_words(shown: RowContext, row: TimelineRow) -> str:
     """``Kick target · target``."""
     field = field_of(row.id)
     return f"{getattr(shown.project.get(*field.item), 'name', '')} · {field_words(field)}"
@@ -177,7 +177,7 @@ def field_words(field: KeyedField) -> str:
     return FIELD_NAMES.get(field.name, field.name)
 
 
-def row_colour(shown: RowContext, row: Row) -> str:
+def row_colour(shown: RowContext, row: TimelineRow) -> str:
     """The colour of a row's diamonds: of the kind of the constraint, or of the body."""
     if row.kind == SUMMARY:
         return colours.TEXT_SECOND
@@ -188,7 +188,7 @@ def row_colour(shown: RowContext, row: Row) -> str:
     return getattr(entity, "colour", colours.TEXT_SECOND)
 
 
-def paint_sheet(painter: QPainter, row: Row, area: QRect, shown: RowContext) -> None:
+def paint_sheet(painter: QPainter, row: TimelineRow, area: QRect, shown: RowContext) -> None:
     """A row of the dope sheet."""
     if row.kind == SUMMARY:
         painter.fillRect(area, QColor(colours.BAR))

@@ -7,7 +7,7 @@ from PySide6.QtGui import QColor, QFontMetrics, QPainter, QPolygonF
 
 from studio.core.captures.annotations import Label
 from studio.document import colours
-from studio.timeline.shown import Hit, Part, RowContext, label_area
+from studio.timeline.shown import Hit, ItemPart, RowContext, label_area
 from studio.timeline.tracks.brush import font, paint_label, translucent
 
 HEIGHT = 20
@@ -56,18 +56,18 @@ def paint_labels_label(painter: QPainter, row: QRect) -> None:
 def labels_hit(shown: RowContext, row: QRect, point: QPointF) -> Hit:
     """The label under ``point``, the one that begins last where they overlap, and its end; else the empty row."""
     found = max(_parts(shown, row, point.x()), default=None, key=lambda each: each[0])
-    return Hit("labels", found[1], found[2]) if found else Hit("labels", "", Part.EMPTY)
+    return Hit("labels", found[1], found[2]) if found else Hit("labels", "", ItemPart.EMPTY)
 
 
-def _parts(shown: RowContext, row: QRect, x: float) -> Iterator[tuple[float, str, Part]]:
+def _parts(shown: RowContext, row: QRect, x: float) -> Iterator[tuple[float, str, ItemPart]]:
     """First frame, id and part of each label at the pixel ``x``."""
     for key, label in shown.project.labels_of(shown.subject.motion_id).items():
         area, end = flag_area(shown, row, label), shown.x_of_frame(label.last)
         if not area.left() - GRIP <= x <= max(area.right(), end + GRIP):
             continue
-        part = Part.BODY
+        part = ItemPart.BODY
         if label.last > label.first and abs(x - end) <= GRIP:
-            part = Part.LAST
+            part = ItemPart.LAST
         elif label.last > label.first and abs(x - area.left()) <= GRIP:
-            part = Part.FIRST
+            part = ItemPart.FIRST
         yield label.first, key, part
