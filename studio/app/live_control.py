@@ -38,7 +38,7 @@ RECORDINGS = "Recorded datagrams (*.osc)"
 
 
 @dataclass
-class Source:
+class LiveSource:
     """Something that fills an inbox, and what was told of it last."""
 
     name: str
@@ -74,7 +74,7 @@ class LiveControl:
     def __init__(self, bench: Workbench) -> None:
         self.bench = bench
         self.panel = LivePanel(PORT, LOOPBACK, OUT_PORT)
-        self.sources: dict[str, Source] = {}
+        self.sources: dict[str, LiveSource] = {}
         self.drivers: dict[str, str] = {}
         """Sources by the performers that they drive."""
         self.tracked: Tracked | None = None
@@ -112,7 +112,7 @@ class LiveControl:
             self.bench.said.emit(str(error))
             return
         feeder.kept = self.recorder.keep if self.recorder else None
-        self._add(Source(f"Port {feeder.port}", feeder))
+        self._add(LiveSource(f"Port {feeder.port}", feeder))
 
     def replay(self, path: Path) -> None:
         """Play a recording of datagrams, again and again; a sentence when it is none."""
@@ -121,7 +121,7 @@ class LiveControl:
         except StudioError as error:
             self.bench.said.emit(str(error))
             return
-        self._add(Source(path.name, replay))
+        self._add(LiveSource(path.name, replay))
         if replay.problem:
             self.bench.said.emit(replay.problem)
 
@@ -328,7 +328,7 @@ class LiveControl:
 
     # Parts
 
-    def _add(self, source: Source) -> None:
+    def _add(self, source: LiveSource) -> None:
         number = 1 + max((int(key) for key in self.sources), default=0)
         self.sources[str(number)] = source
         self._run()
@@ -368,7 +368,7 @@ def names_in(words: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in words.split(",") if name.strip())
 
 
-def _senders(source: Source, now: float, seconds: float) -> tuple[SenderRow, ...]:
+def _senders(source: LiveSource, now: float, seconds: float) -> tuple[SenderRow, ...]:
     feeder = source.feeder
     if not isinstance(feeder, UdpInput):
         return ()

@@ -126,7 +126,7 @@ class LibraryView(QListView):
         return rect.adjusted(rect.width() - EYE_WIDTH, 0, 0, 0)
 
 
-class Library(QWidget):
+class LibraryPanel(QWidget):
     """The dock's content. ``wanted`` asks to play a capture on the bodies that are shown."""
 
     wanted = Signal(str)

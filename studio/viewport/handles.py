@@ -11,7 +11,7 @@ from studio.core.project import Project
 from studio.engine.moments import TargetContext
 from studio.engine.performance import Posed
 from studio.viewport.camera import FloatArray
-from studio.viewport.handle_figures import Figure, figure_of, with_outline, with_path
+from studio.viewport.handle_figures import HandleShape, figure_of, with_outline, with_path
 from studio.viewport.handle_places import handle_place
 
 
@@ -23,7 +23,7 @@ class Handle:
     performer_id: str
     kind: str
     target: FloatArray | None
-    figure: Figure
+    figure: HandleShape
     activation: float
     main: bool
     """Of the active performer: drawn in full."""
