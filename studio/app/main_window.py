@@ -25,7 +25,7 @@ from studio.panels.console import Console
 from studio.panels.fields import labelled
 from studio.panels.history import History
 from studio.panels.inspector import Inspector
-from studio.panels.library import Library
+from studio.panels.library import LibraryPanel
 from studio.panels.message_strip import MessageStrip, RecoveryBar
 from studio.panels.status_line import StatusLine
 
@@ -184,7 +184,7 @@ class MainWindow(QMainWindow):
     def _make_docks(self) -> None:
         self.setCorner(Qt.Corner.BottomLeftCorner, Area.BottomDockWidgetArea)
         self.setCorner(Qt.Corner.BottomRightCorner, Area.BottomDockWidgetArea)
-        self.library = Library(self.bench.document)
+        self.library = LibraryPanel(self.bench.document)
         self.inspector = Inspector(self.bench.document, self.bench.live)
         self.history = History(self.bench.document.undo_stack)
         self.striking = Striking(self.bench)

@@ -12,7 +12,7 @@ from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import Follow, FollowBody, FollowPerformer, FollowProp, FollowTracked
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
 from studio.core.constraints.own_place import OwnPlace
-from studio.engine.moments import Moment
+from studio.engine.moments import TargetContext
 from studio.engine.performance import motion_time, stage_time
 from studio.engine.point_names import POINTS, point_words
 from studio.panels.constraint_editors.present import moment_now
@@ -212,7 +212,7 @@ class TargetRows:
             raise ValueError("No body plays anything yet, so there is no time for a key.")
         return (KeyedTurn if self._turns else KeyedPlace)((moment.pose.seconds,), (_full(now),))
 
-    def _own_place(self, now: Any, moment: Moment | None) -> OwnPlace:
+    def _own_place(self, now: Any, moment: TargetContext | None) -> OwnPlace:
         """By what the body does at the playhead, or nearest to it while the constraint is whole."""
         entity, curve = self._editor.entity, self._editor.entity.activation
         seconds = min(max(moment.pose.seconds, curve.full), curve.full_end) if moment else 0.0
@@ -221,7 +221,7 @@ class TargetRows:
             raise ValueError("Where each body has it is not known yet. Wait until the bodies are adapted.")
         return own
 
-    def _attached(self, follow: FollowProp, now: Any, moment: Moment | None) -> Any:
+    def _attached(self, follow: FollowProp, now: Any, moment: TargetContext | None) -> Any:
         """A prop takes the target along from where it is."""
         if now is None or moment is None:
             return follow
