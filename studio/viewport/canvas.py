@@ -21,7 +21,7 @@ from PySide6.QtWidgets import QWidget
 
 from studio.document import colours
 from studio.viewport.camera import OrbitCamera
-from studio.viewport.eyes import PLAIN, Seen, Sight
+from studio.viewport.eyes import PLAIN, StereoScene, StereoView
 from studio.viewport.sharpness import DRAGGED, PLAYED, Sharpness
 
 if TYPE_CHECKING:
@@ -108,7 +108,7 @@ class Canvas(QWidget):
             self.camera = camera
             self._frame_timer.start(0)
 
-    def set_sight(self, sight: Sight) -> None:
+    def set_sight(self, sight: StereoView) -> None:
         """Look with one eye or two, and from where the head is."""
         if sight != self.sight:
             self.sight = sight
@@ -233,6 +233,6 @@ class Canvas(QWidget):
 
         assert self._scene is not None
         if self._still is None:
-            self._still = Still(Seen(self._scene, self.sight), self.camera, self._device_size())
+            self._still = Still(StereoScene(self._scene, self.sight), self.camera, self._device_size())
         else:
             self._still.refine()

@@ -10,13 +10,14 @@ import numpy as np
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.constraints.keyed import KeyedPlace
-from studio.core.constraints.own_place import OwnPlace
+from studio.core.constraints.own_place import KeyedOwnPlace
+from studio.core.constraints.target import own_place_of
 from studio.core.project import Performer
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Prop
 from studio.document.document import Document
 from studio.document.mirrored import mirrored_change
-from studio.engine.moments import Moment
+from studio.engine.moments import TargetContext
 from studio.engine.performance import Posed
 from studio.engine.props import moved_prop, prop_at, turned_prop, wrapped
 from studio.viewport.camera import FloatArray, OrbitCamera
@@ -61,7 +62,7 @@ class Target:
 
     turns = yields = False
 
-    def __init__(self, document: Document, constraint_id: str, moment: Moment, floor: float) -> None:
+    def __init__(self, document: Document, constraint_id: str, moment: TargetContext, floor: float) -> None:
         self._document, self._id, self._moment, self._floor = document, constraint_id, moment, floor
         self.placement, self._begin = moment.pose.clip_placement, self._constraint
 
@@ -85,7 +86,7 @@ class Target:
         """Put it at ``place``."""
         old = self._constraint
         x, y, z = place.tolist()
-        text = f"{'Key' if is_keyed(old) else 'Move'} {self._words}"
+        text = f"{'Key' if is_keyed(old) and not self._is_apart else 'Move'} {self._words}"
         self._put(self._moment.moved(self._begin, (x, y, z)), text, gesture)
 
     def turn(self, angle: float, gesture: int) -> None:
@@ -94,10 +95,14 @@ class Target:
     @property
     def _words(self) -> str:
         """What is dragged: ``target of Right wrist``, ``centre of Table``; of whom, where that one has its own."""
-        place, whom = getattr(self._begin, self._begin.shown.held_by), self._moment.performer_id
-        own = isinstance(place, OwnPlace) and whom in dict(place.own)
-        what = self._begin.shown.handle
-        return f"{what} of {self._begin.name}" + (f" for {self._moment.pose.performer.name}" if own else "")
+        whom = f" for {self._moment.pose.performer.name}" if self._is_apart else ""
+        return f"{self._begin.shown.handle} of {self._begin.name}{whom}"
+
+    @property
+    def _is_apart(self) -> bool:
+        """True if the performer has an offset of its own from the per-character position."""
+        own = own_place_of(getattr(self._begin, self._begin.shown.held_by))
+        return own is not None and self._moment.performer_id in dict(own.own)
 
     def put_back(self, gesture: int) -> None:
         """As it was: without the key that a drag has set."""
@@ -197,7 +202,7 @@ def selected_movable(document: Document, posed: Mapping[str, Posed], *, picking:
             if picking or entity_id not in project.performers
             else PlacedPerformer(document, entity_id, pose, floor)
         )
-    moment = Moment(project, posed, pose)
+    moment = TargetContext(project, posed, pose)
     constraint = project.constraints.get(entity_id) if collection == "constraints" else None
     if constraint is not None and pose.mirrored:
         constraint = mirrored_constraint(constraint)
@@ -215,4 +220,4 @@ def gizmo_on(movable: Movable, camera: OrbitCamera, size: tuple[float, float], p
 
 def is_keyed(constraint: Constraint) -> bool:
     """Whether the place by which it is held is keyed, so that a drag sets a key."""
-    return isinstance(getattr(constraint, constraint.shown.held_by, None), KeyedPlace)
+    return isinstance(getattr(constraint, constraint.shown.held_by, None), KeyedPlace | KeyedOwnPlace)
