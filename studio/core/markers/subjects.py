@@ -13,7 +13,7 @@ _BODY = 8
 _ALIKE = 0.8
 """Part of such a subject's labels that another one has too."""
 _TOLD = 0.6
-"""Places that labels say with the names on them, in parts of their number, from which those are no names."""
+"""Places that labels say with names on them, in parts of the labels that say one without, from which those are none."""
 _CLUSTERS = ("pelvis", "thigh", "shank", "foot", "upper_arm", "forearm", "hand")
 """Segments whose markers have numbers behind."""
 _Splits = Callable[[str], Iterator[tuple[str, str]]]
@@ -63,7 +63,8 @@ def _bodies(labels: Sequence[str], found: _Owned) -> _Owned:
         bodies = {name: own for name, own in bodies.items() if _is_like_another(name, bodies, _ALIKE)}
     owned = {label for own in bodies.values() for label in own}
     others = _places(label for label in labels if label not in owned)
-    if len(_places(owned)) > _TOLD * len(owned) or len(others) > (1.0 - _ALIKE) * len(owned):
+    telling = {label for own in bodies.values() for label, rest in own.items() if _places([rest])}
+    if len(_places(owned)) > _TOLD * len(telling) or len(others) > (1.0 - _ALIKE) * len(owned):
         return {}
     return bodies
 

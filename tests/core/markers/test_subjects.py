@@ -44,6 +44,11 @@ def test_a_name_behind_a_label_or_without_a_sign_is_told_by_the_body_it_has(form
             for place in "123"
         ),
         BODY,
+        tuple(
+            f"p{side}{place}"
+            for side in ("Left", "Right")
+            for place in ("ASI", "Toe", "TopOfHand", "Elbow", "Acromion")
+        ),
         ("Ann:LASI", "Ben_LASI"),
         (),
     ],
