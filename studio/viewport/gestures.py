@@ -33,7 +33,7 @@ class SnapSteps:
 DEFAULT_STEPS = SnapSteps()
 
 
-class Gesture(Protocol):
+class ViewportGesture(Protocol):
     """A drag from press to release."""
 
     def update(self, x: float, y: float, fine: bool, snap: bool) -> None:

@@ -8,7 +8,7 @@ from PySide6.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
 
 from studio.document import colours
 from studio.viewport.camera import FloatArray
-from studio.viewport.gestures import EditDrag, Gesture, RotateDrag
+from studio.viewport.gestures import EditDrag, RotateDrag, ViewportGesture
 from studio.viewport.gizmo import AXES, BALL, PLANES, Gizmo, GizmoFrame
 from studio.viewport.rotate_gizmo import SCREEN, TRACKBALL, RotateGizmo
 from studio.viewport.scale_gizmo import ScaleGizmo
@@ -31,7 +31,7 @@ class GizmoPainter:
         self._painter = painter
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
 
-    def paint(self, gizmo: GizmoFrame, hot: str | None, gesture: Gesture | None) -> None:
+    def paint(self, gizmo: GizmoFrame, hot: str | None, gesture: ViewportGesture | None) -> None:
         """Paint a gizmo, and beside it by how much a drag has changed the thing."""
         match gizmo:
             case RotateGizmo():

@@ -12,7 +12,8 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.constraints.follow import Follow
 from studio.core.constraints.keyed import KeyedPlace
-from studio.core.constraints.own_place import OwnPlace
+from studio.core.constraints.own_place import KeyedOwnPlace
+from studio.core.constraints.target import own_place_of
 from studio.core.project import Performer
 from studio.core.rotations import to_matrix
 from studio.core.stage.placement import Placement
@@ -20,7 +21,7 @@ from studio.core.stage.prop import InHand, Prop
 from studio.document.document import Document
 from studio.document.mirrored import mirrored_change
 from studio.document.obstacles import obstacles_of
-from studio.engine.moments import Moment
+from studio.engine.moments import TargetContext
 from studio.engine.performance import Posed
 from studio.engine.props import moved_prop, prop_at, tilt_of, turned_prop, wrapped
 from studio.viewport.camera import FloatArray
@@ -83,7 +84,7 @@ class Movable:
 class Target(Movable):
     """The place by which a constraint is held, as a performer on a ``floor`` sees it at a moment."""
 
-    def __init__(self, document: Document, constraint_id: str, moment: Moment, floor: float) -> None:
+    def __init__(self, document: Document, constraint_id: str, moment: TargetContext, floor: float) -> None:
         self._document, self._id, self._moment, self._floor = document, constraint_id, moment, floor
         self.placement, self._begin = moment.pose.clip_placement, self._constraint
         self.flat = is_flat(self._begin)
@@ -108,7 +109,7 @@ class Target(Movable):
         """Put it at ``place``."""
         old = self._constraint
         x, y, z = place.tolist()
-        text = f"{'Key' if is_keyed(old) else 'Move'} {self._words}"
+        text = f"{'Key' if is_keyed(old) and not self._is_apart else 'Move'} {self._words}"
         self._put(self._moment.moved(self._begin, (x, y, z)), text, gesture)
 
     @property
@@ -129,10 +130,14 @@ class Target(Movable):
     @property
     def _words(self) -> str:
         """What is dragged: ``target of Right wrist``, ``centre of Table``; of whom, where that one has its own."""
-        place, whom = getattr(self._begin, self._begin.shown.held_by), self._moment.performer_id
-        own = isinstance(place, OwnPlace) and whom in dict(place.own)
-        what = self._begin.shown.handle
-        return f"{what} of {self._begin.name}" + (f" for {self._moment.pose.performer.name}" if own else "")
+        whom = f" for {self._moment.pose.performer.name}" if self._is_apart else ""
+        return f"{self._begin.shown.handle} of {self._begin.name}{whom}"
+
+    @property
+    def _is_apart(self) -> bool:
+        """True if the performer has an offset of its own from the per-character position."""
+        own = own_place_of(getattr(self._begin, self._begin.shown.held_by))
+        return own is not None and self._moment.performer_id in dict(own.own)
 
     def put_back(self, gesture: int) -> None:
         """As it was: without the key that a drag has set."""
@@ -248,4 +253,4 @@ class PlacedPerformer(Movable):
 
 def is_keyed(constraint: Constraint) -> bool:
     """Whether the place by which it is held is keyed, so that a drag sets a key."""
-    return isinstance(getattr(constraint, constraint.shown.held_by, None), KeyedPlace)
+    return isinstance(getattr(constraint, constraint.shown.held_by, None), KeyedPlace | KeyedOwnPlace)

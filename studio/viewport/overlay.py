@@ -10,7 +10,7 @@ from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 from studio.document import colours
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.handles import Handle
-from studio.viewport.recording import Recording
+from studio.viewport.recording import MarkerFrame
 from studio.viewport.strokes import SHADOW, draw_disc, draw_line
 
 GHOST = QColor(196, 204, 214, 215)
@@ -63,7 +63,7 @@ class Overlay:
         for x, y in pixels:
             self._painter.drawEllipse(QPointF(x, y), 2.8, 2.8)
 
-    def markers(self, recording: Recording, marked: Collection[str], named: bool) -> None:
+    def markers(self, recording: MarkerFrame, marked: Collection[str], named: bool) -> None:
         """Dots seen through everything, those that no map names fainter; names at the marked ones, or at all."""
         if not len(recording.points):
             return

@@ -15,7 +15,7 @@ from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.upright import UprightConstraint
 from studio.core.rotations import frame_along, from_matrix, to_matrix
 from studio.document.document import Document
-from studio.engine.moments import Moment
+from studio.engine.moments import TargetContext
 from studio.engine.props import further_heading, is_about_z
 from studio.viewport.body_points import point_path
 from studio.viewport.camera import FloatArray
@@ -36,7 +36,7 @@ class RotatedTarget(Target):
 
     rotates = True
 
-    def __init__(self, document: Document, constraint_id: str, moment: Moment, floor: float) -> None:
+    def __init__(self, document: Document, constraint_id: str, moment: TargetContext, floor: float) -> None:
         super().__init__(document, constraint_id, moment, floor)
         pose = moment.pose
         path = point_path(pose.motion, self._begin.point, slice(pose.row, pose.row + 1))
@@ -132,7 +132,7 @@ class LookedAt(RotatedTarget):
 class RotatedArea(RotatedTarget):
     """An area: those with a heading go round Z, a half-space tilts every way, and most have a size."""
 
-    def __init__(self, document: Document, constraint_id: str, moment: Moment, floor: float) -> None:
+    def __init__(self, document: Document, constraint_id: str, moment: TargetContext, floor: float) -> None:
         super().__init__(document, constraint_id, moment, floor)
         area = self._area
         self.rotates = area.shape in HEADED or area.shape is AreaShape.HALF_SPACE

@@ -7,7 +7,7 @@ import numpy as np
 from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.stage.placement import Placement
 from studio.document.document import Document
-from studio.engine.moments import Moment
+from studio.engine.moments import TargetContext
 from studio.engine.performance import Posed
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.gizmo import Gizmo, Space
@@ -38,7 +38,7 @@ def selected_movable(document: Document, posed: Mapping[str, Posed], *, picking:
             if picking or entity_id not in project.performers
             else PlacedPerformer(document, entity_id, pose, floor)
         )
-    moment = Moment(project, posed, pose)
+    moment = TargetContext(project, posed, pose)
     constraint = project.constraints.get(entity_id) if collection == "constraints" else None
     if constraint is not None and pose.mirrored:
         constraint = mirrored_constraint(constraint)

@@ -37,14 +37,23 @@ def outline_at(height: float, mesh: SkinnedMesh, vertices: FloatArray, shares: F
 
 
 def _lines(begin: NDArray[np.int64], end: NDArray[np.int64], count: int) -> NDArray[np.int64]:
-    """(2 T,) the line that each cut edge of ``count`` triangles T is on: one edge of each, then the other of each."""
-    from scipy.sparse import coo_array  # late: a window opens without
-    from scipy.sparse.csgraph import connected_components
+    """(2 T,) the line that each cut edge of ``count`` triangles T is on: one edge of each, then the other of each.
 
+    A union-find over the few edges that are cut: a graph library takes longer to load than all outlines to be found.
+    """
     edges = (np.minimum(begin, end) << 32) + np.maximum(begin, end)
-    nodes = np.unique(edges, return_inverse=True)[1]
-    joined = coo_array((np.ones(count), (nodes[:count], nodes[count:])), shape=(nodes.max() + 1,) * 2)
-    return np.asarray(connected_components(joined, directed=False)[1][nodes], dtype=np.int64)
+    nodes: list[int] = np.unique(edges, return_inverse=True)[1].ravel().tolist()
+    parents = list(range(max(nodes) + 1))
+
+    def root(node: int) -> int:
+        while parents[node] != node:
+            parents[node] = node = parents[parents[node]]
+        return node
+
+    for one, other in zip(nodes[:count], nodes[count:], strict=True):
+        first, second = sorted((root(one), root(other)))
+        parents[second] = first
+    return np.array([root(node) for node in nodes])
 
 
 @project_cache(maxsize=64)

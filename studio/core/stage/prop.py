@@ -117,6 +117,8 @@ class Prop:
         if not isinstance(self.tilt, KeyedTurn):
             object.__setattr__(self, "tilt", unit_quaternion(self.tilt))
         object.__setattr__(self, "size", finite_vector(self.size, f"'{self.name}': a size"))
+        if getattr(self.position, "origin", None) is not None:
+            raise ValueError(f"'{self.name}': a prop has no body whose own position its own could count from.")
         if not isinstance(self.position, KeyedPlace | ProceduralPlace):
             object.__setattr__(self, "position", finite_vector(self.position, f"'{self.name}': a position"))
         if (isinstance(self.heading, float | int) and not math.isfinite(self.heading)) or min(self.size) <= 0.0:

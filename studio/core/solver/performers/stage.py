@@ -13,8 +13,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import Follow, FollowBody, FollowPerformer, FollowProp, FollowTracked
 from studio.core.constraints.keyed import Keys
 from studio.core.constraints.objections import objection
-from studio.core.constraints.own_place import OwnPlace
-from studio.core.constraints.target import follows_of
+from studio.core.constraints.target import follows_of, own_place_of, with_own_place
 from studio.core.normalized.compose import Composite
 from studio.core.project import Performer, Project
 from studio.core.rotations import multiply, to_matrix
@@ -267,8 +266,8 @@ def concerning(
     """
     changes: dict[str, Any] = {}
     for name, value in vars(constraint).items():
-        if isinstance(value, OwnPlace) and value.own:
-            changes[name] = value.of(performer_id)
+        if (own := own_place_of(value)) is not None and own.own:
+            changes[name] = with_own_place(value, own.of(performer_id))
         if isinstance(value, FollowProp):
             prop = props[value.prop_id]
             if isinstance(prop.held, InHand) and prop.held.is_always and prop.held.performer_id == performer_id:
