@@ -50,7 +50,7 @@ def studio(qtbot):
     document = Document(make_project(characters=2, constraints=1))
     live = StandingLive(document)
     viewport = Viewport(document, live)
-    viewport.resize(900, 600)
+    viewport.resize(600, 400)
     with qtbot.waitSignal(viewport.started):
         viewport.show()
     document.playhead.set_time(0.2)
