@@ -18,7 +18,7 @@ from studio.app.striking import label_strike, show_strikes, strike_chosen
 from studio.app.verbs import behaviours, clips, editing, files, playback, props, view
 from studio.app.verbs.constraining import adder, choose_joint, load_area_mesh, selected_area, selected_constraint, shift
 from studio.app.workbench import Workbench
-from studio.core.constraints.base import Shown
+from studio.core.constraints.base import KindInfo
 from studio.core.constraints.kinds import KINDS
 from studio.core.stage.clip_row import players_of
 from studio.library.scenes import SCENES
@@ -183,7 +183,7 @@ CLIP = (
 )  # fmt: skip
 
 
-def _adding(kind: str, shown: Shown) -> Action:
+def _adding(kind: str, shown: KindInfo) -> Action:
     """The action that adds a constraint of a kind; a position is what C adds."""
     name, keys = ("add_constraint", ("C",)) if kind == "position" else (f"add_{kind}", ())
     return Action(name, "Constraint", shown.action, adder(kind), keys, shown.hint, _picked)
@@ -312,6 +312,8 @@ VIEW = (
            lambda bench: bench.timeline is not None and bench.timeline.editing_curves),
     Action("fold_rows", "View", "Fold timeline rows", view.fold_rows, ("Shift+T",),
            "Show constraints and plot as single lines, or at full height", _keyed),
+    Action("console", "View", "Python console", view.console, ("Ctrl+Shift+P",),
+           "Python on the open project; what it changes are undo steps", ends_group=True),
     Action("arrange", "View", "Arrange panels", view.arrange, tooltip="Show title bars, so that panels can be moved",
            checked=lambda bench: bool(bench.window and bench.window.arranging)),
     Action("reset_layout", "View", "Reset layout", view.reset_layout, ends_group=True),

@@ -13,7 +13,7 @@ from studio.app.workbench import Workbench
 from studio.core.project import Entity, Performer, Project, new_id
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import KeyCondition
-from studio.live.take import Take, edits_of
+from studio.live.take import StageTake, edits_of
 
 TYPING = (QLineEdit, QAbstractSpinBox, QComboBox, QTextEdit, QPlainTextEdit)
 KEYS = (QEvent.Type.ShortcutOverride, QEvent.Type.KeyPress)
@@ -115,7 +115,7 @@ def record(bench: Workbench) -> None:
     bench.live.play.record()
 
 
-def put_take(bench: Workbench, take: Take) -> None:
+def put_take(bench: Workbench, take: StageTake) -> None:
     """What was recorded becomes the rows of who played it from the playhead on, and what plays: one undo step."""
     document = bench.document
     project, begin = document.project, document.playhead.time

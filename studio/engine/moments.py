@@ -26,7 +26,7 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Moment:
+class TargetContext:
     """``pose`` is one of ``posed``, all performers at the same moment of the stage."""
 
     project: Project

@@ -47,6 +47,7 @@ def prepare_process() -> None:
     os.environ.setdefault("NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING", "1")
     if not has_display():
         os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+    os.environ.setdefault("ALLOW_PLOTTING", "true")  # else pyvista opens a window to see whether it can
     keep_freed_memory()
     # Hardly one of the many objects that imports make is ever lost: looking among them costs a tenth of a start.
     gc.set_threshold(*COLLECTED_AFTER)

@@ -18,7 +18,7 @@ ORBIT_PER_PIXEL = math.radians(0.4)
 ZOOM_PER_PIXEL = 1.006
 
 
-class Gesture(Protocol):
+class ViewportGesture(Protocol):
     """A drag from press to release."""
 
     def update(self, x: float, y: float, fine: bool, snap: bool) -> None:

@@ -17,7 +17,7 @@ from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Prop
 from studio.document.document import Document
 from studio.document.mirrored import mirrored_change
-from studio.engine.moments import Moment
+from studio.engine.moments import TargetContext
 from studio.engine.performance import Posed
 from studio.engine.props import moved_prop, prop_at, turned_prop, wrapped
 from studio.viewport.camera import FloatArray, OrbitCamera
@@ -62,7 +62,7 @@ class Target:
 
     turns = yields = False
 
-    def __init__(self, document: Document, constraint_id: str, moment: Moment, floor: float) -> None:
+    def __init__(self, document: Document, constraint_id: str, moment: TargetContext, floor: float) -> None:
         self._document, self._id, self._moment, self._floor = document, constraint_id, moment, floor
         self.placement, self._begin = moment.pose.clip_placement, self._constraint
 
@@ -202,7 +202,7 @@ def selected_movable(document: Document, posed: Mapping[str, Posed], *, picking:
             if picking or entity_id not in project.performers
             else PlacedPerformer(document, entity_id, pose, floor)
         )
-    moment = Moment(project, posed, pose)
+    moment = TargetContext(project, posed, pose)
     constraint = project.constraints.get(entity_id) if collection == "constraints" else None
     if constraint is not None and pose.mirrored:
         constraint = mirrored_constraint(constraint)

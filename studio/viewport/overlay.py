@@ -11,7 +11,7 @@ from studio.document import colours
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.gizmo import AXES, BALL, PLANES, RING, Gizmo
 from studio.viewport.handles import Handle
-from studio.viewport.recording import Recording
+from studio.viewport.recording import MarkerFrame
 
 AXIS_COLOURS = {"x": "#e8675f", "y": "#7cc47a", "z": "#5f9fe8"}
 HOVERED = "#ffe08a"
@@ -67,7 +67,7 @@ class Overlay:
         for x, y in pixels:
             self._painter.drawEllipse(QPointF(x, y), 2.8, 2.8)
 
-    def markers(self, recording: Recording, marked: Collection[str], named: bool) -> None:
+    def markers(self, recording: MarkerFrame, marked: Collection[str], named: bool) -> None:
         """Dots seen through everything, those that no map names fainter; names at the marked ones, or at all."""
         if not len(recording.points):
             return

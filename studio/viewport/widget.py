@@ -17,7 +17,7 @@ from studio.document import colours
 from studio.document.document import Document
 from studio.engine.empty_stage import empty_words
 from studio.engine.live import Live
-from studio.engine.moments import Moment
+from studio.engine.moments import TargetContext
 from studio.engine.performance import Posed, has_moved_on, pose_of, resting_performers, seen_now
 from studio.engine.props import PropPose, props_at
 from studio.viewport import mouse
@@ -27,9 +27,9 @@ from studio.viewport.canvas import Canvas
 from studio.viewport.chips import Chips
 from studio.viewport.constraining import Here, constraint_here
 from studio.viewport.dropping import StrikeDrops
-from studio.viewport.following import Follower
+from studio.viewport.following import FollowCamera
 from studio.viewport.framing import selected_points
-from studio.viewport.gestures import Gesture
+from studio.viewport.gestures import ViewportGesture
 from studio.viewport.gizmo import ARROW_PIXELS, Gizmo, arrow_pixels
 from studio.viewport.glide import Glide
 from studio.viewport.handles import Handle, constraint_handles
@@ -42,7 +42,7 @@ from studio.viewport.paths import StagePath, prop_paths, selection_rings, stage_
 from studio.viewport.picking import PickedJoint
 from studio.viewport.preview import Preview
 from studio.viewport.problem import Problem, worst_problem
-from studio.viewport.recording import Recording, RecordingView, recorded_of
+from studio.viewport.recording import MarkerFrame, RecordingView, recorded_of
 from studio.viewport.shots import View
 
 if TYPE_CHECKING:
@@ -69,16 +69,16 @@ class Viewport(Canvas):
         self.gizmo_part_hovered: str | None = None
         self.body_hovered: str | None = None
         """The performer under the mouse, whose joints can be seen."""
-        self.gesture: Gesture | None = None
+        self.gesture: ViewportGesture | None = None
         self.recording = RecordingView(self.show_again)
-        self._recorded: Recording | None = None
+        self._recorded: MarkerFrame | None = None
         self._bones = False
         self._framed = False
         self._opening: OrbitCamera | None = None
         self._opening_size = self.view_size
         self._played = document.project.motions_played
         self._posed_in = document.project
-        self._follower, self._newcomers = Follower(), Newcomers()
+        self._follower, self._newcomers = FollowCamera(), Newcomers()
         self._pace = Pace()
         self.preview, self.strike_drops = Preview(self), StrikeDrops(self, document)
         self._problem: Problem | None = None
@@ -202,7 +202,9 @@ class Viewport(Canvas):
         project = self._document.project  # the motion may have gone from it since the last picture
         if pose is None or pose.motion_id not in project.motions or (picked is None and KINDS[kind].shown.picks):
             return None
-        constraint = constraint_here(Here(Moment(project, self.posed, pose), picked.joint if picked else None), kind)
+        constraint = constraint_here(
+            Here(TargetContext(project, self.posed, pose), picked.joint if picked else None), kind
+        )
         constraint_id = self._document.add("constraints", constraint, f"Add '{constraint.name}'")
         self.pick(None)
         self._document.selection.set(("performers", performer_id), ("constraints", constraint_id))

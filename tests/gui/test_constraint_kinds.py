@@ -18,7 +18,7 @@ from studio.core.constraints.kinds import KINDS
 from studio.core.quality.metrics import centre_of_mass
 from studio.core.stage.prop import Prop
 from studio.document.document import Document
-from studio.engine.moments import Moment
+from studio.engine.moments import TargetContext
 from studio.panels.constraint_editors.body_figure import SCALE, SHAPES, BodyFigure
 from studio.panels.fields import NumberField
 from studio.panels.inspector import Inspector
@@ -258,7 +258,7 @@ def test_a_place_that_is_written_is_read_again_and_what_has_none_stays_as_it_is(
         constraint = add(studio, kind, "left ankle")
         place = fixed(studio, constraint)
         viewport, document, _ = studio
-        moment = Moment(document.project, viewport.posed, viewport.posed["performer 0"])
+        moment = TargetContext(document.project, viewport.posed, viewport.posed["performer 0"])
         moved = moment.moved(constraint, (0.1, 0.2, 0.3))
         if place is None:
             assert moved is constraint
@@ -271,7 +271,9 @@ def test_a_place_that_is_written_is_read_again_and_what_has_none_stays_as_it_is(
 def fixed(studio, constraint):
     """Where it is held now."""
     viewport, document, _ = studio
-    return handle_place(Moment(document.project, viewport.posed, viewport.posed["performer 0"]).fixed(constraint))
+    return handle_place(
+        TargetContext(document.project, viewport.posed, viewport.posed["performer 0"]).fixed(constraint)
+    )
 
 
 def keyed(studio, kind="position"):
@@ -319,7 +321,9 @@ def test_the_handle_of_a_target_that_follows_is_where_the_followed_is_and_a_drag
     [handle] = [one for one in viewport.handles() if one.main]
     assert handle.target == pytest.approx([0.4, 0.3, 0.9])
     pose = viewport.posed["performer 0"]
-    moved = Moment(document.project, viewport.posed, pose).moved(new, tuple(pose.placement.to_motion([0.5, 0.3, 1.0])))
+    moved = TargetContext(document.project, viewport.posed, pose).moved(
+        new, tuple(pose.placement.to_motion([0.5, 0.3, 1.0]))
+    )
     assert moved.target.offset == pytest.approx((0.1 * np.cos(0.5), -0.1 * np.sin(0.5), 0.1))
 
 
@@ -400,7 +404,7 @@ def targets_of_all(studio):
     """(P, 3) metres of the motion: where each performer has the target now."""
     viewport, document, _ = studio
     settle(viewport)
-    moments = [Moment(document.project, viewport.posed, pose) for _, pose in sorted(viewport.posed.items())]
+    moments = [TargetContext(document.project, viewport.posed, pose) for _, pose in sorted(viewport.posed.items())]
     return np.array([moment.fixed(current(document)).target for moment in moments])
 
 

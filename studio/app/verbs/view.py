@@ -98,6 +98,11 @@ def palette(bench: Workbench) -> None:
     bench.window.palette_panel.open()
 
 
+def console(bench: Workbench) -> None:
+    """The Python console on the open project."""
+    bench.window.show_console()
+
+
 def shortcuts(bench: Workbench) -> None:
     """All shortcuts on one sheet."""
     bench.window.show_shortcuts()

@@ -15,7 +15,7 @@ from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Ke
 from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.constraints.target import own_place_of, with_own_place
-from studio.engine.moments import Moment
+from studio.engine.moments import TargetContext
 from studio.engine.performance import motion_time, stage_time
 from studio.engine.point_names import POINTS, point_words
 from studio.panels.constraint_editors.present import moment_now
@@ -261,7 +261,7 @@ class TargetRows:
             raise ValueError("Where the target is now is not known yet. Wait until the body is adapted.")
         return now
 
-    def _known_moment(self) -> Moment:
+    def _known_moment(self) -> TargetContext:
         moment = moment_now(self._editor)
         if moment is None:
             raise ValueError("No body plays anything yet, so there is no time for a key.")
@@ -286,7 +286,7 @@ class TargetRows:
             raise ValueError("Where each body has it is not known yet. Wait until the bodies are adapted.")
         return own
 
-    def _attached(self, follow: FollowProp, now: Any, moment: Moment | None) -> Any:
+    def _attached(self, follow: FollowProp, now: Any, moment: TargetContext | None) -> Any:
         """A prop takes the target along from where it is."""
         if now is None or moment is None:
             return follow
