@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.body_shape import body_by_shape, knees_bend_backwards
+from studio.core.body.body_shape import moving_body_by_shape
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_positions
 from studio.core.body.moving_offsets import with_seen_offsets
@@ -34,7 +34,7 @@ _LOOKED_AT = 128
 """Frames, spread over the clip, that decide about the body and the up axis."""
 
 
-class Recording(Protocol):
+class JointRecording(Protocol):
     """What a file says of joints that move, in its own units and axes."""
 
     @property
@@ -64,7 +64,7 @@ def load_bvh(path: Path, options: ImportOptions, progress: Progress) -> ReadCapt
     return read_of(read_bvh(path, lambda share, text: progress(0.6 * share, text)), path, options, progress)
 
 
-def read_of(file: Recording, path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
+def read_of(file: JointRecording, path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
     """``capture_of`` a recording, to be made again of the same recording with other options."""
 
     def interpret(options: ImportOptions, progress: Progress) -> Capture:
@@ -73,7 +73,7 @@ def read_of(file: Recording, path: Path, options: ImportOptions, progress: Progr
     return ReadCapture(interpret(options, progress), interpret=interpret)
 
 
-def capture_of(file: Recording, path: Path, options: ImportOptions, progress: Progress) -> Capture:
+def capture_of(file: JointRecording, path: Path, options: ImportOptions, progress: Progress) -> Capture:
     """A recording in world axes and metres, with everything guessed that ``options`` do not say.
 
     ``progress`` goes on at a share of 0.6.
@@ -124,17 +124,14 @@ def _found_by_shape(skeleton: Skeleton, points: FloatArray, options: ImportOptio
     still = PoseSequence(np.tile(IDENTITY, (1, skeleton.joint_count, 1)), skeleton.offsets[None])
     rest, sides = joint_positions(skeleton, still)[0], named_sides(skeleton)
     for axis in (axis_called(options.up_axis),) if options.up_axis else AXES:
-        by_shape = body_by_shape(skeleton, rest @ turn_to_world(axis).T, sides)
+        by_shape = moving_body_by_shape(skeleton, rest @ turn_to_world(axis).T, points, sides)
         if by_shape is not None:
-            if not sides.any() and knees_bend_backwards(by_shape, points):
-                by_shape = by_shape.with_sides_exchanged()
-            parts = {part: joint for part, joint in by_shape.parts.items() if not skeleton.end_sites[joint]}
-            return FoundBody(BodyMap(parts, by_shape.spine), "", ())
+            return FoundBody(by_shape, "", ())
     return None
 
 
 def to_world(
-    file: Recording, file_to_world: FloatArray, metres: float, progress: Callable[[float], object]
+    file: JointRecording, file_to_world: FloatArray, metres: float, progress: Callable[[float], object]
 ) -> tuple[Skeleton, PoseSequence]:
     """The body in world axes and metres: offsets C o, translations C t, rotations C R C^T.
 
