@@ -41,7 +41,7 @@ def studio(qtbot):
     qtbot.addWidget(inspector)
     inspector.resize(316, 1400)
     inspector.show()
-    viewport.resize(900, 600)
+    viewport.resize(600, 400)
     with qtbot.waitSignal(viewport.started, timeout=PATIENCE):
         viewport.show()
     document.playhead.set_time(0.2)

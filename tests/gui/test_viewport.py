@@ -86,7 +86,7 @@ def test_another_project_takes_the_place_of_this_one(studio):
 def test_the_image_for_thumbnails_has_the_size_of_the_widget_and_no_chips(studio):
     viewport, _, _ = studio
     image = viewport.grab_image()
-    assert (image.width(), image.height()) == (900, 600)
+    assert (image.width(), image.height()) == (600, 400)
     assert image.pixelColor(30, 23).lightness() < 60
 
 
