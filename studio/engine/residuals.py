@@ -91,8 +91,11 @@ def missed_by(project: Project, performer_id: str, motion: AdaptedMotion | None,
     clip = performer.clips[asked[rows[0]].clip]
     capture = project.captures[project.motions[clip.motion_id].capture_id]
     amounts = np.full(capture.frame_count, np.nan)
+    played = {each.piece.origin: each for each in reversed(composite.played)}
+    if any((asked[row].clip, asked[row].repeat) not in played for row in rows):
+        return None  # the result is of a row of other clips
     for row in rows:
-        each = next(one for one in composite.played if one.piece.origin == (asked[row].clip, asked[row].repeat))
+        each = played[asked[row].clip, asked[row].repeat]
         frames = motion.first_frame + np.flatnonzero(
             np.isfinite(motion.residuals[row])
         )  # on into parts of a split clip

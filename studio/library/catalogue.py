@@ -74,7 +74,7 @@ TO_BE_READ = FileState(-1, -1)
 
 
 @dataclass(frozen=True, eq=False)
-class Take:
+class LibraryTake:
     """A motion of the library on the body of its actor."""
 
     number: int
@@ -95,7 +95,7 @@ class CatalogueClip:
     label: ClipLabel
     path: HitPath
 
-    def fits(self, take: Take) -> bool:
+    def fits(self, take: LibraryTake) -> bool:
         """True if its frames are frames of its take."""
         return max(self.label.last, self.path.last) < take.motion.frame_count
 
@@ -179,7 +179,7 @@ class Catalogue:
         for clip in self.clips():
             clips[clip.take].append(clip)
 
-        def is_whole(take: Take) -> bool:
+        def is_whole(take: LibraryTake) -> bool:
             known = [clip for clip in clips[take.number] if clip.fits(take)]
             confirmed = Counter(clip.label for clip in known if clip.label.confirmed)
             given = Counter(label for label in labels.get(take.path, ()) if label.last < take.motion.frame_count)
@@ -274,7 +274,7 @@ class Catalogue:
         """All clips, those of one take together."""
         return list(_parsed(self._rows("SELECT id, take, label, path_first, path FROM clips ORDER BY take, id"), _clip))
 
-    def takes(self) -> dict[int, Take]:
+    def takes(self) -> dict[int, LibraryTake]:
         """All takes by their number; their channels stay on disk until they are read.
 
         Those whose entries or channels are lost, or are being forgotten by another process, are left out.
@@ -286,7 +286,7 @@ class Catalogue:
         )
         return {take.number: take for take in _parsed(rows, lambda row: self._take(row, actors))}
 
-    def _take(self, row: tuple[Any, ...], actors: dict[int, Actor]) -> Take:
+    def _take(self, row: tuple[Any, ...], actors: dict[int, Actor]) -> LibraryTake:
         """Raises ValueError or its like where the row or the channels are damaged."""
         number, path, actor, name, rate, places, contacts = row
         stored = self._stored(number)
@@ -299,7 +299,7 @@ class Catalogue:
             raise ValueError("it has no frame rate")
         motion = NormalizedMotion(str(name), rate, stored.values, spine_places)
         spans = [ContactInterval(str(number), *span) for span in json.loads(contacts)]
-        return Take(number, path, actor, motion, tuple(spans), stored.checksum)
+        return LibraryTake(number, path, actor, motion, tuple(spans), stored.checksum)
 
     def _channels_file(self, take: int) -> Path:
         return self.folder / f"take_{take}.npy"

@@ -23,7 +23,7 @@ from studio.core.constraints.upright import UprightConstraint
 from studio.core.names import free_name
 from studio.core.project import Project
 from studio.core.rotations import from_matrix
-from studio.engine.moments import Moment
+from studio.engine.moments import TargetContext
 from studio.engine.performance import Posed
 from studio.viewport.body_points import BodyJoint, point_path
 from studio.viewport.camera import FloatArray
@@ -50,7 +50,7 @@ _WHOLE_BODY = Chain(limb=0.0, clavicle=0.0, trunk=1.0, root=1.0, free_arms=1.0, 
 class Here:
     """What a new constraint is made of: a body at the playhead, and the joint picked on it if there is one."""
 
-    moment: Moment
+    moment: TargetContext
     joint: BodyJoint | None
 
     @property

@@ -5,7 +5,7 @@ import numpy as np
 from studio.app import sample
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.normalized.normalize import detected_contacts
-from studio.engine.moments import Moment
+from studio.engine.moments import TargetContext
 from studio.engine.performance import posed_performers
 from studio.io.adapted_file import read_adapted, write_adapted
 from studio.io.importing import load_capture
@@ -42,7 +42,7 @@ def test_c_on_the_sample_gives_each_body_its_own_place_before_anything_is_solved
     posed = posed_performers(project, shown.get, 154 / 60)
     ball = next(each for each in body_joints(posed["child"].motion.morphology.layout) if "ball" in each.name)
     for pose in posed.values():
-        made = constraint_here(Here(Moment(project, posed, pose), ball), "position")
+        made = constraint_here(Here(TargetContext(project, posed, pose), ball), "position")
         assert isinstance(made.target, OwnPlace)
 
 

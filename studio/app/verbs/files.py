@@ -11,7 +11,7 @@ from studio.core.errors import StudioError
 from studio.engine.saving import save_in_background
 from studio.io.project.project_file import ChangedOnDisk, OpenedProject, read_project
 from studio.io.registry import Progress, ReadCharacter
-from studio.library.scenes import Scene
+from studio.library.scenes import BundledScene
 
 NUMBERED = re.compile(r"^(.*?)[_ .-]?(\d+)$")
 
@@ -26,7 +26,7 @@ def open_sample(bench: Workbench) -> None:
     bench.window.when_saved(lambda: sample.open_sample(bench))
 
 
-def scene_opener(scene: Scene) -> Callable[[Workbench], None]:
+def scene_opener(scene: BundledScene) -> Callable[[Workbench], None]:
     """What opens a scene."""
     return lambda bench: bench.window.when_saved(lambda: sample.open_scene(bench, scene))
 

@@ -34,7 +34,7 @@ _LOOKED_AT = 128
 """Frames, spread over the clip, that decide about the body and the up axis."""
 
 
-class Recording(Protocol):
+class JointRecording(Protocol):
     """What a file says of joints that move, in its own units and axes."""
 
     @property
@@ -64,7 +64,7 @@ def load_bvh(path: Path, options: ImportOptions, progress: Progress) -> ReadCapt
     return read_of(read_bvh(path, lambda share, text: progress(0.6 * share, text)), path, options, progress)
 
 
-def read_of(file: Recording, path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
+def read_of(file: JointRecording, path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
     """``capture_of`` a recording, to be made again of the same recording with other options."""
 
     def interpret(options: ImportOptions, progress: Progress) -> Capture:
@@ -73,7 +73,7 @@ def read_of(file: Recording, path: Path, options: ImportOptions, progress: Progr
     return ReadCapture(interpret(options, progress), interpret=interpret)
 
 
-def capture_of(file: Recording, path: Path, options: ImportOptions, progress: Progress) -> Capture:
+def capture_of(file: JointRecording, path: Path, options: ImportOptions, progress: Progress) -> Capture:
     """A recording in world axes and metres, with everything guessed that ``options`` do not say.
 
     ``progress`` goes on at a share of 0.6.
@@ -131,7 +131,7 @@ def _found_by_shape(skeleton: Skeleton, points: FloatArray, options: ImportOptio
 
 
 def to_world(
-    file: Recording, file_to_world: FloatArray, metres: float, progress: Callable[[float], object]
+    file: JointRecording, file_to_world: FloatArray, metres: float, progress: Callable[[float], object]
 ) -> tuple[Skeleton, PoseSequence]:
     """The body in world axes and metres: offsets C o, translations C t, rotations C R C^T.
 
