@@ -1,7 +1,7 @@
 """What every reader of captures has to find out when the file does not say it: the body, the ground, who stands how."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -23,14 +23,19 @@ from studio.io.importing import ImportOptions
 FloatArray = NDArray[np.float64]
 
 
-def feet_guess(behind: float) -> Guess:
-    """Feet that do not hang from the legs; the body was ``behind`` them, in the unit of the poses, by so much."""
-    reason = (
-        "In the file they do not hang from the legs, as rigs for inverse kinematics have it; they follow the shanks."
-    )
+def loose_guesses(feet: Collection[int], hands: Collection[int], behind: float) -> list[Guess]:
+    """Feet and hands that do not hang from their limbs; the body was ``behind`` the feet, in the unit of the poses."""
+    guesses = []
+    for ends, subject, limbs, bones in ((feet, "feet", "legs", "shanks"), (hands, "hands", "arms", "forearms")):
+        if ends:
+            reason = f"In the file they do not hang from the {limbs}, as rigs for inverse kinematics have it;"
+            guesses.append(
+                Guess(subject, f"hung from the {bones}", f"{reason} they follow the {bones}.", Confidence.SURE)
+            )
     if behind:
-        reason += " The body does not go with them there; it was put where the ends of its shanks meet them."
-    return Guess("feet", "hung from the shanks", reason, Confidence.LIKELY if behind else Confidence.SURE)
+        moved = "The body does not go with them there; it was put where the ends of its shanks meet them."
+        guesses[0] = replace(guesses[0], reason=f"{guesses[0].reason} {moved}", confidence=Confidence.LIKELY)
+    return guesses
 
 
 def body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) -> list[Guess]:
