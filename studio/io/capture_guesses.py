@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body.body_sides import LIMB_PARTS, exchanged_limbs
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.moving_offsets import with_bones_followed
 from studio.core.body.pose import PoseSequence
@@ -54,6 +55,18 @@ def body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) -
         reason = "The names of its joints say nothing; legs reach lowest, arms widest, the head highest."
         confidence = Confidence.LIKELY
     return [Guess("body map", f"{parts} parts, {len(found.body_map.spine)} spine joints", reason, confidence)]
+
+
+def with_sides_right(found: FoundBody, points: FloatArray, guesses: list[Guess]) -> FoundBody:
+    """The body with left and right as ``points`` (F, J, 3) show them, in any axes, and a guess where names say else."""
+    exchanged = exchanged_limbs(found.body_map, points) if found.body_map is not None else ()
+    if found.body_map is None or not exchanged:
+        return found
+    names = [name for limb in exchanged for name in LIMB_PARTS[limb]]
+    shown = " and ".join(exchanged)
+    reason = f"The names of its {shown} say the other side than their place on the body does; they were put right."
+    guesses.append(Guess("sides", f"left and right of {shown} exchanged", reason, Confidence.LIKELY))
+    return replace(found, body_map=found.body_map.with_sides_exchanged(names))
 
 
 @dataclass(frozen=True, eq=False)

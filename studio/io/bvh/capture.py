@@ -20,7 +20,7 @@ from studio.core.kernels.body.file_channels import change_axes
 from studio.core.pieces import over_frames
 from studio.core.rotations import IDENTITY, normalized
 from studio.io.bvh.reader import read_bvh
-from studio.io.capture_guesses import ReadJoints, body_guesses, loose_guesses, stood_capture
+from studio.io.capture_guesses import ReadJoints, body_guesses, loose_guesses, stood_capture, with_sides_right
 from studio.io.figure.body_maps import FoundBody, find_body, loose_feet, loose_hands, named_sides
 from studio.io.guessing import Scale, find_unit, guess_frame_rate, leg_and_trunk
 from studio.io.importing import ImportOptions
@@ -96,6 +96,8 @@ def capture_of(file: JointRecording, path: Path, options: ImportOptions, progres
     if found.body_map is None:
         found = _found_by_shape(skeleton, both[0], options) or found
     guesses: list[Guess] = body_guesses(skeleton, found, options)
+    if not options.body_map:
+        found = with_sides_right(found, both[0], guesses)
     leg, trunk = leg_and_trunk(both[0], found.body_map)
     scale, unit_guess = find_unit(leg, file.said_unit, options.unit, trunk)
     guesses += [unit_guess] if unit_guess else []

@@ -15,7 +15,7 @@ from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
 from studio.core.rotations import from_matrix, to_matrix
-from studio.io.capture_guesses import ReadJoints, body_guesses, loose_guesses, stood_capture
+from studio.io.capture_guesses import ReadJoints, body_guesses, loose_guesses, stood_capture, with_sides_right
 from studio.io.figure.body_maps import FoundBody, find_body, loose_feet, loose_hands, named_sides
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.animation import AnimationTrack, read_tracks
@@ -106,6 +106,8 @@ def _capture(file: GltfFile, options: ImportOptions, progress: Progress) -> Capt
     if by_shape is not None:
         found = FoundBody(by_shape, "", ())
     guesses += body_guesses(skeleton, found, options)
+    if not (bones or options.body_map):
+        found = with_sides_right(found, sample, guesses)
     if found.body_map is not None and options.up_axis is None:
         after = places[np.minimum(looked_at + 1, len(times) - 1)]
         body = BodyPoints.of_joints(np.stack([sample, after]) @ to_world, found.body_map)
