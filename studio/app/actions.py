@@ -335,6 +335,13 @@ HELP = (
         view.formats,
         tooltip="The kinds of files that can be read and written, and those that failed to load",
     ),
+    Action(
+        "plug_ins",
+        "Help",
+        "Plug-ins",
+        view.plug_ins,
+        tooltip="What installed packages add: kinds of files, verbs, panels; and what failed to load",
+    ),
     Action("shortcuts", "Help", "Shortcuts", view.shortcuts, ("?",), "All shortcuts on one sheet"),
 )
 

@@ -13,6 +13,7 @@ from studio.app.action_set import ActionSet
 from studio.app.live_control import LiveControl
 from studio.app.marker_dialog import open_markers
 from studio.app.playing_live import LivePlaying
+from studio.app.plug_in_panels import add_panel_actions
 from studio.app.striking import Striking
 from studio.app.top_bar import TopBar
 from studio.app.verbs import editing, files
@@ -65,6 +66,7 @@ class MainWindow(QMainWindow):
         self._make_bars()
         self._make_centre()
         self._make_docks()
+        add_panel_actions(self)
         self.palette_panel = CommandPalette(self, list(self.actions_by_id.by_id.values()))
         self.choice_panel = CommandPalette(self, [])
         self._connect()

@@ -79,7 +79,8 @@ def figures(
     record: Record = {
         "slide_mm": 1000.0 * quality.slide,
         "float_mm": 1000.0 * max(quality.rise, 0.0),
-        "penetration_mm": 1000.0 * max(quality.penetration, 0.0),
+        "penetration_mm": 1000.0 * max(quality.penetration, -float(report.lowest.min()), 0.0),
+        "skate_mm": 1000.0 * float(report.skates.max()),
         "acceleration_ratio": acceleration_ratio(adapted, source),
         "speed_ratio": speed_ratio(adapted, source),
         "knee_speed_deg": math.degrees(float(report.knee_speeds.max())),
@@ -104,6 +105,8 @@ def frame_records(report: Report) -> Record:
     return {
         "slide_mm": {point.value: _numbers(row) for point, row in zip(ContactPoint, slides, strict=True)},
         "penetration_mm": {point.value: _numbers(row) for point, row in zip(ContactPoint, depths, strict=True)},
+        "lowest_mm": _numbers(1000.0 * report.lowest),
+        "skate_mm": {side: _numbers(1000.0 * row) for side, row in zip(("left", "right"), report.skates, strict=True)},
         "knee_speed_deg": {
             side: _numbers(np.degrees(row)) for side, row in zip(("left", "right"), report.knee_speeds, strict=True)
         },

@@ -20,6 +20,7 @@ from studio.viewport.widget import Viewport
 from tests.builders import make_capture, make_constraint, make_contact, make_project
 from tests.gui.hand import Hand, curve
 from tests.gui.viewport_use import settle
+from tests.patience import PATIENCE
 from tests.timeline.fakes import FakeLive
 from tests.viewport.standing import StandingLive
 
@@ -51,7 +52,7 @@ def studio(qtbot):
     live = StandingLive(document)
     viewport = Viewport(document, live)
     viewport.resize(600, 400)
-    with qtbot.waitSignal(viewport.started):
+    with qtbot.waitSignal(viewport.started, timeout=PATIENCE):
         viewport.show()
     document.playhead.set_time(0.2)
     settle(viewport)

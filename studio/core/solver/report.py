@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from studio.core.constraints.base import Constraint
 from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 from studio.core.quality.contact_tracks import contact_tracks
-from studio.core.quality.metrics import centre_of_mass, knee_speeds
+from studio.core.quality.metrics import body_heights, centre_of_mass, knee_speeds, skate_distances
 from studio.core.solver.adapt import hold
 from studio.core.solver.asking.measured_residuals import full_residuals
 from studio.core.solver.asking.releasing import constraint_activations, contact_release
@@ -55,8 +55,10 @@ class Report:
     ``residuals`` (C, F) metres or radians, NaN where inactive; ``misses`` (C, F) the same measured on the poses, at
     full activation, active or not (``measured_residuals.full_residuals``); ``winners`` (C, F) the blocker of each
     constraint: the row of a constraint, or one of the constants above; ``slides`` and ``heights`` (9, F) metres, a row
-    a ``ContactPoint``, NaN without contact; ``knee_speeds`` (2, F) rad/s; ``mass_margins`` (F,) metres from the centre
-    of mass to the edge of the support polygon, negative outside, NaN in flight.
+    a ``ContactPoint``, NaN without contact; ``lowest`` (F,) and ``skates`` (2, F) metres, the lowest point of the body
+    above the ground and the way of each foot along it, contact or not (``quality.metrics``); ``knee_speeds`` (2, F)
+    rad/s; ``mass_margins`` (F,) metres from the centre of mass to the edge of the support polygon, negative outside,
+    NaN in flight.
     """
 
     residuals: FloatArray
@@ -64,6 +66,8 @@ class Report:
     winners: IntArray
     slides: FloatArray
     heights: FloatArray
+    lowest: FloatArray
+    skates: FloatArray
     knee_speeds: FloatArray
     mass_margins: FloatArray
 
@@ -82,6 +86,8 @@ def report_of(standing: Standing, request: AdaptRequest, adapted: AdaptedMotion)
         _BlockerSearch(problem, adapted, misses, request.eased).winners(),
         slides,
         heights,
+        body_heights(adapted, request.ground),
+        skate_distances(adapted, request.ground),
         knee_speeds(adapted),
         support_margins(areas, centre_of_mass(adapted)[:, :2]),
     )
@@ -208,7 +214,7 @@ class _BlockerSearch:
             self._note(names, np.arange(len(self._found)), np.arange(len(self._frames)), whole)
 
     def _gain_of(self, standing: Standing) -> FloatArray:
-        """What is missed less (C, F) on another grounded motion, where asked for fully."""
+        """Gain (C, F) on another grounded motion, where a constraint is fully active: how much less it is missed."""
         problem, first, last = self._problem, self._window.start, self._window.stop - 1
         posed = hold(standing, problem.constraints, first, last, problem.tracks, eased=self._eased)
         return np.where(self._full, self._misses - problem.misses(posed), 0.0)
