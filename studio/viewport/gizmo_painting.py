@@ -15,9 +15,9 @@ from studio.viewport.strokes import SHADOW, draw_disc, draw_line
 AXIS_COLOURS = {"x": "#e8675f", "y": "#7cc47a", "z": "#5f9fe8"}
 HOVERED, MIDDLE = "#ffe08a", "#f4f7fb"
 ARROW_LENGTH, ARROW_WIDTH = 13.0, 5.5
-BOX = 5.0
+HALF_BOX = 5.0
 """Pixels from the middle of a box to its sides."""
-HIDDEN = 0.16
+HIDDEN_STRENGTH = 0.16
 """Strength of the half of a ring that is behind."""
 WORDS_HEIGHT = 22.0
 
@@ -81,7 +81,7 @@ class GizmoPainter:
 
     def _ring(self, gizmo: RotateGizmo, part: str, colour: QColor, width: float) -> None:
         corners, front = gizmo.ring(part), gizmo.in_front(part)
-        for strength, chosen in ((HIDDEN, ~front), (1.0, front)):
+        for strength, chosen in ((HIDDEN_STRENGTH, ~front), (1.0, front)):
             for begin, end in _runs(chosen.tolist()):
                 self._polyline(corners[np.arange(begin, end + 1) % len(front)], colour, width, strength)
 
@@ -140,7 +140,7 @@ class GizmoPainter:
     def _box(self, place: FloatArray, colour: QColor) -> None:
         self._painter.setPen(QPen(SHADOW, 1.5))
         self._painter.setBrush(QBrush(colour))
-        self._painter.drawRect(QRectF(place[0] - BOX, place[1] - BOX, 2.0 * BOX, 2.0 * BOX))
+        self._painter.drawRect(QRectF(place[0] - HALF_BOX, place[1] - HALF_BOX, 2.0 * HALF_BOX, 2.0 * HALF_BOX))
 
     def _square(self, corners: FloatArray, colour: str, hot: bool) -> None:
         fill = QColor(HOVERED if hot else colour)
