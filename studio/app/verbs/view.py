@@ -157,6 +157,11 @@ def _uses(known: Format) -> str:
     return "; ".join(use for use in uses if use)
 
 
+def problems(bench: Workbench) -> None:
+    """The table of constraints by body."""
+    bench.window.show_dock("Problems")
+
+
 def arrange(bench: Workbench) -> None:
     """Give the panels title bars by which they can be moved, or take them away."""
     bench.window.arrange(not bench.window.arranging)
