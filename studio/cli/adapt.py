@@ -21,10 +21,10 @@ from studio.core.stage.placement import Placement
 from studio.io.export import take_of_actor, take_of_adapted, write_take
 from studio.io.export_options import ExportOptions
 from studio.io.importing import ImportOptions
+from studio.io.json_text import write_json
 from studio.io.project.constraint_file import ConstraintFile, read_constraints
 from studio.io.project.ground_file import read_ground
 from studio.io.registry import known_formats
-from studio.io.report_file import write_json
 from studio.jobs.adapt_report import Record, character_report, place_record
 from studio.jobs.adaptation import (
     MOTION_ID,

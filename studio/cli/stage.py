@@ -15,8 +15,8 @@ from studio.core.solver.source import played_on
 from studio.core.solver.standing.stand import standing_of
 from studio.core.stage.placement import Placement
 from studio.io.export import write_take
+from studio.io.json_text import write_json
 from studio.io.registry import known_formats
-from studio.io.report_file import write_json
 from studio.io.staged_export import safe_name, take_of_performer
 from studio.io.takes.exported_stage import exported_stage, write_stage
 from studio.jobs.adapt_report import Record, figures, place_record

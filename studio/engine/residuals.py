@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactInterval
+from studio.core.constraints.activation import FULLY_ACTIVE
 from studio.core.constraints.base import Constraint
 from studio.core.project import Project
 from studio.core.project_cache import project_cache
 from studio.core.solver.performers.stage import asked_of
-from studio.core.solver.report import FULLY_ACTIVE
 from studio.core.solver.request import AdaptedMotion
 from studio.engine.live import Live
 from studio.engine.measures import LENGTH, Measure, measure_of

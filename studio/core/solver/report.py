@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.constraints.activation import FULLY_ACTIVE
 from studio.core.constraints.base import Constraint
 from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 from studio.core.quality.contact_tracks import contact_tracks
@@ -38,8 +39,6 @@ BLOCKED_BY_TOUCHES, BLOCKED_BY_CLEARANCE, BLOCKED_BY_TOLERANCE = -6, -7, -8
 limits, the reach of body and chain, smoothing in time, hands that touch, arms that stay out of the body, and the
 solver's own tolerance.
 """
-FULLY_ACTIVE = 1.0 - 1e-9
-"""Least activation of a constraint that is asked for fully."""
 MET_BY_UNIT = {"m": PRIORITY_TOLERANCE, "rad": float(np.radians(0.1))}
 """Greatest residual of a constraint that counts as met, by unit."""
 SAMPLE_SECONDS = 0.2
