@@ -52,6 +52,8 @@ class Here:
 
     moment: TargetContext
     joint: BodyJoint | None
+    activation: tuple[float, float] = (HOLD, RAMP)
+    """Seconds for which it holds on either side of the playhead, and fades beyond."""
 
     @property
     def project(self) -> Project:
@@ -101,7 +103,8 @@ class Here:
         existing = self.project.constraints_of(motion_id).values()
         begin, end = self.span
         now = min(max(self.pose.seconds, begin), end)
-        steps = (-HOLD - RAMP, -HOLD, HOLD, HOLD + RAMP)
+        hold, ramp = self.activation
+        steps = (-hold - ramp, -hold, hold, hold + ramp)
         times = (begin, begin, end, end) if always else [min(max(now + step, begin), end) for step in steps]
         return {
             "motion_id": motion_id,

@@ -15,6 +15,7 @@ from studio.viewport.widget import Viewport
 from tests.builders import make_capture, make_constraint, make_contact, make_project
 from tests.gui.hand import Hand, curve
 from tests.gui.viewport_use import settle
+from tests.patience import PATIENCE
 from tests.timeline.fakes import FakeLive
 from tests.viewport.standing import StandingLive
 
@@ -46,7 +47,7 @@ def studio(qtbot):
     live = StandingLive(document)
     viewport = Viewport(document, live)
     viewport.resize(900, 600)
-    with qtbot.waitSignal(viewport.started):
+    with qtbot.waitSignal(viewport.started, timeout=PATIENCE):
         viewport.show()
     document.playhead.set_time(0.2)
     settle(viewport)
