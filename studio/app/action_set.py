@@ -7,6 +7,7 @@ from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QMenu, QMenuBar
 
 from studio.app.actions import ACTIONS, MENUS, Action
+from studio.app.preferences import key_maps, keys_with
 from studio.app.verbs import files
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
@@ -62,6 +63,20 @@ class ActionSet(QObject):
         self.by_id["undo"].setText(f"Undo {_uncapitalised(stack.undoText())}".strip())
         self.by_id["redo"].setText(f"Redo {_uncapitalised(stack.redoText())}".strip())
 
+    def apply_keys(self) -> None:
+        """Give every action its keys by the map and the user's own."""
+        preferences = self._bench.preferences
+        _, changed = key_maps().get(preferences.key_map, ("", {}))
+        keys = keys_with({row.id: row.shortcuts for row in ACTIONS}, changed, preferences.own_keys)
+        for row in ACTIONS:
+            action = self.by_id[row.id]
+            action.setShortcuts([QKeySequence(key) for key in keys[row.id]])
+            action.setToolTip(_tooltip(row, keys[row.id]))
+
+    def keys_now(self) -> dict[str, tuple[str, ...]]:
+        """Keys of each action by its id."""
+        return {key: tuple(each.toString() for each in action.shortcuts()) for key, action in self.by_id.items()}
+
     def fill(self, bar: QMenuBar) -> None:
         """Put all actions into their menus."""
         self.menus = {name: bar.addMenu(text) for name, text in zip(MENUS, with_mnemonics(MENUS), strict=True)}
@@ -97,8 +112,7 @@ class ActionSet(QObject):
         action.setAutoRepeat(row.repeats)
         action.setIconText(row.tool or row.text)
         action.setCheckable(row.checked is not None)
-        keys = f"  {row.shortcuts[0]}" if row.shortcuts else ""
-        action.setToolTip((row.tooltip or row.text) + keys)
+        action.setToolTip(_tooltip(row, row.shortcuts))
         action.triggered.connect(self._runner(row))
         return action
 
@@ -111,6 +125,10 @@ class ActionSet(QObject):
             self.refresh()
 
         return run
+
+
+def _tooltip(row: Action, keys: tuple[str, ...]) -> str:
+    return (row.tooltip or row.text) + (f"  {keys[0]}" if keys else "")
 
 
 def _uncapitalised(text: str) -> str:

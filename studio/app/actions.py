@@ -145,6 +145,8 @@ EDIT = (
     Action("paste_mirrored", "Edit", "Paste mirrored", editing.paste_mirrored, ("Ctrl+Shift+V",),
            "Paste with left for right", ends_group=True),
     Action("set_key", "Edit", "Set key", editing.set_key, ("S",), "Key the selection at the playhead", _any_selected),
+    Action("preferences", "Edit", "Preferences…", editing.preferences, ("Ctrl+,",),
+           "Snapping steps, new constraints and keys"),
     Action("escape", "Edit", "Deselect", editing.escape, ("Esc",), "Cancel the current action"),
     Action(
         "report", "Edit", "Show import report", editing.select_capture,

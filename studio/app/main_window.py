@@ -14,6 +14,7 @@ from studio.app.live_control import LiveControl
 from studio.app.marker_dialog import open_markers
 from studio.app.playing_live import LivePlaying
 from studio.app.plug_in_panels import add_panel_actions
+from studio.app.preferences import Preferences, save_preferences
 from studio.app.problem_tour import ProblemTour
 from studio.app.striking import Striking
 from studio.app.top_bar import TopBar
@@ -65,6 +66,7 @@ class MainWindow(QMainWindow):
         self.drop_frame.setObjectName("drop_frame")
         self.setDockNestingEnabled(True)
         self.actions_by_id = ActionSet(bench, self)
+        self.actions_by_id.apply_keys()
         self.addActions(list(self.actions_by_id.by_id.values()))
         self._make_bars()
         self._make_centre()
@@ -86,6 +88,7 @@ class MainWindow(QMainWindow):
             note.raise_()
         viewport.strike_drops.dropped.connect(self.striking.play)
         self.bench.viewport = viewport
+        self._apply_preferences()
         self._show_progress(*self.status.progress.now)
         viewport.setFocus()
         self.bench.views_changed.emit()
@@ -119,6 +122,19 @@ class MainWindow(QMainWindow):
             action.triggered.connect(lambda _=False, run=run: run())
             actions.append(action)
         self.choice_panel.offer(title, actions)
+
+    def set_preferences(self, preferences: Preferences) -> None:
+        """Act by these preferences from now on, in this run and the next ones."""
+        self.bench.preferences = preferences
+        save_preferences(self.bench.settings, preferences)
+        self.actions_by_id.apply_keys()
+        self._apply_preferences()
+
+    def _apply_preferences(self) -> None:
+        viewport, preferences = self.bench.viewport, self.bench.preferences
+        if viewport is not None:
+            viewport.snap_steps = preferences.snap_steps
+            viewport.new_activation = preferences.hold, preferences.fade
 
     def show_shortcuts(self) -> None:
         """The sheet of all shortcuts."""

@@ -84,6 +84,19 @@ class Settings:
         newest = dict(list(kept.items())[-MOST_CORRECTED:])
         self._store.setValue("corrections", json.dumps(newest))
 
+    @property
+    def preferences(self) -> dict[str, Any]:
+        """What the user prefers, by name."""
+        try:
+            stored = json.loads(str(self._store.value("preferences", "{}")))
+        except ValueError:
+            return {}  # a settings file that somebody has edited
+        return stored if isinstance(stored, dict) else {}
+
+    @preferences.setter
+    def preferences(self, values: dict[str, Any]) -> None:
+        self._store.setValue("preferences", json.dumps(values))
+
     def layout(self) -> tuple[QByteArray, QByteArray] | None:
         """Geometry and dock state of the window; None before the first close."""
         geometry, state = self._store.value("geometry"), self._store.value(f"state {LAYOUT_VERSION}")

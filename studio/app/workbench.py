@@ -6,6 +6,7 @@ from typing import Any
 from PySide6.QtCore import QObject, Signal
 
 from studio.app.corrections import ReadAs
+from studio.app.preferences import load_preferences
 from studio.app.settings import Settings
 from studio.document.document import Document
 
@@ -20,6 +21,7 @@ class Workbench(QObject):
     def __init__(self, document: Document, live: Any, runner: Any, settings: Settings) -> None:
         super().__init__()
         self.document, self.live, self.runner, self.settings = document, live, runner, settings
+        self.preferences = load_preferences(settings)
         self.window: Any = None
         self.viewport: Any = None
         self.timeline: Any = None

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -15,22 +14,11 @@ from studio.viewport.movables import Movable
 from studio.viewport.rotate_gizmo import TRACKBALL, RotateGizmo, rotation_about
 from studio.viewport.scale_gizmo import ScaleGizmo
 from studio.viewport.selected_movable import AnyGizmo
+from studio.viewport.snapping import DEFAULT_STEPS, SnapSteps
 
 FINE = 0.2
 ORBIT_PER_PIXEL = math.radians(0.4)
 ZOOM_PER_PIXEL = 1.006
-
-
-@dataclass(frozen=True)
-class SnapSteps:
-    """Steps to which Ctrl snaps a drag, and by which keys nudge a thing."""
-
-    metres: float = 0.01
-    radians: float = math.radians(15.0)
-    factor: float = 0.1
-
-
-DEFAULT_STEPS = SnapSteps()
 
 
 class ViewportGesture(Protocol):

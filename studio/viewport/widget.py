@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QWidget
 
 from studio.core.body.sticks import bone_pairs
 from studio.core.constraints.base import BodyPoint
+from studio.core.constraints.fitted_activation import HOLD, RAMP
 from studio.core.constraints.kinds import KINDS
 from studio.document import colours
 from studio.document.document import Document
@@ -29,7 +30,7 @@ from studio.viewport.constraining import Here, constraint_here
 from studio.viewport.dropping import StrikeDrops
 from studio.viewport.following import FollowCamera
 from studio.viewport.framing import selected_points
-from studio.viewport.gestures import DEFAULT_STEPS, ViewportGesture, nudge
+from studio.viewport.gestures import ViewportGesture, nudge
 from studio.viewport.gizmo import ARROW_PIXELS, AXES, Space, arrow_pixels
 from studio.viewport.gizmo_painting import GizmoPainter
 from studio.viewport.glide import Glide
@@ -46,6 +47,7 @@ from studio.viewport.problem import Problem, worst_problem
 from studio.viewport.recording import MarkerFrame, RecordingView, recorded_of
 from studio.viewport.selected_movable import AnyGizmo, gizmo_of, selected_movable
 from studio.viewport.shots import View
+from studio.viewport.snapping import DEFAULT_STEPS
 
 if TYPE_CHECKING:
     from studio.viewport.scene import StageScene
@@ -64,6 +66,8 @@ class Viewport(Canvas):
         self.tool = "move"
         self.gizmo_space = Space.WORLD
         self.snap_steps = DEFAULT_STEPS
+        self.new_activation = (HOLD, RAMP)
+        """Seconds for which a new constraint holds on either side of the playhead, and fades."""
         self._nudged = "z"
         self.posed: dict[str, Posed] = {}
         self.resting: dict[str, Posed] = {}
@@ -227,9 +231,8 @@ class Viewport(Canvas):
         project = self._document.project  # the motion may have gone from it since the last picture
         if pose is None or pose.motion_id not in project.motions or (picked is None and KINDS[kind].shown.picks):
             return None
-        constraint = constraint_here(
-            Here(TargetContext(project, self.posed, pose), picked.joint if picked else None), kind
-        )
+        context, joint = TargetContext(project, self.posed, pose), picked.joint if picked else None
+        constraint = constraint_here(Here(context, joint, self.new_activation), kind)
         constraint_id = self._document.add("constraints", constraint, f"Add '{constraint.name}'")
         self.pick(None)
         self._document.selection.set(("performers", performer_id), ("constraints", constraint_id))

@@ -138,6 +138,13 @@ def line_up(bench: Workbench) -> None:
             document.replace("performers", key, performer, "Line up")
 
 
+def preferences(bench: Workbench) -> None:
+    """Show the preferences."""
+    from studio.app.preferences_dialog import PreferencesDialog  # it lists the actions, of which this is one
+
+    PreferencesDialog(bench).show()
+
+
 def escape(bench: Workbench) -> None:
     """Leave a gesture, close what was said, else select nothing."""
     view = bench.viewport

@@ -1,0 +1,113 @@
+"""Preferences of the user, and key maps: how they are kept, and what each action's keys are."""
+
+import json
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, field, fields
+
+from PySide6.QtGui import QKeySequence
+
+from studio.app.settings import Settings
+from studio.resources_folder import resources_folder
+from studio.viewport.snapping import SnapSteps
+
+KeyTable = Mapping[str, tuple[str, ...]]
+"""Keys by the id of an action."""
+STUDIO_KEYS = "studio"
+LEAST_STEP = 1e-3
+
+
+@dataclass(frozen=True)
+class Preferences:
+    """Choices of the user; a number out of its range is refused with ValueError."""
+
+    move_step: float = 1.0
+    """Centimetres."""
+    rotate_step: float = 15.0
+    """Degrees."""
+    scale_step: float = 10.0
+    """Percent."""
+    hold: float = 0.1
+    """Seconds that a new constraint holds on either side of the playhead."""
+    fade: float = 0.3
+    """Seconds in which it fades in and out."""
+    key_map: str = STUDIO_KEYS
+    own_keys: KeyTable = field(default_factory=dict)
+    """Keys that the user has given to actions, over those of the map."""
+
+    def __post_init__(self) -> None:
+        for each in ("move_step", "rotate_step", "scale_step", "hold", "fade"):
+            value = getattr(self, each)
+            least = 0.0 if each == "hold" else LEAST_STEP
+            if not (isinstance(value, float | int) and math.isfinite(value) and value >= least):
+                raise ValueError(f"The preference '{each}' is a number above zero, got {value!r}.")
+        object.__setattr__(self, "own_keys", {key: tuple(keys) for key, keys in dict(self.own_keys).items()})
+
+    @property
+    def snap_steps(self) -> SnapSteps:
+        """Steps of the gizmo, in metres, radians and parts."""
+        return SnapSteps(self.move_step / 100.0, math.radians(self.rotate_step), self.scale_step / 100.0)
+
+
+def load_preferences(settings: Settings) -> Preferences:
+    """The preferences that were saved; the default ones where a value of the file makes no sense."""
+    stored = settings.preferences
+    kept = {}
+    for each in fields(Preferences):
+        if each.name in stored:
+            try:
+                Preferences(**{each.name: stored[each.name]})
+            except (TypeError, ValueError):
+                continue  # a settings file that somebody has edited
+            kept[each.name] = stored[each.name]
+    return Preferences(**kept)
+
+
+def save_preferences(settings: Settings, preferences: Preferences) -> None:
+    """Keep them for the next start."""
+    settings.preferences = asdict(preferences)
+
+
+def key_maps() -> dict[str, tuple[str, KeyTable]]:
+    """Name and changed keys of each bundled map, by its id; the studio's own changes none."""
+    maps: dict[str, tuple[str, KeyTable]] = {STUDIO_KEYS: ("Studio", {})}
+    for file in sorted((resources_folder() / "key_maps").glob("*.json")):
+        record = json.loads(file.read_text("utf-8"))
+        maps[file.stem] = record["name"], {key: tuple(keys) for key, keys in record["keys"].items()}
+    return maps
+
+
+def keys_with(defaults: KeyTable, *layers: KeyTable) -> dict[str, tuple[str, ...]]:
+    """Keys of each action: those of the last layer that names it; a key goes to the layer that gives it last."""
+    keys = {action: tuple(map(_normal, each)) for action, each in defaults.items()}
+    for layer in layers:
+        own = {action: tuple(map(_normal, each)) for action, each in layer.items() if action in keys}
+        taken = {key for each in own.values() for key in each}
+        keys = {action: own.get(action, _without(each, taken)) for action, each in keys.items()}
+    return keys
+
+
+def conflicts_in(keys: KeyTable) -> dict[str, tuple[str, ...]]:
+    """Keys that belong to more than one action, with these actions."""
+    owners: dict[str, list[str]] = {}
+    for action, each in keys.items():
+        for key in each:
+            owners.setdefault(key, []).append(action)
+    return {key: tuple(actions) for key, actions in owners.items() if len(actions) > 1}
+
+
+def keys_in(text: str) -> tuple[str, ...]:
+    """Keys that a person has typed, with blanks between them. Raises ValueError for one that is none."""
+    words = text.split()
+    for word in words:
+        if not _normal(word):
+            raise ValueError(f"'{word}' is no key. Write it like Ctrl+Shift+K or F5.")
+    return tuple(map(_normal, words))
+
+
+def _without(keys: Iterable[str], taken: set[str]) -> tuple[str, ...]:
+    return tuple(key for key in keys if key not in taken)
+
+
+def _normal(key: str) -> str:
+    return QKeySequence(key).toString()

@@ -1,0 +1,88 @@
+"""The dialog of preferences: every change acts at once."""
+
+from dataclasses import replace
+from typing import Any
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QColor
+from PySide6.QtWidgets import QDialog, QHeaderView, QTableWidget, QTableWidgetItem, QVBoxLayout
+
+from studio.app.actions import ACTIONS
+from studio.app.preferences import conflicts_in, key_maps, keys_in
+from studio.app.workbench import Workbench
+from studio.document import colours
+from studio.panels.fields import Choice, NumberField, Section, labelled
+
+NUMBERS = (
+    ("move_step", "Move step", "cm", 0.1, 100.0),
+    ("rotate_step", "Rotate step", "°", 0.1, 180.0),
+    ("scale_step", "Scale step", "%", 1.0, 100.0),
+    ("hold", "New: hold", "s", 0.0, 10.0),
+    ("fade", "New: fade", "s", 0.01, 10.0),
+)
+ACTION_ID = Qt.ItemDataRole.UserRole
+
+
+class PreferencesDialog(QDialog):
+    """Snapping steps, new constraints, and keys in a table in which they are typed."""
+
+    def __init__(self, bench: Workbench) -> None:
+        super().__init__(bench.window)
+        self._bench = bench
+        self.setObjectName("preferences_dialog")
+        self.setWindowTitle("Preferences")
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self.resize(520, 640)
+        section = Section("Steps and new constraints")
+        for name, words, unit, low, high in NUMBERS:
+            field = NumberField(words, unit, low, high, low or 0.1, 2)
+            field.show_value(getattr(bench.preferences, name))
+            field.edited.connect(lambda value, name=name: self._change(**{name: value}))
+            section.add_row(words, field)
+        keys = Section("Keys")
+        self.map = Choice("Key map", [(key, name) for key, (name, _) in key_maps().items()])
+        self.map.show_value(bench.preferences.key_map)
+        self.map.chosen.connect(lambda key: self._change(key_map=key))
+        keys.add_row("Key map", self.map)
+        self.table = QTableWidget(len(ACTIONS), 2)
+        self.table.setAccessibleName("Keys of actions")
+        self.table.setHorizontalHeaderLabels(("Action", "Keys"))
+        self.table.verticalHeader().hide()
+        self.table.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.Stretch)
+        self.words = labelled("", "hint")
+        column = QVBoxLayout(self)
+        for widget in (section, keys, self.table, self.words):
+            column.addWidget(widget)
+        self._fill()
+        self.table.itemChanged.connect(self._typed)
+
+    def _change(self, **values: Any) -> None:
+        self._bench.window.set_preferences(replace(self._bench.preferences, **values))
+        self._fill()
+
+    def _fill(self) -> None:
+        keys = self._bench.window.actions_by_id.keys_now()
+        conflicts = conflicts_in(keys)
+        self.table.blockSignals(True)
+        for line, row in enumerate(ACTIONS):
+            name, typed = QTableWidgetItem(f"{row.menu} > {row.text}"), QTableWidgetItem("  ".join(keys[row.id]))
+            name.setFlags(Qt.ItemFlag.ItemIsEnabled)
+            typed.setData(ACTION_ID, row.id)
+            if any(key in conflicts for key in keys[row.id]):
+                typed.setForeground(QColor(colours.NOT_REACHED))
+            self.table.setItem(line, 0, name)
+            self.table.setItem(line, 1, typed)
+        self.table.blockSignals(False)
+        texts = {row.id: row.text for row in ACTIONS}
+        told = [f"{key}: {' and '.join(texts[each] for each in actions)}" for key, actions in conflicts.items()]
+        self.words.setText(f"The same key twice. {'; '.join(told)}." if told else "Type keys with blanks between them.")
+
+    def _typed(self, item: QTableWidgetItem) -> None:
+        """Give an action other keys, or say why they are none."""
+        try:
+            keys = keys_in(item.text())
+        except ValueError as error:
+            self._fill()
+            self.words.setText(str(error))
+            return
+        self._change(own_keys={**self._bench.preferences.own_keys, item.data(ACTION_ID): keys})
