@@ -41,12 +41,14 @@ class Girdle:
 @dataclass(frozen=True)
 class Change:
     """Another clip takes over in frame ``first``: it goes on from where the body is then, in ``seconds``, 0 in as many
-    as it needs; where it is ``cut`` it is where it is at once.
+    as it needs; where it is ``cut`` it is where it is at once. Where it is ``planned``, feet in the air step over the
+    ground to where they land; one that comes by chance, or in seconds that are given, has no time for that.
     """
 
     first: int
     seconds: float = 0.0
     cut: bool = False
+    planned: bool = False
 
 
 @dataclass(frozen=True, eq=False)

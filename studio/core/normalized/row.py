@@ -136,7 +136,7 @@ class AssembledRow:
             self.placement = self._join(source, first, first - 1, first - 1).placement
             there = source.placed(self.placement).channels(np.array([first - 1]))
             way = float(np.linalg.norm((there[0] - self.channels[first - 1])[at.HIPS : at.HIPS + 2]))
-            self._change(Change(first, source.piece.ease, way > FARTHEST))
+            self._change(Change(first, source.piece.ease, way > FARTHEST, planned=not source.piece.ease))
         self._put(source.placed(self.placement), first, last)
         self.played[-1] = replace(self.played[-1], last=min(self.played[-1].last, first - 1))
         return first

@@ -29,7 +29,7 @@ from studio.core.solver.standing.blends import smooth_drops
 from studio.core.solver.standing.footing import Footing, foot_contacts, leg_extensions
 from studio.core.solver.standing.held_foot import FootPath, HeldFoot, turned
 from studio.core.solver.standing.stepping import FootFlight, carrying, flights_of, states_of
-from studio.core.solver.standing.tipping import depths_of, out_of_ground, seen_coming
+from studio.core.solver.standing.tipping import depths_of, heights_of, out_of_ground, seen_coming
 
 if TYPE_CHECKING:
     from studio.core.solver.standing.stand import Standing
@@ -84,12 +84,12 @@ class Stance:
         return cls(positions, rotations, *stance, *known, standing.root_peak)
 
 
-def led_from(standing: "Standing", first: int, seen: Stance, seconds: float = 0.0) -> "Standing":
+def led_from(standing: "Standing", first: int, seen: Stance, seconds: float = 0.0, planned: bool = False) -> "Standing":
     """``standing`` from frame ``first`` on, inertialised from the previous stance ``seen`` in ``seconds``.
 
-    0 takes as many as the joints need.
+    0 takes as many as the joints need. Where it is ``planned``, feet in the air step to where they land.
     """
-    change = _Change(standing, first, seen, Stance.before(standing, first), seconds)
+    change = _Change(standing, first, seen, Stance.before(standing, first), seconds, planned)
     positions, rotations = standing.positions[:].copy(), standing.rotations[:].copy()
     bases = [change.held_foot(side, flight) for side, flight in enumerate(change.flights)]
     near = change.lead_body(np.mean([each.carries for each in bases], axis=0), positions, rotations)
@@ -139,6 +139,7 @@ class _Change:
     seen: Stance
     own: Stance
     given: float
+    planned: bool
 
     @property
     def rate(self) -> float:
@@ -223,7 +224,7 @@ class _Change:
         swinging = [seconds_of(joints[legs], self.peaks[legs]) for legs in self.leg_segments]
         needed = np.array([stepping, swinging])
         own = self.standing.footing.states[:, self.first :]
-        return flights_of(own, self.seen.states, displacements, needed, self.given, self.rate)
+        return flights_of(own, self.seen.states, displacements, needed, self.given, self.rate, self.planned)
 
     @property
     def leg_segments(self) -> tuple[slice, slice]:
@@ -261,8 +262,8 @@ class _Change:
         if not flight.held:
             return _LedFoot(foot.own, np.zeros_like(foot.own.ankles))
         path, carries = foot.path(flight, self.seconds, self.times)
-        if flight.height > 0.0:  # who steps with both feet goes there in one way
-            lands = max(each.lands for each in self.flights if each.height > 0.0)
+        if flight.is_step:  # who steps with both feet goes there in one way
+            lands = max(each.lands for each in self.flights if each.is_step)
             carries = place_left(self.times, lands / self.rate)[:, None] * foot.aside * [1.0, 1.0, 0.0]
         path.ankles[:, 2] += flight.rise(self.times, self.rate) * self.leg
         return _LedFoot(path, carries)
@@ -312,7 +313,7 @@ class _Change:
         self, side: int, flight: FootFlight, base: FootPath, positions: FloatArray, rotations: FloatArray
     ) -> FootPath:
         """Path of a swing foot with the joints of its leg, blended with its ``base`` at both ends."""
-        if flight.height > 0.0:
+        if flight.is_step:
             return base
         layout, free = self.standing.morphology.layout, flight.free(self.times, self.rate)[:, None]
         segment = layout.spine_count + FOOT_SEGMENT + SEGMENTS_PER_LIMB * side
@@ -321,12 +322,25 @@ class _Change:
             for off, part in enumerate((base.feet, base.toes))
         )
         ankles = base.ankles + free * (positions[self.first :, layout.ankle(side)] - base.ankles)
-        return FootPath(ankles, feet, toes)
+        return self.lifted(side, flight, FootPath(ankles, feet, toes))
+
+    def lifted(self, side: int, flight: FootFlight, foot: FootPath) -> FootPath:
+        """The foot at least as high over the ground as its ``flight`` rises, with a smooth maximum."""
+        rise = flight.rise(self.times, self.rate) * self.leg
+        if not rise.any():
+            return foot
+        high = np.maximum(heights_of(foot, self.soles(side), self.standing.ground).min(axis=0), 0.0)
+        raised = (high**4 + rise**4) ** 0.25 - high
+        return FootPath(foot.ankles + raised[:, None] * [0.0, 0.0, 1.0], foot.feet, foot.toes)
+
+    def soles(self, side: int) -> FloatArray:
+        """Measures (F or 1, 6) of a sole from the transition on."""
+        measures = sole_rows(self.standing.morphology, side)
+        return measures if len(measures) == 1 else measures[self.first :]
 
     def above_ground(self, side: int, foot: FootPath, states: NDArray[np.int64]) -> FootPath:
         """The foot, no deeper in the ground than its own motion."""
-        measures, ground = sole_rows(self.standing.morphology, side), self.standing.ground
-        measures = measures if len(measures) == 1 else measures[self.first :]
+        measures, ground = self.soles(side), self.standing.ground
         own = depths_of(self.feet[side].own, measures, ground)
         deeper = np.maximum(depths_of(foot, measures, ground) - own, 0.0)
         return out_of_ground(foot, measures, seen_coming(deeper, states != 0, self.rate))

@@ -127,7 +127,7 @@ def standing_of(request: AdaptRequest, windows: Sequence[slice] | None = None) -
         alone.with_arms_right(windows_in(frames, motion.frame_count, windows))
         change = motion.changes[len(parts) - 1] if parts else None
         if change and not change.cut:
-            alone = led_from(alone, 0, Stance.last_of(parts[-1]), change.seconds)
+            alone = led_from(alone, 0, Stance.last_of(parts[-1]), change.seconds, change.planned)
         parts.append(alone)
     whole = joined(request, parts)
     if self_contact is None or len(parts) == 1:

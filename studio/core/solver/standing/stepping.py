@@ -15,6 +15,11 @@ from studio.core.runs import runs_of
 FloatArray = NDArray[np.float64]
 States = NDArray[np.int64]
 
+SWING_PACE = 0.4
+"""Seconds that a foot in the air needs more for each leg length of its way, where its steps are planned."""
+SHORTEST_SWING = 0.35
+"""Seconds that it has at least to land where its own motion already stands."""
+
 
 @dataclass(frozen=True)
 class FootFlight:
@@ -28,6 +33,11 @@ class FootFlight:
     seconds: float
     height: float = 0.0
     held: bool = False
+
+    @property
+    def is_step(self) -> bool:
+        """True if it leaves the ground although its own motion stands."""
+        return self.held and self.height > 0.0
 
     def free(self, times: FloatArray, rate: float) -> FloatArray:
         """Weight (F,) in [0, 1] of being off the ground, or off its previous position, ``times`` seconds after the
@@ -43,13 +53,20 @@ class FootFlight:
 
 
 def flights_of(
-    own: States, seen: States, displacements: FloatArray, needed: FloatArray, given: float, rate: float
+    own: States,
+    seen: States,
+    displacements: FloatArray,
+    needed: FloatArray,
+    given: float,
+    rate: float,
+    planned: bool = False,
 ) -> tuple[FootFlight, ...]:
     """Flight of each foot with own states ``own`` (2, F) and previous ones ``seen`` (2,).
 
     ``displacements`` (2,) leg lengths to its own position, ``needed`` (2, 2) seconds to get there from the ground, and
     through the air; all steps together take ``given`` seconds, 0 as many as they need. A foot steps while the other one
     stands; a foot that the motion lifts before uses that flight. One that is lifted within ``SHORTEST`` leaves at once.
+    Where steps are ``planned``, a foot in the air takes the time and the height of a step to a position aside.
     """
     flights: dict[int, FootFlight] = {}
     shifted = 0 if given else round(SHORTEST * rate)
@@ -59,6 +76,12 @@ def flights_of(
     free = 0
     for side in sorted(range(2), key=lambda side: bool(standing[side])):
         leaves, height, seconds = 0, 0.0, needed[1, side]
+        swings = not standing[side] and (own[side, 0] or not seen[side])  # else the motion itself lifts it at once
+        if planned and swings and displacements[side] >= SAME_PLACE:
+            height = step_height(displacements[side])
+            seconds = max(seconds, SHORTEST + SWING_PACE * displacements[side])
+            if own[side, 0]:
+                seconds = min(seconds, max(_run(own[side]) / rate / 2.0, SHORTEST_SWING))
         if standing[side]:
             least, seconds = (
                 given / max(steps.sum(), 1) or max(needed[0, side], STEP_SECONDS + each * displacements[side])
@@ -74,11 +97,16 @@ def flights_of(
             if leaves >= _run(own[side]):
                 flights[side] = _lifted(own[side], needed[0, side], rate)
                 continue
-            height = float(np.clip(STEP_HEIGHT * displacements[side], *STEP_HEIGHTS))
+            height = step_height(displacements[side])
         lands = _landing(own[side], leaves + round(seconds * rate), rate)
         flights[side] = FootFlight(leaves, lands, seconds, height, bool(standing[side]))
         free = max(free, lands)
     return flights[0], flights[1]
+
+
+def step_height(displacement: float) -> float:
+    """Lift in leg lengths of a foot that steps over a ``displacement`` in leg lengths."""
+    return float(np.clip(STEP_HEIGHT * displacement, *STEP_HEIGHTS))
 
 
 def _free_to_step(other: States, free: int, frames: int) -> tuple[int, int]:

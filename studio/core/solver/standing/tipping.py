@@ -15,8 +15,8 @@ from studio.core.solver.standing.swing_foot_path import SOLE_TOLERANCE
 FloatArray = NDArray[np.float64]
 
 
-def depths_of(foot: FootPath, measures: FloatArray, ground: Ground) -> FloatArray:
-    """Penetration (2, F) in metres of the heel, and of the ball or the tip.
+def heights_of(foot: FootPath, measures: FloatArray, ground: Ground) -> FloatArray:
+    """Height (2, F) in metres above the ground of the heel, and of the lower of ball and tip.
 
     ``measures`` (F or 1, 6) as in ``morphology.sole_rows``.
     """
@@ -28,8 +28,13 @@ def depths_of(foot: FootPath, measures: FloatArray, ground: Ground) -> FloatArra
         ball - _turned(foot.toes, thickness),
         ball + _turned(foot.toes, tip),
     )
-    heel_deep, *others = (np.maximum(ground.height_at(low) - low[:, 2], 0.0) for low in lows)
-    return np.stack([heel_deep, np.max(others, axis=0)])
+    heel, *others = (low[:, 2] - ground.height_at(low) for low in lows)
+    return np.stack([heel, np.min(others, axis=0)])
+
+
+def depths_of(foot: FootPath, measures: FloatArray, ground: Ground) -> FloatArray:
+    """Penetration (2, F) in metres of the heel, and of the ball or the tip."""
+    return np.maximum(-heights_of(foot, measures, ground), 0.0)
 
 
 def out_of_ground(foot: FootPath, measures: FloatArray, depths: FloatArray) -> FootPath:
