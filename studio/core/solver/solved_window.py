@@ -300,8 +300,10 @@ class SolvedWindow:
 
     def arms_asked(self, window: slice) -> FloatArray:
         """Activations (F, 2, 2) of constraints and contacts on the wrist, and the elbow, of each arm in some frames."""
-        rows = slice(window.start - self.window.start, window.stop - self.window.start)
-        return arm_activations(self._rows.tasks, self._activations[:, rows], self.standing.morphology)
+        rows, standing = slice(window.start - self.window.start, window.stop - self.window.start), self.standing
+        asked = arm_activations(self._rows.tasks, self._activations[:, rows], standing.morphology)
+        asked[:, :, 0] = np.maximum(asked[:, :, 0], 1.0 - standing.limb_freedoms[:2, window].T)
+        return asked
 
     def answer(self, window: slice) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Positions, rotations and residuals of some frames."""
