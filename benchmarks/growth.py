@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.cli.bench_cases import ALWAYS, LIMB, ROOT, WITH_TRUNK, make_tasks
-from studio.cli.bench_timing import Job, time_jobs
+from studio.cli.bench_timing import BenchJob, time_jobs
 from studio.core.body.canonical import BodyPart
 from studio.core.body.character import Character
 from studio.core.captures.contacts import ContactInterval
@@ -64,7 +64,7 @@ def with_constraints(
     wishes, counts = many_wishes(adapt(request)), list(range(1, MOST_CONSTRAINTS + 1))
     sets = [[wishes[place] for place in order[:count]] for order in orders() for count in counts]
     requests = [replace(request, constraints=tuple(each)) for each in sets]
-    jobs = [Job(str(len(each.constraints)), partial(adapt, each), motion.frame_count) for each in requests]
+    jobs = [BenchJob(str(len(each.constraints)), partial(adapt, each), motion.frame_count) for each in requests]
     return fitted(counts, np.reshape([timing.median for timing in time_jobs(jobs, rounds)], (ORDERS, -1)))
 
 

@@ -11,7 +11,7 @@ from studio.cli.live import guard_of
 from studio.core.body.morphology import Morphology
 from studio.core.body.sticks import bone_pairs
 from studio.core.grounds.ground import Ground
-from studio.core.normalized.pieces import Piece
+from studio.core.normalized.pieces import MotionPiece
 from studio.core.solver.adapt import hold
 from studio.core.solver.standing.stand import stand
 from studio.io.project.character_file import bundled_characters
@@ -52,7 +52,7 @@ def draw_hits(folder: Path) -> None:
     _draw([_shown(library, guard, bodies[key], (AHEAD, HEIGHT)) for key in BODIES], folder / "retrieval_bodies.svg")
 
 
-def _shown(library: Library, guard: Piece, body: Morphology, place: tuple[float, float]) -> Shown:
+def _shown(library: Library, guard: MotionPiece, body: Morphology, place: tuple[float, float]) -> Shown:
     last = guard.first + round(HELD * guard.motion.frame_rate)
     asked = target_of(guard.motion, last, body, place)
     found = tried(find(library, asked, FEW), asked)[0].found

@@ -32,7 +32,7 @@ from studio.library.catalogue import Catalogue
 from studio.library.clips import Kind, Limb
 from studio.library.indexing import bundled_library
 from studio.library.library import Library
-from studio.library.searching import Asked, Result, find, place_before
+from studio.library.searching import Result, StrikeQuery, find, place_before
 
 UNCHANGED = ExportOptions()
 
@@ -209,7 +209,7 @@ class Scene:
         frame = composite.timing.first + adapted.frame_at(time)
         pose = replace(composite.motion, channels=composite.motion.channels[frame : frame + 1])
         body = adapted.performance.adapted.morphology
-        asked = Asked(pose, body, place_before(pose, body, target), limbs=limbs, kinds=kinds)
+        asked = StrikeQuery(pose, body, place_before(pose, body, target), limbs=limbs, kinds=kinds)
         return find(_library(library), asked, count)
 
     def save(self, path: Path | str) -> None:

@@ -18,7 +18,7 @@ from studio.app.striking import label_strike, show_strikes, strike_chosen
 from studio.app.verbs import behaviours, clips, editing, files, playback, props, view
 from studio.app.verbs.constraining import adder, choose_joint, load_area_mesh, selected_area, selected_constraint, shift
 from studio.app.workbench import Workbench
-from studio.core.constraints.base import Shown
+from studio.core.constraints.base import KindInfo
 from studio.core.constraints.kinds import KINDS
 from studio.core.stage.clip_row import players_of
 from studio.library.scenes import SCENES
@@ -183,7 +183,7 @@ CLIP = (
 )  # fmt: skip
 
 
-def _adding(kind: str, shown: Shown) -> Action:
+def _adding(kind: str, shown: KindInfo) -> Action:
     """The action that adds a constraint of a kind; a position is what C adds."""
     name, keys = ("add_constraint", ("C",)) if kind == "position" else (f"add_{kind}", ())
     return Action(name, "Constraint", shown.action, adder(kind), keys, shown.hint, _picked)
@@ -239,7 +239,7 @@ PLAY = (
     Action("play_live", "Play", "Play live", playing_live.toggle, ("Shift+Space",),
            "The stage plays by itself: keys 1 to 9 start clips, everything can be edited meanwhile",
            _ready, lambda bench: bench.live.play.running),
-    Action("record_take", "Play", "Record a take", playing_live.record, ("R",),
+    Action("record_take", "Play", "Record a take", playing_live.record, ("Shift+R",),
            "What is played live becomes clips and keyed targets", lambda bench: bench.live.play.running,
            lambda bench: bench.live.play.recording, ends_group=True),
     Action("next_frame", "Play", "Next frame", playback.next_frame, ("Right",), repeats=True),
@@ -250,6 +250,10 @@ PLAY = (
            enabled=_keyed),
     Action("previous_event", "Play", "Previous contact or key", playback.previous_event, ("Up", ","), repeats=True,
            enabled=_keyed, ends_group=True),
+    Action("next_problem", "Play", "Next problem", playback.next_problem, ("N",),
+           "The worst error, slide, penetration or peak of all bodies, then the next one", _ready, repeats=True),
+    Action("previous_problem", "Play", "Previous problem", playback.previous_problem, ("Shift+N",), enabled=_ready,
+           repeats=True, ends_group=True),
     Action("add_label", "Play", "Add label", playback.add_label, ("M",),
            "Name this moment of the motion; double-click the label to rename it", _keyed),
     Action("next_label", "Play", "Next label", playback.next_label, ("Shift+Down",), repeats=True, enabled=_keyed),
@@ -277,7 +281,14 @@ VIEW = (
     Action("select_tool", "View", "Select tool", view.select_tool, ("Q",), "Click to select", _viewing,
            _tool_is("select"), tool="Q select"),
     Action("move_tool", "View", "Move tool", view.move_tool, ("W",), "Drag targets by their arrows", _viewing,
-           _tool_is("move"), tool="W move", ends_group=True),
+           _tool_is("move"), tool="W move"),
+    Action("rotate_tool", "View", "Rotate tool", view.rotate_tool, ("E",),
+           "Turn targets, areas, props and bodies by their rings", _viewing, _tool_is("rotate"), tool="E rotate"),
+    Action("scale_tool", "View", "Scale tool", view.scale_tool, ("R",), "Resize areas and props", _viewing,
+           _tool_is("scale"), tool="R scale"),
+    Action("gizmo_axes", "View", "Next gizmo axes", view.next_gizmo_axes, ("T",),
+           "Move and turn along the axes of the world, the thing, its parent or the picture", _viewing,
+           ends_group=True),
     Action("frame_selection", "View", "Frame selection", view.frame_selection, ("F",), enabled=_viewing),
     Action("frame_all", "View", "Frame all", view.frame_all, ("A",), enabled=_viewing),
     Action("front", "View", "Front", view.front, ("1",), enabled=_viewing),
@@ -312,6 +323,10 @@ VIEW = (
            lambda bench: bench.timeline is not None and bench.timeline.editing_curves),
     Action("fold_rows", "View", "Fold timeline rows", view.fold_rows, ("Shift+T",),
            "Show constraints and plot as single lines, or at full height", _keyed),
+    Action("console", "View", "Python console", view.console, ("Ctrl+Shift+P",),
+           "Python on the open project; what it changes are undo steps", ends_group=True),
+    Action("problems", "View", "Table of problems", view.problems,
+           tooltip="Every constraint by body: error, slide, penetration and peak, sorted by a click"),
     Action("arrange", "View", "Arrange panels", view.arrange, tooltip="Show title bars, so that panels can be moved",
            checked=lambda bench: bool(bench.window and bench.window.arranging)),
     Action("reset_layout", "View", "Reset layout", view.reset_layout, ends_group=True),
@@ -325,6 +340,13 @@ HELP = (
         "Kinds of files",
         view.formats,
         tooltip="The kinds of files that can be read and written, and those that failed to load",
+    ),
+    Action(
+        "plug_ins",
+        "Help",
+        "Plug-ins",
+        view.plug_ins,
+        tooltip="What installed packages add: kinds of files, verbs, panels; and what failed to load",
     ),
     Action("shortcuts", "Help", "Shortcuts", view.shortcuts, ("?",), "All shortcuts on one sheet"),
 )

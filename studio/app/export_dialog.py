@@ -32,7 +32,7 @@ class What(Enum):
 
 
 @dataclass(frozen=True)
-class Kind:
+class ExportKind:
     """A kind of file for one of them."""
 
     what: What
@@ -62,16 +62,16 @@ HINTS = {
 }
 
 
-def kinds() -> tuple[Kind, ...]:
+def kinds() -> tuple[ExportKind, ...]:
     """Every kind of file that can be written, by what it holds."""
     motions = [
-        Kind(What.ADAPTED, suffix, f"{each.name} ({suffix})")
+        ExportKind(What.ADAPTED, suffix, f"{each.name} ({suffix})")
         for each in known_formats().that_can("motion_writer")
         for suffix in each.suffixes
         if suffix not in (".usda", ".usdc")  # .usd is either
     ]
     stages = [
-        Kind(What.STAGE, suffix, f"{each.name} ({suffix})")
+        ExportKind(What.STAGE, suffix, f"{each.name} ({suffix})")
         for each in known_formats().that_can("stage_writer")
         for suffix in each.suffixes
         if suffix not in (".usda", ".usdc")
@@ -79,9 +79,9 @@ def kinds() -> tuple[Kind, ...]:
     return (
         *motions,
         *stages,
-        Kind(What.MOTION, ".s4d", "S4D (.s4d)"),
-        Kind(What.FILM, ".mp4", "Film (.mp4)"),
-        Kind(What.FILM, "", "Pictures (.png)"),
+        ExportKind(What.MOTION, ".s4d", "S4D (.s4d)"),
+        ExportKind(What.FILM, ".mp4", "Film (.mp4)"),
+        ExportKind(What.FILM, "", "Pictures (.png)"),
     )
 
 
@@ -150,7 +150,7 @@ class ExportDialog(QDialog):
     def options(self) -> ExportOptions:
         """What is chosen of the file, for what is shown."""
         chosen = self.kind.value
-        assert isinstance(chosen, Kind)
+        assert isinstance(chosen, ExportKind)
         if chosen.what not in BODIES:
             return ExportOptions()
         playhead, rate = self._bench.document.playhead, self.frame_rate.value
@@ -205,7 +205,7 @@ class ExportDialog(QDialog):
         ):
             choice.show_value(value if choice.offers(value) else usual[choice])
 
-    def _remember(self, kind: Kind) -> None:
+    def _remember(self, kind: ExportKind) -> None:
         self._bench.settings.exported = {
             "kind": [kind.what.name, kind.suffix],
             "range": self.range.value,
@@ -246,7 +246,7 @@ class ExportDialog(QDialog):
         self._show_options(self.kind.value)
 
     def _show_options(self, kind: object) -> None:
-        assert isinstance(kind, Kind)
+        assert isinstance(kind, ExportKind)
         shown = {
             self.range: kind.what in BODIES,
             self.frame_rate: kind.what in BODIES,
@@ -266,7 +266,7 @@ class ExportDialog(QDialog):
     def _ask_where(self) -> None:
         """The system's dialog; what is exported stays as it was chosen, whatever it becomes meanwhile."""
         kind = self.kind.value
-        assert isinstance(kind, Kind)
+        assert isinstance(kind, ExportKind)
         self._remember(kind)
         match kind.what:
             case What.ADAPTED:

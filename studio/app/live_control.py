@@ -19,7 +19,7 @@ from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
 from studio.engine.performance import posed_performers
 from studio.live.recording import Recorder, Replay
-from studio.live.streamer import Broadcast, Shown
+from studio.live.streamer import Broadcast, StreamedPose
 from studio.live.tracker import LOOPBACK, PORT, Inbox, UdpInput
 from studio.panels.live import InputRow, LivePanel, SenderRow
 from studio.viewport.eyes import MIDDLE, Eye
@@ -38,7 +38,7 @@ RECORDINGS = "Recorded datagrams (*.osc)"
 
 
 @dataclass
-class Source:
+class LiveSource:
     """Something that fills an inbox, and what was told of it last."""
 
     name: str
@@ -74,7 +74,7 @@ class LiveControl:
     def __init__(self, bench: Workbench) -> None:
         self.bench = bench
         self.panel = LivePanel(PORT, LOOPBACK, OUT_PORT)
-        self.sources: dict[str, Source] = {}
+        self.sources: dict[str, LiveSource] = {}
         self.drivers: dict[str, str] = {}
         """Sources by the performers that they drive."""
         self.tracked: Tracked | None = None
@@ -112,7 +112,7 @@ class LiveControl:
             self.bench.said.emit(str(error))
             return
         feeder.kept = self.recorder.keep if self.recorder else None
-        self._add(Source(f"Port {feeder.port}", feeder))
+        self._add(LiveSource(f"Port {feeder.port}", feeder))
 
     def replay(self, path: Path) -> None:
         """Play a recording of datagrams, again and again; a sentence when it is none."""
@@ -121,7 +121,7 @@ class LiveControl:
         except StudioError as error:
             self.bench.said.emit(str(error))
             return
-        self._add(Source(path.name, replay))
+        self._add(LiveSource(path.name, replay))
         if replay.problem:
             self.bench.said.emit(replay.problem)
 
@@ -222,14 +222,14 @@ class LiveControl:
         if self.broadcast is not None:
             self.broadcast.show([body for _, body in self.outgoing()], time.monotonic())
 
-    def outgoing(self) -> list[tuple[str, Shown]]:
+    def outgoing(self) -> list[tuple[str, StreamedPose]]:
         """The bodies that are shown, with their names, as they stand on the stage."""
         document = self.bench.document
         posed = posed_performers(document.project, self.bench.live.shown, document.playhead.time)
         bodies = []
         for place, pose in enumerate(posed.values()):
             turned = pose.placement.rotation @ pose.motion.rotations[pose.row]
-            body = Shown(self._out_port + place, pose.points, turned, pose.motion.morphology_at(pose.row))
+            body = StreamedPose(self._out_port + place, pose.points, turned, pose.motion.morphology_at(pose.row))
             bodies.append((pose.performer.name, body))
         return bodies
 
@@ -328,7 +328,7 @@ class LiveControl:
 
     # Parts
 
-    def _add(self, source: Source) -> None:
+    def _add(self, source: LiveSource) -> None:
         number = 1 + max((int(key) for key in self.sources), default=0)
         self.sources[str(number)] = source
         self._run()
@@ -368,7 +368,7 @@ def names_in(words: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in words.split(",") if name.strip())
 
 
-def _senders(source: Source, now: float, seconds: float) -> tuple[SenderRow, ...]:
+def _senders(source: LiveSource, now: float, seconds: float) -> tuple[SenderRow, ...]:
     feeder = source.feeder
     if not isinstance(feeder, UdpInput):
         return ()

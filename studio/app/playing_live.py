@@ -13,7 +13,7 @@ from studio.app.workbench import Workbench
 from studio.core.project import Entity, Performer, Project, new_id
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import KeyCondition
-from studio.live.take import Take, edits_of
+from studio.live.take import StageTake, edits_of
 
 TYPING = (QLineEdit, QAbstractSpinBox, QComboBox, QTextEdit, QPlainTextEdit)
 KEYS = (QEvent.Type.ShortcutOverride, QEvent.Type.KeyPress)
@@ -53,8 +53,6 @@ class LivePlaying(QObject):
         dragging = self._bench.viewport is not None and self._bench.viewport.gesture is not None
         if event.key() == Qt.Key.Key_Escape:
             return None if dragging else self._play.end
-        if event.key() == Qt.Key.Key_R:
-            return self._play.record
         name, project = QKeySequence(event.key()).toString(), self._bench.document.project
         number = event.key() - Qt.Key.Key_1
         started = [
@@ -115,7 +113,7 @@ def record(bench: Workbench) -> None:
     bench.live.play.record()
 
 
-def put_take(bench: Workbench, take: Take) -> None:
+def put_take(bench: Workbench, take: StageTake) -> None:
     """What was recorded becomes the rows of who played it from the playhead on, and what plays: one undo step."""
     document = bench.document
     project, begin = document.project, document.playhead.time

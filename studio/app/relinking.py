@@ -8,10 +8,10 @@ from studio.app.file_dialogs import ask_file, motions
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.io.registry import Progress
-from studio.io.source_files import Source, SourceMissing, digest_of, find_source
+from studio.io.source_files import SourceFile, SourceMissing, digest_of, find_source
 
 
-def finder(bench: Workbench, capture_id: str) -> Callable[[Progress], Source]:
+def finder(bench: Workbench, capture_id: str) -> Callable[[Progress], SourceFile]:
     """A job that finds the source file of a capture; it raises SourceMissing where that is nowhere."""
     capture, known = bench.document.project.captures[capture_id], bench.sources.get(capture_id)
     folders = known_folders(bench)
@@ -49,7 +49,7 @@ def relink(bench: Workbench, capture_id: str) -> int:
         if isinstance(error, SourceMissing):
             ask_source(bench, capture_id)
 
-    def found(source: Source) -> None:
+    def found(source: SourceFile) -> None:
         link(bench, capture_id, source)
         other = ("Choose another…", lambda: ask_source(bench, capture_id))
         bench.window.strip.say(_words(bench, capture_id, source), ("Close", bench.window.strip.clear), other)
@@ -71,17 +71,17 @@ def ask_source(bench: Workbench, capture_id: str, then: Callable[[], object] = l
         return
 
     def chosen(path: Path) -> None:
-        def linked(source: Source) -> None:
+        def linked(source: SourceFile) -> None:
             link(bench, capture_id, source)
             bench.said.emit(_words(bench, capture_id, source))
             then()
 
-        bench.runner.run(f"Relinking {capture.name}", lambda _: Source(path, digest_of(path)), linked)
+        bench.runner.run(f"Relinking {capture.name}", lambda _: SourceFile(path, digest_of(path)), linked)
 
     ask_file(bench, f"Source file of {capture.name}", motions("capture_reader"), chosen)
 
 
-def link(bench: Workbench, capture_id: str, source: Source) -> None:
+def link(bench: Workbench, capture_id: str, source: SourceFile) -> None:
     """Take a file for the source of a capture; one of another name or content is an undo step."""
     capture = bench.document.project.captures.get(capture_id)
     if capture is None:
@@ -93,6 +93,6 @@ def link(bench: Workbench, capture_id: str, source: Source) -> None:
         bench.document.replace("captures", capture_id, linked, f"Relink {capture.name}")
 
 
-def _words(bench: Workbench, capture_id: str, source: Source) -> str:
+def _words(bench: Workbench, capture_id: str, source: SourceFile) -> str:
     name = bench.document.project.captures[capture_id].name
     return f"The source file of {name} is {source.path}. Change an import setting to read it again."

@@ -15,7 +15,7 @@ from studio.core.stage.staging import side_by_side, staged
 from studio.io.adapted_file import read_adapted
 from studio.io.project.character_file import bundled_characters
 from studio.io.project.project_file import read_project
-from studio.library.scenes import Scene
+from studio.library.scenes import BundledScene
 from studio.resources_folder import example_captures_folder, sample_folder
 
 NAME, MOTION_ID = "front_kick", "sample"
@@ -63,7 +63,7 @@ def open_sample(bench: Workbench) -> None:
     bench.runner.run(f"Opening {NAME}", work, show)
 
 
-def open_scene(bench: Workbench, scene: Scene) -> None:
+def open_scene(bench: Workbench, scene: BundledScene) -> None:
     """Make a scene in the background, show it, play it, and say what to look for."""
     revision = bench.document.revision
 

@@ -28,7 +28,7 @@ from studio.resources_folder import bundled_strikes_folder
 if TYPE_CHECKING:
     from studio.library.indexing import IndexReport
     from studio.library.library import Library, LibraryClip
-    from studio.library.searching import Asked, Result
+    from studio.library.searching import Result, StrikeQuery
     from studio.library.striking import Tried
 
 
@@ -49,7 +49,7 @@ class Striking:
         self.found: list[Tried] = []
         self.listed: list[LibraryClip] = []
         """The clips that the panel lists: those found, or all while there is no target."""
-        self._sought: tuple[Asked, Placement] | None = None
+        self._sought: tuple[StrikeQuery, Placement] | None = None
         self._waits = False
         """Whether a search goes on as soon as a body is solved."""
         self.panel.folder_wanted.connect(lambda: ask_folder(bench, "Add to the motion library", self.add_folder))
@@ -202,7 +202,7 @@ class Striking:
         where = Placement.of(document.project.performers[key])
         self._show_ghost(laid_on(clip, frame, asked), asked, where)
 
-    def _show_ghost(self, found: "Result", asked: "Asked", where: Placement) -> None:
+    def _show_ghost(self, found: "Result", asked: "StrikeQuery", where: Placement) -> None:
         if self.bench.viewport is None:  # the window has no 3D view
             return
         from studio.core.body.sticks import bone_pairs
@@ -253,10 +253,10 @@ class Striking:
         aimed = isinstance(self.panel.target.value, StrikeTarget)
         self.panel.show_results([(clip.name, _state(clip)) for clip in clips], OF_A_POSE, aimed)
 
-    def _posed(self, performer_id: str, time: float) -> "Asked | None":
+    def _posed(self, performer_id: str, time: float) -> "StrikeQuery | None":
         """A body as it is at ``time``, with no place to hit; None while it plays nothing, or nothing can be solved."""
         from studio.core.normalized.encode import encode
-        from studio.library.searching import Asked
+        from studio.library.searching import StrikeQuery
 
         project, adapted = self.bench.document.project, self.bench.live.result(performer_id)
         performer = project.performers.get(performer_id)
@@ -265,9 +265,9 @@ class Striking:
         row = row_at(adapted, timing_of(project, performer), time)
         rows = slice(row, row + 1)
         pose = encode(adapted.positions[rows], adapted.rotations[rows], adapted.morphology, adapted.frame_rate)
-        return Asked(pose, adapted.morphology, (0.0, 0.0, 0.0))
+        return StrikeQuery(pose, adapted.morphology, (0.0, 0.0, 0.0))
 
-    def _asked(self, performer_id: str, time: float) -> "Asked | None":
+    def _asked(self, performer_id: str, time: float) -> "StrikeQuery | None":
         """A body as it is at ``time``, and the target; None while one of them is missing."""
         project, panel = self.bench.document.project, self.panel
         target, posed = panel.target.value, self._posed(performer_id, time)

@@ -63,13 +63,13 @@ def run(arguments: Namespace) -> int:
     return 0
 
 
-def file_name(capture: Path, key: str, asked: "Asked") -> str:
+def file_name(capture: Path, key: str, asked: "AdaptSettings") -> str:
     """Of the motion of one character."""
     return f"{capture.stem}_{key}{asked.suffix}"
 
 
 @dataclass(frozen=True)
-class Asked:
+class AdaptSettings:
     """What the command line asks of every capture: whom to adapt to, by what, written as what."""
 
     characters: Mapping[str, Character | None]
@@ -86,7 +86,7 @@ class Asked:
     clears: bool
 
 
-def asked_by(arguments: Namespace) -> Asked:
+def asked_by(arguments: Namespace) -> AdaptSettings:
     """The arguments of ``adapt`` as they hold for any capture; StudioError for a character or format there is not."""
     suffix = f".{arguments.format.lower().lstrip('.')}"
     known = known_formats().suffixes("motion_writer")
@@ -98,7 +98,7 @@ def asked_by(arguments: Namespace) -> Asked:
         characters |= chosen_characters(others)
     options = export_options(arguments)
     options.check(Path(f"motion{suffix}"))
-    return Asked(
+    return AdaptSettings(
         characters,
         placed(arguments.place, characters),
         arguments.constraints,
@@ -133,7 +133,7 @@ def placed(said: Sequence[Sequence[str]], characters: Iterable[str]) -> dict[str
     return places
 
 
-def adapt_file(path: Path, options: ImportOptions, asked: Asked, folder: Path) -> Record:
+def adapt_file(path: Path, options: ImportOptions, asked: AdaptSettings, folder: Path) -> Record:
     """Adapt one capture to all characters asked for, write their files into ``folder``, and report."""
     own = None if asked.constraints is None else read_constraints(asked.constraints, MOTION_ID)
     compile_first()
@@ -186,7 +186,7 @@ def adapt_file(path: Path, options: ImportOptions, asked: Asked, folder: Path) -
 
 
 def adapt_to(
-    character: Character | None, key: str, ready: ReadyCapture, request: AdaptRequest, asked: Asked, path: Path
+    character: Character | None, key: str, ready: ReadyCapture, request: AdaptRequest, asked: AdaptSettings, path: Path
 ) -> Record:
     """One character's file, or the actor's own for None, and its part of the report."""
     place = asked.places[key]
@@ -218,8 +218,14 @@ def check_frames(asked: ConstraintFile, ready: ReadyCapture, path: Path) -> None
 def print_report(report: Record) -> None:
     """The report as tables: one line a character, one line a constraint and character."""
     print(f"{report['source']}: {report['frames']} frames at {report['frame_rate']:g} Hz\n")
-    titles = ("character", "slide mm", "float mm", "below ground mm", "acceleration ratio", "speed ratio", "us/frame")
-    keys = ("slide_mm", "float_mm", "penetration_mm", "acceleration_ratio", "speed_ratio", "microseconds_per_frame")
+    titles = (
+        *("character", "slide mm", "skate mm", "float mm", "below ground mm", "acceleration ratio", "speed ratio"),
+        "us/frame",
+    )
+    keys = (
+        *("slide_mm", "skate_mm", "float_mm", "penetration_mm", "acceleration_ratio", "speed_ratio"),
+        "microseconds_per_frame",
+    )
     rows = [[record["name"], *(f"{record[key]:.2f}" for key in keys)] for record in report["characters"]]
     print_table(titles, rows)
     lines = [

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from studio.cli import adapt
 from studio.cli.batch_cluster import run_there
-from studio.cli.batch_jobs import FILES_ASKED_FOR, REPORTS, Job, Record, done_before, find_jobs
+from studio.cli.batch_jobs import FILES_ASKED_FOR, REPORTS, BatchJob, Record, done_before, find_jobs
 from studio.cli.batch_summary import rows_of, write_summary
 from studio.cli.batch_workers import run_here
 from studio.cli.printing import counted, print_json
@@ -52,7 +52,7 @@ def run(arguments: Namespace) -> int:
     return _conclude(arguments, jobs, ordered, unchanged)
 
 
-def _run(jobs: Sequence[Job], scheduler: str | None, workers: int | None) -> Generator[Record, None, None]:
+def _run(jobs: Sequence[BatchJob], scheduler: str | None, workers: int | None) -> Generator[Record, None, None]:
     if jobs:
         yield from run_here(jobs, workers) if scheduler is None else run_there(jobs, scheduler)
 
@@ -78,7 +78,7 @@ def _tell(number: int, count: int, name: str, words: str) -> None:
     print(f"[{number}/{count}] {name}: {words}", file=sys.stderr, flush=True)
 
 
-def _conclude(arguments: Namespace, jobs: Sequence[Job], records: Sequence[Record], unchanged: int) -> int:
+def _conclude(arguments: Namespace, jobs: Sequence[BatchJob], records: Sequence[Record], unchanged: int) -> int:
     failed = [record for record in records if "error" in record]
     if arguments.json:
         print_json(

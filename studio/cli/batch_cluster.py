@@ -2,14 +2,14 @@
 
 from collections.abc import Iterator, Sequence
 
-from studio.cli.batch_jobs import Job, Record, died, work
+from studio.cli.batch_jobs import BatchJob, Record, died, work
 from studio.core.errors import StudioError
 
 _PATIENCE = 10.0
 """Seconds to wait for a scheduler to answer."""
 
 
-def run_there(jobs: Sequence[Job], scheduler: str) -> Iterator[Record]:
+def run_there(jobs: Sequence[BatchJob], scheduler: str) -> Iterator[Record]:
     """The record of each job as it is done by the workers of the ``scheduler`` at that address.
 
     The job of a worker that dies is given to another.

@@ -23,7 +23,7 @@ FILES_ASKED_FOR = ("constraints", "ground", "body_map", "marker_map")
 
 
 @dataclass(frozen=True)
-class Job:
+class BatchJob:
     """A capture to be adapted; plain values, so that any process on any machine can take it."""
 
     name: str
@@ -41,7 +41,7 @@ class Job:
     """Those of ``adapt``."""
 
 
-def find_jobs(source: Path, out: Path, arguments: Mapping[str, Any]) -> list[Job]:
+def find_jobs(source: Path, out: Path, arguments: Mapping[str, Any]) -> list[BatchJob]:
     """A job for every capture in ``source`` and below, those already under ``out`` aside. Raises StudioError."""
     if not source.is_dir():
         raise StudioError(f"'{source}' is not a folder. Name the folder that holds the captures.")
@@ -61,11 +61,11 @@ def find_jobs(source: Path, out: Path, arguments: Mapping[str, Any]) -> list[Job
         content, report = read_bytes(path), out / REPORTS / f"{name}.json"
         digest = hashlib.sha256(asked + content).hexdigest()
         places = path.resolve(), folder.resolve(), report.resolve()
-        jobs.append(Job(name.as_posix(), *places, len(content), digest, arguments))
+        jobs.append(BatchJob(name.as_posix(), *places, len(content), digest, arguments))
     return jobs
 
 
-def done_before(job: Job) -> Record | None:
+def done_before(job: BatchJob) -> Record | None:
     """The record of an earlier run whose inputs were the same and whose files are still as it wrote them."""
     try:
         record: Record = json.loads(job.report.read_bytes())
@@ -76,7 +76,7 @@ def done_before(job: Job) -> Record | None:
     return record if same else None
 
 
-def work(job: Job) -> Record:
+def work(job: BatchJob) -> Record:
     """Adapt one capture, in whatever process this is; what goes wrong is told in the record and stops nothing."""
     prepare_process()
     from studio.cli.adapt import adapt_file, asked_by
@@ -98,12 +98,12 @@ def work(job: Job) -> Record:
     return record
 
 
-def failure(job: Job, error: str) -> Record:
+def failure(job: BatchJob, error: str) -> Record:
     """The record of a capture that could not be adapted."""
     return {"name": job.name, "digest": job.digest, "error": error, "characters": []}
 
 
-def died(job: Job) -> Record:
+def died(job: BatchJob) -> Record:
     """The record of a capture of which the processes died that read it."""
     return failure(job, f"{job.name}: every worker that was given this file died of it. Look at it alone.")
 

@@ -11,7 +11,7 @@ from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 
-from studio.cli.batch_jobs import Job, Record, died, work
+from studio.cli.batch_jobs import BatchJob, Record, died, work
 from studio.core.solver.request import AdaptRequest
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
@@ -36,9 +36,9 @@ class Worker:
         self.process: BaseProcess = context.Process(target=serve, args=(theirs,), daemon=True)
         self.process.start()
         theirs.close()
-        self.job: Job | None = None
+        self.job: BatchJob | None = None
 
-    def give(self, job: Job) -> None:
+    def give(self, job: BatchJob) -> None:
         """Let it do a job."""
         self.job = job
         with suppress(BrokenPipeError):  # one that died idle is found out as one that dies of a job
@@ -78,7 +78,7 @@ def load_kernels() -> None:
     character_report(request, ready.source, ready.capture.first_frame, by_frame=False)
 
 
-def run_here(jobs: Sequence[Job], count: int | None) -> Iterator[Record]:
+def run_here(jobs: Sequence[BatchJob], count: int | None) -> Iterator[Record]:
     """The record of each job as it is done, the largest captures first; ``count`` processes, as many as cores for None.
 
     The job of a worker that dies is given to another.

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from studio.cli.bench_cases import clip_of, make_tasks
-from studio.cli.bench_timing import Job, Timing, time_jobs
+from studio.cli.bench_timing import BenchJob, JobTiming, time_jobs
 from studio.cli.printing import print_json, print_table
 from studio.core.body.character import Character
 from studio.core.body.character_skeleton import character_poses, character_skeleton
@@ -31,7 +31,7 @@ USUAL = "reach_grasp.bvh"
 class Case:
     """A job with the microseconds that the paper took for one of it, and our aim."""
 
-    job: Job
+    job: BenchJob
     paper: float | None = None
     aim: float | None = None
 
@@ -67,11 +67,11 @@ def frame_cases(ready: ReadyCapture, character: Character) -> list[Case]:
     standing = AdaptRequest(motion, body, contacts)
     skeleton, poses = character_skeleton(body), character_poses(adapt(standing))
     return [
-        Case(Job("forward kinematics alone", lambda: joint_world(skeleton, poses), count)),
-        Case(Job("retarget a posture", lambda: realize(motion, body), count), 21.0, 0.5),
-        Case(Job("retarget, feet held on the ground", lambda: adapt(standing), count)),
+        Case(BenchJob("forward kinematics alone", lambda: joint_world(skeleton, poses), count)),
+        Case(BenchJob("retarget a posture", lambda: realize(motion, body), count), 21.0, 0.5),
+        Case(BenchJob("retarget, feet held on the ground", lambda: adapt(standing), count)),
         *(
-            Case(Job(task.name, lambda task=task: adapt(task.request), count), task.paper, task.aim)  # type: ignore[misc]
+            Case(BenchJob(task.name, lambda task=task: adapt(task.request), count), task.paper, task.aim)  # type: ignore[misc]
             for task in make_tasks(motion, contacts, body)
         ),
     ]
@@ -83,13 +83,13 @@ def file_cases(path: Path, ready: ReadyCapture, character: Character) -> list[Ca
     adapted = adapt(AdaptRequest(ready.motion, body, ready.contacts))
     pose = adapted.positions[0].copy(), adapted.rotations[0].copy()
     return [
-        Case(Job("skin of one character", lambda: skin_vertices(character.skin, character.build, body, *pose))),
-        Case(Job(f"import of {path.name}", lambda: load_capture(path))),
-        Case(Job(f"normalise {path.name}", lambda: normalize(ready.capture))),
+        Case(BenchJob("skin of one character", lambda: skin_vertices(character.skin, character.build, body, *pose))),
+        Case(BenchJob(f"import of {path.name}", lambda: load_capture(path))),
+        Case(BenchJob(f"normalise {path.name}", lambda: normalize(ready.capture))),
     ]
 
 
-def _record(case: Case, timing: Timing) -> Record:
+def _record(case: Case, timing: JobTiming) -> Record:
     return {
         "name": case.job.name,
         "microseconds": timing.median,

@@ -15,7 +15,7 @@ LONG_ENOUGH = 0.02
 
 
 @dataclass(frozen=True)
-class Job:
+class BenchJob:
     """Something to be timed: ``work`` does it ``count`` times in one call."""
 
     name: str
@@ -24,14 +24,14 @@ class Job:
 
 
 @dataclass(frozen=True)
-class Timing:
+class JobTiming:
     """Microseconds for one of what a job does."""
 
     median: float
     best: float
 
 
-def time_jobs(jobs: Sequence[Job], rounds: int) -> list[Timing]:
+def time_jobs(jobs: Sequence[BenchJob], rounds: int) -> list[JobTiming]:
     """The times of all ``jobs`` over ``rounds``; first calls, which compile and fill caches, do not count."""
     repeats = []
     for job in jobs:
@@ -41,10 +41,10 @@ def time_jobs(jobs: Sequence[Job], rounds: int) -> list[Timing]:
     for _ in range(rounds):
         for job, times, times_over in zip(jobs, taken, repeats, strict=True):
             times.append(1e6 * _seconds(job, times_over) / job.count)
-    return [Timing(statistics.median(times), min(times)) for times in taken]
+    return [JobTiming(statistics.median(times), min(times)) for times in taken]
 
 
-def _seconds(job: Job, repeats: int) -> float:
+def _seconds(job: BenchJob, repeats: int) -> float:
     """Processor seconds of one call, the mean over ``repeats``."""
     start = time.process_time()
     for _ in range(repeats):

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from studio.cli.library_options import library_with_clips
 from studio.cli.live_stage import run_live_stage
 from studio.cli.printing import STOPPED
-from studio.core.normalized.pieces import Piece
+from studio.core.normalized.pieces import MotionPiece
 from studio.io.importing import GUESS_ALL
 from studio.jobs.adaptation import chosen_characters, ready_capture
 from studio.library.mirroring import with_mirrored
@@ -69,12 +69,12 @@ def rehearse(fighter: Fighter) -> None:
     fight(double, lambda now: swaying(now, double.body.stature), orders_every(0.1, [ANY_STRIKE]), 1.0)
 
 
-def guard_of(path: Path | None) -> Piece:
+def guard_of(path: Path | None) -> MotionPiece:
     """What is played between blows: the first moments of a capture."""
     ready = ready_capture(path or example_captures_folder() / GUARD, GUESS_ALL)
     first = ready.capture.first_frame
     last = min(first + round(GUARD_SECONDS * ready.motion.frame_rate), ready.motion.frame_count - 1)
-    return Piece(ready.motion, ready.contacts, first, last)
+    return MotionPiece(ready.motion, ready.contacts, first, last)
 
 
 def target_of(arguments: Namespace, inbox: Inbox, stature: float, stack: ExitStack) -> Callable[[float], FloatArray]:

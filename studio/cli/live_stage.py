@@ -12,6 +12,7 @@ from studio.cli.printing import STOPPED, print_json, print_table
 from studio.core.constraints.base import Constraint
 from studio.core.errors import StudioError
 from studio.core.project import Project
+from studio.core.solver.report import FULLY_ACTIVE
 from studio.jobs.adapt_report import REACHED_DEG, REACHED_MM, Record, residual_record
 from studio.jobs.bundled_scenes import open_project
 from studio.jobs.performances import prepared
@@ -19,11 +20,10 @@ from studio.live.stage import LiveStage
 from studio.startup.kernel_warm_up import compile_first
 
 STEP = 1.0 / 60.0
-FULLY = 1.0 - 1e-9
 
 
 @dataclass
-class Held:
+class ConstraintTally:
     """How often a constraint was asked for fully, and met, and by how much it was missed at most."""
 
     constraint: Constraint
@@ -46,14 +46,14 @@ class Held:
 
 
 @dataclass
-class Part:
+class PerformerTally:
     """What became of one performer."""
 
     name: str
     steps: int = 0
     takeovers: int = 0
     states: dict[str, int] = field(default_factory=dict)
-    held: dict[str, Held] = field(default_factory=dict)
+    held: dict[str, ConstraintTally] = field(default_factory=dict)
     failure: str = ""
 
     @property
@@ -90,7 +90,7 @@ def played(project: Project, seconds: float, presses: Iterable[tuple[float, str]
     Ctrl-C ends it early, with the report of the steps until then.
     """
     stage, waiting = LiveStage(project, prepared), list(presses)
-    parts = {key: Part(each.name) for key, each in project.performers.items() if each.visible and each.clips}
+    parts = {key: PerformerTally(each.name) for key, each in project.performers.items() if each.visible and each.clips}
     if not parts:
         raise StudioError("Nobody who is shown plays anything: there is nothing to play live.")
     stage.step(0.0)
@@ -120,7 +120,7 @@ def played(project: Project, seconds: float, presses: Iterable[tuple[float, str]
     }
 
 
-def _note(stage: LiveStage, parts: dict[str, Part]) -> None:
+def _note(stage: LiveStage, parts: dict[str, PerformerTally]) -> None:
     """Add one step to what is known of everybody."""
     for key, part in parts.items():
         part.failure = stage.failures.get(key, part.failure)
@@ -132,8 +132,8 @@ def _note(stage: LiveStage, parts: dict[str, Part]) -> None:
             state = stage.running[key].state
             part.states[state] = part.states.get(state, 0) + 1
         for (name, constraint, share), miss in zip(stage.asked(key), result.residuals[:, 0], strict=True):
-            if name and share >= FULLY and np.isfinite(miss):
-                part.held.setdefault(name, Held(constraint)).add(float(miss))
+            if name and share >= FULLY_ACTIVE and np.isfinite(miss):
+                part.held.setdefault(name, ConstraintTally(constraint)).add(float(miss))
 
 
 def print_report(report: Record) -> None:

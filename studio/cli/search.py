@@ -10,7 +10,7 @@ from studio.cli.printing import print_json, print_table
 from studio.core.errors import StudioError
 from studio.io.importing import GUESS_ALL
 from studio.jobs.adaptation import chosen_characters, ready_capture
-from studio.library.searching import Asked, Result, find, place_before
+from studio.library.searching import Result, StrikeQuery, find, place_before
 
 
 def run(arguments: Namespace) -> int:
@@ -24,7 +24,7 @@ def run(arguments: Namespace) -> int:
     return 0
 
 
-def asked_by(arguments: Namespace) -> Asked:
+def asked_by(arguments: Namespace) -> StrikeQuery:
     """The arguments as the library takes them. Raises StudioError for a frame beyond the end."""
     ready = ready_capture(arguments.capture, GUESS_ALL)
     motion, frame = ready.motion, arguments.frame
@@ -35,7 +35,7 @@ def asked_by(arguments: Namespace) -> Asked:
     if not own:
         body = next(iter(chosen_characters([arguments.character]).values())).morphology
     pose = replace(motion, channels=motion.channels[frame : frame + 1])
-    return Asked(
+    return StrikeQuery(
         pose,
         body,
         place_before(pose, body, arguments.target),

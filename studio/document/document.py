@@ -11,7 +11,7 @@ from studio.core.project import Project
 from studio.document.commands.replace import Edit, ReplaceValue
 from studio.document.editing import EditedProject
 from studio.document.file_lock import FileLock
-from studio.document.journal import Journal, StateHash, Step
+from studio.document.journal import Journal, JournalEntry, StateHash
 from studio.document.recovery import Session, mark_recovered, recover
 from studio.io.project.archive import Stamp
 from studio.io.project.project_file import (
@@ -252,7 +252,7 @@ class Document(EditedProject):
 
     def _recorded(self, edits: tuple[Edit, ...], verb: str, text: str, gesture: int | None) -> None:
         if self.journal is not None:
-            self.journal.record(Step(verb, edits, text, gesture, self.project))
+            self.journal.record(JournalEntry(verb, edits, text, gesture, self.project))
             self._keep_playhead()
             self.saved_state_changed.emit()
 
@@ -264,7 +264,7 @@ class Document(EditedProject):
         if self.journal is not None and not self.playhead.playing:
             self.journal.stand(self.playhead.state)
 
-    def _replay(self, steps: tuple[Step, ...]) -> None:
+    def _replay(self, steps: tuple[JournalEntry, ...]) -> None:
         for step in steps:
             match step.verb:
                 case "undo":

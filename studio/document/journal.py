@@ -43,7 +43,7 @@ CREATE TABLE saves (number INTEGER, path TEXT, state TEXT);
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class JournalEntry:
     """One thing that happened: ``verb`` is ``edit``, ``undo`` or ``redo``; ``project`` is the state after it."""
 
     verb: str
@@ -63,7 +63,7 @@ class _Save:
 @dataclass(frozen=True, eq=False)
 class _Numbered:
     number: int
-    step: Step
+    step: JournalEntry
 
 
 _Item = _Numbered | _Save | PlayheadState | str
@@ -132,7 +132,7 @@ class Journal(QObject):
             return f"All changes backed up - {self.recorded} edit{'' if self.recorded == 1 else 's'}"
         return f"Backing up - {self.acknowledged} of {self.recorded} edits"
 
-    def record(self, step: Step) -> None:
+    def record(self, step: JournalEntry) -> None:
         """Write a step as soon as may be; does not wait."""
         self.recorded += 1
         self.unsaved = True
@@ -302,7 +302,7 @@ class Journal(QObject):
         self.acknowledged, self._stopped = done, False
         self.acknowledged_changed.emit()
 
-    def _insert(self, connection: sqlite3.Connection, number: int, step: Step) -> None:
+    def _insert(self, connection: sqlite3.Connection, number: int, step: JournalEntry) -> None:
         members: Members = {}
         # One by one: an import brings thousands of contacts, and JSON is made under Python's lock.
         edits = ",".join(json.dumps(edit_record(edit, members)) for edit in step.edits)

@@ -12,7 +12,7 @@ from studio.core.errors import StudioError
 from studio.core.project import Project
 from studio.document.commands.replace import Edit, applied
 from studio.document.file_lock import FileLock
-from studio.document.journal import StateHash, Step, files_of, lock_of, remove_session, steps_of
+from studio.document.journal import JournalEntry, StateHash, files_of, lock_of, remove_session, steps_of
 from studio.document.playhead import PlayheadState
 from studio.io.npy import array_of
 from studio.io.project.archive import Stamp
@@ -54,7 +54,7 @@ class Recovered:
 
     project: Project
     base: Project
-    steps: tuple[Step, ...]
+    steps: tuple[JournalEntry, ...]
     problems: tuple[str, ...] = ()
     playhead: PlayheadState | None = None
     """Where the user stood; None where the session says nothing of it."""
@@ -268,7 +268,7 @@ def _replayed(base: Project | None, rows: list[Any], load: Any, hashes: StateHas
     if base is None:
         return None
     project = base
-    steps: list[Step] = []
+    steps: list[JournalEntry] = []
     for number, verb, text, gesture, content, state in rows:
         try:
             edits = tuple(_edit(record, project, load) for record in json.loads(content))
@@ -279,7 +279,7 @@ def _replayed(base: Project | None, rows: list[Any], load: Any, hashes: StateHas
             problem = f"Edits from number {number} on ('{text}') could not be recovered: {error}."
             return Recovered(project, base, tuple(steps), (problem,))
         project = after
-        steps.append(Step(verb, edits, text, gesture, project))
+        steps.append(JournalEntry(verb, edits, text, gesture, project))
     return Recovered(project, base, tuple(steps))
 
 

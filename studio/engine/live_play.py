@@ -31,7 +31,7 @@ LONGEST = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class Moment:
+class StageSnapshot:
     """One step of the stage: a frame of every performer, to be read by ``staged``, and in which states they are."""
 
     seconds: float
@@ -65,7 +65,7 @@ class LivePlay(QObject):
         """It begins once it is ``ready``: what a step calls has been compiled."""
         super().__init__(parent)
         self._ready = ready
-        self.moment: Moment | None = None
+        self.moment: StageSnapshot | None = None
         self.recording = False
         self._document, self._prepare = document, prepare
         self._worker: _Worker | None = None
@@ -193,7 +193,7 @@ class _Worker:
         self.project = stage.project
         self.orders: deque[Callable[[LiveStage], None]] = deque()
         self._stage, self._made, self._broken = stage, made, broken
-        self._newest: Moment | None = None
+        self._newest: StageSnapshot | None = None
         self._seen = True
         self.drawn = threading.Event()
         """Set when a picture of the last step is made."""
@@ -207,7 +207,7 @@ class _Worker:
         self._stopped.set()
         join_all([self._thread], PATIENCE)
 
-    def take(self) -> Moment | None:
+    def take(self) -> StageSnapshot | None:
         """The newest moment."""
         self._seen = True
         return self._newest
@@ -242,11 +242,11 @@ class _Worker:
             if not self._stopped.is_set():
                 self._broken(error)
 
-    def _step(self, dt: float) -> Moment:
+    def _step(self, dt: float) -> StageSnapshot:
         stage = self._stage
         stage.project = self.project
         while self.orders:
             self.orders.popleft()(stage)
         results = stage.step(dt)
         states = {key: each.state for key, each in stage.running.items()}
-        return Moment(stage.seconds, stage.staged, results, states, dict(stage.failures))
+        return StageSnapshot(stage.seconds, stage.staged, results, states, dict(stage.failures))

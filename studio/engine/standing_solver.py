@@ -52,7 +52,7 @@ class StandingSolver:
         from studio.core.solver.standing.lifted import lifted
         from studio.core.solver.standing.stand import standing_of
 
-        body, on = (request.motion, request.morphology), Carried.of(request)
+        body, on = (request.motion, request.morphology), GroundingKey.of(request)
         whole, partly = self._whole.get(body), self._partly.get(body)
         if whole is not None and whole.on == on:
             return whole.standing
@@ -74,18 +74,18 @@ class StandingSolver:
 
 
 @dataclass(frozen=True)
-class Carried:
+class GroundingKey:
     """All of a request that a standing depends on, but for motion and body."""
 
     ground: Ground
     rest: tuple[Any, ...]
 
     @staticmethod
-    def of(request: AdaptRequest) -> "Carried":
+    def of(request: AdaptRequest) -> "GroundingKey":
         bound = request.limited, request.clears
-        return Carried(request.ground, (request.contacts, request.volume, request.actor, *bound))
+        return GroundingKey(request.ground, (request.contacts, request.volume, request.actor, *bound))
 
-    def at_height(self, height: float) -> "Carried":
+    def at_height(self, height: float) -> "GroundingKey":
         """The same with its ground higher or lower."""
         return replace(self, ground=self.ground.at_height(height))
 
@@ -94,7 +94,7 @@ class Carried:
 class Kept:
     """Grounded motion of a body, in some ``windows`` or, None, in all frames."""
 
-    on: Carried
+    on: GroundingKey
     windows: Windows | None
     standing: "Standing"
 

@@ -18,7 +18,7 @@ from studio.core.captures.contacts import Touch
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Material
 from studio.core.mesh.joint_skin import JointSkin, bone_skin, character_skin
-from studio.core.normalized.actor import Actor
+from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.realize import own_poses
 from studio.core.rotations import IDENTITY
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -115,7 +115,7 @@ def take_of_adapted(
     adapted: AdaptedMotion,
     character: Character | None = None,
     request: AdaptRequest | None = None,
-    along: tuple[Capture, Actor] | None = None,
+    along: tuple[Capture, SourceRig] | None = None,
 ) -> Take:
     """An adapted motion on the skeleton of its body; ``name`` says in errors whose motion it is.
 
@@ -148,7 +148,7 @@ def take_of_adapted(
 
 def take_of_actor(
     adapted: AdaptedMotion,
-    actor: Actor,
+    actor: SourceRig,
     capture: Capture,
     request: AdaptRequest | None = None,
     place: Placement = NOWHERE,

@@ -19,7 +19,7 @@ class SourceMissing(StudioError):  # noqa: N818 - it names what is the case
 
 
 @dataclass(frozen=True)
-class Source:
+class SourceFile:
     """A file with the name and the content of a capture's source, or only with one of them."""
 
     path: Path
@@ -36,7 +36,7 @@ def digest_of(path: Path) -> str:
         raise StudioError(f"{path.name} could not be read: {error.strerror}. Check the file and try again.") from error
 
 
-def find_source(capture: Capture, known: Path | None, folders: Iterable[Path], progress: Progress) -> Source:
+def find_source(capture: Capture, known: Path | None, folders: Iterable[Path], progress: Progress) -> SourceFile:
     """The file with the content of a capture's source, else one of its name.
 
     Looked at are ``known``, where it lay, then files in ``folders`` and the folders in them: those of its name first,
@@ -53,11 +53,11 @@ def find_source(capture: Capture, known: Path | None, folders: Iterable[Path], p
         progress(place / (len(called) + len(files)), f"Looking for {name}")
         try:
             if path.stat().st_size <= LARGEST and digest_of(path) == digest:
-                return Source(path, digest)
+                return SourceFile(path, digest)
         except (OSError, StudioError):
             continue  # what cannot be read is not what is looked for
     if called:
-        return Source(called[0], digest_of(called[0]))
+        return SourceFile(called[0], digest_of(called[0]))
     raise SourceMissing(f"The source file of {capture.name} cannot be found. Relink it with File > Relink source…")
 
 

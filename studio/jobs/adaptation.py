@@ -14,7 +14,7 @@ from studio.core.captures.contacts import CONTACT_POINTS, ContactInterval
 from studio.core.errors import StudioError
 from studio.core.markers.cleaning import clean
 from studio.core.markers.take import mapped_labels
-from studio.core.normalized.actor import Actor
+from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import detected_contacts, normalize
 from studio.core.solver.request import AdaptedMotion
@@ -32,7 +32,7 @@ class ReadyCapture:
 
     capture: Capture
     motion: NormalizedMotion
-    actor: Actor
+    actor: SourceRig
     annotations: Annotations
 
     @property

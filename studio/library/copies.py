@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from studio.library.catalogue import CatalogueClip, Take
+from studio.library.catalogue import CatalogueClip, LibraryTake
 
 
-def takes_once(takes: Collection[Take], clips: Iterable[CatalogueClip]) -> set[int]:
+def takes_once(takes: Collection[LibraryTake], clips: Iterable[CatalogueClip]) -> set[int]:
     """The numbers of ``takes`` without copies: of equal ones that whose file is there, and that somebody labelled."""
     confirmed = Counter(clip.take for clip in clips if clip.label.confirmed)
     alike = defaultdict(list)

@@ -15,7 +15,7 @@ from studio.core.retrieval import SearchTable, pose_rows
 from studio.io.beside import read_bytes
 from studio.io.npy import stored_array, write_stored
 from studio.io.replacing import write_whole
-from studio.library.catalogue import Actor, Catalogue, CatalogueClip, Take
+from studio.library.catalogue import Actor, Catalogue, CatalogueClip, LibraryTake
 from studio.library.clips import ClipLabel, Kind
 from studio.library.copies import takes_once
 from studio.library.hitting import HitPath
@@ -35,7 +35,7 @@ class LibraryClip:
     number: int
     label: ClipLabel
     path: HitPath
-    take: Take
+    take: LibraryTake
     actor: Actor
 
     @property
@@ -100,7 +100,7 @@ class Library:
         return len(self.table.rows)
 
 
-def _with_take(clip: CatalogueClip, take: Take, actors: dict[int, Actor]) -> LibraryClip:
+def _with_take(clip: CatalogueClip, take: LibraryTake, actors: dict[int, Actor]) -> LibraryClip:
     return LibraryClip(clip.number, clip.label, clip.path, take, actors[take.actor])
 
 

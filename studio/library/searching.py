@@ -24,7 +24,7 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
+class StrikeQuery:
     """``pose`` a motion of one frame, the performer's now; ``place`` (3,) where to hit, in the same space on ``body``.
 
     ``limbs``, ``kinds`` and ``tags`` leave out clips that are of none of them, ``numbers`` those of other numbers;
@@ -79,7 +79,7 @@ def metres(length: float) -> str:
     return f"{100.0 * length:.0f} cm" if length < 1.0 else f"{length:.2f} m"
 
 
-def find(library: Library, asked: Asked, count: int = 8) -> list[Result]:
+def find(library: Library, asked: StrikeQuery, count: int = 8) -> list[Result]:
     """The ``count`` clips that fit best, the best first, each from its best frame; exact."""
     query, allowed = query_of(library, asked), allowed_clips(library, asked)
     if asked.in_box and len(library.clips):
@@ -87,7 +87,7 @@ def find(library: Library, asked: Asked, count: int = 8) -> list[Result]:
     return [_result(library, each) for each in search(library.table, query, count, allowed)]
 
 
-def query_of(library: Library, asked: Asked) -> Query:
+def query_of(library: Library, asked: StrikeQuery) -> Query:
     """The performer's pose on every actor, and the place scaled to each."""
     place = np.asarray(asked.place, dtype=np.float64)
     away = place - realize(asked.pose, asked.body)[0][0, 0]
@@ -103,7 +103,7 @@ def query_of(library: Library, asked: Asked) -> Query:
     return Query(poses, targets, asked.posture_weight, asked.reach_weight)
 
 
-def allowed_clips(library: Library, asked: Asked) -> NDArray[np.bool_]:
+def allowed_clips(library: Library, asked: StrikeQuery) -> NDArray[np.bool_]:
     """(C,) which clips are of what was asked."""
     labels = [(clip.number, clip.label) for clip in library.clips]
     return np.array(
@@ -137,7 +137,7 @@ def _result(library: Library, found: Found) -> Result:
     return Result(clip, start, hit, found.turn, found.posture, found.reach, found.cost)
 
 
-def laid_on(clip: LibraryClip, frame: int, asked: Asked) -> Result:
+def laid_on(clip: LibraryClip, frame: int, asked: StrikeQuery) -> Result:
     """A clip from a frame of its take on, as if it had been found for that pose: how turned, how far off."""
     motion, body = clip.take.motion, clip.actor.body
     frame = min(frame, clip.path.first)
@@ -147,7 +147,7 @@ def laid_on(clip: LibraryClip, frame: int, asked: Asked) -> Result:
     return Result(clip, frame, clip.label.hit, float(turn), float(posture), 0.0, float(posture))
 
 
-def outline(found: Result, asked: Asked) -> FloatArray:
+def outline(found: Result, asked: StrikeQuery) -> FloatArray:
     """(T, K+23, 3) a result from its start to its hit on the body that asked, laid on its pose in the pose's own space.
 
     A sketch of what would play: nothing is solved, and the hit passes the place as the reasons say.

@@ -19,14 +19,14 @@ from studio.core.constraints.target import Place
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.compose import Composite, compose
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.pieces import Piece
+from studio.core.normalized.pieces import MotionPiece
 from studio.core.solver.adapt import adapt, hold
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import stand
 from studio.core.stage.clip import Clip
 from studio.core.stage.scope import Scope
 from studio.library.clips import ClipLabel, Limb, hit_point
-from studio.library.searching import Asked, Result, metres
+from studio.library.searching import Result, StrikeQuery, metres
 
 CHAIN = Chain(limb=1.0, clavicle=1.0, trunk=0.6, root=0.4)
 """What of the body may help a limb to reach: P09 goes on from the limb to the trunk and the root."""
@@ -64,10 +64,10 @@ class Blow:
         """From its start to its hit."""
         return (self.hit - self.start) / self.motion.frame_rate
 
-    def piece(self, begins: float) -> Piece:
+    def piece(self, begins: float) -> MotionPiece:
         """What of it plays from ``begins`` seconds on; it has taken over some time before it hits."""
         ease = min(EASED_IN * self.seconds, 1.0)
-        return Piece(self.motion, self.contacts, self.start, self.last, begins, ease=ease)
+        return MotionPiece(self.motion, self.contacts, self.start, self.last, begins, ease=ease)
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +93,7 @@ class Strike:
         return adapt(self.request(target))
 
 
-def make_strike(playing: Piece, at_frame: int, blow: Blow, body: Morphology, target: Place) -> Strike:
+def make_strike(playing: MotionPiece, at_frame: int, blow: Blow, body: Morphology, target: Place) -> Strike:
     """Let ``blow`` take over from ``playing`` at its frame ``at_frame``, and hit ``target``.
 
     ``target`` lies in the space of the motion that plays, on ``body``; it may be keyed or follow something.
@@ -129,19 +129,19 @@ class Tried:
         return (*self.found.reasons, "meets it" if self.hits else f"falls {metres(self.missed)} short")
 
 
-def tried(found: Sequence[Result], asked: Asked) -> list[Tried]:
+def tried(found: Sequence[Result], asked: StrikeQuery) -> list[Tried]:
     """What hits before what does not, each in the order of ``found``."""
     all_tried = [Tried(each, missed_by(each, asked)) for each in found]
     return sorted(all_tried, key=lambda each: not each.hits)
 
 
-def missed_by(found: Result, asked: Asked) -> float:
+def missed_by(found: Result, asked: StrikeQuery) -> float:
     """Metres by which the hit misses the place although all is done to meet it, from the pose that was asked on."""
     pose, place = asked.pose, np.asarray(asked.place, dtype=np.float64)
     held = replace(pose, channels=np.repeat(pose.channels, round(HELD * pose.frame_rate), axis=0))
     x, y, z = place.tolist()
     last = held.frame_count - 1
-    made = make_strike(Piece(held, (), 0, last), last, Blow.of(found), asked.body, (x, y, z))
+    made = make_strike(MotionPiece(held, (), 0, last), last, Blow.of(found), asked.body, (x, y, z))
     standing = stand(made.composite.motion, asked.body, made.composite.contacts, Ground())
     return float(hold(standing, [made.constraint], made.hit, made.hit).residuals[0, 0])
 

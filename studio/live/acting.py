@@ -18,7 +18,7 @@ from studio.core.stage.conditions import Senses
 from studio.core.stage.manners import asked_by
 from studio.core.stage.placement import Placement
 from studio.core.stage.scope import Scope
-from studio.core.stage.whom import Gap, Whom, followed_by
+from studio.core.stage.whom import DistanceMeasure, Whom, followed_by
 
 FloatArray = NDArray[np.float64]
 
@@ -36,7 +36,7 @@ class Act:
 
 
 @dataclass(frozen=True)
-class Seen:
+class StageView:
     """The stage as it was seen last, at ``seconds``, and where each performer is in its behaviour."""
 
     project: Project
@@ -65,7 +65,7 @@ class Seen:
         offset = np.array(follow.offset) + np.array(follow.share) * np.array(prop.size) / 2
         return np.asarray(track.places[0] + track.rotations[0] @ offset)
 
-    def unit_of(self, gap: Gap, role: Role) -> float:
+    def unit_of(self, gap: DistanceMeasure, role: Role) -> float:
         """Metres in which a gap is counted in a role: one, or the mean leg length of both."""
         if not gap.legs:
             return 1.0
@@ -97,12 +97,12 @@ def act_of(state: State, role: Role, blend: float, playing: Clip, frame: int, fr
     return Act(clip, tuple(replace(each, scope=Scope(role.performer_id)) for each in asked))
 
 
-def senses_of(seen: Seen, behaviour: Behaviour, role: Role, heard: Senses) -> Senses:
+def senses_of(seen: StageView, behaviour: Behaviour, role: Role, heard: Senses) -> Senses:
     """What a performer senses: ``heard``, and how far all is that its state asks about, where all were last.
 
     ``heard.gaps`` is not looked at; a gap to who is not there is left out.
     """
-    gaps: dict[Gap, float] = {}
+    gaps: dict[DistanceMeasure, float] = {}
     for gap in behaviour.gaps_from(seen.running[role.performer_id].state):
         own = seen.place_of(FollowPerformer(role.performer_id, gap.point), role)
         other = seen.place_of(gap.whom, role)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.morphology import Morphology
 from studio.library.clips import Kind, Limb
-from studio.live.fighter import Fighter, Hit
+from studio.live.fighter import Fighter, StrikeOutcome
 
 FloatArray = NDArray[np.float64]
 Order = tuple[tuple[Limb, ...], tuple[Kind, ...]]
@@ -27,7 +27,7 @@ ANY_STRIKE: Order = ((), ())
 class FightReport:
     """Of the whole fight: strikes, and ``latencies`` in seconds from an order to the first frame that differs."""
 
-    hits: list[Hit]
+    hits: list[StrikeOutcome]
     latencies: list[float] = field(default_factory=list)
     slowest_frame: float = 0.0
     frames: int = 0

@@ -24,13 +24,13 @@ from studio.core.normalized.compose import Composite, compose
 from studio.core.normalized.encode import encode
 from studio.core.normalized.joining import Planar
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.pieces import Piece
+from studio.core.normalized.pieces import MotionPiece
 from studio.core.solver.adapt import hold
 from studio.core.solver.standing.stand import Standing, stand
 from studio.library.clips import Kind, Limb
 from studio.library.hitting import hit_places, limb_root
 from studio.library.library import Library
-from studio.library.searching import Asked, Result, find
+from studio.library.searching import Result, StrikeQuery, find
 from studio.library.striking import Blow, Strike, strike_in
 from studio.live.keeping import STEP_SECONDS
 from studio.live.takeover import SEEN, Takeover, take_over
@@ -53,7 +53,7 @@ STEPS_UP = 3
 """Steps at most that it takes towards a target that no strike meets, before it strikes all the same."""
 
 
-class State(StrEnum):
+class FighterState(StrEnum):
     """What a fighter does."""
 
     GUARD = "guard"
@@ -67,7 +67,7 @@ class Plan:
     with what makes it hit.
     """
 
-    state: State
+    state: FighterState
     standing: Standing
     first: int
     blow: Blow | None = None
@@ -83,7 +83,7 @@ class Plan:
 class Coming:
     """A plan in the making: what takes over, not yet led on from where the body is when it does."""
 
-    state: State
+    state: FighterState
     takes: Takeover
     found: Result | None = None
     strike: Strike | None = None
@@ -119,7 +119,7 @@ class Begins:
 
 
 @dataclass(frozen=True)
-class Hit:
+class StrikeOutcome:
     """What became of a strike: seconds of the fight, limb, metres by which it missed, metres of bending it took.
 
     ``apart`` is how far the target was from shoulder or hip, in lengths of the arm or leg without hand or foot.
@@ -143,12 +143,12 @@ class Fighter:
 
     library: Library
     body: Morphology
-    guard: Piece
+    guard: MotionPiece
     distance: float = 1.05
     executor: Executor | None = None
     follows: bool = True
     frames_played: int = 0
-    hits: list[Hit] = field(default_factory=list)
+    hits: list[StrikeOutcome] = field(default_factory=list)
     _wanted: Future[Coming] | None = None
     _order: tuple[Sequence[Limb], Sequence[Kind]] | None = None
     """What was asked for and is not under way yet."""
@@ -164,7 +164,7 @@ class Fighter:
         span = self.guard.first, self.guard.last
         cut = NormalizedMotion("guard", whole.motion.frame_rate, whole.motion.channels[span[0] : span[1] + 1].copy(),
                                whole.motion.spine_places)  # fmt: skip
-        self.plan = Plan(State.GUARD, stand(cut, self.body, _cut(whole.contacts, *span), Ground()), 0)
+        self.plan = Plan(FighterState.GUARD, stand(cut, self.body, _cut(whole.contacts, *span), Ground()), 0)
         self.rate = cut.frame_rate
         """Frames a second, whatever the rate of what it plays."""
         self._places = deque(maxlen=1 + round(OF_LATE * self.rate))
@@ -194,7 +194,7 @@ class Fighter:
 
         Who is too far off for any blow that was asked for steps up to the target first.
         """
-        if self._order is not None or self.plan.state is State.STRIKE:
+        if self._order is not None or self.plan.state is FighterState.STRIKE:
             return False
         self._order, self._steps_left = (limbs, kinds), STEPS_UP
         self._ask(np.array(target, dtype=np.float64))
@@ -207,7 +207,7 @@ class Fighter:
         if self._order is not None and self._wanted is None and self._played_for(STEP_SECONDS):
             self._ask(place)
         self._take_plan()
-        if self.frame >= self.plan.last or (self.plan.state is State.GUARD and self._stands_wrong(place)):
+        if self.frame >= self.plan.last or (self.plan.state is FighterState.GUARD and self._stands_wrong(place)):
             self._go_on(self._next(place))
         plan, frame = self.plan, self.frame
         asked = [] if plan.constraint is None else [self._aimed(plan.constraint, place)]
@@ -244,7 +244,7 @@ class Fighter:
         if made.takes.standing.morphology is not self.body:  # the character was changed meanwhile
             self._ask(self._places[-1])
             return
-        if made.state is State.STEP:
+        if made.state is FighterState.STEP:
             self._steps_left -= 1
         else:
             self._order = None
@@ -259,23 +259,25 @@ class Fighter:
     def _next(self, place: FloatArray) -> Coming:
         turn, offset = self._correction(place)
         wrong = abs(turn) > TURNED_ENOUGH or float(np.hypot(*offset)) > NEAR_ENOUGH
-        state, piece = (State.STEP, self._stepping(turn, offset)) if wrong else (State.GUARD, self._guarding)
+        state, piece = (
+            (FighterState.STEP, self._stepping(turn, offset)) if wrong else (FighterState.GUARD, self._guarding)
+        )
         return self._coming(state, Begins(self.plan.standing, self._rows, place, np.zeros(3)), piece)
 
     @property
-    def _guarding(self) -> Piece:
+    def _guarding(self) -> MotionPiece:
         return replace(self.guard, start=0.0, ease=CALMING)
 
-    def _stepping(self, turn: float, offset: FloatArray) -> Piece:
+    def _stepping(self, turn: float, offset: FloatArray) -> MotionPiece:
         own = Planar(turn, (float(offset[0]), float(offset[1])))
         return replace(self.guard, start=0.0, own=own, ease=STEP_SECONDS)
 
-    def _step_up(self, place: FloatArray) -> Piece | None:
+    def _step_up(self, place: FloatArray) -> MotionPiece | None:
         """What it plays to come nearer to a place; None where it is not too far off."""
         turn, offset = self._correction(place)
         return self._stepping(turn, offset) if self._apart(place) - self.distance > NEAR_ENOUGH else None
 
-    def _strike(self, begins: Begins, limbs: Sequence[Limb], kinds: Sequence[Kind], step: Piece | None) -> Coming:
+    def _strike(self, begins: Begins, limbs: Sequence[Limb], kinds: Sequence[Kind], step: MotionPiece | None) -> Coming:
         """The first of the best blows that will meet the target, else the nearest; a ``step`` up where there is one and
         the best does not.
         """
@@ -283,7 +285,7 @@ class Fighter:
         pose = encode(before.positions[last], before.rotations[last], self.body, self.rate, "shown")
         found = find(
             self.library,
-            Asked(pose, self.body, begins.place_in(USUAL_BLOW), limbs, kinds),
+            StrikeQuery(pose, self.body, begins.place_in(USUAL_BLOW), limbs, kinds),
             TRIED if step is None else 1,
         )
         nearest, missed = None, math.inf
@@ -294,17 +296,17 @@ class Fighter:
             if missed < MET:
                 break
         if nearest is None:
-            return self._coming(State.GUARD, begins, self._guarding)
-        return nearest if step is None or missed < MET else self._coming(State.STEP, begins, step)
+            return self._coming(FighterState.GUARD, begins, self._guarding)
+        return nearest if step is None or missed < MET else self._coming(FighterState.STEP, begins, step)
 
     def _blow(self, begins: Begins, found: Result) -> Coming:
         blow = Blow.of(found)
         x, y, z = begins.place_in(blow.seconds).tolist()
-        coming = self._coming(State.STRIKE, begins, blow.piece(0.0))
+        coming = self._coming(FighterState.STRIKE, begins, blow.piece(0.0))
         strike = strike_in(coming.takes.composite, coming.takes.first, blow, self.body, (x, y, z))
         return replace(coming, found=found, strike=strike)
 
-    def _coming(self, state: State, begins: Begins, piece: Piece) -> Coming:
+    def _coming(self, state: FighterState, begins: Begins, piece: MotionPiece) -> Coming:
         def stood(whole: Composite) -> Standing:
             return stand(whole.motion, self.body, whole.contacts, Ground())
 
@@ -370,7 +372,9 @@ class Fighter:
         bones = (self.body.arm if label.limb.is_arm else self.body.leg)[label.limb.side]
         away = positions[0, limb_root(self.body.layout, label.limb)] - target
         apart = float(np.linalg.norm(away) / bones.sum())
-        self.hits.append(Hit(self.frames_played / self.rate, label.limb, label.kind, missed, self._reach, apart))
+        self.hits.append(
+            StrikeOutcome(self.frames_played / self.rate, label.limb, label.kind, missed, self._reach, apart)
+        )
 
 
 def _cut(contacts: Sequence[ContactInterval], first: int, last: int) -> tuple[ContactInterval, ...]:

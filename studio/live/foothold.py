@@ -50,7 +50,7 @@ class FootPose(NamedTuple):
 
 
 @dataclass
-class Follower:
+class DampedHeight:
     """A height that follows another one, critically damped."""
 
     value: float
@@ -81,7 +81,7 @@ class Foothold:
     body: Morphology
     side: int
     ground: Ground
-    climb: Follower
+    climb: DampedHeight
     """The height of the ground under it, smoothed."""
     state: int = 0
     """What stands, in bits as ``kernels.support.sole`` has them."""

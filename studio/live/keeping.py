@@ -13,7 +13,7 @@ from studio.core.stage.behaviour import Role, State
 from studio.core.stage.manners import KeepDistance
 from studio.core.stage.placement import Placement
 from studio.core.stage.whom import PELVIS, followed_by
-from studio.live.acting import Act, Seen
+from studio.live.acting import Act, StageView
 
 FloatArray = NDArray[np.float64]
 
@@ -27,7 +27,7 @@ SETTLING = 0.3
 """Seconds after something has begun, and after a step, in which nobody steps."""
 
 
-def step_of(seen: Seen, key: str, act: Act, composite: Composite, frame: int) -> Act | None:
+def step_of(seen: StageView, key: str, act: Act, composite: Composite, frame: int) -> Act | None:
     """What a performer begins to play so that it stands as its state wants; None where it stands well.
 
     It plays ``frame`` of the ``composite`` that ``act`` let it play.
@@ -67,7 +67,7 @@ def _stance(act: Act, composite: Composite, frame: int) -> float:
     return float(np.median(yaws)) * (-1.0 if act.clip.mirrored else 1.0)
 
 
-def _comes_too(seen: Seen, key: str, kept: KeepDistance, role: Role) -> bool:
+def _comes_too(seen: StageView, key: str, kept: KeepDistance, role: Role) -> bool:
     """Whether the one whom it keeps off keeps off it as well: then each goes half of the way."""
     whom = followed_by(kept.whom, role.partner_id)
     found = seen.state_of(whom.performer_id) if isinstance(whom, FollowPerformer) else None

@@ -15,7 +15,7 @@ from studio.core.solver.request import AdaptRequest
 from studio.core.solver.standing.footing import Footing, leg_extensions, reach_relaxation
 from studio.core.solver.standing.raised_arms import raise_arms
 from studio.core.solver.standing.stand import Standing
-from studio.live.foothold import Follower, Foothold, FootPose
+from studio.live.foothold import DampedHeight, Foothold, FootPose
 
 FloatArray = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ class Planted:
         self._feet: tuple[Foothold, ...] = ()
         self._seconds = -math.inf
         self._low = self._lowest = math.inf
-        self._floor = Follower(0.0)
+        self._floor = DampedHeight(0.0)
 
     @property
     def states(self) -> tuple[int, ...]:
@@ -57,8 +57,8 @@ class Planted:
         positions, rotations = realize(request.motion, body)
         if begins:
             self._low = self._lowest = math.inf
-            self._floor = Follower(0.0)
-            self._feet = tuple(Foothold(body, side, request.ground, Follower(0.0)) for side in range(2))
+            self._floor = DampedHeight(0.0)
+            self._feet = tuple(Foothold(body, side, request.ground, DampedHeight(0.0)) for side in range(2))
         own = [_posed(foot, positions, rotations) for foot in self._feet]
         low = self._low_of(own, dt) - self._floor.value
         positions[:, :, 2] -= self._floor_under(own, dt)

@@ -27,7 +27,7 @@ def write_recording(path: Path, packets: Iterable[tuple[float, bytes]]) -> None:
 
 
 @dataclass(frozen=True)
-class Recording:
+class PacketRecording:
     """The whole datagrams of a file, in order, with the seconds at which they came."""
 
     packets: tuple[tuple[float, bytes], ...]
@@ -38,7 +38,7 @@ class Recording:
         return iter(self.packets)
 
 
-def read_recording(path: Path) -> Recording:
+def read_recording(path: Path) -> PacketRecording:
     """A recording up to where it is damaged or cut off. Raises StudioError where the file is no recording."""
     data, at = read_bytes(path), len(_MAGIC)
     if not data.startswith(_MAGIC):
@@ -54,7 +54,7 @@ def read_recording(path: Path) -> Recording:
     problem = ""
     if at < len(data):
         problem = f"{path.name} is damaged or cut off at byte {at}; the {len(packets)} packets before it are played."
-    return Recording(tuple(packets), problem)
+    return PacketRecording(tuple(packets), problem)
 
 
 class Recorder:

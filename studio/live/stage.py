@@ -29,10 +29,10 @@ from studio.core.stage.behaviour import Running, advance, begun
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import Senses
 from studio.core.stage.placement import Placement
-from studio.live.acting import Act, Seen, act_of, senses_of
+from studio.live.acting import Act, StageView, act_of, senses_of
 from studio.live.keeping import step_of
 from studio.live.playing import Playing, asked_anew, own_row, restood, taken_over
-from studio.live.take import Begun, Take
+from studio.live.take import Begun, StageTake
 
 Expected = dict[FollowPerformer, NDArray[np.float64]]
 
@@ -127,12 +127,12 @@ class LiveStage:
         self._recorded_from, self._given = self.seconds, [(self.seconds, self.project)]
         self._recorded = [(key, part.begun) for key, part in self._parts.items() if part.begun is not None]
 
-    def recorded(self) -> Take | None:
+    def recorded(self) -> StageTake | None:
         """What was played since ``record``; None where nothing was recorded. The recording ends."""
         recorded, self._recorded = self._recorded, None
         if recorded is None:
             return None
-        return Take(self._recorded_from, self.seconds, tuple(recorded), tuple(self._given))
+        return StageTake(self._recorded_from, self.seconds, tuple(recorded), tuple(self._given))
 
     def step(self, dt: float) -> Mapping[str, AdaptedMotion]:
         """``dt`` seconds later: one frame of every performer that is seen, by its id."""
@@ -223,7 +223,7 @@ class LiveStage:
         """Let behaviours go on: who comes into another state wishes to play what that lets it play, or to step."""
         events, self._events = self._events, {}
         sent, keys, self._sent, self._keys = self._sent, self._keys, frozenset(), frozenset()
-        seen = Seen(self.project, self.results, dict(self.running), self.seconds)
+        seen = StageView(self.project, self.results, dict(self.running), self.seconds)
         for key, part in self._parts.items():
             behaviour = self.project.behaviours.get(self.project.behaviour_of(key) or "")
             role = behaviour.role_of(key) if behaviour else None

@@ -34,7 +34,7 @@ def packets_of(positions: FloatArray, rotations: FloatArray, body: Morphology, s
 
 
 @dataclass(frozen=True, eq=False)
-class Shown:
+class StreamedPose:
     """A body as a picture shows it, to be sent to ``port``: positions (K+23, 3) and rotations (K+18, 3, 3)."""
 
     port: int
@@ -52,12 +52,12 @@ class Broadcast:
 
     def __init__(self, address: str = LOOPBACK) -> None:
         self.problem, self.sent, self._address = "", 0, address
-        self._newest: tuple[float, list[Shown]] | None = None
+        self._newest: tuple[float, list[StreamedPose]] | None = None
         self._waiting, self._stopped = threading.Event(), False
         self._thread = threading.Thread(target=self._send, name="live-output", daemon=True)
         self._thread.start()
 
-    def show(self, bodies: list[Shown], seconds: float) -> None:
+    def show(self, bodies: list[StreamedPose], seconds: float) -> None:
         """Send these next."""
         self._newest = seconds, bodies
         self._waiting.set()

@@ -40,7 +40,7 @@ class Begun:
 
 
 @dataclass(frozen=True, eq=False)
-class Take:
+class StageTake:
     """From ``begin`` to ``end`` seconds of the stage: what each performer began, and the projects that were given."""
 
     begin: float
@@ -60,7 +60,7 @@ class Recorded:
 
 
 def edits_of(
-    take: Take,
+    take: StageTake,
     project: Project,
     motion_of: Callable[[str], NormalizedMotion],
     names: Iterator[str],
@@ -85,7 +85,7 @@ def edits_of(
 
 
 def _row(
-    take: Take,
+    take: StageTake,
     key: str,
     project: Project,
     motion_of: Callable[[str], NormalizedMotion],
@@ -151,7 +151,7 @@ def _contacts(recorded: Sequence[Recorded], project: Project, names: Iterator[st
     ]
 
 
-def _constraints(take: Take, recorded: Sequence[Recorded], project: Project, names: Iterator[str]) -> list[Edit]:
+def _constraints(take: StageTake, recorded: Sequence[Recorded], project: Project, names: Iterator[str]) -> list[Edit]:
     """What is asked of the clips: what was asked of their sources alone, what behaviours asked, targets that moved."""
     edits: list[Edit] = []
     moved = _moved(take, project)
@@ -184,7 +184,7 @@ Path = list[tuple[float, Vector]]
 """Seconds of the stage, and where a target was from then on."""
 
 
-def _moved(take: Take, project: Project) -> dict[str, Path]:
+def _moved(take: StageTake, project: Project) -> dict[str, Path]:
     """The targets that were moved while it was recorded, by the constraints' ids."""
     paths: dict[str, Path] = {}
     for key in project.constraints:

@@ -16,7 +16,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.normalized.compose import Composite, go_on, led_on
 from studio.core.normalized.encode import encode
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.pieces import Piece
+from studio.core.normalized.pieces import MotionPiece
 from studio.core.solver.standing.inertialisation import Stance, led_from
 from studio.core.solver.standing.stand import Standing, stand
 
@@ -46,7 +46,7 @@ class Takeover:
 
 
 def take_over(
-    before: Standing, rows: NDArray[np.int64], pieces: Sequence[Piece], stood: Callable[[Composite], Standing]
+    before: Standing, rows: NDArray[np.int64], pieces: Sequence[MotionPiece], stood: Callable[[Composite], Standing]
 ) -> Takeover:
     """What ``pieces`` are that begin behind the frames ``rows`` (``SEEN``,) of ``before``; ``stood`` on the ground."""
     begins, ease = pieces[0].start, pieces[0].ease
@@ -58,7 +58,7 @@ def take_over(
     return Takeover(composite, stood(composite), round(composite.timing.frame_at(begins)), ease)
 
 
-def _shown(before: Standing, rows: NDArray[np.int64], start: float) -> Piece:
+def _shown(before: Standing, rows: NDArray[np.int64], start: float) -> MotionPiece:
     """Frames of what played, on the level floor, as a piece that ends where ``start`` begins.
 
     They are held: a foot that stands is found where it stands, whatever comes next does with it.
@@ -76,7 +76,7 @@ def _shown(before: Standing, rows: NDArray[np.int64], start: float) -> Piece:
     motion = replace(seen, channels=held)
     last = len(held) - 1
     stands = tuple(replace(each, first=0, last=last) for each in standing.contacts if each.first <= frame <= each.last)
-    return Piece(motion, stands, 0, last, start - len(held) / rate)
+    return MotionPiece(motion, stands, 0, last, start - len(held) / rate)
 
 
 def _played(before: Standing, frame: int) -> NormalizedMotion:

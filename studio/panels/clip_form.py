@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QLineEdit, QScrollArea, QVBox
 
 from studio.document import colours
 from studio.library.clips import SEGMENTS, ClipLabel, Kind, Limb
-from studio.panels.clip_line import ClipLine, Mark, with_mark
+from studio.panels.clip_line import ClipLine, ClipMark, with_mark
 from studio.panels.fields import SIDE, Choice, NumberField, Section, labelled, press_button
 from studio.panels.stick_figure import Look, paint_sticks
 
@@ -43,7 +43,7 @@ class ClipForm(QScrollArea):
         self.tags = QLineEdit()
         self.tags.setPlaceholderText("high, spinning")
         self.tags.setToolTip("Your own tags, separated by commas; `search --tag` finds clips by them")
-        self.frames = {mark: NumberField(f"Frame: {mark}", "", 0, 0, 1, 0) for mark in Mark}
+        self.frames = {mark: NumberField(f"Frame: {mark}", "", 0, 0, 1, 0) for mark in ClipMark}
         self.undo = press_button("Undo", self._undo)
         self.confirm = press_button("Confirm", self._confirm, "main")
         self.title, self.hint = labelled("", "title"), labelled(HINT, "hint")
@@ -97,7 +97,7 @@ class ClipForm(QScrollArea):
             field.begun.connect(lambda: self._steps.append(self.label))
             field.edited.connect(lambda value, mark=mark: self._set_frame(mark, round(value)))
 
-    def _set_frame(self, mark: Mark, frame: int) -> None:
+    def _set_frame(self, mark: ClipMark, frame: int) -> None:
         if self._opened is not None:
             self._replace_last(with_mark(self.label, mark, frame, self._opened.speeds.shape[1]))
 
@@ -203,7 +203,7 @@ class Figures(QWidget):
         self.setFixedHeight(FIGURES + CAPTION)
         self._opened: OpenedClip | None = None
         self._label: ClipLabel | None = None
-        self._stressed: Mark | None = None
+        self._stressed: ClipMark | None = None
 
     def sizeHint(self) -> QSize:
         return QSize(200, FIGURES + CAPTION)
@@ -213,7 +213,7 @@ class Figures(QWidget):
         self._opened, self._label = opened, label
         self.update()
 
-    def stress(self, mark: Mark | None) -> None:
+    def stress(self, mark: ClipMark | None) -> None:
         """Show one of them stronger than the others; None for none."""
         self._stressed = mark
         self.update()
@@ -229,16 +229,16 @@ class Figures(QWidget):
             painter.setFont(font)
             look = self._look(opened, label)
             width = self.width() / 3.0
-            for column, mark in enumerate(Mark):
+            for column, mark in enumerate(ClipMark):
                 box = QRectF(column * width, 0.0, width, FIGURES)
-                strong = mark is (self._stressed or Mark.HIT)
+                strong = mark is (self._stressed or ClipMark.HIT)
                 colour = colours.TEXT if strong else colours.TEXT_THIRD
                 points = opened.points[getattr(label, mark)]
                 paint_sticks(painter, points, opened.pairs, look, box, colour, 2.0)
                 painter.setPen(QColor(colour))
                 words = f"{(getattr(label, mark) - label.hit) / opened.frame_rate:+.2f} s"
                 caption = QRectF(box.left(), FIGURES, width, CAPTION)
-                painter.drawText(caption, Qt.AlignmentFlag.AlignCenter, "hit" if mark is Mark.HIT else words)
+                painter.drawText(caption, Qt.AlignmentFlag.AlignCenter, "hit" if mark is ClipMark.HIT else words)
 
     @staticmethod
     def _look(opened: "OpenedClip", label: ClipLabel) -> Look:

@@ -19,7 +19,7 @@ AROUND = 0.75
 """Seconds that are seen before and after the cut."""
 
 
-class Mark(StrEnum):
+class ClipMark(StrEnum):
     """What can be dragged."""
 
     FIRST = "first"
@@ -28,7 +28,7 @@ class Mark(StrEnum):
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class FrameScale:
     """Frames ``first`` to ``last`` over ``width`` pixels."""
 
     first: int
@@ -66,9 +66,9 @@ class ClipLine(QWidget):
         self._rate = 30.0
         self._label: ClipLabel | None = None
         self._proposed: ClipLabel | None = None
-        self._seen = Seen(0, 1, 100.0)
-        self._held: Mark | None = None
-        self._under: Mark | None = None
+        self._seen = FrameScale(0, 1, 100.0)
+        self._held: ClipMark | None = None
+        self._under: ClipMark | None = None
 
     def sizeHint(self) -> QSize:
         return QSize(200, HEIGHT)
@@ -85,15 +85,15 @@ class ClipLine(QWidget):
             self._look()
         self.update()
 
-    def place_of(self, mark: Mark) -> QPointF:
+    def place_of(self, mark: ClipMark) -> QPointF:
         """Where a mark can be taken."""
         frame = 0 if self._label is None else getattr(self._label, mark)
-        return QPointF(self._seen.x(frame), HEIGHT - FOOT - 6.0 if mark is Mark.HIT else HEAD + 6.0)
+        return QPointF(self._seen.x(frame), HEIGHT - FOOT - 6.0 if mark is ClipMark.HIT else HEAD + 6.0)
 
-    def caption(self, mark: Mark, width: float) -> QRectF:
+    def caption(self, mark: ClipMark, width: float) -> QRectF:
         """Where words of so many pixels stand at a mark: in its middle, and whole within the line at both ends."""
         left = min(max(self.place_of(mark).x() - 0.5 * width, 0.0), self.width() - width)
-        return QRectF(left, *((HEIGHT - FOOT, width, FOOT) if mark is Mark.HIT else (0.0, width, HEAD)))
+        return QRectF(left, *((HEIGHT - FOOT, width, FOOT) if mark is ClipMark.HIT else (0.0, width, HEAD)))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Take the mark under the mouse."""
@@ -128,17 +128,20 @@ class ClipLine(QWidget):
         """The same frames over another width."""
         self._look()
 
-    def _point_at(self, mark: Mark | None) -> None:
+    def _point_at(self, mark: ClipMark | None) -> None:
         if mark != self._under:
             self._under = mark
             self.setCursor(Qt.CursorShape.ArrowCursor if mark is None else Qt.CursorShape.SizeHorCursor)
             self.marked.emit(mark)
             self.update()
 
-    def _mark_at(self, x: float) -> Mark | None:
+    def _mark_at(self, x: float) -> ClipMark | None:
         if self._label is None:
             return None
-        away = {mark: abs(self._seen.x(getattr(self._label, mark)) - x) for mark in (Mark.HIT, Mark.FIRST, Mark.LAST)}
+        away = {
+            mark: abs(self._seen.x(getattr(self._label, mark)) - x)
+            for mark in (ClipMark.HIT, ClipMark.FIRST, ClipMark.LAST)
+        }
         nearest = min(away, key=lambda mark: away[mark])
         return nearest if away[nearest] <= GRAB else None
 
@@ -146,7 +149,7 @@ class ClipLine(QWidget):
         if self._label is not None:
             beside, end = round(AROUND * self._rate), self._speeds.shape[1] - 1
             first, last = max(self._label.first - beside, 0), min(self._label.last + beside, end)
-            self._seen = Seen(first, last, float(self.width()))
+            self._seen = FrameScale(first, last, float(self.width()))
 
     def paintEvent(self, _: QPaintEvent) -> None:
         label = self._label
@@ -183,30 +186,30 @@ class ClipLine(QWidget):
     def _paint_marks(self, painter: QPainter, field: QRectF, label: ClipLabel) -> None:
         if self._proposed is not None and self._proposed != label:
             painter.setPen(QPen(QColor(colours.TEXT_THIRD), 1.0, Qt.PenStyle.DotLine))
-            for mark in Mark:
+            for mark in ClipMark:
                 x = self._seen.x(getattr(self._proposed, mark))
                 painter.drawLine(QPointF(x, field.top()), QPointF(x, field.bottom()))
-        for mark in Mark:
+        for mark in ClipMark:
             frame = getattr(label, mark)
             x, strong = self._seen.x(frame), mark in (self._held, self._under)
-            plain = colours.kind_colour("position") if mark is Mark.HIT else colours.TEXT_SECOND
+            plain = colours.kind_colour("position") if mark is ClipMark.HIT else colours.TEXT_SECOND
             colour = QColor(colours.SELECTED_HANDLE if strong else plain)
-            painter.setPen(QPen(colour, 2.0 if strong or mark is Mark.HIT else 1.4))
+            painter.setPen(QPen(colour, 2.0 if strong or mark is ClipMark.HIT else 1.4))
             painter.drawLine(QPointF(x, field.top()), QPointF(x, field.bottom()))
             painter.setBrush(colour)
             painter.drawEllipse(self.place_of(mark), 4.0, 4.0)
             painter.setPen(colour)
-            words = f"hit {frame}" if mark is Mark.HIT else str(frame)
+            words = f"hit {frame}" if mark is ClipMark.HIT else str(frame)
             row = self.caption(mark, painter.fontMetrics().horizontalAdvance(words))
             painter.drawText(row, Qt.AlignmentFlag.AlignCenter, words)
 
 
-def with_mark(label: ClipLabel, mark: Mark, frame: int, frame_count: int) -> ClipLabel:
+def with_mark(label: ClipLabel, mark: ClipMark, frame: int, frame_count: int) -> ClipLabel:
     """The label with a mark as near to ``frame`` as the order of the marks, and the take, leave room."""
     match mark:
-        case Mark.FIRST:
+        case ClipMark.FIRST:
             return replace(label, first=min(max(frame, 0), label.hit - 1))
-        case Mark.HIT:
+        case ClipMark.HIT:
             return replace(label, hit=min(max(frame, label.first + 1), label.last))
-        case Mark.LAST:
+        case ClipMark.LAST:
             return replace(label, last=min(max(frame, label.hit), frame_count - 1))

@@ -24,7 +24,7 @@ MADE_HERE = (Ground, Slope, Steps, Bumps)
 
 
 @dataclass(frozen=True)
-class Measure:
+class GroundSlider:
     """A slider for a field, from ``low`` to ``high`` in the field's own unit; it reads ``scale`` times that."""
 
     name: str
@@ -42,19 +42,19 @@ class Measure:
 
 
 DEGREES = math.degrees(1.0)
-TURN = Measure("direction", "Direction", -math.pi, math.pi, "°", DEGREES, 0)
-MEASURES: dict[type[Ground], tuple[Measure, ...]] = {
-    Slope: (Measure("angle", "Angle", -math.radians(30.0), math.radians(30.0), "°", DEGREES, 1), TURN),
+TURN = GroundSlider("direction", "Direction", -math.pi, math.pi, "°", DEGREES, 0)
+MEASURES: dict[type[Ground], tuple[GroundSlider, ...]] = {
+    Slope: (GroundSlider("angle", "Angle", -math.radians(30.0), math.radians(30.0), "°", DEGREES, 1), TURN),
     Steps: (
-        Measure("rise", "Rise", -0.30, 0.30, " cm", 100.0, 1),
-        Measure("tread", "Tread", 0.20, 0.60, " cm", 100.0, 1),
-        Measure("count", "Steps", 1, 40, "", decimals=0, whole=True),
+        GroundSlider("rise", "Rise", -0.30, 0.30, " cm", 100.0, 1),
+        GroundSlider("tread", "Tread", 0.20, 0.60, " cm", 100.0, 1),
+        GroundSlider("count", "Steps", 1, 40, "", decimals=0, whole=True),
         TURN,
     ),
     Bumps: (
-        Measure("amplitude", "Amplitude", 0.0, 0.30, " cm", 100.0, 1),
-        Measure("wavelength", "Wavelength", 0.4, 4.0),
-        Measure("seed", "Pattern", 0, 50, "", decimals=0, whole=True),
+        GroundSlider("amplitude", "Amplitude", 0.0, 0.30, " cm", 100.0, 1),
+        GroundSlider("wavelength", "Wavelength", 0.4, 4.0),
+        GroundSlider("seed", "Pattern", 0, 50, "", decimals=0, whole=True),
     ),
 }
 PLACES: dict[type[Ground], tuple[str, str]] = {
@@ -136,7 +136,7 @@ class _KindSection(Section):
         for axis, field in enumerate(self._fields):
             field.show_value(getattr(ground, self._place)[axis])
 
-    def _make_slider(self, measure: Measure, kind: type[Ground]) -> ValueSlider:
+    def _make_slider(self, measure: GroundSlider, kind: type[Ground]) -> ValueSlider:
         slider = ValueSlider(measure.words, measure.low, measure.high)
         slider.begun.connect(self._editor.begin)
         slider.edited.connect(lambda value: self._set(measure, value))
@@ -150,7 +150,7 @@ class _KindSection(Section):
         field = NumberField(name, "m", -100.0, 100.0, 0.05)
         return self._editor.bind(field, lambda metres: self._move(axis, metres))
 
-    def _set(self, measure: Measure, value: float) -> None:
+    def _set(self, measure: GroundSlider, value: float) -> None:
         text = f"Set {measure.words.lower()} of the {self._words.lower()}"
         self._editor.change(text, **{measure.name: round(value) if measure.whole else value})
 

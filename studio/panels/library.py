@@ -24,7 +24,7 @@ from studio.core.project import Performer
 from studio.document.document import Document
 from studio.document.dragging import CAPTURE, carried_capture
 from studio.panels.library_delegate import EYE_WIDTH, LibraryDelegate
-from studio.panels.library_rows import Row, rows_of
+from studio.panels.library_rows import LibraryRow, rows_of
 
 ROW_ROLE = Qt.ItemDataRole.UserRole
 ROW_HEIGHT = 26
@@ -37,9 +37,9 @@ class LibraryModel(QAbstractListModel):
 
     def __init__(self) -> None:
         super().__init__()
-        self.rows: list[Row] = []
+        self.rows: list[LibraryRow] = []
 
-    def show(self, rows: list[Row]) -> None:
+    def show(self, rows: list[LibraryRow]) -> None:
         """Show these rows; where only texts differ, the view keeps its place."""
         if [row.item for row in rows] == [row.item for row in self.rows]:
             self.rows = rows
@@ -116,9 +116,9 @@ class LibraryView(QListView):
             return True
         return bool(super().event(event))
 
-    def _row_at(self, event: QMouseEvent) -> Row | None:
+    def _row_at(self, event: QMouseEvent) -> LibraryRow | None:
         index = self.indexAt(event.position().toPoint())
-        row: Row | None = index.data(ROW_ROLE) if index.isValid() else None
+        row: LibraryRow | None = index.data(ROW_ROLE) if index.isValid() else None
         return row
 
     def _eye(self, event: QMouseEvent) -> QRect:
@@ -126,7 +126,7 @@ class LibraryView(QListView):
         return rect.adjusted(rect.width() - EYE_WIDTH, 0, 0, 0)
 
 
-class Library(QWidget):
+class LibraryPanel(QWidget):
     """The dock's content. ``wanted`` asks to play a capture on the bodies that are shown."""
 
     wanted = Signal(str)
@@ -205,7 +205,7 @@ class Library(QWidget):
         rows = [index.data(ROW_ROLE) for index in self.view.selectionModel().selectedIndexes()]
         self.document.selection.set(*(row.item for row in rows if row.item is not None))
 
-    def _toggle(self, row: Row) -> None:
+    def _toggle(self, row: LibraryRow) -> None:
         collection, entity_id = row.item or ("", "")
         if collection == "performers":
             chosen = self.document.selection.of("performers")
@@ -215,7 +215,7 @@ class Library(QWidget):
         else:
             self._put_on_stage(entity_id)
 
-    def _solo(self, row: Row) -> None:
+    def _solo(self, row: LibraryRow) -> None:
         """Show one performer, or those selected with it, alone; show all where they are alone already."""
         collection, entity_id = row.item or ("", "")
         if collection != "performers":
@@ -242,7 +242,7 @@ class Library(QWidget):
         performer = Performer(character.name, character_id, active.clips if active else (), (0.0, side + 1.2))
         self.document.add("performers", performer, f"Show {character.name}")
 
-    def _open(self, row: Row) -> None:
+    def _open(self, row: LibraryRow) -> None:
         if row.item is not None and row.item[0] == "captures":
             self.wanted.emit(row.item[1])
         elif row.shown is not None:

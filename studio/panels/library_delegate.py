@@ -7,7 +7,7 @@ from PySide6.QtGui import QColor, QFont, QFontMetrics, QIcon, QPainter
 from PySide6.QtWidgets import QAbstractItemView, QStyle, QStyledItemDelegate, QStyleOptionViewItem
 
 from studio.document import colours
-from studio.panels.library_rows import Row
+from studio.panels.library_rows import LibraryRow
 from studio.resources_folder import resources_folder
 
 ROW_ROLE = Qt.ItemDataRole.UserRole
@@ -33,7 +33,7 @@ class LibraryDelegate(QStyledItemDelegate):
         self._closed_eye = _icon(icons / "eye_closed.svg")
 
     def sizeHint(self, option: QStyleOptionViewItem, index: QModelIndex | QPersistentModelIndex) -> QSize:
-        row: Row = index.data(ROW_ROLE)
+        row: LibraryRow = index.data(ROW_ROLE)
         if row.hint:
             width = self._view.viewport().width() - 2 * SIDE
             room = QFontMetrics(_sized(option.font, HINT_PIXELS)).boundingRect(
@@ -45,7 +45,7 @@ class LibraryDelegate(QStyledItemDelegate):
     def paint(
         self, painter: QPainter, option: QStyleOptionViewItem, index: QModelIndex | QPersistentModelIndex
     ) -> None:
-        row: Row = index.data(ROW_ROLE)
+        row: LibraryRow = index.data(ROW_ROLE)
         painter.save()
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         if row.item is None:
@@ -55,7 +55,7 @@ class LibraryDelegate(QStyledItemDelegate):
             self._paint_row(painter, option.rect, option.font, row)
         painter.restore()
 
-    def _paint_head(self, painter: QPainter, rect: QRect, font: QFont, row: Row) -> None:
+    def _paint_head(self, painter: QPainter, rect: QRect, font: QFont, row: LibraryRow) -> None:
         painter.setPen(QColor(colours.TEXT_THIRD))
         place = rect.adjusted(SIDE, 0, -SIDE, 0)
         if row.hint:
@@ -81,7 +81,7 @@ class LibraryDelegate(QStyledItemDelegate):
                 QRect(option.rect.left(), option.rect.top(), 2, ROW_HEIGHT), QColor(colours.KINDS["position"])
             )
 
-    def _paint_row(self, painter: QPainter, rect: QRect, font: QFont, row: Row) -> None:
+    def _paint_row(self, painter: QPainter, rect: QRect, font: QFont, row: LibraryRow) -> None:
         left, right = rect.left() + SIDE, rect.right() - SIDE
         hidden = row.shown is False
         if row.colour is not None:
@@ -103,7 +103,7 @@ class LibraryDelegate(QStyledItemDelegate):
         place = QRect(left, rect.top(), right - left, rect.height())
         painter.drawText(place, Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft, text)
 
-    def _paint_mark(self, painter: QPainter, left: int, middle: int, row: Row, hidden: bool) -> int:
+    def _paint_mark(self, painter: QPainter, left: int, middle: int, row: LibraryRow, hidden: bool) -> int:
         colour = QColor(row.colour)
         painter.setPen(colour if hidden else Qt.PenStyle.NoPen)
         painter.setBrush(Qt.BrushStyle.NoBrush if hidden else colour)

@@ -13,7 +13,7 @@ Item = tuple[str, str]
 
 
 @dataclass(frozen=True)
-class Row:
+class LibraryRow:
     """One line. A head has no item; a hint is a head in sentence case."""
 
     text: str
@@ -27,7 +27,7 @@ class Row:
     strong: bool = False
 
 
-def rows_of(project: Project, motion_id: str | None) -> list[Row]:
+def rows_of(project: Project, motion_id: str | None) -> list[LibraryRow]:
     """All rows in their order; ``motion_id`` names the motion whose constraints are listed."""
     return [
         *_section("Captures", _captures(project, motion_id), "Drop a capture here"),
@@ -37,14 +37,14 @@ def rows_of(project: Project, motion_id: str | None) -> list[Row]:
     ]
 
 
-def _section(title: str, rows: list[Row], hint: str) -> list[Row]:
-    return [Row(title), *(rows or [Row(hint, hint=True)])]
+def _section(title: str, rows: list[LibraryRow], hint: str) -> list[LibraryRow]:
+    return [LibraryRow(title), *(rows or [LibraryRow(hint, hint=True)])]
 
 
-def _captures(project: Project, motion_id: str | None) -> list[Row]:
+def _captures(project: Project, motion_id: str | None) -> list[LibraryRow]:
     motion = project.motions.get(motion_id or "")
     return [
-        Row(
+        LibraryRow(
             capture.name,
             f"{capture.duration:.1f} s · {capture.frame_rate:.4g} Hz",
             ("captures", key),
@@ -54,17 +54,21 @@ def _captures(project: Project, motion_id: str | None) -> list[Row]:
     ]
 
 
-def _bodies(project: Project) -> list[Row]:
+def _bodies(project: Project) -> list[LibraryRow]:
     rows = []
     for key, performer in project.performers.items():
         character = project.characters[performer.character_id]
         rows.append(
-            Row(performer.name, _stature(character), ("performers", key), character.colour, shown=performer.visible)
+            LibraryRow(
+                performer.name, _stature(character), ("performers", key), character.colour, shown=performer.visible
+            )
         )
     on_stage = {performer.character_id for performer in project.performers.values()}
     for key, character in project.characters.items():
         if key not in on_stage:
-            rows.append(Row(character.name, _stature(character), ("characters", key), character.colour, shown=False))
+            rows.append(
+                LibraryRow(character.name, _stature(character), ("characters", key), character.colour, shown=False)
+            )
     return rows
 
 
@@ -77,12 +81,12 @@ def _stature(character: Character) -> str:
     return f"{min(statures):.2f} – {max(statures):.2f} m"
 
 
-def _constraints(project: Project, motion_id: str | None) -> list[Row]:
+def _constraints(project: Project, motion_id: str | None) -> list[LibraryRow]:
     if motion_id is None:
         return []
     places = project.places_of(motion_id)
     return [
-        Row(
+        LibraryRow(
             f"{places[key]} · {constraint.name}",
             _point(constraint) if constraint.enabled else "off",
             ("constraints", key),
@@ -99,8 +103,8 @@ def _point(constraint: Constraint) -> str:
     return "" if words in constraint.name.lower() else words
 
 
-def _stage(project: Project) -> list[Row]:
-    props = [Row(prop.name, "prop", ("props", key)) for key, prop in project.props.items()]
+def _stage(project: Project) -> list[LibraryRow]:
+    props = [LibraryRow(prop.name, "prop", ("props", key)) for key, prop in project.props.items()]
     ground = project.ground
     words = f"{ground.height:.2f} m" if ground.is_level else ground.kind.replace("_", " ")
-    return [Row("Ground", words, ("grounds", GROUND_ID)), *props]
+    return [LibraryRow("Ground", words, ("grounds", GROUND_ID)), *props]

@@ -24,7 +24,7 @@ from studio.timeline import edits
 from studio.timeline.clip_edits import add_clip, try_edit
 from studio.timeline.figures import moment
 from studio.timeline.gestures.begin import cursor_at, gesture_at, items_of
-from studio.timeline.gestures.gesture import Gesture
+from studio.timeline.gestures.gesture import TimelineGesture
 from studio.timeline.gestures.keys import BoxSelect, DragKeys
 from studio.timeline.gestures.value_curves import BoxSelectCurves, DragCurveKeys, DragTangent
 from studio.timeline.gestures.view import Pan, Scrub
@@ -32,7 +32,7 @@ from studio.timeline.hover import hover_text, is_value
 from studio.timeline.keyboard import is_wanted, press_key
 from studio.timeline.menus import menu_at
 from studio.timeline.name_field import NameField
-from studio.timeline.shown import LABEL_WIDTH, Hit, Part
+from studio.timeline.shown import LABEL_WIDTH, Hit, ItemPart
 from studio.timeline.snapping import snapped
 from studio.timeline.tracks.labels import flag_area
 from studio.timeline.tracks.value_curves import HandleRef, plot_area
@@ -88,7 +88,7 @@ class TrackCanvas(TrackView):
             self.setCursor(Qt.CursorShape.ClosedHandCursor)
         elif event.button() == Qt.MouseButton.LeftButton:
             hit = self.sheet.hit(event.position())
-            if hit.part == Part.FOLD:
+            if hit.part == ItemPart.FOLD:
                 self.fold(hit.kind, hit.id)
                 return
             add = bool(event.modifiers() & Modifier.ControlModifier)
@@ -99,7 +99,7 @@ class TrackCanvas(TrackView):
             else:
                 self.document.keys.clear()
                 self._select(hit, add)
-            if hit.part == Part.TIME:
+            if hit.part == ItemPart.TIME:
                 self.gesture = gesture_at(hit, self.sheet.shown, event.position())
                 self._drag(event)
             elif hit.kind == "plot":
@@ -117,7 +117,7 @@ class TrackCanvas(TrackView):
             if (event.position() - press).manhattanLength() >= DRAG_BEGINS:
                 self._pending = None
                 self.gesture = self._gesture_at(hit, press, event.modifiers())
-                if hit.part == Part.BODY:
+                if hit.part == ItemPart.BODY:
                     self.setCursor(Qt.CursorShape.ClosedHandCursor)
         if self.gesture is not None:
             self._drag(event)
@@ -142,13 +142,13 @@ class TrackCanvas(TrackView):
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Add a contact or a label at an empty place of a line; rename a label."""
         hit = self.sheet.hit(event.position()) if self.sheet else None
-        if self.sheet and hit and hit.kind == "lane" and hit.part == Part.EMPTY:
+        if self.sheet and hit and hit.kind == "lane" and hit.part == ItemPart.EMPTY:
             frame = round(self.sheet.shown.frame_at(event.position().x()))
             edits.add_contact(self.sheet.shown, contact_point(hit.id), frame)
         elif self.sheet and hit and hit.kind == "labels" and hit.id:
             self._pending = None
             self.rename_label(hit.id)
-        elif self.sheet and hit and hit.kind == "labels" and hit.part == Part.EMPTY:
+        elif self.sheet and hit and hit.kind == "labels" and hit.part == ItemPart.EMPTY:
             edits.add_label(self.sheet.shown, round(self.sheet.shown.frame_at(event.position().x())))
         else:
             self.mousePressEvent(event)
@@ -224,7 +224,7 @@ class TrackCanvas(TrackView):
     def _select(self, hit: Hit, add: bool) -> None:
         items, selection = items_of(hit), self.document.selection
         if not items:
-            if hit.part == Part.EMPTY and hit.kind != "ruler":
+            if hit.part == ItemPart.EMPTY and hit.kind != "ruler":
                 selection.clear()
         elif add and items[-1] in selection:
             selection.toggle(items[-1])
@@ -259,7 +259,7 @@ class TrackCanvas(TrackView):
         elif not keys.items.issuperset(hit.keys):
             keys.set(hit.keys)
 
-    def _gesture_at(self, hit: Hit, press: QPointF, modifiers: Modifier) -> Gesture | None:
+    def _gesture_at(self, hit: Hit, press: QPointF, modifiers: Modifier) -> TimelineGesture | None:
         """The drag that begins there: of keys, of a thing, or a box."""
         if self.sheet is None:
             return None
@@ -275,7 +275,7 @@ class TrackCanvas(TrackView):
             )
         if hit.keys and self.document.keys.items.issuperset(hit.keys):
             return DragKeys(shown, hit.keys[0], press, bool(modifiers & Modifier.ShiftModifier))
-        if hit.part == Part.EMPTY and press.x() >= LABEL_WIDTH and self.sheet.viewport.contains(press.toPoint()):
+        if hit.part == ItemPart.EMPTY and press.x() >= LABEL_WIDTH and self.sheet.viewport.contains(press.toPoint()):
             return BoxSelect(self.sheet, press, add)
         return gesture_at(hit, shown, press)
 

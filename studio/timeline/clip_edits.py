@@ -8,10 +8,10 @@ from PySide6.QtWidgets import QMenu
 from studio.core.errors import StudioError
 from studio.core.stage.clip_row import begun_at, ended_at, players_of
 from studio.document import clips
-from studio.timeline.shown import Hit, Part, Shown
+from studio.timeline.shown import Hit, ItemPart, RowContext
 
 
-def performers_of_row(shown: Shown, performer_id: str) -> tuple[str, ...]:
+def performers_of_row(shown: RowContext, performer_id: str) -> tuple[str, ...]:
     """Whom a row stands for: one performer, or all who are shown with the same clips."""
     performers = shown.project.performers
     if shown.apart:
@@ -22,14 +22,14 @@ def performers_of_row(shown: Shown, performer_id: str) -> tuple[str, ...]:
     )
 
 
-def add_clip(shown: Shown, performer_id: str, motion_id: str, start: float | None) -> None:
+def add_clip(shown: RowContext, performer_id: str, motion_id: str, start: float | None) -> None:
     """Add and select a clip in a row, from ``start`` or where the row ends."""
     document = shown.document
     name = clips.add_clip(document, performers_of_row(shown, performer_id), motion_id, start)
     document.selection.set(("performers", performer_id), ("clips", name))
 
 
-def add_layer(shown: Shown, performer_id: str, motion_id: str, start: float | None) -> None:
+def add_layer(shown: RowContext, performer_id: str, motion_id: str, start: float | None) -> None:
     """As ``add_clip``, a layer: from ``start`` or the playhead."""
     document = shown.document
     begin = document.playhead.time if start is None else start
@@ -37,19 +37,19 @@ def add_layer(shown: Shown, performer_id: str, motion_id: str, start: float | No
     document.selection.set(("performers", performer_id), ("clips", name))
 
 
-def nudged(shown: Shown, clip_id: str, edge: Part, frames: int) -> None:
+def nudged(shown: RowContext, clip_id: str, edge: ItemPart, frames: int) -> None:
     """Trim an end of a clip by whole frames: one undo step."""
     project = shown.project
     clip = project.clips[clip_id]
     rate, count = project.frame_rate_of(clip), project.captures[project.motions[clip.motion_id].capture_id].frame_count
     text = f"Trim {clips.name_of(project, clip)}"
-    if edge == Part.FIRST:
+    if edge == ItemPart.FIRST:
         clips.edit_clip(shown.document, clip_id, lambda each: (begun_at(each, rate, each.first + frames),), text)
     else:
         clips.edit_clip(shown.document, clip_id, lambda each: (ended_at(each, each.last + frames, count),), text)
 
 
-def offer_clip(menu: QMenu, shown: Shown, hit: Hit) -> None:
+def offer_clip(menu: QMenu, shown: RowContext, hit: Hit) -> None:
     """What can be done with a clip."""
     document, project = shown.document, shown.project
 
@@ -73,7 +73,7 @@ def offer_clip(menu: QMenu, shown: Shown, hit: Hit) -> None:
     offer("Delete", lambda: clips.remove_clips(document, (hit.id,), text))
 
 
-def offer_motions(menu: QMenu, shown: Shown, performer_id: str, start: float | None) -> None:
+def offer_motions(menu: QMenu, shown: RowContext, performer_id: str, start: float | None) -> None:
     """Every motion of the project as a clip to add to a row, or as a layer over it."""
     for text, add in (("Add clip", add_clip), ("Add layer", add_layer)):
         added = menu.addMenu(text)
@@ -82,13 +82,13 @@ def offer_motions(menu: QMenu, shown: Shown, performer_id: str, start: float | N
                 _offer(added, shown, performer_id, motion.name, partial(add, shown, performer_id, motion_id, start))
 
 
-def _offer(menu: QMenu, shown: Shown, performer_id: str, text: str, run: Callable[[], None]) -> None:
+def _offer(menu: QMenu, shown: RowContext, performer_id: str, text: str, run: Callable[[], None]) -> None:
     """An entry about a performer's row, which may be removed while the menu is open."""
     kept = partial(_run_on, shown, performer_id, run)
     menu.addAction(text).triggered.connect(lambda: try_edit(shown, kept))
 
 
-def _run_on(shown: Shown, performer_id: str, run: Callable[[], None]) -> None:
+def _run_on(shown: RowContext, performer_id: str, run: Callable[[], None]) -> None:
     run() if performer_id in shown.project.performers else _refuse("performer")
 
 
@@ -96,7 +96,7 @@ def _refuse(what: str) -> None:
     raise StudioError(f"The {what} has been removed from the project: choose another one.")
 
 
-def try_edit(shown: Shown, run: Callable[[], None]) -> None:
+def try_edit(shown: RowContext, run: Callable[[], None]) -> None:
     """Run what edits the document; why it cannot be is told in the window."""
     try:
         run()

@@ -7,7 +7,7 @@ from studio.document import colours
 from studio.document.channels import Channel, key_values, with_values
 from studio.document.key_edits import KeyDrag
 from studio.document.keyed_fields import Keyed, keyed_value
-from studio.timeline.shown import Shown
+from studio.timeline.shown import RowContext
 from studio.timeline.tracks.value_curves import ValueCurves, stage_time
 
 FAR = 1e6
@@ -22,7 +22,7 @@ class CurveFields(QWidget):
     def __init__(self, curves: ValueCurves, parent: QWidget) -> None:
         super().__init__(parent)
         self._curves = curves
-        self._shown: Shown | None = None
+        self._shown: RowContext | None = None
         self._target: tuple[Channel, tuple[int, ...]] | None = None
         self.time, self.value = _field("Time of key", " s"), _field("Value of key", "")
         self.time.valueChanged.connect(self._set_time)
@@ -39,7 +39,7 @@ class CurveFields(QWidget):
             " QAbstractSpinBox::up-button, QAbstractSpinBox::down-button { width: 0; border: none; }"
         )
 
-    def show_keys(self, shown: Shown | None) -> None:
+    def show_keys(self, shown: RowContext | None) -> None:
         """Show the selected keys of the active channel; disabled where none is selected."""
         self._shown = shown
         self._target = self._find() if shown is not None else None

@@ -14,7 +14,7 @@ from studio.core.solver.request import AdaptedMotion
 from studio.engine.measures import LENGTH, Measure, measure_of
 from studio.engine.residuals import missed_by
 from studio.timeline.axis import MARGIN, TimeAxis
-from studio.timeline.shown import Shown
+from studio.timeline.shown import RowContext
 from studio.timeline.strips import strip_of
 from studio.timeline.subject import Body, Subject
 
@@ -35,7 +35,7 @@ class Quantity(StrEnum):
     OFF_SUPPORT = "Mass beyond support"
     ERROR = "Error"
 
-    def unit(self, shown: Shown) -> str:
+    def unit(self, shown: RowContext) -> str:
         """The unit of the values drawn: an error's is that of the constraint."""
         if self is Quantity.ERROR:
             return error_measure(shown).sign.strip()
@@ -75,7 +75,7 @@ def foot_speed(adapted: AdaptedMotion, sides: tuple[int, ...] = (0, 1)) -> Float
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
+class CurveQuery:
     """What a curve is asked of: values only, which a worker may hold."""
 
     project: Project
@@ -151,14 +151,14 @@ class Asked:
         return np.asarray(1000.0 * np.maximum(-np.nan_to_num(margins), 0.0))
 
 
-def plotted_constraint(shown: Shown) -> str | None:
+def plotted_constraint(shown: RowContext) -> str | None:
     """The selected constraint, else the first one."""
     own = shown.project.constraints_of(shown.subject.motion_id)
     selected = [key for key in shown.document.selection.of("constraints") if key in own]
     return next(iter((*reversed(selected), *own)), None)
 
 
-def error_measure(shown: Shown) -> Measure:
+def error_measure(shown: RowContext) -> Measure:
     """What the error that is plotted is."""
     constraint_id = plotted_constraint(shown)
     return measure_of(shown.project.constraints[constraint_id]) if constraint_id else LENGTH

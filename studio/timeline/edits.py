@@ -18,13 +18,13 @@ from studio.timeline.clip_edits import nudged
 from studio.timeline.gestures.activation import time_of, with_time
 from studio.timeline.gestures.begin import name_of
 from studio.timeline.gestures.contact import free_stretch, new_contact
-from studio.timeline.shown import EDGES, HANDLES, Part, Shown
+from studio.timeline.shown import EDGES, HANDLES, ItemPart, RowContext
 from studio.timeline.tracks.keys import growth_fields, keys_between, sheet_fields, stage_times
 
 DELETABLE = ("constraints", "contacts", "clips", "labels")
 
 
-def add_contact(shown: Shown, point: ContactPoint | Touch, frame: int) -> str | None:
+def add_contact(shown: RowContext, point: ContactPoint | Touch, frame: int) -> str | None:
     """Add and select a contact about a frame of the motion; its id, or None where one stands already."""
     contact = new_contact(shown, point, frame)
     if contact is None:
@@ -34,7 +34,7 @@ def add_contact(shown: Shown, point: ContactPoint | Touch, frame: int) -> str | 
     return entity_id
 
 
-def add_label(shown: Shown, frame: int) -> str:
+def add_label(shown: RowContext, frame: int) -> str:
     """Add and select a label at a frame of the motion, 0 to its last; its id."""
     taken = {each.name for each in shown.project.labels_of(shown.subject.motion_id).values()}
     frame = min(max(frame, 0), shown.subject.last_frame)
@@ -44,7 +44,7 @@ def add_label(shown: Shown, frame: int) -> str:
     return label_id
 
 
-def go_to_label(shown: Shown, direction: int) -> None:
+def go_to_label(shown: RowContext, direction: int) -> None:
     """Bring the playhead to the next (1) or previous (-1) label, and select it."""
     playhead, subject = shown.document.playhead, shown.subject
     times = {key: subject.stage_time(each.first) for key, each in shown.project.labels_of(subject.motion_id).items()}
@@ -56,7 +56,7 @@ def go_to_label(shown: Shown, direction: int) -> None:
         shown.document.selection.set(("labels", nearest))
 
 
-def delete_selected(shown: Shown) -> bool:
+def delete_selected(shown: RowContext) -> bool:
     """Delete the selected keys, or else constraints, contacts, labels and clips, as one step; true if any were."""
     document = shown.document
     if document.keys.items:
@@ -83,7 +83,7 @@ def _words(project: Project, collection: str, entity_id: str) -> str:
     return getattr(entity, "name", "")
 
 
-def go_to_key(shown: Shown, direction: int) -> None:
+def go_to_key(shown: RowContext, direction: int) -> None:
     """Bring the playhead to the next (1) or previous (-1) end of a contact, time of an activation, or key."""
     playhead = shown.document.playhead
     times = [
@@ -104,7 +104,7 @@ def go_to_key(shown: Shown, direction: int) -> None:
         playhead.set_time(min(ahead, key=lambda time: abs(time - playhead.time)))
 
 
-def select_all_keys(shown: Shown) -> None:
+def select_all_keys(shown: RowContext) -> None:
     """Select all keys of the selection, or else all that the dope sheet shows."""
     fields = sheet_fields(shown)
     shown.document.keys.set(
@@ -112,13 +112,13 @@ def select_all_keys(shown: Shown) -> None:
     )
 
 
-def select_keys_at_playhead(shown: Shown) -> None:
+def select_keys_at_playhead(shown: RowContext) -> None:
     """Select the keys of the selection, or else of all, that lie at the playhead."""
     time, close = shown.document.playhead.time, 0.5 / shown.document.playhead.frame_rate
     shown.document.keys.set(keys_between(shown, sheet_fields(shown), time - close, time + close))
 
 
-def handles_of(shown: Shown) -> tuple[Part, ...]:
+def handles_of(shown: RowContext) -> tuple[ItemPart, ...]:
     """What of the selected thing the keyboard may take hold of."""
     match shown.document.selection.current:
         case ("constraints", _):
@@ -128,7 +128,7 @@ def handles_of(shown: Shown) -> tuple[Part, ...]:
     return ()
 
 
-def next_handle(shown: Shown, forward: bool) -> Part | None:
+def next_handle(shown: RowContext, forward: bool) -> ItemPart | None:
     """The handle after the one that has the keyboard; None past the last one."""
     ring = handles_of(shown) if forward else handles_of(shown)[::-1]
     if not ring:
@@ -139,7 +139,7 @@ def next_handle(shown: Shown, forward: bool) -> Part | None:
     return ring[place] if place < len(ring) else None
 
 
-def nudge(shown: Shown, frames: int) -> None:
+def nudge(shown: RowContext, frames: int) -> None:
     """Move the handle that has the keyboard by whole frames, of all selected things of a kind: one undo step."""
     current = shown.document.selection.current
     if current is None or shown.handle is None:
@@ -161,14 +161,14 @@ def nudge(shown: Shown, frames: int) -> None:
             shown.document.replace_shown(collection, key, new, verb)
 
 
-def _shifted(shown: Shown, constraint: Constraint, handle: Part, frames: int) -> Constraint:
+def _shifted(shown: RowContext, constraint: Constraint, handle: ItemPart, frames: int) -> Constraint:
     rate = shown.subject.frame_rate
     frame = round(time_of(constraint.activation, handle) * rate) + frames
     frame = min(max(frame, 0), shown.subject.last_frame)
     return replace(constraint, activation=with_time(constraint.activation, handle, frame / rate))
 
 
-def handle_words(shown: Shown) -> str:
+def handle_words(shown: RowContext) -> str:
     """The handle that has the keyboard, for who cannot see it: ``Kick target, full, 0.667 s · frame 20``."""
     current = shown.document.selection.current
     entity: Any = shown.project.get(*current) if current else None
@@ -176,18 +176,20 @@ def handle_words(shown: Shown) -> str:
         return "Timeline"
     rate = shown.subject.frame_rate
     if isinstance(entity, Clip):
-        frame = entity.first if shown.handle == Part.FIRST else entity.last
+        frame = entity.first if shown.handle == ItemPart.FIRST else entity.last
         return f"Clip {clip_name(shown.project, entity)}, {shown.handle} {frame}"
     if isinstance(entity, ContactInterval):
-        frame = entity.first if shown.handle == Part.FIRST else entity.last
+        frame = entity.first if shown.handle == ItemPart.FIRST else entity.last
         return f"{name_of(entity)}, {shown.handle}, {shown.moment(frame)}"
     time = time_of(entity.activation, shown.handle)
     return f"{entity.name}, {shown.handle}, {shown.moment(time * rate)}"
 
 
-def _trimmed(shown: Shown, entity_id: str, contact: ContactInterval, edge: Part, frames: int) -> ContactInterval:
+def _trimmed(
+    shown: RowContext, entity_id: str, contact: ContactInterval, edge: ItemPart, frames: int
+) -> ContactInterval:
     room = free_stretch(shown, contact.point, contact.first, (entity_id,))
     low, high = room or (contact.first, contact.last)
-    if edge == Part.FIRST:
+    if edge == ItemPart.FIRST:
         return replace(contact, first=min(max(contact.first + frames, low), contact.last))
     return replace(contact, last=max(min(contact.last + frames, high), contact.first))

@@ -10,7 +10,7 @@ from studio.timeline.figures import moment
 from studio.timeline.gestures.activation import time_of
 from studio.timeline.gestures.begin import name_of
 from studio.timeline.sheet import Sheet
-from studio.timeline.shown import HANDLES, LABEL_WIDTH, Hit, Part
+from studio.timeline.shown import HANDLES, LABEL_WIDTH, Hit, ItemPart
 from studio.timeline.strips import StripState
 from studio.timeline.tracks import clip, constraint, keys, remarks
 from studio.timeline.tracks.change import take_over
@@ -60,7 +60,7 @@ def is_value(sheet: Sheet, position: QPointF) -> bool:
     """Whether the place shows a measured value, or a mark, which is told at once and not after a rest."""
     hit = sheet.thing_at(position)
     return position.x() >= LABEL_WIDTH and (
-        hit.kind in ("plot", "ruler") or (hit.kind == "constraints" and hit.part == Part.EMPTY)
+        hit.kind in ("plot", "ruler") or (hit.kind == "constraints" and hit.part == ItemPart.EMPTY)
     )
 
 
@@ -80,7 +80,7 @@ def strip_text(sheet: Sheet, constraint_id: str, performer_id: str, frame: int) 
 
 
 def _label_text(sheet: Sheet, hit: Hit) -> str:
-    if hit.part == Part.FOLD:
+    if hit.part == ItemPart.FOLD:
         if hit.kind == "clip":
             return "Click to see everybody's clips, or one row for all"
         return "Click to fold or unfold the row"
@@ -143,7 +143,7 @@ def _constraint_text(sheet: Sheet, hit: Hit, position: QPointF) -> str:
         time = time_of(entity.activation, hit.part)
         return f"{entity.name}, {hit.part}: {sheet.shown.moment(time * rate)}"
     frame = round(sheet.shown.frame_at(position.x()))
-    if hit.part == Part.BODY:
+    if hit.part == ItemPart.BODY:
         activation = float(entity.activation.at(frame / rate))
         return f"{entity.name}: {activation:.0%} active at {sheet.shown.frame_words(frame)}"
     row = sheet.find("constraints", hit.id)

@@ -6,7 +6,7 @@ from PySide6.QtCore import Qt
 
 from studio.document.key_edits import nudge_keys, stretch_keys
 from studio.timeline import edits
-from studio.timeline.shown import Shown
+from studio.timeline.shown import RowContext
 
 if TYPE_CHECKING:
     from studio.timeline.canvas import TrackCanvas
@@ -65,7 +65,7 @@ def _jumps_to_key(key: int, modifiers: Qt.KeyboardModifier) -> bool:
     return modifiers == Modifier.ControlModifier and key in JUMPS
 
 
-def _move_keys(shown: Shown, key: Qt.Key, modifiers: Qt.KeyboardModifier) -> None:
+def _move_keys(shown: RowContext, key: Qt.Key, modifiers: Qt.KeyboardModifier) -> None:
     """Move the selected keys by a frame, with Shift by ten; with Ctrl stretch them."""
     if modifiers & Modifier.ControlModifier:
         stretch_keys(shown.document, STEPS[key])

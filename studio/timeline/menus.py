@@ -14,7 +14,7 @@ from studio.timeline.curve_menu import offer_curves
 from studio.timeline.curves import Quantity
 from studio.timeline.gestures.begin import items_of
 from studio.timeline.gestures.contact import new_contact
-from studio.timeline.shown import Hit, Part, Shown
+from studio.timeline.shown import Hit, ItemPart, RowContext
 from studio.timeline.tracks.keys import stage_times
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ def menu_at(canvas: "TrackCanvas", position: QPointF) -> QMenu | None:
     hit = canvas.sheet.hit(position)
     menu = QMenu(canvas)
     menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-    if hit.part == Part.KEY:
+    if hit.part == ItemPart.KEY:
         _offer_key(menu, canvas, hit)
     elif hit.kind == "curves":
         offer_curves(menu, canvas)
@@ -41,11 +41,11 @@ def menu_at(canvas: "TrackCanvas", position: QPointF) -> QMenu | None:
         menu.addSeparator()
         offer_motions(menu, canvas.sheet.shown, hit.performer_id, None)
     elif hit.kind in ("clip", "performers"):
-        start = None if hit.part == Part.LABEL else canvas.sheet.shown.axis.time_at(position.x())
+        start = None if hit.part == ItemPart.LABEL else canvas.sheet.shown.axis.time_at(position.x())
         offer_motions(menu, canvas.sheet.shown, hit.id, start)
-    elif hit.kind in ("ruler", "labels") and not hit.id and hit.part in (Part.TIME, Part.EMPTY):
+    elif hit.kind in ("ruler", "labels") and not hit.id and hit.part in (ItemPart.TIME, ItemPart.EMPTY):
         _offer_label(menu, canvas, round(canvas.sheet.shown.frame_at(position.x())))
-    elif hit.kind in edits.DELETABLE and hit.id and hit.part != Part.EMPTY:
+    elif hit.kind in edits.DELETABLE and hit.id and hit.part != ItemPart.EMPTY:
         canvas.document.selection.set((hit.kind, hit.id))
         if hit.kind == "labels":
             menu.addAction("Rename label").triggered.connect(lambda: canvas.rename_label(hit.id))
@@ -55,7 +55,7 @@ def menu_at(canvas: "TrackCanvas", position: QPointF) -> QMenu | None:
     return menu if menu.actions() else None
 
 
-def _offer_quantities(menu: QMenu, canvas: "TrackCanvas", shown: Shown) -> None:
+def _offer_quantities(menu: QMenu, canvas: "TrackCanvas", shown: RowContext) -> None:
     for quantity in Quantity:
         action = menu.addAction(f"{quantity.value} ({quantity.unit(shown)})")
         action.setCheckable(True)
@@ -93,7 +93,7 @@ def _offer_contacts(menu: QMenu, canvas: "TrackCanvas", hit: Hit, position: QPoi
     shown = canvas.shown
     if shown is None:
         return
-    on_name = hit.part != Part.EMPTY  # the name, or the triangle before it
+    on_name = hit.part != ItemPart.EMPTY  # the name, or the triangle before it
     time = shown.document.playhead.time
     frame = round(shown.subject.motion_frame(time) if on_name else shown.frame_at(position.x()))
     if not on_name:

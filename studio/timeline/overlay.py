@@ -4,8 +4,8 @@ from PySide6.QtCore import QPointF, QRect, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QFontMetrics, QPainter, QPolygonF
 
 from studio.document import colours
-from studio.timeline.gestures.gesture import Mark
-from studio.timeline.shown import LABEL_WIDTH, Shown
+from studio.timeline.gestures.gesture import DragHint
+from studio.timeline.shown import LABEL_WIDTH, RowContext
 from studio.timeline.tracks import ruler
 from studio.timeline.tracks.brush import font, hairline, paint_bar, translucent
 
@@ -13,13 +13,13 @@ BAR_WIDTH = 200.0
 HEAD = 6.0
 
 
-def playhead_area(shown: Shown, height: int) -> QRect:
+def playhead_area(shown: RowContext, height: int) -> QRect:
     """The pixels that the playhead covers."""
     x = round(shown.axis.x_of_time(shown.document.playhead.time))
     return QRect(x - 8, 0, 17, height)
 
 
-def paint_playhead(painter: QPainter, shown: Shown, height: int) -> None:
+def paint_playhead(painter: QPainter, shown: RowContext, height: int) -> None:
     """A thin line under a head that asks to be dragged."""
     x = round(shown.axis.x_of_time(shown.document.playhead.time))
     if x < LABEL_WIDTH:
@@ -34,7 +34,7 @@ def paint_playhead(painter: QPainter, shown: Shown, height: int) -> None:
     painter.drawPolygon(QPolygonF([QPointF(middle + dx, y) for dx, y in corners]))
 
 
-def paint_mark(painter: QPainter, shown: Shown, mark: Mark, mouse: QPointF, area: QRect) -> None:
+def paint_mark(painter: QPainter, shown: RowContext, mark: DragHint, mouse: QPointF, area: QRect) -> None:
     """The line of what caught the drag, and the drag's words beside its handle."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
     if mark.caught is not None:

@@ -6,7 +6,7 @@ from PySide6.QtWidgets import QWidget
 
 from studio.document import colours
 from studio.timeline.sheet import Sheet
-from studio.timeline.shown import LABEL_WIDTH, Row, Shown, label_area
+from studio.timeline.shown import LABEL_WIDTH, RowContext, TimelineRow, label_area
 from studio.timeline.tracks import clip, constraint, contacts, hold, keys, labels, layer, remarks, ruler
 from studio.timeline.tracks.brush import time_area, translucent
 from studio.timeline.tracks.plot import FOLDED, PlotPicture
@@ -91,7 +91,7 @@ class Picture:
         painter.restore()
 
 
-def _paint_row(painter: QPainter, sheet: Sheet, row: Row, labelled: bool) -> None:
+def _paint_row(painter: QPainter, sheet: Sheet, row: TimelineRow, labelled: bool) -> None:
     """All of a row, or all but its label."""
     area = sheet.rect(row)
     lane = time_area(area)
@@ -111,7 +111,7 @@ def _paint_row(painter: QPainter, sheet: Sheet, row: Row, labelled: bool) -> Non
     painter.restore()
 
 
-def _paint_ground(painter: QPainter, area: QRect, shown: Shown) -> None:
+def _paint_ground(painter: QPainter, area: QRect, shown: RowContext) -> None:
     """Panel grey, with a hardly visible line at each number of the ruler."""
     painter.fillRect(area, QColor(colours.PANEL))
     line = translucent(colours.EDGE, 0.6)
@@ -121,7 +121,7 @@ def _paint_ground(painter: QPainter, area: QRect, shown: Shown) -> None:
             painter.fillRect(x, area.top(), 1, area.height(), line)
 
 
-def _paint_label(painter: QPainter, area: QRect, shown: Shown, row: Row) -> None:
+def _paint_label(painter: QPainter, area: QRect, shown: RowContext, row: TimelineRow) -> None:
     collection = "performers" if row.kind == "clip" else row.kind
     if shown.is_selected(collection, row.id):
         painter.fillRect(label_area(area), QColor(colours.SELECTED_ROW))
@@ -144,7 +144,7 @@ def _paint_label(painter: QPainter, area: QRect, shown: Shown, row: Row) -> None
             constraint.paint_constraint_label(painter, area, shown, row.id)
 
 
-def _paint_content(painter: QPainter, area: QRect, shown: Shown, row: Row) -> None:
+def _paint_content(painter: QPainter, area: QRect, shown: RowContext, row: TimelineRow) -> None:
     match row.kind:
         case "labels":
             labels.paint_labels(painter, area, shown)

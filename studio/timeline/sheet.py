@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from PySide6.QtCore import QPoint, QPointF, QRect, QSize
 
-from studio.timeline.shown import FOLD_WIDTH, LABEL_WIDTH, Hit, Part, Row, Shown
+from studio.timeline.shown import FOLD_WIDTH, LABEL_WIDTH, Hit, ItemPart, RowContext, TimelineRow
 from studio.timeline.tracks import clip, constraint, contacts, hold, keys, labels, layer, plot, ruler
 
 PLAYHEAD_REACH = 4.0
@@ -15,20 +15,20 @@ FOLDING = ("constraints", "lane")
 """Kinds of rows of which each can be folded by itself."""
 
 
-def rows_of(shown: Shown) -> tuple[Row, ...]:
+def rows_of(shown: RowContext) -> tuple[TimelineRow, ...]:
     """Labels, clips, layers, keys of growth, when props are held, contacts, constraints by priority; or the keys."""
     return _stacked(keys.rows_of(shown) if shown.dope else _heights(shown))
 
 
-def _stacked(heights: list[tuple[str, str, int]]) -> tuple[Row, ...]:
+def _stacked(heights: list[tuple[str, str, int]]) -> tuple[TimelineRow, ...]:
     rows, y = [], 0
     for kind, row_id, height in heights:
-        rows.append(Row(kind, row_id, y, height))
+        rows.append(TimelineRow(kind, row_id, y, height))
         y += height
     return tuple(rows)
 
 
-def _heights(shown: Shown) -> list[tuple[str, str, int]]:
+def _heights(shown: RowContext) -> list[tuple[str, str, int]]:
     """Kind, id and height of each row but those of the dope sheet."""
     visible = [key for key, each in shown.project.performers.items() if each.visible]
     players = visible if shown.apart else (shown.subject.performer_id,)
@@ -54,8 +54,8 @@ def _heights(shown: Shown) -> list[tuple[str, str, int]]:
 class Sheet:
     """The rows laid out in a widget of ``size``, scrolled down by ``scroll`` pixels."""
 
-    shown: Shown
-    rows: tuple[Row, ...]
+    shown: RowContext
+    rows: tuple[TimelineRow, ...]
     size: QSize
     scroll: int = 0
 
@@ -87,15 +87,15 @@ class Sheet:
         """What the rows may fill."""
         return QRect(0, ruler.HEIGHT, self.size.width(), max(self.plot.top() - ruler.HEIGHT, 0))
 
-    def rect(self, row: Row) -> QRect:
+    def rect(self, row: TimelineRow) -> QRect:
         """Where a row lies now, possibly outside the viewport."""
         return QRect(0, ruler.HEIGHT + row.y - self.scroll, self.size.width(), row.height)
 
-    def find(self, kind: str, row_id: str) -> Row | None:
+    def find(self, kind: str, row_id: str) -> TimelineRow | None:
         """The row of that kind and id."""
         return next((row for row in self.rows if (row.kind, row.id) == (kind, row_id)), None)
 
-    def row_at(self, point: QPoint) -> Row | None:
+    def row_at(self, point: QPoint) -> TimelineRow | None:
         """The row under a point of the viewport."""
         if not self.viewport.contains(point):
             return None
@@ -106,37 +106,37 @@ class Sheet:
         hit = self.thing_at(position)
         line = self.shown.axis.x_of_time(self.shown.document.playhead.time)
         over_line = position.x() >= LABEL_WIDTH and abs(position.x() - line) <= PLAYHEAD_REACH
-        return Hit("playhead", "", Part.TIME) if hit.part == Part.EMPTY and over_line else hit
+        return Hit("playhead", "", ItemPart.TIME) if hit.part == ItemPart.EMPTY and over_line else hit
 
     def thing_at(self, position: QPointF) -> Hit:
         """What lies under the playhead's line, if that is there."""
         point = position.toPoint()
         if self.ruler.contains(point):
-            return Hit("ruler", "", Part.TIME if point.x() >= LABEL_WIDTH else Part.EMPTY)
+            return Hit("ruler", "", ItemPart.TIME if point.x() >= LABEL_WIDTH else ItemPart.EMPTY)
         if self.plot.contains(point) and point.x() < FOLD_WIDTH:
-            return Hit("plot", "", Part.FOLD)
+            return Hit("plot", "", ItemPart.FOLD)
         if self.plot.contains(point):
             if point.x() < LABEL_WIDTH:
-                return Hit("plot", "", Part.LABEL)
-            return Hit("curves", "", Part.EMPTY) if self.shown.curves else Hit("plot", "", Part.TIME)
+                return Hit("plot", "", ItemPart.LABEL)
+            return Hit("curves", "", ItemPart.EMPTY) if self.shown.curves else Hit("plot", "", ItemPart.TIME)
         row = self.row_at(point)
-        return self._hit_row(row, position) if row else Hit("", "", Part.EMPTY)
+        return self._hit_row(row, position) if row else Hit("", "", ItemPart.EMPTY)
 
-    def _hit_row(self, row: Row, position: QPointF) -> Hit:
+    def _hit_row(self, row: TimelineRow, position: QPointF) -> Hit:
         if position.x() < FOLD_WIDTH and (row.kind in FOLDING or self._folds(row)):
-            return Hit(row.kind, row.id, Part.FOLD)
+            return Hit(row.kind, row.id, ItemPart.FOLD)
         if position.x() < LABEL_WIDTH:
             return self._label_hit(row)
         area = self.rect(row)
         under = self._hit_part(row, area, position)
-        if under.part in (Part.EMPTY, Part.BODY) and (found := keys.keys_at(self.shown, row, area, position)):
-            return Hit(row.kind, row.id, Part.KEY, keys=found)
+        if under.part in (ItemPart.EMPTY, ItemPart.BODY) and (found := keys.keys_at(self.shown, row, area, position)):
+            return Hit(row.kind, row.id, ItemPart.KEY, keys=found)
         return under
 
-    def _hit_part(self, row: Row, area: QRect, position: QPointF) -> Hit:
+    def _hit_part(self, row: TimelineRow, area: QRect, position: QPointF) -> Hit:
         match row.kind:
             case "growth" | "summary" | "sheet":
-                return Hit(row.kind, row.id, Part.EMPTY)
+                return Hit(row.kind, row.id, ItemPart.EMPTY)
             case "clip":
                 return clip.clip_hit(clip.bars_of(self.shown, area, row.id), row.id, position)
             case "layer":
@@ -149,13 +149,13 @@ class Sheet:
                 return contacts.contacts_hit(self.shown, area, row.id, position)
         return constraint.constraint_hit(self.shown, area, row.id, position)
 
-    def _label_hit(self, row: Row) -> Hit:
+    def _label_hit(self, row: TimelineRow) -> Hit:
         match row.kind:
             case "clip" | "growth":
-                return Hit("performers", row.id, Part.LABEL)
+                return Hit("performers", row.id, ItemPart.LABEL)
             case "layer":
-                return Hit("performers", layer.performer_of(row.id), Part.LABEL)
-        return Hit(row.kind, row.id, Part.LABEL)
+                return Hit("performers", layer.performer_of(row.id), ItemPart.LABEL)
+        return Hit(row.kind, row.id, ItemPart.LABEL)
 
-    def _folds(self, row: Row) -> bool:
+    def _folds(self, row: TimelineRow) -> bool:
         return row.kind == "clip" and clip.folds(self.shown, row.id)

@@ -26,7 +26,7 @@ FOLD_WIDTH = 14
 """Pixels at the left of a label that fold its row."""
 
 
-class Part(StrEnum):
+class ItemPart(StrEnum):
     """What of a thing is under the mouse, or has the keyboard."""
 
     BODY = "body"
@@ -43,12 +43,12 @@ class Part(StrEnum):
     TIME = "time"
 
 
-HANDLES = (Part.START, Part.FULL, Part.FULL_END, Part.END)
-EDGES = (Part.FIRST, Part.LAST)
+HANDLES = (ItemPart.START, ItemPart.FULL, ItemPart.FULL_END, ItemPart.END)
+EDGES = (ItemPart.FIRST, ItemPart.LAST)
 
 
 @dataclass(frozen=True)
-class Row:
+class TimelineRow:
     """One row: its kind, its id, and pixels below the first row.
 
     Kinds are labels, constraints, clip, layer, growth, props and lane; summary and sheet are those of the dope sheet.
@@ -75,20 +75,20 @@ class Hit:
 
     kind: str
     id: str
-    part: Part
+    part: ItemPart
     performer_id: str = ""
     keys: tuple[KeyRef, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
-class Shown:
+class RowContext:
     """The document, the motion in question, the axis, the results, and which handle has the keyboard."""
 
     document: Document
     live: Live
     axis: TimeAxis
     subject: Subject
-    handle: Part | None = None
+    handle: ItemPart | None = None
     folded: frozenset[tuple[str, str]] = frozenset()
     """Kind and id of the rows that are only a line high."""
     apart: bool = False

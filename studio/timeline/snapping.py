@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from studio.timeline.axis import TimeAxis
-from studio.timeline.shown import Shown
+from studio.timeline.shown import RowContext
 from studio.timeline.tracks.keys import sheet_fields, stage_times
 
 MAGNET_PIXELS = 6.0
@@ -35,7 +35,7 @@ def magnets_of(contacts: dict[str, tuple[float, float]], playhead: float, *witho
     return (playhead, *edges)
 
 
-def key_magnets(shown: Shown, scaling: bool) -> tuple[float, ...]:
+def key_magnets(shown: RowContext, scaling: bool) -> tuple[float, ...]:
     """What dragged keys catch on: the playhead unless they are scaled about it, contacts, and keys that stay.
 
     Only what is in view counts.

@@ -10,7 +10,7 @@ from studio.engine.live import Live
 from studio.timeline import edits
 from studio.timeline.canvas import TrackCanvas
 from studio.timeline.sheet import Sheet
-from studio.timeline.shown import Part
+from studio.timeline.shown import ItemPart
 from studio.timeline.strips import StripState
 from studio.timeline.tracks import constraint, contacts, labels
 from studio.timeline.tracks.strip import PITCH
@@ -69,7 +69,7 @@ class Timeline(QWidget):
         sheet = self._sheet()
         entity = sheet.shown.project.constraints[constraint_id]
         points = constraint.handle_points(sheet.shown, self.row_rect("constraints", constraint_id), entity)
-        return points[Part(handle)].toPoint()
+        return points[ItemPart(handle)].toPoint()
 
     def contact_rect(self, contact_id: str) -> QRect:
         """Where a contact's bar lies."""

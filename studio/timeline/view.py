@@ -17,12 +17,12 @@ from studio.timeline.axis import TimeAxis
 from studio.timeline.curve_fields import HEIGHT as FIELDS_HEIGHT
 from studio.timeline.curve_fields import CurveFields
 from studio.timeline.curves import Quantity
-from studio.timeline.gestures.gesture import Gesture
+from studio.timeline.gestures.gesture import TimelineGesture
 from studio.timeline.gestures.keys import BoxSelect
 from studio.timeline.gestures.value_curves import BoxSelectCurves
 from studio.timeline.picture import PLOT, Picture
 from studio.timeline.sheet import FOLDING, RIGHT_MARGIN, Sheet, rows_of
-from studio.timeline.shown import LABEL_WIDTH, Part, Shown
+from studio.timeline.shown import LABEL_WIDTH, ItemPart, RowContext
 from studio.timeline.subject import play_apart, stage_extent, subject_of
 from studio.timeline.tracks.constraint import looks_of
 from studio.timeline.tracks.keys import SHEET, SUMMARY, sheet_id
@@ -41,8 +41,8 @@ class TrackView(QWidget):
         self.axis = TimeAxis(self)
         self.picture = Picture(self)
         self.sheet: Sheet | None = None
-        self.gesture: Gesture | None = None
-        self.handle: Part | None = None
+        self.gesture: TimelineGesture | None = None
+        self.handle: ItemPart | None = None
         self.mouse = QPointF()
         self.folded: frozenset[tuple[str, str]] = frozenset()
         self.editing = False
@@ -92,7 +92,7 @@ class TrackView(QWidget):
         self.picture.close()
 
     @property
-    def shown(self) -> Shown | None:
+    def shown(self) -> RowContext | None:
         """What the rows show, or None while no performer plays a motion."""
         return self.sheet.shown if self.sheet else None
 
@@ -118,7 +118,7 @@ class TrackView(QWidget):
             return
         apart = play_apart(self.document.project) if self.apart is None else self.apart
         remarks = self._remarks_on(self.document.project.captures[subject.motion.capture_id])
-        shown = Shown(
+        shown = RowContext(
             self.document,
             self.live,
             self.axis,
@@ -173,8 +173,8 @@ class TrackView(QWidget):
 
     def _show_project(self) -> None:
         self.handle = self.apart = self._remarked = None
-        self.axis.fit()
         self.lay_out()
+        self.axis.fit()
 
     def _show_selection(self) -> None:
         self.set_handle(None)
@@ -279,7 +279,7 @@ class TrackView(QWidget):
         self.picture.plot.quantity = quantity
         self._redraw(PLOT)
 
-    def set_handle(self, handle: Part | None) -> None:
+    def set_handle(self, handle: ItemPart | None) -> None:
         """Give the keyboard to a handle of the selected thing."""
         if self.handle != handle:
             self.handle = handle

@@ -53,7 +53,7 @@ class Renders(Protocol):
 
 
 @dataclass(frozen=True)
-class Sight:
+class StereoView:
     """How the stage is looked at: with one eye or two, and from where the ``head`` is, in metres before the screen."""
 
     stereo: Stereo = Stereo.OFF
@@ -86,15 +86,15 @@ class Sight:
         return side_by_side(left, right, size) if self.stereo is Stereo.SIDE_BY_SIDE else anaglyph(left, right)
 
 
-PLAIN = Sight()
+PLAIN = StereoView()
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class StereoScene:
     """A scene as it is looked at; it renders as the scene does."""
 
     scene: Renders
-    sight: Sight
+    sight: StereoView
 
     def render(
         self, camera: OrbitCamera, size: tuple[int, int], offset: tuple[float, float] = (0.0, 0.0), _: Eye = MIDDLE

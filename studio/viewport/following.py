@@ -11,7 +11,7 @@ SECONDS = 0.6
 """The way is smoothed over so long on either side."""
 
 
-class Follower:
+class FollowCamera:
     """Moves a camera as far as the followed character went since the last picture."""
 
     def __init__(self) -> None:

@@ -14,8 +14,10 @@ from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.keyed import KeyedPlace
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
+from studio.core.constraints.own_place import KeyedOwnPlace
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.procedural import ProceduralPlace
+from studio.core.constraints.target import own_place_of
 from studio.core.rotations import to_matrix
 from studio.core.stage.placement import Placement
 from studio.engine.measures import measure_of
@@ -38,7 +40,7 @@ _SQUARE = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0], [-1, -1, 0
 
 
 @dataclass(frozen=True, eq=False)
-class Figure:
+class HandleShape:
     """Lines (N, 3) and filled faces in the motion's space; ``link`` (2, 3) leads from what is to what is asked."""
 
     lines: tuple[FloatArray, ...] = ()
@@ -50,22 +52,22 @@ class Figure:
     only_chosen: bool = False
     """Whether it is drawn only while the constraint is selected: it would hide the body."""
 
-    def placed(self, placement: Placement) -> "Figure":
+    def placed(self, placement: Placement) -> "HandleShape":
         """The figure on the stage."""
         lines, faces = (tuple(placement.to_stage(each) for each in parts) for parts in (self.lines, self.faces))
         link = None if self.link is None else placement.to_stage(self.link)
         return replace(self, lines=lines, faces=faces, link=link)
 
 
-def figure_of(constraint: Constraint, pose: Posed, floor: float) -> Figure:
+def figure_of(constraint: Constraint, pose: Posed, floor: float) -> HandleShape:
     """How ``constraint``, as it is at a moment, looks on a body then, over a ground ``floor`` metres high."""
     draw = _FIGURES.get(type(constraint))
     if draw is None:
-        return Figure(lines=constraint.sketch(_point(pose, constraint.point), _turn(pose, constraint.point)))
+        return HandleShape(lines=constraint.sketch(_point(pose, constraint.point), _turn(pose, constraint.point)))
     return draw(constraint, pose, floor)
 
 
-def with_outline(figure: Figure, outline: FloatArray | None, floor: float) -> Figure:
+def with_outline(figure: HandleShape, outline: FloatArray | None, floor: float) -> HandleShape:
     """The figure with the outline (N, 2) of what the body stands on."""
     if outline is None:
         return figure
@@ -73,59 +75,65 @@ def with_outline(figure: Figure, outline: FloatArray | None, floor: float) -> Fi
     return replace(figure, lines=(*figure.lines, closed))
 
 
-def with_path(figure: Figure, target: object, time: float) -> Figure:
-    """The figure with the way of a ``target`` that is keyed or moves by a rule, round a ``time`` of its motion."""
-    if not isinstance(target, KeyedPlace | ProceduralPlace):
+def with_path(figure: HandleShape, target: object, time: float, place: FloatArray, leg_length: float) -> HandleShape:
+    """The figure with the path of a ``target`` that is keyed or moves by a rule, round a ``time`` of its motion.
+
+    A per-character path leads through ``place``, where the target is at that time.
+    """
+    if not isinstance(target, KeyedPlace | KeyedOwnPlace | ProceduralPlace):
         return figure
-    return replace(figure, lines=(*figure.lines, target.path(time)))
+    path = target.path(time)
+    if own_place_of(target) is not None:
+        path = place + (leg_length if isinstance(target, KeyedOwnPlace) else 1.0) * (path - target.at([time]))
+    return replace(figure, lines=(*figure.lines, path))
 
 
-def _position(constraint: PositionConstraint, pose: Posed, floor: float) -> Figure:
+def _position(constraint: PositionConstraint, pose: Posed, floor: float) -> HandleShape:
     link = np.stack([_point(pose, constraint.point), np.array(constraint.target)])
-    return Figure(link=link, missed=_length(link) > REACHED)
+    return HandleShape(link=link, missed=_length(link) > REACHED)
 
 
-def _look_at(constraint: LookAtConstraint, pose: Posed, floor: float) -> Figure:
+def _look_at(constraint: LookAtConstraint, pose: Posed, floor: float) -> HandleShape:
     link = np.stack([_point(pose, constraint.point), np.array(constraint.target)])
     gaze, way = _turn(pose, constraint.point)[:, 0], link[1] - link[0]
     angle = float(np.arctan2(np.linalg.norm(np.cross(gaze, way)), gaze @ way))
-    return Figure(link=link, link_always=True, missed=angle > measure_of(constraint).held_below)
+    return HandleShape(link=link, link_always=True, missed=angle > measure_of(constraint).held_below)
 
 
-def _distance(constraint: DistanceConstraint, pose: Posed, floor: float) -> Figure:
+def _distance(constraint: DistanceConstraint, pose: Posed, floor: float) -> HandleShape:
     other = constraint.other
     end = _point(pose, other) if isinstance(other, BodyPoint) else np.array(other)
     link = np.stack([_point(pose, constraint.point), end])
     distance = float(np.array(constraint.distance))
-    return Figure(link=link, link_always=True, missed=abs(_length(link) - distance) > REACHED)
+    return HandleShape(link=link, link_always=True, missed=abs(_length(link) - distance) > REACHED)
 
 
-def _orientation(constraint: OrientationConstraint, pose: Posed, floor: float) -> Figure:
+def _orientation(constraint: OrientationConstraint, pose: Posed, floor: float) -> HandleShape:
     """The three axes as they are asked, at the segment's origin."""
     begin = _point(pose, constraint.point)
     asked, is_so = to_matrix(np.array(constraint.target)), _turn(pose, constraint.point)
     lines = tuple(np.stack([begin, begin + AXIS * axis]) for axis in asked.T)
     cosine = np.clip((np.trace(asked.T @ is_so) - 1.0) / 2.0, -1.0, 1.0)
-    return Figure(lines=lines, missed=float(np.arccos(cosine)) > measure_of(constraint).held_below)
+    return HandleShape(lines=lines, missed=float(np.arccos(cosine)) > measure_of(constraint).held_below)
 
 
-def _balance(constraint: BalanceConstraint, pose: Posed, floor: float) -> Figure:
+def _balance(constraint: BalanceConstraint, pose: Posed, floor: float) -> HandleShape:
     x, y, _ = _mass(pose)
     below = np.array([x, y, floor])
     disc = below + DISC * _CIRCLE
     if not isinstance(constraint.place, tuple):
-        return Figure(lines=(disc, below + RING * _CIRCLE), faces=(disc,))
+        return HandleShape(lines=(disc, below + RING * _CIRCLE), faces=(disc,))
     asked = np.array([*constraint.place[:2], floor])
     link = np.stack([below, asked])
-    return Figure((disc, asked + RING * _CIRCLE), (disc,), link, missed=_length(link) > REACHED)
+    return HandleShape((disc, asked + RING * _CIRCLE), (disc,), link, missed=_length(link) > REACHED)
 
 
-def _clear(constraint: ClearConstraint, pose: Posed, floor: float) -> Figure:
+def _clear(constraint: ClearConstraint, pose: Posed, floor: float) -> HandleShape:
     """The capsules that the arms are kept out of."""
-    return Figure(lines=tuple(capsule_lines(pose.motion, pose.row)), only_chosen=True)
+    return HandleShape(lines=tuple(capsule_lines(pose.motion, pose.row)), only_chosen=True)
 
 
-def _area(constraint: AreaConstraint, pose: Posed, floor: float) -> Figure:
+def _area(constraint: AreaConstraint, pose: Posed, floor: float) -> HandleShape:
     if constraint.mesh is not None and constraint.shape is AreaShape.MESH:
         lines, faces = mesh_lines(constraint.mesh)
     else:
@@ -133,7 +141,7 @@ def _area(constraint: AreaConstraint, pose: Posed, floor: float) -> Figure:
     turn = Placement(heading=float(np.array(constraint.heading))).rotation
     centre = np.array(constraint.centre)
     link = np.stack([_point(pose, constraint.point), _allowed(constraint, _point(pose, constraint.point))])
-    return Figure(
+    return HandleShape(
         tuple(line @ turn.T + centre for line in lines),
         tuple(face @ turn.T + centre for face in faces),
         link,
@@ -181,7 +189,7 @@ _SHAPES: dict[AreaShape, Callable[[FloatArray], Shape]] = {
     AreaShape.SPHERE: _sphere,
     AreaShape.CYLINDER: _cylinder,
 }
-_FIGURES: dict[type[Constraint], Callable[[Any, Posed, float], Figure]] = {
+_FIGURES: dict[type[Constraint], Callable[[Any, Posed, float], HandleShape]] = {
     PositionConstraint: _position,
     OrientationConstraint: _orientation,
     LookAtConstraint: _look_at,

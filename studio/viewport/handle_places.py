@@ -6,7 +6,7 @@ from studio.core.constraints.base import Constraint, Vector
 def handle_place(constraint: Constraint, floor: float = 0.0) -> Vector | None:
     """Where the handle is, metres in the motion's space over a ground ``floor`` high; None: it has no place.
 
-    The constraint is as it is at one moment (``Moment.fixed``).
+    The constraint is as it is at one moment (``TargetContext.fixed``).
     """
     place = getattr(constraint, constraint.shown.held_by, None)
     if not isinstance(place, tuple):

@@ -8,10 +8,10 @@ import numpy as np
 from studio.core.constraints.balance import Support
 from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.project import Project
-from studio.engine.moments import Moment
+from studio.engine.moments import TargetContext
 from studio.engine.performance import Posed
 from studio.viewport.camera import FloatArray
-from studio.viewport.handle_figures import Figure, figure_of, with_outline, with_path
+from studio.viewport.handle_figures import HandleShape, figure_of, with_outline, with_path
 from studio.viewport.handle_places import handle_place
 
 
@@ -23,7 +23,7 @@ class Handle:
     performer_id: str
     kind: str
     target: FloatArray | None
-    figure: Figure
+    figure: HandleShape
     activation: float
     main: bool
     """Of the active performer: drawn in full."""
@@ -48,7 +48,7 @@ def constraint_handles(
     handles = []
     for performer_id, pose in sorted(posed.items(), key=lambda item: item[0] == active):
         asked = project.constraints_for(performer_id, pose.clip) if pose.clip else {}
-        moment, floor = Moment(project, posed, pose), floor_under(project, pose)
+        moment, floor = TargetContext(project, posed, pose), floor_under(project, pose)
         for constraint_id, constraint in asked.items():
             if only is not None and constraint_id not in only:
                 continue
@@ -60,7 +60,9 @@ def constraint_handles(
             figure = figure_of(now, pose, floor)
             if isinstance(getattr(constraint, "place", None), Support):
                 figure = with_outline(figure, moment.outline(), floor)
-            figure = with_path(figure, getattr(constraint, constraint.shown.held_by, None), pose.seconds)
+            if place is not None:
+                held, leg_length = getattr(constraint, constraint.shown.held_by, None), pose.motion.body.leg_length
+                figure = with_path(figure, held, pose.seconds, np.array(place), leg_length)
             handles.append(
                 Handle(
                     constraint_id, performer_id, constraint.kind,

@@ -15,7 +15,7 @@ EDGE = 0.06
 
 
 @dataclass(frozen=True)
-class Step:
+class CameraStep:
     """The camera before and after it has stepped back for who came."""
 
     came: frozenset[str]
@@ -28,7 +28,7 @@ class Newcomers:
 
     def __init__(self) -> None:
         self._known = frozenset[str]()
-        self._step: Step | None = None
+        self._step: CameraStep | None = None
 
     def meet(self, bodies: Collection[str]) -> None:
         """Who is there when the stage is seen for the first time."""
@@ -52,7 +52,7 @@ class Newcomers:
         shown = {key: body for key, body in bodies.items() if key in new or seen(body, camera, size, 0.0) > 0.5}
         framed = camera.framing(np.concatenate([body.points for body in shown.values()]), size)
         framed = below_chips(replace(framed, distance=max(framed.distance, camera.distance)), shown, size)
-        self._step = Step(frozenset(new), camera, framed)
+        self._step = CameraStep(frozenset(new), camera, framed)
         return framed
 
 

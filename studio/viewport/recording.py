@@ -25,7 +25,7 @@ FORCE_COLOUR = colours.kind_colour("balance")
 
 
 @dataclass(frozen=True, eq=False)
-class Recording:
+class MarkerFrame:
     """One moment: ``points`` (N, 3) of the markers that are seen, by bare label; lines of plates and forces."""
 
     labels: tuple[str, ...]
@@ -52,7 +52,7 @@ class RecordedBy:
         self._plates = [self._to_motion(plate.corners[[0, 1, 2, 3, 0]]) for plate in trial.plates]
         self._forces = [_pushes(trial, place) for place in range(len(trial.plates))]
 
-    def at(self, frame: int, placement: Placement) -> Recording:
+    def at(self, frame: int, placement: Placement) -> MarkerFrame:
         """What was recorded in a frame of the capture, at a place of the stage; frames beyond its ends are its ends."""
         assert self.capture.markers is not None
         trial = self.capture.markers.trial
@@ -60,7 +60,7 @@ class RecordedBy:
         points = placement.to_stage(self._to_motion(trial.points[frame, self._places]))
         seen = np.isfinite(points).all(axis=1)
         bare = tuple(self.labels.values())
-        return Recording(
+        return MarkerFrame(
             tuple(bare[place] for place in np.flatnonzero(seen)),
             self._used[seen],
             points[seen],
@@ -105,7 +105,7 @@ class RecordingView:
         self.named = all_of_them
         self._changed()
 
-    def at(self, document: Document, posed: Mapping[str, Posed], *, shown: bool) -> Recording | None:
+    def at(self, document: Document, posed: Mapping[str, Posed], *, shown: bool) -> MarkerFrame | None:
         """A selected capture that shows no body, for there is nothing else to see of it; else, if ``shown`` or some
         marker is marked, what the active performer's motion was recorded from.
         """

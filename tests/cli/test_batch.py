@@ -18,7 +18,7 @@ from distributed import Client, LocalCluster
 
 from studio.cli import batch
 from studio.cli.arguments import ADD_ARGUMENTS
-from studio.cli.batch_jobs import Job, done_before, find_jobs, work
+from studio.cli.batch_jobs import BatchJob, done_before, find_jobs, work
 from studio.cli.batch_workers import FORK
 from studio.cli.main import main
 from studio.io.export import write_capture
@@ -48,7 +48,7 @@ def folder(tmp_path: Path) -> Path:
     return source
 
 
-def jobs_of(folder: Path, **asked: object) -> list[Job]:
+def jobs_of(folder: Path, **asked: object) -> list[BatchJob]:
     return find_jobs(folder, folder.parent / "out", ASKED | asked)
 
 

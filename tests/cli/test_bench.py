@@ -8,7 +8,7 @@ import pytest
 
 from studio.cli.bench import bundled_capture
 from studio.cli.bench_cases import ASIDE, BEYOND, FRAMES, LIMB, clip_of, make_tasks
-from studio.cli.bench_timing import Job, time_jobs
+from studio.cli.bench_timing import BenchJob, time_jobs
 from studio.cli.main import main
 from studio.core.solver.adapt import adapt
 from studio.io.importing import GUESS_ALL
@@ -77,7 +77,7 @@ def test_what_is_called_worst_is_out_of_reach_all_the_time(tasks):
 
 def test_jobs_are_timed_for_one_of_what_they_do_and_the_best_is_no_longer_than_the_median():
     calls = []
-    [timing] = time_jobs([Job("count", lambda: calls.append(sum(range(20_000))), 10)], 3)
+    [timing] = time_jobs([BenchJob("count", lambda: calls.append(sum(range(20_000))), 10)], 3)
     assert len(calls) > 3
     assert 0.0 < timing.best <= timing.median
 

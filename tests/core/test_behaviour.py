@@ -27,7 +27,7 @@ from studio.core.stage.conditions import (
 )
 from studio.core.stage.manners import KeepDistance, LeanAway, Manner, Meet, asked_by
 from studio.core.stage.prop import Prop
-from studio.core.stage.whom import FollowPartner, Gap, Whom
+from studio.core.stage.whom import DistanceMeasure, FollowPartner, Whom
 from studio.io.project.entity_json import entity_of, entity_record, project_json, project_of
 from tests.builders import make_project
 
@@ -53,7 +53,7 @@ whoms: st.SearchStrategy[Whom] = st.one_of(
     st.builds(FollowPerformer, st.just("performer 1"), points),
     st.builds(FollowProp, st.just("box")),
 )
-gaps = st.builds(Gap, whoms, points, st.booleans(), st.booleans())
+gaps = st.builds(DistanceMeasure, whoms, points, st.booleans(), st.booleans())
 conditions: st.SearchStrategy[Condition] = st.one_of(
     st.builds(DistanceCondition, gaps, metres, st.booleans()),
     st.builds(TimeCondition, metres),

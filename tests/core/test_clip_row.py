@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as some
 
 from studio.core.normalized.compose import compose
-from studio.core.normalized.pieces import Piece
+from studio.core.normalized.pieces import MotionPiece
 from studio.core.stage.clip import Clip
 from studio.core.stage.clip_row import begun_at, edited, ended_at, frame_at, players_of, split
 from tests.builders import make_project
@@ -18,7 +18,7 @@ RATE = 60.0
 NAMES = ("second", "third", "fourth")
 
 
-def pieces_of(clips: tuple[Clip, ...], motion: Piece) -> tuple[Piece, ...]:
+def pieces_of(clips: tuple[Clip, ...], motion: MotionPiece) -> tuple[MotionPiece, ...]:
     """What clips of one motion play, repeat by repeat."""
     once = {clip.id: clip.length(RATE) / clip.repeats for clip in clips}
     return tuple(

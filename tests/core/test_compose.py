@@ -9,7 +9,7 @@ import pytest
 from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
-from studio.core.normalized.compose import Composite, Piece, compose
+from studio.core.normalized.compose import Composite, MotionPiece, compose
 from studio.core.normalized.differences import difference, moved
 from studio.core.normalized.joining import SAME_PLACE, Planar, average_body
 from studio.core.normalized.motion import NormalizedMotion
@@ -30,17 +30,17 @@ PERMITTED = 1.5
 
 
 @cache
-def example(name: str) -> Piece:
+def example(name: str) -> MotionPiece:
     """All of one of the project's own captures."""
     capture = load_capture(ROOT / "examples" / "captures" / f"{name}.bvh")
     motion, _ = normalize(capture)
     found = capture_contacts(capture)
     contacts = tuple(ContactInterval("", point, *span) for point, spans in found.items() for span in spans)
-    return Piece(motion, contacts, 0, motion.frame_count - 1)
+    return MotionPiece(motion, contacts, 0, motion.frame_count - 1)
 
 
-def cut(piece: Piece, **changes: object) -> Piece:
-    return Piece(**{**{name: getattr(piece, name) for name in piece.__dataclass_fields__}, **changes})
+def cut(piece: MotionPiece, **changes: object) -> MotionPiece:
+    return MotionPiece(**{**{name: getattr(piece, name) for name in piece.__dataclass_fields__}, **changes})
 
 
 def standing(composite: Composite) -> Standing:
@@ -161,9 +161,9 @@ def _fastest(name: str) -> float:
 
 def test_a_cut_in_the_middle_of_a_stride_slides_no_foot() -> None:
     motion, contacts = walk()
-    stride = Piece(motion, contacts, 10, 64)
+    stride = MotionPiece(motion, contacts, 10, 64)
     for frame in (20, 41, 55, 70):
-        row = compose((stride, Piece(motion, contacts, frame, 140, start=stride.end)))
+        row = compose((stride, MotionPiece(motion, contacts, frame, 140, start=stride.end)))
         stands = standing(row)
         quality = contact_quality(hold(stands, ()), stands.contacts, Ground())
         assert quality.slide < 1e-3

@@ -9,8 +9,8 @@ from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
 from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
 from studio.core.normalized.compose import Composite, compose
-from studio.core.normalized.layers import Overlay, columns_of, layered
-from studio.core.normalized.pieces import Piece
+from studio.core.normalized.layers import PlayedLayer, columns_of, layered
+from studio.core.normalized.pieces import MotionPiece
 from studio.core.normalized.resample import Resampled
 from studio.core.quality.metrics import QUIET, contact_quality
 from studio.core.solver.adapt import hold
@@ -22,16 +22,16 @@ every_region = pytest.mark.parametrize("region", Region)
 WIDTH = at.SPINE + 12
 
 
-def over(piece: Piece, region: Region = Region.UPPER_BODY, **changes: object) -> Overlay:
+def over(piece: MotionPiece, region: Region = Region.UPPER_BODY, **changes: object) -> PlayedLayer:
     usual = {"weight": 1.0, "fades": (0.0, 0.0), "additive": False, "reference": -1}
-    return Overlay((piece,), region, **{**usual, **changes})  # type: ignore[arg-type]
+    return PlayedLayer((piece,), region, **{**usual, **changes})  # type: ignore[arg-type]
 
 
-def part(name: str, first: int, last: int, start: float) -> Piece:
+def part(name: str, first: int, last: int, start: float) -> MotionPiece:
     return cut(example(name), first=first, last=last, start=start)
 
 
-def row_with(*overlays: Overlay, row: str = "walk_turn") -> Composite:
+def row_with(*overlays: PlayedLayer, row: str = "walk_turn") -> Composite:
     return layered((example(row),), overlays)
 
 

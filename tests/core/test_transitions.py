@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from studio.core.grounds.ground import Ground
-from studio.core.normalized.compose import Composite, Piece, compose
+from studio.core.normalized.compose import Composite, MotionPiece, compose
 from studio.core.normalized.realize import realize
 from studio.core.quality.metrics import QUIET, contact_quality, swing_depths
 from studio.core.solver.adapt import hold
@@ -21,7 +21,7 @@ from tests.core.test_compose import BODY, EXAMPLES, PERMITTED, cut, example, loc
 COUNT = 32
 
 
-def picked() -> list[tuple[Piece, Piece]]:
+def picked() -> list[tuple[MotionPiece, MotionPiece]]:
     """Two clips from any of their frames on, that leave a gap, meet, or overlap by up to a second."""
     chance = np.random.default_rng(19)
     found = []
@@ -46,7 +46,7 @@ class Transition(NamedTuple):
     sink: float
 
 
-def lowest(piece: Piece) -> float:
+def lowest(piece: MotionPiece) -> float:
     """Metres over the ground that hips come down to in a clip alone."""
     alone = compose((replace(piece, start=0.0),))
     return float(standing(alone).positions[piece.first : piece.last + 1, 0, 2].min())
@@ -120,7 +120,7 @@ def test_who_goes_on_the_other_way_round_turns_there_in_one_way() -> None:
     assert steps.max() * stands.motion.frame_rate < 4.0 * np.pi
 
 
-def feet_of(piece: Piece, frame: int) -> set[str]:
+def feet_of(piece: MotionPiece, frame: int) -> set[str]:
     return {each.point.value for each in piece.contacts if each.point.is_foot and each.first <= frame <= each.last}
 
 

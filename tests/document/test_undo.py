@@ -23,7 +23,7 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import DistanceCondition
 from studio.core.stage.manners import KeepDistance
 from studio.core.stage.prop import Prop
-from studio.core.stage.whom import FollowPartner, Gap
+from studio.core.stage.whom import DistanceMeasure, FollowPartner
 from studio.document.document import Document
 from studio.io.project.entity_json import project_json
 from tests.builders import make_capture, make_constraint, make_contact, make_project
@@ -49,7 +49,7 @@ def behaviour_of(document: Document, chance: Random) -> Behaviour:
     role = (Role(players[0], players[-1]),) if len(players) > 1 else ()
     clip = Clip(motions[0], 0, 9) if motions else None
     whoms = [FollowPartner(), *map(FollowProp, props), *(FollowPerformer(key, WRIST) for key in players)]
-    near = DistanceCondition(Gap(chance.choice(whoms)))
+    near = DistanceCondition(DistanceMeasure(chance.choice(whoms)))
     rest = State("Rest", clip, manners=(KeepDistance(chance.choice(whoms), chance.uniform(0.5, 2.0)),))
     return Behaviour("Fighter", (rest, State("Go")), (Transition("Rest", "Go", (near,)),), cast=role)
 

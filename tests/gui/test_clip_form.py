@@ -10,7 +10,7 @@ from studio.core.stage.prop import Prop
 from studio.library.catalogue import Catalogue
 from studio.library.clips import HitSegment, Kind, Limb
 from studio.library.indexing import index
-from studio.panels.clip_line import Mark
+from studio.panels.clip_line import ClipMark
 from studio.resources_folder import bundled_strikes_folder
 from tests.gui.window_use import wait_until_idle
 
@@ -18,9 +18,9 @@ LEFT = Qt.MouseButton.LeftButton
 
 
 @pytest.fixture
-def striking(window, qtbot, tmp_path):
+def striking(window, qtbot, library_folder):
     made = window.striking
-    made.folder = tmp_path / "library"
+    made.folder = library_folder
     window.actions_by_id.by_id["find_strike"].trigger()
     wait_until_idle(qtbot, window)
     made.panel.results.setCurrentRow(0)
@@ -46,10 +46,10 @@ def test_without_a_target_all_strikes_are_listed_and_one_opens(striking):
 
 def test_what_a_mark_says_is_whole_at_both_ends_of_the_take(striking):
     form = striking.labelling.form
-    end = int(form.frames[Mark.LAST].maximum())
+    end = int(form.frames[ClipMark.LAST].maximum())
     for first in (0, end - 2):
         form.line.show_label(replace(form.label, first=first, hit=first + 1, last=first + 2))
-        for mark in Mark:
+        for mark in ClipMark:
             caption = form.line.caption(mark, 52.0)
             assert 0.0 <= caption.left() < caption.right() <= form.line.width()
 
@@ -57,9 +57,9 @@ def test_what_a_mark_says_is_whole_at_both_ends_of_the_take(striking):
 def test_marks_are_dragged_and_keep_their_order_and_a_drag_is_one_step_back(striking):
     form = striking.labelling.form
     before = form.label
-    drag(form, Mark.HIT, -12)
+    drag(form, ClipMark.HIT, -12)
     assert form.label.hit < before.hit
-    drag(form, Mark.FIRST, 400)
+    drag(form, ClipMark.FIRST, 400)
     assert form.label.first == form.label.hit - 1
     QTest.mouseClick(form.undo, LEFT)
     assert form.label.first == before.first
@@ -72,7 +72,7 @@ def test_ctrl_z_after_a_drag_takes_back_the_drag_and_no_edit_of_the_project(stri
     form, document = striking.labelling.form, window.bench.document
     document.add("props", Prop("Box", (0.1, 0.1, 0.1), (1.0, 0.0, 0.1)), "Add Box")
     before, edits = form.label, document.undo_stack.index()
-    drag(form, Mark.HIT, -12)
+    drag(form, ClipMark.HIT, -12)
     assert form.label != before
     QTest.keyClick(form.line, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
     assert form.label == before
@@ -90,7 +90,7 @@ def test_another_limb_brings_its_own_kind_and_segments(striking):
 
 def test_what_is_confirmed_is_in_the_catalogue_and_outlasts_indexing(striking, window, qtbot):
     form = striking.labelling.form
-    drag(form, Mark.HIT, -12)
+    drag(form, ClipMark.HIT, -12)
     form.tags.setText("high,  spinning, high")
     form.tags.editingFinished.emit()
     wanted = replace(form.label, tags=("high", "spinning"), confirmed=True)

@@ -18,7 +18,7 @@ from studio.core.constraints.kinds import KINDS
 from studio.core.quality.metrics import centre_of_mass
 from studio.core.stage.prop import Prop
 from studio.document.document import Document
-from studio.engine.moments import Moment
+from studio.engine.moments import TargetContext
 from studio.panels.constraint_editors.body_figure import SCALE, SHAPES, BodyFigure
 from studio.panels.fields import NumberField
 from studio.panels.inspector import Inspector
@@ -27,6 +27,7 @@ from studio.viewport.handle_places import handle_place
 from studio.viewport.widget import Viewport
 from tests.builders import make_project
 from tests.gui.viewport_use import drag, joint_pixel, settle
+from tests.patience import PATIENCE
 from tests.viewport.standing import StandingLive
 
 LEFT = Qt.MouseButton.LeftButton
@@ -40,8 +41,8 @@ def studio(qtbot):
     qtbot.addWidget(inspector)
     inspector.resize(316, 1400)
     inspector.show()
-    viewport.resize(900, 600)
-    with qtbot.waitSignal(viewport.started):
+    viewport.resize(600, 400)
+    with qtbot.waitSignal(viewport.started, timeout=PATIENCE):
         viewport.show()
     document.playhead.set_time(0.2)
     settle(viewport)
@@ -258,7 +259,7 @@ def test_a_place_that_is_written_is_read_again_and_what_has_none_stays_as_it_is(
         constraint = add(studio, kind, "left ankle")
         place = fixed(studio, constraint)
         viewport, document, _ = studio
-        moment = Moment(document.project, viewport.posed, viewport.posed["performer 0"])
+        moment = TargetContext(document.project, viewport.posed, viewport.posed["performer 0"])
         moved = moment.moved(constraint, (0.1, 0.2, 0.3))
         if place is None:
             assert moved is constraint
@@ -271,7 +272,9 @@ def test_a_place_that_is_written_is_read_again_and_what_has_none_stays_as_it_is(
 def fixed(studio, constraint):
     """Where it is held now."""
     viewport, document, _ = studio
-    return handle_place(Moment(document.project, viewport.posed, viewport.posed["performer 0"]).fixed(constraint))
+    return handle_place(
+        TargetContext(document.project, viewport.posed, viewport.posed["performer 0"]).fixed(constraint)
+    )
 
 
 def keyed(studio, kind="position"):
@@ -319,7 +322,9 @@ def test_the_handle_of_a_target_that_follows_is_where_the_followed_is_and_a_drag
     [handle] = [one for one in viewport.handles() if one.main]
     assert handle.target == pytest.approx([0.4, 0.3, 0.9])
     pose = viewport.posed["performer 0"]
-    moved = Moment(document.project, viewport.posed, pose).moved(new, tuple(pose.placement.to_motion([0.5, 0.3, 1.0])))
+    moved = TargetContext(document.project, viewport.posed, pose).moved(
+        new, tuple(pose.placement.to_motion([0.5, 0.3, 1.0]))
+    )
     assert moved.target.offset == pytest.approx((0.1 * np.cos(0.5), -0.1 * np.sin(0.5), 0.1))
 
 
@@ -329,7 +334,7 @@ def test_a_target_is_made_keyed_and_keys_are_typed_set_gone_to_and_deleted(studi
     place = numbers_of(inspector, "Target")
     choose(inspector, "Target is", "Keyed over time")
     assert current(document).target.times == pytest.approx([0.2])
-    assert current(document).target.values[0] == pytest.approx(place, abs=1e-3)
+    assert numbers_of(inspector, "Target") == pytest.approx(place, abs=1e-3)
     document.playhead.set_time(0.4)
     enter(inspector, "Target Z", "1.5")
     assert current(document).target.times == pytest.approx([0.2, 0.4])
@@ -360,9 +365,48 @@ def test_a_target_moves_by_a_rule_its_way_is_drawn_and_a_drag_moves_it(studio):
     assert current(document).target.reach == (0.25, 0.1, 0.1)
     enter(inspector, "Target Z", "1.5")
     assert field(inspector, "Target Z").value() == pytest.approx(1.5)
-    assert current(document).target.at([0.2])[0, 2] == pytest.approx(1.5)
     choose(inspector, "Target is", "Shared")
     assert len(current(document).target) == len(place)
+
+
+@pytest.mark.parametrize("begin", ["Per character", "Follow own body"])
+@pytest.mark.parametrize("words", ["Keyed over time", "Goes round a circle", "Wanders at random"])
+def test_what_is_each_body_s_own_stays_so_as_keys_and_rules_and_is_shared_when_asked(studio, begin, words):
+    viewport, document, inspector = studio
+    add(studio, "position")
+    choose(inspector, "Target is", begin)
+    if begin == "Follow own body":
+        choose(inspector, "Point followed", "Head")
+    before = targets_of_all(studio)
+    choose(inspector, "Target is", words)
+    if words == "Keyed over time":
+        assert targets_of_all(studio) == pytest.approx(before, abs=1e-3)
+    document.playhead.set_time(0.4)
+    settle(viewport)
+    before = targets_of_all(studio)
+    assert np.linalg.norm(before[1] - before[0]) > 0.01
+    enter(inspector, "Target Z", f"{field(inspector, 'Target Z').value() + 0.2:.2f}")
+    settle(viewport)
+    legs = [viewport.posed[key].motion.body.leg_length for key in ("performer 0", "performer 1")]
+    moved = targets_of_all(studio)[:, 2] - before[:, 2]
+    assert moved[1] == pytest.approx(moved[0] * legs[1] / legs[0], abs=0.002)
+    before = targets_of_all(studio)
+    press(inspector, "Counts per character")
+    settle(viewport)
+    assert targets_of_all(studio)[0] == pytest.approx(before[0], abs=1e-6)
+    assert np.ptp(targets_of_all(studio), axis=0) == pytest.approx(np.zeros(3), abs=1e-9)
+    press(inspector, "Counts per character")
+    settle(viewport)
+    assert targets_of_all(studio)[0] == pytest.approx(before[0], abs=1e-6)
+    assert np.linalg.norm(np.diff(targets_of_all(studio), axis=0)) > 0.01
+
+
+def targets_of_all(studio):
+    """(P, 3) metres of the motion: where each performer has the target now."""
+    viewport, document, _ = studio
+    settle(viewport)
+    moments = [TargetContext(document.project, viewport.posed, pose) for _, pose in sorted(viewport.posed.items())]
+    return np.array([moment.fixed(current(document)).target for moment in moments])
 
 
 def test_a_target_is_made_to_follow_each_kind_of_thing_from_the_form(studio):

@@ -10,7 +10,7 @@ from studio.core.project import Motion
 from studio.core.stage.clip import Clip
 from studio.document.document import Document
 from studio.panels.inspector import Inspector
-from studio.panels.library import Library
+from studio.panels.library import LibraryPanel
 from studio.panels.performer_editor import PerformerEditor
 from tests.builders import make_capture, make_constraint, make_project
 from tests.gui.hand import LEFT, NONE, RATE, curve
@@ -37,7 +37,7 @@ def document(qapp):
 
 @pytest.fixture
 def library(qtbot, document):
-    library = Library(document)
+    library = LibraryPanel(document)
     qtbot.addWidget(library)
     library.resize(320, 700)
     library.show()

@@ -16,7 +16,7 @@ from studio.document import clips
 from studio.document.document import Document
 from studio.document.dragging import carried_capture
 from studio.panels.inspector import Inspector
-from studio.panels.library import Library
+from studio.panels.library import LibraryPanel
 from studio.timeline.hover import hover_text
 from tests.builders import make_capture, make_constraint, make_contact, make_project
 from tests.gui.hand import LEFT, NONE, RATE, pixels
@@ -243,7 +243,7 @@ def test_arrow_keys_trim_the_edge_that_has_the_keyboard(document, timeline, hand
 
 
 def test_a_capture_dropped_from_the_library_becomes_a_clip_there(document, timeline, qtbot):
-    library = Library(document)
+    library = LibraryPanel(document)
     qtbot.addWidget(library)
     index = library._index(("captures", "other"))
     assert library.model.flags(index) & Qt.ItemFlag.ItemIsDragEnabled

@@ -9,7 +9,7 @@ from PySide6.QtTest import QTest
 
 from studio.core.project import Motion
 from studio.core.stage.prop import Prop
-from studio.viewport.following import Follower
+from studio.viewport.following import FollowCamera
 from tests.builders import make_project
 from tests.gui.viewport_use import LEFT, MIDDLE, NONE, drag, settle
 
@@ -74,7 +74,7 @@ def test_the_camera_follows_who_is_driven_live_and_not_its_clips(studio):
     pose = viewport.posed["performer 1"]
     away = replace(pose.motion, positions=pose.motion.positions + np.array([2.0, -1.0, 0.0]))
     driven = replace(pose, motion=away, around=pose.over_time)
-    follower = Follower()
+    follower = FollowCamera()
     begin = follower.moved(viewport.camera, "performer 1", pose)
     gone = np.subtract(follower.moved(begin, "performer 1", driven).target, begin.target)
     assert gone == pytest.approx(pose.placement.rotation @ (2.0, -1.0, 0.0))
@@ -162,6 +162,7 @@ def test_the_wheel_keeps_what_is_under_the_mouse_there(studio):
 
 def test_the_first_view_is_taken_anew_in_a_much_smaller_window_but_not_for_a_line_of_words(studio):
     viewport, _, _ = studio
+    viewport.resize(900, 600)
     first = viewport.camera
     viewport.resize(900, 570)
     assert viewport.camera == first

@@ -15,7 +15,7 @@ from studio.core.body.kinematics import joint_world
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture
-from studio.core.normalized.actor import Actor
+from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.normalize import normalize
 from studio.core.rotations import angle_between, from_matrix
 from studio.core.solver.adapt import adapt
@@ -31,7 +31,7 @@ from tests.io.khronos import issues_of
 FILE_TO_WORLD = [2, 0, 1]
 
 
-def take_on(character: Character, capture: Capture) -> tuple[Take, Actor]:
+def take_on(character: Character, capture: Capture) -> tuple[Take, SourceRig]:
     """The capture on a character that carries all of it along."""
     motion, actor = normalize(capture)
     request = AdaptRequest(motion, character.morphology, actor=actor.morphology)
@@ -45,7 +45,7 @@ def captured(capture: Capture, take: Take) -> PoseSequence:
     return capture.poses.frames(take.adapted.first_frame, take.adapted.first_frame + take.adapted.frame_count - 1)
 
 
-def check_fingers(capture: Capture, take: Take, actor: Actor, back: Capture) -> None:
+def check_fingers(capture: Capture, take: Take, actor: SourceRig, back: Capture) -> None:
     """In the file every carried joint is turned, in the axes of the segment that carries it, as it was captured."""
     assert take.adapted is not None
     body = take.adapted.morphology

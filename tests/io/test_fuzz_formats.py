@@ -12,10 +12,13 @@ from studio.core.errors import StudioError
 from studio.io.registry import OWN_FORMATS
 from tests.io.seeds import SEEDS, read, spoiled
 
-MUTATIONS = 2000
+MUTATIONS = 1000
 ELSEWHERE = {
     ".fbx": 12,
     ".c3d": 100,
+    ".trc": 300,
+    ".amc": 300,
+    ".asf": 300,
     ".gltf": 100,
     ".vrm": 100,
     ".vrma": 100,

@@ -14,7 +14,7 @@ from studio.library.clips import ClipLabel, HitSegment, Kind, Limb
 from studio.library.hitting import limb_size
 from studio.library.indexing import corrected, index, unsaid
 from studio.library.library import POSES, Library
-from studio.library.searching import Asked, find
+from studio.library.searching import StrikeQuery, find
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "captures"
 
@@ -46,7 +46,7 @@ def catalogue(indexed, tmp_path):
 def asked_of(clip, frame, body, place, **changes):
     motion = clip.take.motion
     pose = replace(motion, channels=motion.channels[frame : frame + 1])
-    return Asked(pose, body, place, **changes)
+    return StrikeQuery(pose, body, place, **changes)
 
 
 def test_strikes_are_cut_from_takes_with_limb_kind_hit_and_path(catalogue):

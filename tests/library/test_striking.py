@@ -10,7 +10,7 @@ from studio.cli.live import guard_of
 from studio.core.body.morphology import Proportions
 from studio.core.constraints.keyed import KeyedPlace
 from studio.core.grounds.ground import Ground
-from studio.core.normalized.pieces import Piece
+from studio.core.normalized.pieces import MotionPiece
 from studio.core.normalized.realize import realize
 from studio.core.quality.metrics import angular_acceleration, contact_quality, swing_depths
 from studio.core.solver.adapt import adapt
@@ -22,7 +22,7 @@ from studio.library.hitting import hit_places
 from studio.library.indexing import bundled_library, index
 from studio.library.library import Library
 from studio.library.scenes.choosing import target_of
-from studio.library.searching import Asked, find, outline, place_before
+from studio.library.searching import StrikeQuery, find, outline, place_before
 from studio.library.striking import Blow, aimed, make_strike, tried
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "captures"
@@ -44,7 +44,7 @@ def bundled():
 def guard(library):
     """A fighter on guard, at the start of the punch."""
     take = library.clips[1].take
-    return Piece(take.motion, take.contacts, 0, 120)
+    return MotionPiece(take.motion, take.contacts, 0, 120)
 
 
 def found_for(library, body, ahead, height, frame=60, **changes):
@@ -53,7 +53,7 @@ def found_for(library, body, ahead, height, frame=60, **changes):
     heading = pose.channels[0, 3]
     offset = [ahead * np.cos(-heading), ahead * np.sin(-heading), height]
     place = place_before(pose, body, offset)
-    return find(library, Asked(pose, body, place, **changes))[0], place
+    return find(library, StrikeQuery(pose, body, place, **changes))[0], place
 
 
 @pytest.mark.parametrize("name", BODIES)
@@ -74,7 +74,7 @@ def test_a_blow_that_is_begun_a_frame_before_its_hit_is_aimed_all_the_same(libra
     best, place = found_for(library, body, 0.7, 1.25)
     pose = replace(guard(library).motion, channels=guard(library).motion.channels[60:61])
     late, where = replace(best, start=best.hit - 1), tuple(place.tolist())
-    assert tried([late], Asked(pose, body, where))[0].missed >= 0.0
+    assert tried([late], StrikeQuery(pose, body, where))[0].missed >= 0.0
     curve = aimed(late, Clip("punch", late.start, late.clip.label.last), where, body).activation
     assert curve.at(late.hit / late.clip.take.motion.frame_rate) == 1.0
 
@@ -145,7 +145,7 @@ def test_an_outline_starts_in_the_pose_and_passes_the_target_as_far_off_as_it_sa
     playing = guard(library)
     pose = replace(playing.motion, channels=playing.motion.channels[60:61])
     place = place_before(pose, body, [0.9, 0.1, 1.3])
-    asked = Asked(pose, body, place)
+    asked = StrikeQuery(pose, body, place)
     best = find(library, asked)[0]
     points = outline(best, asked)
     cut = replace(best.clip.take.motion, channels=best.clip.take.motion.channels[best.start : best.hit + 1])

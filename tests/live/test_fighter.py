@@ -21,7 +21,7 @@ from studio.library.library import Library
 from studio.library.mirroring import with_mirrored
 from studio.live import vmc
 from studio.live.fight import ANY_STRIKE, ORDERS, fight, orders_every
-from studio.live.fighter import Fighter, State
+from studio.live.fighter import Fighter, FighterState
 from studio.live.osc import encode_message
 from studio.live.recording import write_recording
 
@@ -127,7 +127,7 @@ def test_who_is_too_far_off_steps_up_before_it_strikes(bundled):
         fighter.step(place)
         states.append(fighter.plan.state)
         assert len(states) < 240
-    assert states[0] is State.STEP
+    assert states[0] is FighterState.STEP
     assert fighter.hits[0].missed < 1e-3
 
 
@@ -153,7 +153,7 @@ def test_it_follows_a_target_that_walks_away_and_turns_to_it(library):
         positions, _ = fighter.step(place)
     apart = np.linalg.norm(place[:2] - positions[0, :2]) / body.leg_length
     assert apart == pytest.approx(fighter.distance, abs=0.45)
-    assert fighter.plan.state in (State.GUARD, State.STEP)
+    assert fighter.plan.state in (FighterState.GUARD, FighterState.STEP)
 
 
 def test_a_frozen_target_can_be_dodged(library):

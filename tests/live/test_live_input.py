@@ -23,7 +23,7 @@ from studio.live.driving import ReceivedPose, driven
 from studio.live.osc import encode_message
 from studio.live.planting import Planted
 from studio.live.recording import Recorder, Replay, read_recording, write_recording
-from studio.live.streamer import Broadcast, Shown, packets_of
+from studio.live.streamer import Broadcast, StreamedPose, packets_of
 from studio.live.tracker import LOOPBACK, Inbox, UdpInput
 from studio.live.vmc import BONE, TRACKER
 from tests.core.motions import walk
@@ -210,7 +210,7 @@ def test_several_bodies_go_out_each_to_its_own_port_and_who_cannot_be_reached_is
     listeners = [UdpInput(inbox, 0) for inbox in inboxes]
     out = Broadcast()
     bodies = [
-        Shown(listener.port, *(part[13] for part in realize(WALK, body)), body)
+        StreamedPose(listener.port, *(part[13] for part in realize(WALK, body)), body)
         for listener, body in zip(listeners, (CHILD, GIANT), strict=True)
     ]
     try:

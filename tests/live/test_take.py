@@ -13,12 +13,12 @@ from studio.core.solver.performers.performing import motion_of, perform
 from studio.core.stage.scope import Scope
 from studio.library.scenes.sparring import KEYS
 from studio.live.stage import LiveStage
-from studio.live.take import Take, edits_of
+from studio.live.take import StageTake, edits_of
 from tests.live.test_live_stage import STEP, WRIST, clip_of, prepare, reaching, staged
 from tests.live.test_sparring import moved, scene
 
 
-def with_take(project: Project, take: Take) -> Project:
+def with_take(project: Project, take: StageTake) -> Project:
     made = edits_of(take, project, lambda motion_id: motion_of(project, motion_id, prepare), iter(new_id, ""))
     for collection, key, entity in made:
         project = project.with_entity(collection, key, entity)

@@ -10,7 +10,7 @@ import pytest
 from examples.keyed.recording import RECORDINGS, write_recording
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import ContactInterval
-from studio.core.normalized.actor import Actor
+from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import capture_contacts, normalize
 from studio.io.importing import load_capture
@@ -31,7 +31,7 @@ atexit.register(_folder.cleanup)
 
 
 @lru_cache(maxsize=len(HUMANS) + len(RECORDINGS))
-def taken(path: Path) -> tuple[Capture, NormalizedMotion, Actor]:
+def taken(path: Path) -> tuple[Capture, NormalizedMotion, SourceRig]:
     capture = load_capture(path)
     return capture, *normalize(capture)
 

@@ -34,7 +34,7 @@ from studio.io.project.character_file import bundled_characters
 from studio.library.catalogue import Catalogue
 from studio.library.indexing import index
 from studio.library.library import Library
-from studio.library.searching import Asked, find
+from studio.library.searching import StrikeQuery, find
 from studio.live.driving import ReceivedPose, driven
 from studio.live.planting import Planted
 from studio.live.streamer import packets_of
@@ -82,7 +82,7 @@ def search_library() -> None:
         library = Library.of(catalogue)
         for each in (library, Library.of_clips(list(library.clips))):
             motion = each.clips[0].take.motion
-            find(each, Asked(replace(motion, channels=motion.channels[:1]), STILL, (0.5, 0.0, 1.2)))
+            find(each, StrikeQuery(replace(motion, channels=motion.channels[:1]), STILL, (0.5, 0.0, 1.2)))
 
 
 def play_live() -> None:

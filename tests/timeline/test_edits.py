@@ -7,7 +7,7 @@ from studio.core.constraints.activation import ActivationCurve
 from studio.timeline.axis import TimeAxis
 from studio.timeline.curves import foot_speed
 from studio.timeline.gestures.activation import time_of, with_time
-from studio.timeline.shown import HANDLES, Part
+from studio.timeline.shown import HANDLES, ItemPart
 from studio.timeline.snapping import Snapped, snapped
 from tests.builders import make_project
 from tests.timeline.fakes import make_result
@@ -27,7 +27,7 @@ def test_a_handle_goes_where_it_is_put_and_pushes_only_what_is_in_its_way(part, 
 
 
 def test_full_dragged_past_the_end_takes_the_end_along():
-    assert with_time(CURVE, Part.FULL, 4.5) == ActivationCurve(1.0, 4.5, 4.5, 4.5)
+    assert with_time(CURVE, ItemPart.FULL, 4.5) == ActivationCurve(1.0, 4.5, 4.5, 4.5)
 
 
 def make_axis():

@@ -13,7 +13,7 @@ from studio.core.project import Motion
 from studio.core.stage.clip import Clip
 from studio.timeline.axis import TimeAxis
 from studio.timeline.curves import Curve, seen_curve
-from studio.timeline.shown import Shown
+from studio.timeline.shown import RowContext
 from studio.timeline.subject import Subject
 from studio.timeline.tracks.brush import font
 from studio.timeline.tracks.clip import shortened
@@ -23,12 +23,12 @@ RATE = 60.0
 WORDS = "front_leg_low · 67 frames at 60 Hz · mirrored"
 
 
-def make_shown(frames: int, width: float = 1000.0) -> Shown:
+def make_shown(frames: int, width: float = 1000.0) -> RowContext:
     axis = TimeAxis()
     axis.place(200.0, width)
     axis.set_extent(0.0, frames / RATE, RATE)
     subject = Subject("", Clip("motion", 0, frames), Motion("", ""), RATE, frames + 1, ())
-    return Shown(None, None, axis, subject)  # type: ignore[arg-type]
+    return RowContext(None, None, axis, subject)  # type: ignore[arg-type]
 
 
 def make_curve(values: np.ndarray) -> Curve:

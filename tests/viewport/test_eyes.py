@@ -9,7 +9,7 @@ from studio.core.project import Project
 from studio.core.stage.prop import Prop
 from studio.engine.props import props_at
 from studio.viewport.camera import OrbitCamera
-from studio.viewport.eyes import APART, Eye, Seen, Sight, Stereo, anaglyph, side_by_side
+from studio.viewport.eyes import APART, Eye, Stereo, StereoScene, StereoView, anaglyph, side_by_side
 from studio.viewport.scene import StageScene
 from studio.viewport.stills import Still
 
@@ -63,7 +63,7 @@ class Painted:
 @pytest.mark.parametrize("width", [320, 321])
 def test_side_by_side_has_the_left_eye_at_the_left(width):
     scene = Painted()
-    picture = Sight(Stereo.SIDE_BY_SIDE).render(scene, CAMERA, (width, 240))
+    picture = StereoView(Stereo.SIDE_BY_SIDE).render(scene, CAMERA, (width, 240))
     assert picture.shape == (240, width, 4)
     assert picture[120, 0, 0] == 200
     assert picture[120, 319, 0] == 100
@@ -73,13 +73,13 @@ def test_side_by_side_has_the_left_eye_at_the_left(width):
 
 
 def test_an_anaglyph_has_the_left_eye_in_red_and_the_right_one_in_green_and_blue():
-    picture = Seen(Painted(), Sight(Stereo.ANAGLYPH)).render(CAMERA, SIZE)
+    picture = StereoScene(Painted(), StereoView(Stereo.ANAGLYPH)).render(CAMERA, SIZE)
     assert picture[5, 5, :3].tolist() == pytest.approx([200, 100, 100], abs=1)
 
 
 def test_a_head_that_moves_moves_the_eye_as_far_as_the_window_is_larger_than_the_screen():
     scene = Painted()
-    Sight(head=Eye(0.1, 0.05, -100.0)).render(scene, CAMERA, SIZE)
+    StereoView(head=Eye(0.1, 0.05, -100.0)).render(scene, CAMERA, SIZE)
     [(_, eye)] = scene.looked
     tall = 2.0 * CAMERA.distance * math.tan(math.radians(15.0))
     assert eye.right == pytest.approx(0.1 * tall / 0.34)
@@ -89,7 +89,7 @@ def test_a_head_that_moves_moves_the_eye_as_far_as_the_window_is_larger_than_the
 
 def test_a_still_is_of_both_eyes():
     scene = Painted()
-    still = Still(Seen(scene, Sight(Stereo.ANAGLYPH)), CAMERA, SIZE)
+    still = Still(StereoScene(scene, StereoView(Stereo.ANAGLYPH)), CAMERA, SIZE)
     still.refine()
     assert len(scene.looked) == 4
     assert side_by_side(still.pixels, still.pixels, (2 * SIZE[0], 500)).shape == (500, 2 * SIZE[0], 4)

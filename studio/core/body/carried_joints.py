@@ -16,7 +16,7 @@ from studio.core.body.kinematics import joint_world
 from studio.core.body.morphology import Morphology
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
-from studio.core.normalized.actor import Actor
+from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.realize import trunk_places
 from studio.core.rotations import from_matrix, inverse, multiply, to_matrix
 from studio.core.solver.request import AdaptedMotion
@@ -37,7 +37,7 @@ def carried_joints(skeleton: Skeleton, body: BodyMap) -> tuple[int, ...]:
 
 
 def with_carried_joints(
-    skeleton: Skeleton, poses: PoseSequence, adapted: AdaptedMotion, actor: Actor, carried: Sequence[int]
+    skeleton: Skeleton, poses: PoseSequence, adapted: AdaptedMotion, actor: SourceRig, carried: Sequence[int]
 ) -> tuple[Skeleton, PoseSequence]:
     """``character_skeleton`` and ``character_poses`` of ``adapted``, behind whose joints the ``carried_joints`` of the
     capture are put.
@@ -81,7 +81,7 @@ def with_carried_joints(
     )
 
 
-def _carriers(body: Morphology, actor: Actor) -> tuple[list[int], FloatArray, FloatArray]:
+def _carriers(body: Morphology, actor: SourceRig) -> tuple[list[int], FloatArray, FloatArray]:
     """For each segment of the actor: the character's joint that carries in its place, C (S, 3, 3), and s (S,)."""
     theirs = body.layout
     away = np.abs(trunk_places(actor.morphology.spine)[:, None] - trunk_places(body.spine))
@@ -105,7 +105,7 @@ def _lengths(body: Morphology) -> FloatArray:
     return np.concatenate([np.full(body.layout.spine_count + 2, trunk), *arms, *legs])
 
 
-def _segment_above(actor: Actor, joint: int) -> int:
+def _segment_above(actor: SourceRig, joint: int) -> int:
     """The segment of the nearest joint above that has one, -1 where there is none."""
     segments = actor.segment_joints.tolist()
     while joint >= 0 and joint not in segments:
@@ -114,7 +114,7 @@ def _segment_above(actor: Actor, joint: int) -> int:
 
 
 def _as_seen_from_the_root(
-    actor: Actor, captured: PoseSequence, joint: int, poses: PoseSequence
+    actor: SourceRig, captured: PoseSequence, joint: int, poses: PoseSequence
 ) -> tuple[FloatArray, FloatArray]:
     """Rotations (F, 4) and translations (F, 3) below the character's root that leave a joint where it was recorded."""
     positions, rotations = joint_world(actor.skeleton, captured)

@@ -6,7 +6,7 @@ from enum import StrEnum
 from typing import Any, ClassVar
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.base import BodyPoint, Chain, Constraint, Shown, Vector, finite_vector
+from studio.core.constraints.base import BodyPoint, Chain, Constraint, KindInfo, Vector, finite_vector
 from studio.core.constraints.keyed import KeyedNumber
 from studio.core.constraints.target import Place, checked_place
 from studio.core.mesh.triangle_mesh import TriangleMesh
@@ -53,7 +53,7 @@ class AreaConstraint(Constraint):
     """
 
     kind: ClassVar[str] = "area"
-    shown: ClassVar[Shown] = Shown(
+    shown: ClassVar[KindInfo] = KindInfo(
         "Add table (area) constraint", "A table under the picked joint, which it does not sink into", "#D98A6A",
         held_by="centre", handle="centre", picks=True,
     )  # fmt: skip

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from studio.core.constraints.base import Constraint, Shown
+from studio.core.constraints.base import Constraint, KindInfo
 from studio.core.constraints.target import Place, checked_place
 from studio.core.plausible import PLACE
 
@@ -35,7 +35,7 @@ class BalanceConstraint(Constraint):
     """
 
     kind: ClassVar[str] = "balance"
-    shown: ClassVar[Shown] = Shown(
+    shown: ClassVar[KindInfo] = KindInfo(
         "Add balance constraint", "Keep the centre of mass where the motion has it", "#5FB5A8", held_by="place",
         handle="place", about="whole body",
     )  # fmt: skip

@@ -121,7 +121,7 @@ class Chain:
 
 
 @dataclass(frozen=True)
-class Shown:
+class KindInfo:
     """Labels of a kind of constraint, beside its form."""
 
     action: str
@@ -145,7 +145,7 @@ class Constraint:
     kind: ClassVar[str]
     unit: ClassVar[str] = "m"
     """Unit of its residual: metres, or radians (``rad``)."""
-    shown: ClassVar[Shown]
+    shown: ClassVar[KindInfo]
     motion_id: str
     name: str
     point: BodyPoint

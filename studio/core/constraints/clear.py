@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import ClassVar
 
-from studio.core.constraints.base import Constraint, Shown
+from studio.core.constraints.base import Constraint, KindInfo
 
 
 class Arms(StrEnum):
@@ -30,7 +30,7 @@ class ClearConstraint(Constraint):
     """
 
     kind: ClassVar[str] = "clear"
-    shown: ClassVar[Shown] = Shown(
+    shown: ClassVar[KindInfo] = KindInfo(
         "Keep clear of body", "Keep both arms of the active body out of its trunk, head and thighs", "#D9A0A0",
         about="arms",
     )  # fmt: skip

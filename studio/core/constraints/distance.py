@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from studio.core.constraints.base import BodyPoint, Constraint, Shown
+from studio.core.constraints.base import BodyPoint, Constraint, KindInfo
 from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.keyed import KeyedNumber
 from studio.core.constraints.target import Place, checked_place
@@ -21,7 +21,7 @@ class DistanceConstraint(Constraint):
     """
 
     kind: ClassVar[str] = "distance"
-    shown: ClassVar[Shown] = Shown(
+    shown: ClassVar[KindInfo] = KindInfo(
         "Add distance constraint", "From a picked wrist or hand to the other one; from another joint to a place",
         "#C78BD0", held_by="other", handle="other end", picks=True,
     )  # fmt: skip

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.base import BodyPoint, Constraint, Shown
+from studio.core.constraints.base import BodyPoint, Constraint, KindInfo
 from studio.core.constraints.target import Place, checked_place
 
 
@@ -17,7 +17,7 @@ class LookAtConstraint(Constraint):
 
     kind: ClassVar[str] = "look_at"
     unit: ClassVar[str] = "rad"
-    shown: ClassVar[Shown] = Shown(
+    shown: ClassVar[KindInfo] = KindInfo(
         "Add look-at constraint", "Let the active body look at a place in front of it", "#8FA3E0", held_by="target"
     )
     target: Place = (1.0, 0.0, 1.5)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from studio.core.constraints.base import Constraint, Shown
+from studio.core.constraints.base import Constraint, KindInfo
 from studio.core.constraints.target import Turn, checked_turn
 
 
@@ -17,7 +17,7 @@ class OrientationConstraint(Constraint):
 
     kind: ClassVar[str] = "orientation"
     unit: ClassVar[str] = "rad"
-    shown: ClassVar[Shown] = Shown(
+    shown: ClassVar[KindInfo] = KindInfo(
         "Add orientation constraint", "Keep the segment at the picked joint turned as it is now", "#C9B458",
         picks=True,
     )  # fmt: skip

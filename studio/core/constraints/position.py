@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from studio.core.constraints.base import Constraint, Shown
+from studio.core.constraints.base import Constraint, KindInfo
 from studio.core.constraints.target import Place, checked_place
 
 
@@ -12,7 +12,7 @@ class PositionConstraint(Constraint):
     """``point`` moves to ``target``: a position in the space of the motion, keyed positions, or a followed object."""
 
     kind: ClassVar[str] = "position"
-    shown: ClassVar[Shown] = Shown(
+    shown: ClassVar[KindInfo] = KindInfo(
         "Add position constraint", "Give the joint picked in the 3D view a target", "#5b93d6", held_by="target",
         picks=True,
     )  # fmt: skip

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.constraints.base import BodyPoint, Constraint, Shown, Vector, finite_vector
+from studio.core.constraints.base import BodyPoint, Constraint, KindInfo, Vector, finite_vector
 
 if TYPE_CHECKING:
     from studio.core.constraints.carried_over import Carry
@@ -27,7 +27,7 @@ class UprightConstraint(Constraint):
 
     kind: ClassVar[str] = "upright"
     unit: ClassVar[str] = "rad"
-    shown: ClassVar[Shown] = Shown(
+    shown: ClassVar[KindInfo] = KindInfo(
         "Keep upright", "Keep an axis of the segment at the picked joint pointing as it does now, within a cone",
         "#A9B96F", picks=True,
     )  # fmt: skip

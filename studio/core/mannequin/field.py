@@ -69,7 +69,7 @@ def smooth_union(a: FloatArray, b: FloatArray, width: float) -> FloatArray:
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class BlendedSolid:
     """A solid that is joined to those before it, or carved out of them, with a fillet as wide as ``fillet``."""
 
     solid: Solid
@@ -77,7 +77,7 @@ class Part:
     carved: bool = False
 
 
-def union(parts: list[Part], points: FloatArray) -> FloatArray:
+def union(parts: list[BlendedSolid], points: FloatArray) -> FloatArray:
     """Parts joined or carved one after another; the first one begins."""
     distance = parts[0].solid.distance(points)
     for part in parts[1:]:

@@ -13,14 +13,14 @@ import numpy as np
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import FloatArray
 from studio.core.body.rest_pose import rest_pose
-from studio.core.mannequin.field import Ellipsoid, Loft, Part, Solid, smooth_union, union
+from studio.core.mannequin.field import BlendedSolid, Ellipsoid, Loft, Solid, smooth_union, union
 from studio.core.mannequin.fingers import fingers
 from studio.core.mannequin.physique import Physique
 from studio.core.mannequin.surface import Triangles
 from studio.core.rotations import frame_along
 
 _FORWARD, _LEFT, _UP = np.eye(3)
-_Parts = list[Part]
+_Parts = list[BlendedSolid]
 
 
 @dataclass(frozen=True)
@@ -117,11 +117,11 @@ class Form:
         stations = np.array([(hip + (top - hip) * t, x, 0, depth, breadth) for t, x, depth, breadth in rows]) * h
         trunk = Loft(np.zeros(3), np.eye(3), stations, power=2.25, caps=(0.012 * h, 0.02 * h))
 
-        def blob(t: float, x: float, y: float, radii: tuple[float, float, float], fillet: float) -> Part:
+        def blob(t: float, x: float, y: float, radii: tuple[float, float, float], fillet: float) -> BlendedSolid:
             centre = np.array([x, y, hip + (top - hip) * t]) * h
-            return Part(Ellipsoid(centre, np.array(radii) * h, np.eye(3)), fillet * h)
+            return BlendedSolid(Ellipsoid(centre, np.array(radii) * h, np.eye(3)), fillet * h)
 
-        parts = [Part(trunk)]
+        parts = [BlendedSolid(trunk)]
         seat = 0.046 * p.seat
         parts.append(blob(0.00, -0.028 * p.seat, 0.041 * p.hips, (seat, 0.043 * p.hips, 0.052), 0.06))
         if p.pectorals:
@@ -137,7 +137,7 @@ class Form:
             neck + _vector(-0.006 * h, 0.012 * h, 0.004 * h),
             shoulder + _vector(-0.006 * h, -0.014 * h, -0.003 * h),
         )
-        parts.append(Part(_cone(inner, outer, 0.021 * h * p.neck_girth, 0.020 * h * p.shoulders), 0.05 * h))
+        parts.append(BlendedSolid(_cone(inner, outer, 0.021 * h * p.neck_girth, 0.020 * h * p.shoulders), 0.05 * h))
         return parts
 
     @cached_property
@@ -150,7 +150,7 @@ class Form:
         rows = [(0.00, 1.12, 1.12), (0.35, 0.97, 0.92), (0.62, 0.92, 0.84), (0.85, 0.96, 0.82), (1.00, 0.98, 0.84)]
         stations = np.array([(along * length, 0.0, 0.0, deep * girth, wide * girth) for along, deep, wide in rows])
         frame = frame_along(high - low, _FORWARD)
-        return [Part(Loft(low, frame, stations))]
+        return [BlendedSolid(Loft(low, frame, stations))]
 
     @cached_property
     def _skull(self) -> _Parts:
@@ -158,10 +158,10 @@ class Form:
         u = p.stature * p.head / 0.088
         joint, s, j = self.point("head joint"), p.skull, p.jaw
 
-        def blob(x: float, y: float, z: float, *radii: float, tilt: float = 0.0, fillet: float = 0.0) -> Part:
+        def blob(x: float, y: float, z: float, *radii: float, tilt: float = 0.0, fillet: float = 0.0) -> BlendedSolid:
             c, d = np.cos(tilt), np.sin(tilt)
             frame = np.array([[c, 0, d], [0, 1, 0], [-d, 0, c]])
-            return Part(Ellipsoid(joint + _vector(x, y, z) * u, np.array(radii) * u, frame), fillet * u)
+            return BlendedSolid(Ellipsoid(joint + _vector(x, y, z) * u, np.array(radii) * u, frame), fillet * u)
 
         bridge, tip = (
             joint + _vector(x, 0, z) * u for x, z in ((0.0570, 0.027), (0.0645 + 0.0045 * j, -0.001 + 0.002 * (1 - j)))
@@ -174,7 +174,7 @@ class Form:
             blob(0.0435, 0.0265 * s, 0.003, 0.0095, 0.0085, 0.0085, fillet=0.024),
             blob(0.0505 + 0.0012 * j, 0.014, 0.0345, 0.009, 0.019, 0.0060, fillet=0.018),
             replace(blob(0.0735, 0.0180, 0.0205, 0.0155, 0.0130, 0.0095, fillet=0.016), carved=True),
-            Part(_cone(bridge, tip, 0.0048 * u, 0.0072 * u), 0.010 * u),
+            BlendedSolid(_cone(bridge, tip, 0.0048 * u, 0.0072 * u), 0.010 * u),
             blob(0.0620 + 0.0035 * j, 0.0063, -0.0030, 0.0062, 0.0042, 0.0042, fillet=0.006),
             blob(0.0580, 0, -0.0165, 0.0060, 0.0120, 0.0062, fillet=0.014),
             blob(0.000, 0.0445 * s, 0.012, 0.0105, 0.0045, 0.0165, tilt=-0.2, fillet=0.006),
@@ -204,7 +204,12 @@ class Form:
         arm_frame = self.frame(BodyPart.LEFT_UPPER_ARM)
         radii = np.array([0.030, 0.028, 0.044]) * h * p.shoulders
         deltoid = Ellipsoid(shoulder + arm_frame[:, 2] * 0.014 * h - _UP * 0.004 * h, radii, arm_frame)
-        return [Part(deltoid), Part(upper, 0.04 * h), Part(lower, 0.004 * h), *self._hand(wrist)]
+        return [
+            BlendedSolid(deltoid),
+            BlendedSolid(upper, 0.04 * h),
+            BlendedSolid(lower, 0.004 * h),
+            *self._hand(wrist),
+        ]
 
     def _hand(self, wrist: FloatArray) -> _Parts:
         p = self.physique
@@ -220,7 +225,10 @@ class Form:
         root, knuckle = (
             wrist + frame @ (_vector(*place) * u) for place in ((0.03, -0.10 * g, 0.12), (0.08, -0.180 * g, 0.27))
         )
-        return [Part(palm, 0.03 * u), Part(_cone(root, knuckle, 0.100 * u * g, 0.078 * u * g), 0.12 * u)]
+        return [
+            BlendedSolid(palm, 0.03 * u),
+            BlendedSolid(_cone(root, knuckle, 0.100 * u * g, 0.078 * u * g), 0.12 * u),
+        ]
 
     def fingers(self, grip: float = 0.0) -> tuple[FloatArray, Triangles]:
         """Vertices and triangles of the left hand's thumb and fingers."""
@@ -250,7 +258,7 @@ class Form:
             (1.00, 0.000, -0.006, 0.0170 * c, 0.0195 * c),
         ]
         limb = _limb(self.point("hip"), self.frame(BodyPart.LEFT_THIGH), rows, leg, h)
-        return [Part(limb), Part(self._foot(), 0.035 * h)]
+        return [BlendedSolid(limb), BlendedSolid(self._foot(), 0.035 * h)]
 
     def _foot(self) -> Solid:
         p = self.physique

@@ -7,7 +7,7 @@ JOINTS = tuple(f"{side}_{joint}" for side in SIDES for joint in ("hip", "knee", 
 
 
 @dataclass(frozen=True)
-class Role:
+class MarkerRole:
     """One place on the body, named by what lies under the skin there."""
 
     id: str
@@ -19,21 +19,21 @@ class Role:
     hint: str
 
 
-def _pair(name: str, words: str, limb: str, spot: tuple[float, float], hint: str) -> tuple[Role, ...]:
+def _pair(name: str, words: str, limb: str, spot: tuple[float, float], hint: str) -> tuple[MarkerRole, ...]:
     part = {"arm": "{} arm", "leg": "{} leg"}.get(limb, limb)
     return tuple(
-        Role(f"{side}_{name}", f"{side.capitalize()} {words}", part.format(side), (sign * spot[0], spot[1]), hint)
+        MarkerRole(f"{side}_{name}", f"{side.capitalize()} {words}", part.format(side), (sign * spot[0], spot[1]), hint)
         for side, sign in zip(SIDES, (1.0, -1.0), strict=True)
     )
 
 
-ROLES: tuple[Role, ...] = (
+ROLES: tuple[MarkerRole, ...] = (
     *_pair("front_head", "forehead", "head", (0.09, 0.955), "Left or right on the forehead or temple"),
     *_pair("back_head", "back of the head", "head", (0.16, 0.935), "At the height of the forehead's, behind"),
-    Role("neck_back", "Neck (C7)", "trunk", (0.0, 0.865), "The vertebra that stands out at the foot of the neck"),
-    Role("collar", "Collar (notch)", "trunk", (0.0, 0.815), "Between the collar bones, in front"),
-    Role("breastbone", "Breastbone", "trunk", (0.0, 0.715), "The lower end of the breastbone, in front"),
-    Role("back", "Back (T10)", "trunk", (0.0, 0.655), "On the spine, as high as the breastbone's end"),
+    MarkerRole("neck_back", "Neck (C7)", "trunk", (0.0, 0.865), "The vertebra that stands out at the foot of the neck"),
+    MarkerRole("collar", "Collar (notch)", "trunk", (0.0, 0.815), "Between the collar bones, in front"),
+    MarkerRole("breastbone", "Breastbone", "trunk", (0.0, 0.715), "The lower end of the breastbone, in front"),
+    MarkerRole("back", "Back (T10)", "trunk", (0.0, 0.655), "On the spine, as high as the breastbone's end"),
     *_pair("front_hip", "front of the pelvis", "pelvis", (0.14, 0.545), "The bone in front, under the belt (ASIS)"),
     *_pair("back_hip", "back of the pelvis", "pelvis", (0.05, 0.575), "Dimple behind (PSIS); a sacrum marker is both"),
     *_pair("shoulder", "shoulder", "arm", (0.23, 0.815), "On top of the shoulder"),
@@ -57,4 +57,4 @@ ROLES: tuple[Role, ...] = (
     *_pair("outer_toe", "ball of the little toe", "leg", (0.27, 0.01), "The head of the fifth metatarsal"),
 )  # fmt: skip
 
-ROLE: dict[str, Role] = {role.id: role for role in ROLES}
+ROLE: dict[str, MarkerRole] = {role.id: role for role in ROLES}

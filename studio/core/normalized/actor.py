@@ -13,7 +13,7 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Actor:
+class SourceRig:
     """All of a capture that is not motion: with it the capture can be had back from its normalised motion.
 
     ``segment_joints`` (S,) the source joint whose rotation moves each canonical segment, -1 where the capture has

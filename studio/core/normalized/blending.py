@@ -15,10 +15,10 @@ from studio.core.captures.contacts import spans_of
 from studio.core.constraints.activation import EaseShape, ease
 from studio.core.kernels import layout as at
 from studio.core.normalized.differences import blended, difference, moved
-from studio.core.normalized.joining import Join, Step
-from studio.core.normalized.pieces import POINTS, Held, Mask, PieceSource, Source
-from studio.core.normalized.row import Row
-from studio.core.normalized.transition import Transition, joint_peaks
+from studio.core.normalized.joining import FootStep, Join
+from studio.core.normalized.pieces import POINTS, ChannelSource, HeldPose, Mask, PieceSource
+from studio.core.normalized.row import AssembledRow
+from studio.core.normalized.transition import Inertialisation, joint_peaks
 
 FloatArray = NDArray[np.float64]
 
@@ -31,7 +31,7 @@ STEP_HEIGHT, STEP_HEIGHTS = 0.25, (0.04, 0.12)
 
 
 @dataclass
-class BlendedRow(Row):
+class BlendedRow(AssembledRow):
     """``peaks`` are ``joint_peaks`` of what is there before frame ``measured``; at first of what the first piece does
     not show.
     """
@@ -44,7 +44,7 @@ class BlendedRow(Row):
         self.measured = 0 if self.peaks is None else last + 2
 
     def _hold(self, until: int) -> None:
-        held = Held(self.channels[self.end - 1], self.stands[:, self.end - 1])
+        held = HeldPose(self.channels[self.end - 1], self.stands[:, self.end - 1])
         transition = self._transition(held, self.end, until - 1)
         self._take_over(held, self.end, until - 1, transition, Join(self.placement))
 
@@ -60,7 +60,7 @@ class BlendedRow(Row):
             self._take_over(takes_over, first, last, transition, found, source.piece.ease)
         return first
 
-    def _fade(self, source: Source, first: int, last: int, found: Join) -> None:
+    def _fade(self, source: ChannelSource, first: int, last: int, found: Join) -> None:
         """From what is there to a piece that begins before it ends."""
         stop = min(self.end, last + 1)
         frames = np.arange(first, last + 1)
@@ -70,7 +70,13 @@ class BlendedRow(Row):
         self._go_on(channels, source.stands(frames), first, over, found)
 
     def _take_over(
-        self, source: Source, first: int, last: int, transition: Transition, found: Join, seconds: float = 0.0
+        self,
+        source: ChannelSource,
+        first: int,
+        last: int,
+        transition: Inertialisation,
+        found: Join,
+        seconds: float = 0.0,
     ) -> None:
         """A piece takes over at ``first``, the end of what is there; what was different dies away in ``seconds``, or
         in as many as it needs.
@@ -83,7 +89,7 @@ class BlendedRow(Row):
         channels[:fading] = moved(channels[:fading], transition.left(np.arange(1, fading + 1) / rate))
         self._go_on(channels, source.stands(frames), first, fading, found)
 
-    def _transition(self, source: Source, first: int, last: int) -> Transition:
+    def _transition(self, source: ChannelSource, first: int, last: int) -> Inertialisation:
         """From what is there to a piece that takes over at ``first``, in as many seconds as that needs."""
         rate, before = self.timing.frame_rate, np.arange(max(first - 2, 0), first)
         gaps = difference(source.channels(before), self.channels[before])
@@ -93,9 +99,9 @@ class BlendedRow(Row):
             max(first, self.measured),
         )
         peaks = np.maximum(self.peaks, joint_peaks(source.channels(np.arange(first, last + 1)), rate))
-        return Transition.of(gaps[-1], (gaps[-1] - gaps[0]) * rate, peaks)
+        return Inertialisation.of(gaps[-1], (gaps[-1] - gaps[0]) * rate, peaks)
 
-    def _fades(self, transition: Transition, first: int, last: int, found: Join) -> bool:
+    def _fades(self, transition: Inertialisation, first: int, last: int, found: Join) -> bool:
         """Whether a piece overlaps what is there for as long as a blend needs."""
         if first > self.end - 2:
             return False
@@ -143,12 +149,12 @@ def step_seconds(found: Join) -> float:
 class Flight:
     """A step that stands last in the frame ``leaves`` and first again in ``lands``."""
 
-    step: Step
+    step: FootStep
     leaves: int
     lands: int
 
 
-def flights_of(steps: Sequence[Step], first: int, last: int) -> list[Flight]:
+def flights_of(steps: Sequence[FootStep], first: int, last: int) -> list[Flight]:
     """Steps between two frames, one after the other, all as long."""
     ends = np.rint(np.linspace(first, last, len(steps) + 1)).astype(int).tolist()
     return [Flight(step, *between) for step, *between in zip(steps, ends, ends[1:], strict=False)]

@@ -16,9 +16,9 @@ from studio.core.errors import StudioError
 from studio.core.normalized.blending import BlendedRow
 from studio.core.normalized.joining import Planar
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.pieces import Piece, Played
+from studio.core.normalized.pieces import MotionPiece, Played
 from studio.core.normalized.resample import Resampled, common_spine
-from studio.core.normalized.row import Row
+from studio.core.normalized.row import AssembledRow
 from studio.core.normalized.transition import joint_peaks
 from studio.core.project_cache import project_cache
 from studio.core.stage.timing import Timing
@@ -58,7 +58,7 @@ class Composite:
 
 
 @project_cache(maxsize=64)
-def compose(pieces: tuple[Piece, ...], blends: bool = False) -> Composite:
+def compose(pieces: tuple[MotionPiece, ...], blends: bool = False) -> Composite:
     """One motion out of pieces, in the order of their start; the same pieces give the same value.
 
     A single piece that plays a motion as it is gives that motion itself, whole. The frame rate is the highest. One that
@@ -71,11 +71,11 @@ def compose(pieces: tuple[Piece, ...], blends: bool = False) -> Composite:
         timing = Timing(first.start - first.first / rate, rate, first.first, first.last)
         whole = Played(first, 0, first.motion.frame_count - 1, Planar())
         return Composite(first.motion, first.contacts, timing, (whole,))
-    kind = BlendedRow if blends or any(piece.is_carried for piece in ordered) else Row
+    kind = BlendedRow if blends or any(piece.is_carried for piece in ordered) else AssembledRow
     return _filled(kind(*_empty(ordered)), ordered)
 
 
-def go_on(shown: Piece, played: NormalizedMotion, pieces: Sequence[Piece]) -> Composite:
+def go_on(shown: MotionPiece, played: NormalizedMotion, pieces: Sequence[MotionPiece]) -> Composite:
     """``pieces`` blended with all that is there before: what was ``shown`` last, no more than a moment.
 
     How fast it may change is known by what has ``played`` of late.
@@ -87,20 +87,20 @@ def go_on(shown: Piece, played: NormalizedMotion, pieces: Sequence[Piece]) -> Co
     return _filled(row, ordered)
 
 
-def led_on(shown: Piece, pieces: Sequence[Piece]) -> Composite:
+def led_on(shown: MotionPiece, pieces: Sequence[MotionPiece]) -> Composite:
     """``pieces`` behind what was ``shown``, where that puts them, as if nothing had been before but themselves."""
-    row = Row(*_empty([shown, *pieces]))
+    row = AssembledRow(*_empty([shown, *pieces]))
     row.add(shown)
     row.lead(pieces[0])
     return _filled(row, pieces[1:])
 
 
-def _empty(pieces: Sequence[Piece]) -> tuple[FloatArray, Timing]:
+def _empty(pieces: Sequence[MotionPiece]) -> tuple[FloatArray, Timing]:
     """Spine and timing of a row of ``pieces``."""
     return common_spine([piece.motion for piece in pieces]), timing_of_pieces(pieces)
 
 
-def _filled(row: Row, pieces: Sequence[Piece]) -> Composite:
+def _filled(row: AssembledRow, pieces: Sequence[MotionPiece]) -> Composite:
     """All of a row as one motion, ``pieces`` added to it."""
     for piece in pieces:
         row.add(piece)
@@ -114,7 +114,7 @@ def _filled(row: Row, pieces: Sequence[Piece]) -> Composite:
     return Composite(motion, row.contacts(), row.timing, tuple(row.played))
 
 
-def timing_of_pieces(pieces: Sequence[Piece]) -> Timing:
+def timing_of_pieces(pieces: Sequence[MotionPiece]) -> Timing:
     """When a row plays, at the highest frame rate among its pieces; StudioError where that is far too long."""
     rate = max(piece.motion.frame_rate for piece in pieces)
     begin, end = min(piece.start for piece in pieces), max(piece.end for piece in pieces)

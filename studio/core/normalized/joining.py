@@ -38,7 +38,7 @@ class Planar:
 
 
 @dataclass(frozen=True)
-class Step:
+class FootStep:
     """The foot of a ``side`` (0 left, 1 right) has ``way`` leg lengths to go."""
 
     side: int
@@ -50,7 +50,7 @@ class Join:
     """How the new motion has to be placed, and which feet step then, one after the other."""
 
     placement: Planar
-    steps: tuple[Step, ...] = ()
+    steps: tuple[FootStep, ...] = ()
 
 
 def join(
@@ -72,7 +72,7 @@ def join(
     tries = [_least_squares(old, new, shares[:, None] * _weights(each)) for each in alone]
     left = [_miss(old, new, placement, both_stand, 1 - kept) for kept, placement in enumerate(tries)]
     kept = int(left[1] < left[0])  # the foot that leaves the other the shorter way
-    return Join(tries[kept], (Step(1 - kept, left[kept]),))
+    return Join(tries[kept], (FootStep(1 - kept, left[kept]),))
 
 
 def stepping_there(
@@ -85,7 +85,7 @@ def stepping_there(
     """As ``join``, where the placement is given: feet step there, but not where that is out of their reach."""
     old, new = (_points(channels, spine_places) for channels in (first, second))
     ways = [_miss(old, new, placement, both_stand, side) for side in range(2)]
-    steps = tuple(Step(side, way) for side, way in enumerate(ways) if way >= SAME_PLACE)
+    steps = tuple(FootStep(side, way) for side, way in enumerate(ways) if way >= SAME_PLACE)
     return Join(placement, steps if max(ways) < FARTHEST else ())
 
 

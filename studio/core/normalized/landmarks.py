@@ -28,7 +28,7 @@ class Landmarks:
     """Canonical points and the joints that stand for the segments, of one capture.
 
     ``points`` (F, P, 3) metres in capture space, ``reference`` (P, 3) the same in the reference pose;
-    ``segment_joints`` (S,) as in ``Actor``, ``moving_joints`` (S,) the same with the carrying segment's joint where
+    ``segment_joints`` (S,) as in ``SourceRig``, ``moving_joints`` (S,) the same with the carrying segment's joint where
     there is none; ``joint_rotations`` (F, J, 3, 3) of all joints in the world, ``reference_rotations`` (S, 3, 3) of
     those that move segments; ``reference_is_rest`` tells whether the reference is the skeleton's own zero pose or a
     frame of its motion.

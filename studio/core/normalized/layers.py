@@ -18,7 +18,7 @@ from studio.core.normalized.compose import Composite, compose
 from studio.core.normalized.differences import blended, difference, moved
 from studio.core.normalized.joining import Join, Planar, join, stepping_there
 from studio.core.normalized.mirror import mirrored
-from studio.core.normalized.pieces import POINTS, Mask, Piece
+from studio.core.normalized.pieces import POINTS, Mask, MotionPiece
 from studio.core.normalized.resample import Resampled
 from studio.core.normalized.row import FEET
 from studio.core.normalized.transition import LONGEST, fade_seconds, joint_peaks, placed
@@ -35,10 +35,10 @@ BREAK = 0.1
 
 
 @dataclass(frozen=True)
-class Overlay:
+class PlayedLayer:
     """A layer to be played: ``pieces`` are its clip, each time that it plays; the rest is as ``Layer`` has it."""
 
-    pieces: tuple[Piece, ...]
+    pieces: tuple[MotionPiece, ...]
     region: Region
     weight: float
     fades: tuple[float, float]
@@ -47,7 +47,7 @@ class Overlay:
 
 
 @project_cache(maxsize=64)
-def layered(pieces: tuple[Piece, ...], overlays: tuple[Overlay, ...]) -> Composite:
+def layered(pieces: tuple[MotionPiece, ...], overlays: tuple[PlayedLayer, ...]) -> Composite:
     """A row as ``compose`` has it, layers over it, the later over the earlier; the same ones give the same value."""
     row = compose(pieces, blends=any(piece.is_carried for overlay in overlays for piece in overlay.pieces))
     for overlay in overlays:
@@ -59,7 +59,7 @@ def layered(pieces: tuple[Piece, ...], overlays: tuple[Overlay, ...]) -> Composi
 class _Over:
     """One layer over what plays, in the frames of the row in which it plays."""
 
-    def __init__(self, row: Composite, overlay: Overlay) -> None:
+    def __init__(self, row: Composite, overlay: PlayedLayer) -> None:
         self._row, self._overlay = row, overlay
         self._own = compose(overlay.pieces, blends=True)
         self._places = row.motion.spine_places

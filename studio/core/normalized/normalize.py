@@ -33,7 +33,7 @@ from studio.core.captures.rising_heels import rising_heels
 from studio.core.errors import StudioError
 from studio.core.kernels import layout as at
 from studio.core.kernels.body.encode_channels import encode_frames, unwrap_channels
-from studio.core.normalized.actor import Actor
+from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.alignment import find_alignments, level_soles
 from studio.core.normalized.encode import actor_sizes
 from studio.core.normalized.landmarks import Landmarks, find_landmarks, spread
@@ -60,7 +60,7 @@ LOWEST = 0.05
 
 def normalize(
     capture: Capture, progress: Callable[[float], object] = lambda share: None
-) -> tuple[NormalizedMotion, Actor]:
+) -> tuple[NormalizedMotion, SourceRig]:
     """The capture's motion without its actor's measures, and the actor.
 
     ``progress`` hears a share from 0 to 1 and may raise to cancel. Raises StudioError when the capture has no body map:
@@ -69,7 +69,7 @@ def normalize(
     return _NORMALIZED(capture, progress)
 
 
-def _normalize(capture: Capture, progress: Callable[[float], object]) -> tuple[NormalizedMotion, Actor]:
+def _normalize(capture: Capture, progress: Callable[[float], object]) -> tuple[NormalizedMotion, SourceRig]:
     if capture.body_map is None:
         raise StudioError(
             f"'{capture.name}' has no body map: choose which joint plays which part of the body, then try again."
@@ -90,10 +90,10 @@ def _normalize(capture: Capture, progress: Callable[[float], object]) -> tuple[N
     channels[:, at.HIPS : at.HIPS + 3] -= origin / body.leg_length
     channels.setflags(write=False)
     motion = NormalizedMotion(capture.name, capture.frame_rate, channels, trunk_places(body.spine), girdle_of(body))
-    return motion, Actor(capture.skeleton, body, marks.segment_joints, alignments, origin, capture.poses)
+    return motion, SourceRig(capture.skeleton, body, marks.segment_joints, alignments, origin, capture.poses)
 
 
-_NORMALIZED: Shared[Capture, tuple[NormalizedMotion, Actor]] = Shared(_normalize)
+_NORMALIZED: Shared[Capture, tuple[NormalizedMotion, SourceRig]] = Shared(_normalize)
 
 
 def motion_origin(capture: Capture) -> NDArray[np.float64]:

@@ -23,7 +23,7 @@ AS_IT_IS = Planar()
 
 
 @dataclass(frozen=True)
-class Piece:
+class MotionPiece:
     """Frames ``first`` to ``last`` of a motion from ``start`` seconds on, ``speed`` times as fast.
 
     ``own`` turns it about where its root begins, then moves it; ``joined`` begins it where what came before is.
@@ -64,7 +64,7 @@ class Piece:
 class Played:
     """Where a piece is in the motion made of a row: frames ``first`` to ``last``, placed by ``placement``."""
 
-    piece: Piece
+    piece: MotionPiece
     first: int
     last: int
     placement: Planar
@@ -76,7 +76,7 @@ class Played:
         return np.asarray(own.first + seconds * own.speed * own.motion.frame_rate)
 
 
-class Source(Protocol):
+class ChannelSource(Protocol):
     """What is to be played in the frames of the row."""
 
     def channels(self, frames: NDArray[np.int64]) -> FloatArray:
@@ -87,7 +87,7 @@ class Source(Protocol):
 
 
 @dataclass
-class Held(Source):
+class HeldPose(ChannelSource):
     """One pose for ever."""
 
     pose: FloatArray
@@ -100,10 +100,12 @@ class Held(Source):
         return np.tile(self.standing[:, None], (1, len(frames)))
 
 
-class PieceSource(Source):
+class PieceSource(ChannelSource):
     """A piece in the frames of the row."""
 
-    def __init__(self, piece: Piece, spine_places: FloatArray, timing: Timing, placement: Planar = AS_IT_IS) -> None:
+    def __init__(
+        self, piece: MotionPiece, spine_places: FloatArray, timing: Timing, placement: Planar = AS_IT_IS
+    ) -> None:
         self.piece, self._timing, self._places, self.placement = piece, timing, spine_places, placement
         motion = mirrored(piece.motion) if piece.mirrored else piece.motion
         self._motion = Resampled(motion, spine_places)

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from studio.core.body.morphology import AnyMorphology, Morphology
 from studio.core.body.pose import PoseSequence
 from studio.core.kernels import layout as at
-from studio.core.normalized.actor import Actor
+from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.motion import Girdle, NormalizedMotion
 from studio.core.rotations import from_matrix, to_matrix
 
@@ -77,12 +77,12 @@ def trunk_places(spine: FloatArray) -> FloatArray:
     return np.asarray(places / places[-1])
 
 
-def restore(motion: NormalizedMotion, actor: Actor) -> PoseSequence:
+def restore(motion: NormalizedMotion, actor: SourceRig) -> PoseSequence:
     """The capture's own poses out of its normalised motion: the way back, within rounding."""
     return own_poses(actor, *realize(motion, actor.morphology, play=True))
 
 
-def own_poses(actor: Actor, positions: FloatArray, rotations: FloatArray, first_frame: int = 0) -> PoseSequence:
+def own_poses(actor: SourceRig, positions: FloatArray, rotations: FloatArray, first_frame: int = 0) -> PoseSequence:
     """Poses of the actor's own joints that put its segments at ``positions`` and ``rotations`` (as ``realize`` gives
     them, from ``first_frame`` of the capture on); joints that play no segment turn and lie as they were captured.
     """

@@ -6,7 +6,7 @@ import numpy as np
 
 from studio.core.body.kinematics import joint_world
 from studio.core.captures.capture import Capture
-from studio.core.normalized.actor import Actor
+from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import restore
 from studio.core.rotations import angle_between, from_matrix
@@ -20,7 +20,7 @@ class RoundTrip:
     rotation: float
 
 
-def round_trip(capture: Capture, motion: NormalizedMotion, actor: Actor) -> RoundTrip:
+def round_trip(capture: Capture, motion: NormalizedMotion, actor: SourceRig) -> RoundTrip:
     """Compare ``capture`` with what ``motion`` gives back on the body of its own ``actor``."""
     there, turned = joint_world(capture.skeleton, capture.poses)
     back, turned_back = joint_world(capture.skeleton, restore(motion, actor))

@@ -17,7 +17,7 @@ from studio.core.kernels import layout as at
 from studio.core.normalized.differences import difference
 from studio.core.normalized.joining import FARTHEST, Join, Planar, join, stepping_there
 from studio.core.normalized.motion import Change
-from studio.core.normalized.pieces import AS_IT_IS, POINTS, Mask, Piece, PieceSource, Played, Source
+from studio.core.normalized.pieces import AS_IT_IS, POINTS, ChannelSource, Mask, MotionPiece, PieceSource, Played
 from studio.core.normalized.transition import LONGEST, SHORTEST, joint_vectors
 from studio.core.stage.timing import Timing
 
@@ -33,7 +33,7 @@ SAME_FRAME = 0.01
 
 
 @dataclass
-class Row:
+class AssembledRow:
     """``channels`` (F, C) and what ``stands`` (9, F), as far as ``end``, not included."""
 
     spine_places: FloatArray
@@ -50,7 +50,7 @@ class Row:
         self.channels = np.empty((count, at.SPINE + 4 * (len(self.spine_places) - 1)))
         self.stands = np.zeros((len(POINTS), count), dtype=bool)
 
-    def add(self, piece: Piece) -> None:
+    def add(self, piece: MotionPiece) -> None:
         """Play a piece from its start on, over or behind what is there."""
         first = round((piece.start - self.timing.begin) * self.timing.frame_rate)
         last = max(round((piece.end - self.timing.begin) * self.timing.frame_rate), first)
@@ -67,7 +67,7 @@ class Row:
             self._begin(source, first, last)
         self.played.append(Played(piece, first, last, self.placement))
 
-    def lead(self, piece: Piece) -> None:
+    def lead(self, piece: MotionPiece) -> None:
         """Play a piece behind what is there, and instead of that what its motion has before."""
         first, last = self.end, round((piece.end - self.timing.begin) * self.timing.frame_rate)
         source = PieceSource(piece, self.spine_places, self.timing)
@@ -164,7 +164,7 @@ class Row:
         unlike = (gaps**2 + paces**2).sum(axis=(1, 2)) + OTHER_FOOT * others
         return first + int(unlike.argmin())
 
-    def _put(self, source: Source, first: int, last: int) -> None:
+    def _put(self, source: ChannelSource, first: int, last: int) -> None:
         frames = np.arange(first, last + 1)
         self.stands[:, first:] = False
         self.channels[frames], self.stands[:, frames] = source.channels(frames), source.stands(frames)

@@ -28,7 +28,7 @@ _PLACE_PEAK, _SPEED_PEAK = 5.78, 3.96
 
 
 @dataclass(frozen=True, eq=False)
-class Transition:
+class Inertialisation:
     """What was different when one motion took over from another, and how it dies away.
 
     ``offset`` (C,) as a ``difference``, changing by ``speed`` (C,) a second; the offset dies in ``seconds``.
@@ -41,7 +41,7 @@ class Transition:
     seconds: float
 
     @classmethod
-    def of(cls, offset: FloatArray, speed: FloatArray, peaks: FloatArray) -> "Transition":
+    def of(cls, offset: FloatArray, speed: FloatArray, peaks: FloatArray) -> "Inertialisation":
         """One that takes as many seconds as it needs to add no more to any joint than it may."""
         return cls(offset, speed, peaks, seconds_of(np.linalg.norm(joint_vectors(offset), axis=-1), peaks))
 

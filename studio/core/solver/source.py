@@ -3,13 +3,13 @@
 import numpy as np
 
 from studio.core.body.morphology import Morphology
-from studio.core.normalized.actor import Actor
+from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.solver.request import AdaptedMotion
 
 
-def source_motion(motion: NormalizedMotion, actor: Actor) -> AdaptedMotion:
+def source_motion(motion: NormalizedMotion, actor: SourceRig) -> AdaptedMotion:
     """``motion`` on its captured body, without ground and constraints."""
     return played_on(motion, actor.morphology)
 

@@ -14,7 +14,7 @@ from studio.core.plausible import PLACE
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import Condition, DistanceCondition, Senses
 from studio.core.stage.manners import Manner
-from studio.core.stage.whom import Gap, Whom, reference_of
+from studio.core.stage.whom import DistanceMeasure, Whom, reference_of
 
 LONGEST_BLEND = 5.0
 """Seconds that one state may take to go over into another."""
@@ -125,7 +125,7 @@ class Behaviour:
         """Those that lead away from a state, in the order in which they are tried."""
         return tuple(each for each in self.transitions if each.source == name)
 
-    def gaps_from(self, name: str) -> tuple[Gap, ...]:
+    def gaps_from(self, name: str) -> tuple[DistanceMeasure, ...]:
         """What has to be measured to know whether a transition leads away from a state."""
         conditions = (each for transition in self.transitions_from(name) for each in transition.conditions)
         return tuple(dict.fromkeys(each.gap for each in conditions if isinstance(each, DistanceCondition)))

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from studio.core.plausible import PLACE, TIME
-from studio.core.stage.whom import Gap
+from studio.core.stage.whom import DistanceMeasure
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,7 @@ class Senses:
     """
 
     step: float = 0.0
-    gaps: Mapping[Gap, float] = field(default_factory=dict)
+    gaps: Mapping[DistanceMeasure, float] = field(default_factory=dict)
     clip_ended: bool = False
     events: frozenset[str] = frozenset()
     keys: frozenset[str] = frozenset()
@@ -30,7 +30,7 @@ class DistanceCondition:
     """A gap is narrower than ``distance``, or wider where not ``closer``."""
 
     kind: ClassVar[str] = "distance"
-    gap: Gap = Gap()
+    gap: DistanceMeasure = DistanceMeasure()
     distance: float = 1.0
     closer: bool = True
 

@@ -13,7 +13,7 @@ from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.plausible import PLACE
-from studio.core.stage.whom import FollowPartner, Gap, Whom, followed_by
+from studio.core.stage.whom import DistanceMeasure, FollowPartner, Whom, followed_by
 
 HEAD = BodyPoint(BodyPart.HEAD, (0.0, 0.0, 0.05))
 FIST = BodyPoint(BodyPart.RIGHT_HAND, (0.0, 0.0, 0.09))
@@ -26,7 +26,7 @@ WHOLE = ActivationCurve(-1.0, -1.0, 1e5, 1e5)
 class KeepDistance:
     """Steps so that the gap to ``whom`` over the ground is ``distance``, give or take ``room``, and faces it.
 
-    Both in metres, or in ``legs``, as a ``Gap``.
+    Both in metres, or in ``legs``, as a ``DistanceMeasure``.
     """
 
     kind: ClassVar[str] = "keep_distance"
@@ -43,9 +43,9 @@ class KeepDistance:
         PLACE.check((self.distance, self.room))
 
     @property
-    def gap(self) -> Gap:
+    def gap(self) -> DistanceMeasure:
         """What it keeps."""
-        return Gap(self.whom, legs=self.legs)
+        return DistanceMeasure(self.whom, legs=self.legs)
 
 
 @dataclass(frozen=True)

@@ -15,13 +15,13 @@ from studio.core.stage.conditions import (
     TimeCondition,
 )
 from studio.core.stage.manners import FIST, HEAD, WHOLE, KeepDistance, LeanAway, Meet
-from studio.core.stage.whom import FollowPartner, Gap
+from studio.core.stage.whom import DistanceMeasure, FollowPartner
 
 REACH, NEAR, ROOM = 1.42, 1.65, 0.12
 """Leg lengths: of two who fight from each other, from which on one strikes, and how exactly they keep that."""
 ATTACK = "attack"
 """What a strike tells the partner."""
-TO_HEAD = Gap(FollowPartner(FIST), HEAD, flat=False)
+TO_HEAD = DistanceMeasure(FollowPartner(FIST), HEAD, flat=False)
 SUDDEN, CALM = 0.15, 0.3
 """Seconds in which one answers an attack, and in which one comes back to guard."""
 LEAN, AGAIN = 0.35, 0.15
@@ -46,7 +46,7 @@ def keeping_distance(behaviour: Behaviour) -> Behaviour:
 def striking(behaviour: Behaviour, clip: Clip, key: str) -> Behaviour:
     """It strikes once when a key is pressed and its partner is near enough, and tells the partner."""
     state = State("Strike", clip, loop=False, event=ATTACK)
-    near = DistanceCondition(Gap(legs=True), NEAR)
+    near = DistanceCondition(DistanceMeasure(legs=True), NEAR)
     return _answering(behaviour, state, (KeyCondition(key), near), (ClipEndCondition(),), (-1.0, 0.0))
 
 

@@ -39,7 +39,7 @@ def reference_of(whom: Whom) -> tuple[tuple[str, str], ...]:
 
 
 @dataclass(frozen=True)
-class Gap:
+class DistanceMeasure:
     """From ``point`` of who plays a behaviour to a point of ``whom``; ``flat`` counts over the ground alone.
 
     In metres, or in ``legs``: leg lengths, the mean of both, so that one behaviour fits bodies of any size.

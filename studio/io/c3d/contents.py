@@ -7,13 +7,10 @@ from studio.core.errors import StudioError
 from studio.core.markers.subjects import with_subjects
 from studio.core.markers.trial import MARKER, NO_SIGNALS, VIRTUAL, AnalogSignals, ForcePlate, TrialEvent, bare_label
 from studio.io.c3d.parameters import BLOCK, Parameters
+from studio.io.markers.unit import named_unit
 
 FloatArray = NDArray[np.float64]
 
-_UNITS = {"m": "m", "me": "m", "met": "m", "mete": "m", "meter": "m", "metre": "m", "meters": "m", "metres": "m"}
-_UNITS |= {"mm": "mm", "mill": "mm", "millimeter": "mm", "millimetre": "mm", "millimeters": "mm", "millimetres": "mm"}
-_UNITS |= {"cm": "cm", "cent": "cm", "centimeter": "cm", "centimetre": "cm", "centimeters": "cm", "centimetres": "cm"}
-_UNITS |= {"in": "inch", "inch": "inch", "inches": "inch"}
 _MODEL_OUTPUTS = {
     "ANGLES": "angle", "FORCES": "force", "MOMENTS": "moment", "POWERS": "power", "SCALARS": "scalar",
     "MODELED_MARKERS": VIRTUAL, "REACTIONS": "reaction",
@@ -74,7 +71,7 @@ def _kind_by_name(label: str) -> str:
 def unit_of(name: str, parameters: Parameters, repairs: list[str]) -> str:
     """The unit of length; millimetres where the file says none that is known."""
     said = (*parameters.words("POINT", "UNITS"), "")[0]
-    unit = _UNITS.get(said.lower().rstrip("."))
+    unit = named_unit(said)
     if unit is None:
         repairs.append(f"{name}: POINT:UNITS is '{said[:20]}', which is not a known unit; taken as mm.")
     elif unit != said.lower():

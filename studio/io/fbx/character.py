@@ -12,7 +12,7 @@ from studio.core.mesh.appearance import Material
 from studio.io.beside import content_of
 from studio.io.fbx.reading import Arrays
 from studio.io.figure.body import character_of
-from studio.io.figure.figure import MOST_VERTICES, Figure, FloatArray, IntArray, Piece, rotations_of
+from studio.io.figure.figure import MOST_VERTICES, Figure, FloatArray, IntArray, MeshPiece, rotations_of
 from studio.io.figure.textures import checked_picture
 from studio.io.gltf.materials import hex_colour
 from studio.io.importing import ImportOptions
@@ -41,7 +41,7 @@ def _figure(path: Path, about: dict[str, Any], arrays: Arrays) -> Figure:
     parents, shown = tuple(about["parents"]), _square(arrays["world"])
     world = _bound(parents, shown, arrays["bind"])
     repairs: list[str] = []
-    pieces: list[Piece] = []
+    pieces: list[MeshPiece] = []
     for number, mesh in enumerate(about["meshes"]):
         part = {name.partition(" ")[2]: array for name, array in arrays.items() if name.startswith(f"{number} ")}
         if mesh["carrier"] >= 0:
@@ -89,7 +89,7 @@ def _bound(parents: tuple[int, ...], shown: FloatArray, bind: FloatArray) -> Flo
     return world
 
 
-def _pieces(mesh: dict[str, Any], part: Arrays, materials: list[Material]) -> list[Piece]:
+def _pieces(mesh: dict[str, Any], part: Arrays, materials: list[Material]) -> list[MeshPiece]:
     """A piece of each material, with a vertex for each normal and place in the texture that a point of it has."""
     to_world, joints, weights = part["to_world"], *_shares(mesh["carrier"], part)
     corners, triangles = part["corners"].astype(np.int64), _triangles(part["faces"].astype(np.int64))
@@ -105,7 +105,7 @@ def _pieces(mesh: dict[str, Any], part: Arrays, materials: list[Material]) -> li
         shown = index.reshape(-1, 3)[:, :: -1 if np.linalg.det(to_world[:, :3]) < 0.0 else 1]
         normals = unit(turned @ np.linalg.inv(to_world[:, :3])) if turned.any() else smooth_normals(stood, shown)
         found.append(
-            Piece(
+            MeshPiece(
                 stood,
                 normals,
                 places,

@@ -27,8 +27,8 @@ from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Appearance, Material
 from studio.core.mesh.rig import STILL, Rig
-from studio.io.figure.body_maps import find_body, loose_feet, named_sides, similar_joints
-from studio.io.figure.figure import NO_SKELETON, Figure, Piece
+from studio.io.figure.body_maps import find_body, loose_feet, loose_hands, named_sides, similar_joints
+from studio.io.figure.figure import NO_SKELETON, Figure, MeshPiece
 from studio.io.guessing import find_unit, said_unit
 from studio.io.importing import ImportOptions
 from studio.io.meshes.shapes import unit
@@ -95,7 +95,7 @@ def _body_of(figure: Figure, options: ImportOptions, hung: Figure, order: IntArr
     offsets = figure.positions - figure.positions[np.maximum(parents, 0)]
     offsets[0] = figure.positions[0]
     skeleton = Skeleton(figure.joint_names, parents, offsets, np.zeros(len(parents), dtype=bool))
-    loose = loose_feet(skeleton)
+    loose = loose_feet(skeleton) | loose_hands(skeleton)
     if loose:
         new = rehang(parents, loose)
         return _body_of(_rehung(figure, new), options, hung, order[new.order])
@@ -304,7 +304,7 @@ def _rig(
     )
 
 
-def _worn(figure: Figure, segments: IntArray, spine_count: int, repairs: list[str]) -> list[Piece]:
+def _worn(figure: Figure, segments: IntArray, spine_count: int, repairs: list[str]) -> list[MeshPiece]:
     """What belongs to the body: not what only lies in hands that are drawn already."""
     hands = {spine_count + 5, spine_count + 9}
     drawn = {
@@ -321,7 +321,7 @@ def _worn(figure: Figure, segments: IntArray, spine_count: int, repairs: list[st
     return [piece for piece in figure.pieces if id(piece) not in left_out]
 
 
-def _padded(piece: Piece, width: int) -> tuple[IntArray, FloatArray]:
+def _padded(piece: MeshPiece, width: int) -> tuple[IntArray, FloatArray]:
     gap = ((0, 0), (0, width - piece.joints.shape[1]))
     return np.pad(piece.joints, gap), np.pad(piece.weights, gap)
 
@@ -353,7 +353,7 @@ def _grounded(body: _Body, vertices: FloatArray, shares: FloatArray) -> tuple[Sk
     return Skeleton(tuple(names), np.array(parents), offsets, ends), points
 
 
-def _appearance(pieces: Sequence[Piece]) -> Appearance | None:
+def _appearance(pieces: Sequence[MeshPiece]) -> Appearance | None:
     materials: list[Material] = []
     place: dict[int, int] = {}
     indices = []

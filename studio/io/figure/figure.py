@@ -18,7 +18,7 @@ NO_SKELETON = "has no skeleton (bones), so its mesh cannot move. Rig it first, a
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class MeshPiece:
     """A mesh of one material in the file's world, standing as it was bound, carried by joints of the figure.
 
     ``vertices`` and ``normals`` (V, 3), ``coordinates`` (V, 2) in its texture from the lower left, ``triangles``
@@ -62,7 +62,7 @@ class Figure:
     """(J, 3)"""
     rotations: FloatArray | None = None
     """(J, 3, 3) of the joints' own axes, None where they have none: mirrored or sheared ones."""
-    pieces: tuple[Piece, ...] = ()
+    pieces: tuple[MeshPiece, ...] = ()
     parts: Mapping[str, str] = field(default_factory=dict)
     """Joints by part, where the file says it."""
     up: str = "Y"

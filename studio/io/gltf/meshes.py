@@ -6,7 +6,7 @@ import numpy as np
 
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Material
-from studio.io.figure.figure import MOST_VERTICES, Piece
+from studio.io.figure.figure import MOST_VERTICES, MeshPiece
 from studio.io.gltf.accessors import Accessors, FloatArray, IntArray
 from studio.io.gltf.container import GltfFile
 from studio.io.gltf.materials import Materials
@@ -29,7 +29,7 @@ class MeshReader:
         self._vertices = 0
         self.repairs = self.materials.repairs
 
-    def pieces(self, world: FloatArray, places: Mapping[int, int]) -> list[Piece]:
+    def pieces(self, world: FloatArray, places: Mapping[int, int]) -> list[MeshPiece]:
         """All pieces with the nodes at ``world`` (N, 4, 4); ``places`` says which joint of the figure a node is."""
         self._vertices = 0
         pieces = []
@@ -47,7 +47,7 @@ class MeshReader:
 
     def _piece(
         self, record: Record, node: int, skin: int | None, world: FloatArray, places: Mapping[int, int]
-    ) -> Piece | None:
+    ) -> MeshPiece | None:
         attributes = record.inner("attributes")
         index = attributes.index("POSITION", self._accessors.count)
         mode = record.whole("mode", _TRIANGLES)
@@ -77,7 +77,7 @@ class MeshReader:
         stood = np.einsum("vij,vj->vi", forms[:, :3, :3], vertices) + forms[:, :3, 3]
         if np.linalg.det(forms[0, :3, :3]) < 0.0:
             triangles = triangles[:, ::-1]
-        return Piece(stood, turned, coordinates, triangles, joints, weights, material, rigid, name)
+        return MeshPiece(stood, turned, coordinates, triangles, joints, weights, material, rigid, name)
 
     def _look(self, record: Record, attributes: Record, count: int) -> tuple[Material | None, FloatArray]:
         index = record.index("material", self.materials.count)

@@ -18,7 +18,7 @@ _CREASE = 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class ShapeSurface:
     """Triangles over vertices; ``points`` (V,) says which coordinate of the shape each vertex is."""
 
     vertices: FloatArray
@@ -29,7 +29,7 @@ class Surface:
     two_sided: bool = False
 
 
-def surface_of(geometry: SceneNode, smooth: bool = False) -> Surface | None:
+def surface_of(geometry: SceneNode, smooth: bool = False) -> ShapeSurface | None:
     """The surface of a geometry node, None for what has none (lines, text). ``smooth`` overrules its crease angle."""
     match geometry.kind:
         case "IndexedFaceSet":
@@ -87,7 +87,7 @@ def _runs(index: IntArray) -> tuple[IntArray, IntArray]:
     return np.concatenate([[0], stops[:-1] + 1]), stops
 
 
-def _faces(geometry: SceneNode, corners: IntArray, places: IntArray, smooth: bool) -> Surface | None:
+def _faces(geometry: SceneNode, corners: IntArray, places: IntArray, smooth: bool) -> ShapeSurface | None:
     points = _points(geometry)
     if not len(corners) or not len(points):
         return None
@@ -114,10 +114,10 @@ def _faces(geometry: SceneNode, corners: IntArray, places: IntArray, smooth: boo
         chosen, places_in_texture = corners.ravel(), texture.ravel()
         vertices, triangles = points[chosen], np.arange(corners.size).reshape(-1, 3)
         normals = np.repeat(unit(face_normals(vertices, triangles)), 3, axis=0)
-    return Surface(vertices, normals, coordinates[places_in_texture], triangles, chosen, two_sided)
+    return ShapeSurface(vertices, normals, coordinates[places_in_texture], triangles, chosen, two_sided)
 
 
-def _box(size: FloatArray) -> Surface:
+def _box(size: FloatArray) -> ShapeSurface:
     """Six faces that share no corner."""
     face = np.array([[-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]])
     cycles = [np.roll(np.eye(3), turn, axis=0) for turn in range(3)]
@@ -125,10 +125,10 @@ def _box(size: FloatArray) -> Surface:
     vertices = np.concatenate([face @ turn for turn in turns])
     normals = np.concatenate([np.tile(np.array([0.0, 0.0, 1.0]) @ turn, (4, 1)) for turn in turns])
     triangles = np.concatenate([np.array([[0, 1, 2], [0, 2, 3]]) + 4 * place for place in range(6)])
-    return Surface(vertices * size / 2, normals, np.zeros((24, 2)), triangles, np.arange(24))
+    return ShapeSurface(vertices * size / 2, normals, np.zeros((24, 2)), triangles, np.arange(24))
 
 
-def _turned(profile: FloatArray, flat: bool = False) -> Surface:
+def _turned(profile: FloatArray, flat: bool = False) -> ShapeSurface:
     """A profile (N, 2) of radius and height, from below upwards, turned about Y; ``flat`` keeps its corners."""
     stretches = [profile[k : k + 2] for k in range(len(profile) - 1)] if flat else [profile]
     vertices, normals, triangles = [], [], []
@@ -147,7 +147,7 @@ def _turned(profile: FloatArray, flat: bool = False) -> Surface:
         first += len(stretch) * _AROUND
     points = np.concatenate(vertices)
     faces = np.concatenate(triangles)
-    return Surface(points, np.concatenate(normals), np.zeros((len(points), 2)), faces, np.arange(len(points)))
+    return ShapeSurface(points, np.concatenate(normals), np.zeros((len(points), 2)), faces, np.arange(len(points)))
 
 
 def _ring(profile: FloatArray) -> FloatArray:

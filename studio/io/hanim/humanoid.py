@@ -9,8 +9,8 @@ from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 from studio.core.errors import StudioError
-from studio.io.figure.figure import MOST_JOINTS, MOST_VERTICES, Figure, Piece
-from studio.io.hanim.geometry import Surface, surface_of
+from studio.io.figure.figure import MOST_JOINTS, MOST_VERTICES, Figure, MeshPiece
+from studio.io.hanim.geometry import ShapeSurface, surface_of
 from studio.io.hanim.looks import Looks
 from studio.io.hanim.scene import MOST_VISITS, SceneNode, walk
 
@@ -41,7 +41,7 @@ class _Reader:
     parents: list[int] = field(default_factory=list)
     positions: list[FloatArray] = field(default_factory=list)
     joints: list[SceneNode] = field(default_factory=list)
-    pieces: list[Piece] = field(default_factory=list)
+    pieces: list[MeshPiece] = field(default_factory=list)
     visits: int = 0
     vertices: int = 0
 
@@ -106,7 +106,13 @@ class _Reader:
             self._put(node, surface, matrix, np.full((count, 1), joint), np.ones((count, 1)), True)
 
     def _put(
-        self, node: SceneNode, surface: Surface, matrix: FloatArray, joints: IntArray, weights: FloatArray, rigid: bool
+        self,
+        node: SceneNode,
+        surface: ShapeSurface,
+        matrix: FloatArray,
+        joints: IntArray,
+        weights: FloatArray,
+        rigid: bool,
     ) -> None:
         self.vertices += len(surface.vertices)
         if self.vertices > MOST_VERTICES:
@@ -119,7 +125,9 @@ class _Reader:
         normals = surface.normals @ np.linalg.inv(matrix[:3, :3])
         vertices = surface.vertices @ matrix[:3, :3].T + matrix[:3, 3]
         self.pieces.append(
-            Piece(vertices, normals, surface.coordinates, triangles, joints, weights, material, rigid, node.definition)
+            MeshPiece(
+                vertices, normals, surface.coordinates, triangles, joints, weights, material, rigid, node.definition
+            )
         )
 
     def _skin(self, whole: FloatArray) -> None:

@@ -15,7 +15,7 @@ from studio.core.body.skeleton import Skeleton
 from studio.core.captures.annotations import Annotations, Label
 from studio.core.captures.capture import Capture, Guess
 from studio.core.errors import StudioError
-from studio.core.normalized.actor import Actor
+from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import girdle_of, restore
 from studio.core.rotations import IDENTITY, to_matrix
@@ -146,7 +146,7 @@ def _array(content: bytes, name: str, path: Path) -> FloatArray:
     return np.ascontiguousarray(numbers, dtype=np.float64)
 
 
-def _actor(record: _Actor, motion: NormalizedMotion, arrays: dict[str, FloatArray]) -> Actor:
+def _actor(record: _Actor, motion: NormalizedMotion, arrays: dict[str, FloatArray]) -> SourceRig:
     """Raises StudioError and ValueError when parts are wrong or do not fit each other."""
     layout, joints, frames = BodyLayout(len(motion.spine_places)), len(record.joints), motion.frame_count
     _indices("end_sites", record.end_sites, joints)
@@ -183,7 +183,7 @@ def _actor(record: _Actor, motion: NormalizedMotion, arrays: dict[str, FloatArra
     rotations[:, list(record.rotations_of)] = arrays[ROTATIONS]
     translations = np.tile(skeleton.offsets, (frames, 1, 1))
     translations[:, list(record.translations_of)] = arrays[TRANSLATIONS]
-    return Actor(
+    return SourceRig(
         skeleton,
         body,
         np.array(record.segment_joints),
@@ -193,7 +193,7 @@ def _actor(record: _Actor, motion: NormalizedMotion, arrays: dict[str, FloatArra
     )
 
 
-def _capture(record: _Record, motion: NormalizedMotion, actor: Actor) -> Capture:
+def _capture(record: _Record, motion: NormalizedMotion, actor: SourceRig) -> Capture:
     layout, joints = BodyLayout(len(motion.spine_places)), actor.segment_joints.tolist()
     spine = layout.spine_count
     parts = {layout.part(segment): joint for segment, joint in enumerate(joints) if joint >= 0 and segment >= spine}

@@ -17,7 +17,7 @@ from studio.core.captures.annotations import Annotations
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import CONTACT_POINTS, ContactInterval
 from studio.core.kernels import layout as at
-from studio.core.normalized.actor import Actor
+from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import from_matrix
 from studio.io.project.constraint_file import constraint_record
@@ -42,7 +42,7 @@ class S4d:
 
     capture: Capture
     motion: NormalizedMotion
-    actor: Actor
+    actor: SourceRig
     annotations: Annotations = Annotations()
 
 
@@ -64,7 +64,7 @@ def write_s4d(path: Path, s4d: S4d, progress: Progress = lambda share, text: Non
     progress(1.0, f"Wrote {path.name}")
 
 
-def pass_through_joints(actor: Actor) -> tuple[list[int], list[int]]:
+def pass_through_joints(actor: SourceRig) -> tuple[list[int], list[int]]:
     """The joints whose local rotation, and those whose local translation, no channel and no offset tells."""
     poses, skeleton = actor.pass_through, actor.skeleton
     turned = np.asarray((np.abs(poses.local_rotations[..., :3]) > _STILL).any(axis=(0, 2)))

@@ -7,7 +7,7 @@ from studio.core.project import Project
 
 
 @dataclass(frozen=True)
-class Scene:
+class BundledScene:
     """A project that is made when it is asked for, and not loaded before."""
 
     title: str
@@ -24,7 +24,7 @@ class Scene:
 
 
 SCENES = (
-    Scene(
+    BundledScene(
         "Fight training",
         "Eight fighters of different bodies train in pairs with three motions: rest, kick, and ward off with a"
         " counter-punch. At 2.0 s each kick is met by the middle of a forearm; at 3.0 s each fist meets the other's"
@@ -32,71 +32,71 @@ SCENES = (
         " live they keep their distance, and X lets all in white kick.",
         "fight.fight_training",
     ),
-    Scene(
+    BundledScene(
         "One walk on five bodies",
         "Everybody walks the same way: steps are as long as legs allow, and no foot slides.",
         "papers.five_bodies",
     ),
-    Scene(
+    BundledScene(
         "Wrists above a table",
         "Three bodies reach over a table each: wrists, forearms, elbows and trunk stay out of it. Select a table and"
         " change its height or move it: they still do.",
         "papers.table",
     ),
-    Scene(
+    BundledScene(
         "Reach with balance",
         "Both reach for the same place beside them. One keeps its centre of mass over its feet and moves its hips back;"
         " the other leans where it would fall.",
         "papers.balance",
     ),
-    Scene(
+    BundledScene(
         "Wrist before elbow",
         "The wrist is where it is to be on both. The first body's elbow nearly gets there too, the other's comes as"
         " near as the wrist lets it. Swap the priorities to see the elbow first.",
         "papers.wrist_before_elbow",
     ),
-    Scene(
+    BundledScene(
         "One carry, three boxes",
         "One walk on three bodies, each with a box of another size between its hands, from a hand's breadth to broader"
         " than its shoulders. Select a box and change its size: the wrists stay on its sides.",
         "carrying.three_boxes",
     ),
-    Scene(
+    BundledScene(
         "Walk on a slope",
         "Feet lie on the slope and stay where they stand. Change the angle while it plays.",
         "papers.slope",
     ),
-    Scene(
+    BundledScene(
         "Walk on steps",
         "Five bodies walk up low steps and turn on them: feet stand on the treads. Change rise and"
         " tread while it plays.",
         "changing.steps",
     ),
-    Scene(
+    BundledScene(
         "A clap",
         "Hands of short, usual and long arms meet at the same moments: at 0.5, 1.0 and 1.5 s. Change the length of an"
         " arm: they meet all the same.",
         "changing.clap",
     ),
-    Scene(
+    BundledScene(
         "Handstand and cartwheel",
         "Five bodies stand on their hands, then wheel to their left: hands stay where they stand, as feet do, arms of"
         " any length carry, and the hips rise as high as arms let them. Change the length of an arm while it plays.",
         "acrobatics.handstand_and_cartwheel",
     ),
-    Scene(
+    BundledScene(
         "Bodies that grow and shrink",
         "One grows and one shrinks while they walk: from 1 to 7 s. Steps change with their legs, and no foot slides.",
         "changing.growing",
     ),
-    Scene(
+    BundledScene(
         "One target, three strikes",
         "Three bodies stand on guard with a ball at the same place before each: 70 cm ahead, 110 cm high. The library"
         " of strikes is searched for each body, and each is found another one: the child strikes up at it, the woman"
         " jabs, the giant kicks. All hit; drag a ball, and its strike follows.",
         "choosing.one_target",
     ),
-    Scene(
+    BundledScene(
         "Sparring",
         "Two fighters behave while the stage plays live: they step to keep their distance; X and C let the first one"
         " punch low and high, N and M the second. A forearm meets a low punch, a head leans away from a high one. Move"

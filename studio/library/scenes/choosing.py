@@ -18,7 +18,7 @@ from studio.core.stage.prop import Prop, PropShape
 from studio.io.importing import load_capture
 from studio.library.indexing import bundled_library
 from studio.library.scenes.stagehand import RATE, bodies, material
-from studio.library.searching import Asked, Result, find
+from studio.library.searching import Result, StrikeQuery, find
 from studio.library.striking import EASED_IN, aimed, tried
 
 BODIES = ("child", "adult_woman", "giant")
@@ -49,14 +49,16 @@ def one_target() -> Project:
 
 def target_of(
     guard: NormalizedMotion, frame: int, body: Morphology, place: tuple[float, float] = (AHEAD, HEIGHT)
-) -> Asked:
+) -> StrikeQuery:
     """What a body is to hit from a frame of its guard: ``place`` is ahead of its root, and above the ground."""
     pose = replace(guard, channels=guard.channels[frame : frame + 1])
     x, y, _ = realize(pose, body)[0][0, 0].tolist()
-    return Asked(pose, body, (x + place[0], y, place[1]))
+    return StrikeQuery(pose, body, (x + place[0], y, place[1]))
 
 
-def _with_fighter(project: Project, key: str, character: Character, y: float, asked: Asked, found: Result) -> Project:
+def _with_fighter(
+    project: Project, key: str, character: Character, y: float, asked: StrikeQuery, found: Result
+) -> Project:
     """One more body that stands on guard and then does what was found for it."""
     motion_id, target, begins = found.clip.take.motion.name, f"target {key}", (CALM[1] - CALM[0] + 1) / RATE
     capture = load_capture(Path(found.clip.take.path))

@@ -15,7 +15,7 @@ from studio.core.project import GROUND_ID, Performer, Project
 from studio.core.stage.clip import Clip
 from studio.core.stage.prop import Prop, PropShape
 from studio.core.stage.scope import Scope
-from studio.library.scenes.stagehand import RATE, Material, around, bodies, material
+from studio.library.scenes.stagehand import RATE, SourceMotions, around, bodies, material
 
 ALWAYS = ActivationCurve(-1.0, 0.0, 60.0, 61.0)
 RIGHT_WRIST, RIGHT_ELBOW = (
@@ -100,7 +100,7 @@ def slope() -> Project:
     return replace(project, grounds={GROUND_ID: Slope(angle=0.14)})
 
 
-def row(stuff: Material, motion_id: str, count: int, apart: float = 1.15, same: bool = False) -> Project:
+def row(stuff: SourceMotions, motion_id: str, count: int, apart: float = 1.15, same: bool = False) -> Project:
     """Performers beside each other who play one motion, on bodies of their own or all on the ``same``."""
     characters = bodies(1 if same else count)
     names = list(characters) * (count if same else 1)

@@ -23,7 +23,7 @@ HEAD = BodyPoint(BodyPart.HEAD, at_end=True)
 
 
 @dataclass(frozen=True, eq=False)
-class Material:
+class SourceMotions:
     """Captures by their id, the motions made of them, and the contacts of each motion."""
 
     captures: Mapping[str, Capture]
@@ -31,7 +31,7 @@ class Material:
     contacts: Mapping[str, ContactInterval]
 
 
-def material(**names: tuple[str, str]) -> Material:
+def material(**names: tuple[str, str]) -> SourceMotions:
     """Motions by id, each ``(name, file)`` of a bundled capture; one file may be several motions."""
     files = dict.fromkeys(file for _, file in names.values())
     captures = {file: load_capture(example_captures_folder() / f"{file}.bvh") for file in files}
@@ -40,7 +40,7 @@ def material(**names: tuple[str, str]) -> Material:
         for key, (_, file) in names.items()
         for place, contact in enumerate(detected_contacts(captures[file], key))
     }
-    return Material(captures, {key: Motion(name, file) for key, (name, file) in names.items()}, contacts)
+    return SourceMotions(captures, {key: Motion(name, file) for key, (name, file) in names.items()}, contacts)
 
 
 def bodies(count: int) -> dict[str, Character]:

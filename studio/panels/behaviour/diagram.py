@@ -35,7 +35,7 @@ class Diagram(QGraphicsView):
         """By performer the state that it is in while the stage runs."""
         self.states: dict[str, StateItem] = {}
         self.arrows: list[TransitionItem] = []
-        self.gesture: gestures.Gesture | None = None
+        self.gesture: gestures.DiagramGesture | None = None
         self._renaming: QLineEdit | None = None
         self._whole = True
         """Whether all of it is in view, as long as nobody zooms or pans."""

@@ -21,7 +21,7 @@ STARTS = 3
 """Pixels by which the mouse has to move before a press is a drag."""
 
 
-class Gesture:
+class DiagramGesture:
     """From the press of a button to its release."""
 
     def __init__(self, view: Diagram, event: QMouseEvent, place: QPointF) -> None:
@@ -50,7 +50,7 @@ class Gesture:
         """Show what is meant."""
 
 
-def begun(view: Diagram, event: QMouseEvent, place: QPointF) -> Gesture | None:
+def begun(view: Diagram, event: QMouseEvent, place: QPointF) -> DiagramGesture | None:
     """The gesture that a press there begins."""
     left = event.button() is Qt.MouseButton.LeftButton
     alt = bool(event.modifiers() & Qt.KeyboardModifier.AltModifier)
@@ -71,7 +71,7 @@ def begun(view: Diagram, event: QMouseEvent, place: QPointF) -> Gesture | None:
     return Moving(view, event, place) if state is not None else None
 
 
-class Moving(Gesture):
+class Moving(DiagramGesture):
     """The selected states go with the mouse, on a grid; one undo step."""
 
     def __init__(self, view: Diagram, event: QMouseEvent, place: QPointF) -> None:
@@ -102,7 +102,7 @@ class Moving(Gesture):
         self.view.edit(lambda _: self._before, "Move", self._number)
 
 
-class Connecting(Gesture):
+class Connecting(DiagramGesture):
     """An arrow from a box to the mouse; on another box it is a transition, beside all one to a new state."""
 
     def __init__(self, view: Diagram, event: QMouseEvent, place: QPointF, source: StateItem) -> None:
@@ -138,7 +138,7 @@ class Connecting(Gesture):
         painter.drawEllipse(end, 3.0, 3.0)
 
 
-class Framing(Gesture):
+class Framing(DiagramGesture):
     """A rectangle that selects the states in it; a click selects the whole behaviour."""
 
     def release(self, event: QMouseEvent, place: QPointF) -> None:
@@ -155,7 +155,7 @@ class Framing(Gesture):
             painter.drawRect(QRectF(self.begin, self.now).normalized())
 
 
-class Panning(Gesture):
+class Panning(DiagramGesture):
     """What is seen goes with the mouse."""
 
     def __init__(self, view: Diagram, event: QMouseEvent, place: QPointF) -> None:

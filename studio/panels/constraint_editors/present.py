@@ -4,17 +4,17 @@ import numpy as np
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint, Vector
-from studio.engine.moments import Moment
+from studio.engine.moments import TargetContext
 from studio.engine.performance import posed_performers
 from studio.panels.editor import Editor
 
 
-def moment_now(editor: Editor) -> Moment | None:
+def moment_now(editor: Editor) -> TargetContext | None:
     """The active performer at the playhead, among all others; None while nobody performs."""
     document = editor.document
     posed = posed_performers(document.project, editor.live.result, document.playhead.time)
     pose = posed.get(document.active_performer_id or "")
-    return None if pose is None else Moment(document.project, posed, pose)
+    return None if pose is None else TargetContext(document.project, posed, pose)
 
 
 def place_now(editor: Editor, point: BodyPoint) -> Vector | None:

@@ -9,19 +9,19 @@ from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.keyed import Keys
 from studio.document.keyed_fields import with_times
-from studio.timeline.gestures.gesture import EditGesture, Mark
-from studio.timeline.shown import HANDLES, Part, Shown
+from studio.timeline.gestures.gesture import DragHint, EditGesture
+from studio.timeline.shown import HANDLES, ItemPart, RowContext
 from studio.timeline.snapping import Snapped
 
 
-def with_time(curve: ActivationCurve, part: Part, time: float) -> ActivationCurve:
+def with_time(curve: ActivationCurve, part: ItemPart, time: float) -> ActivationCurve:
     """The curve with one of its times set; those in its way are pushed along."""
     moved = with_times(curve, {HANDLES.index(part): time})
     assert isinstance(moved, ActivationCurve)
     return moved
 
 
-def time_of(curve: ActivationCurve, part: Part) -> float:
+def time_of(curve: ActivationCurve, part: ItemPart) -> float:
     """One of the four times."""
     return curve.times[HANDLES.index(part)]
 
@@ -38,7 +38,7 @@ class DragHandle(EditGesture):
 
     collection = "constraints"
 
-    def __init__(self, shown: Shown, entity_id: str, part: Part, press: QPointF) -> None:
+    def __init__(self, shown: RowContext, entity_id: str, part: ItemPart, press: QPointF) -> None:
         super().__init__(shown, entity_id, press)
         self.part = part
         self.text = f"Move {part} of {self.words}"
@@ -58,7 +58,7 @@ class DragHandle(EditGesture):
         self.put_all(lambda _, each: replace(each, activation=moved(each)))
         time = time_of(moved(self.original), self.part)
         text = f"{self.part}  {self.shown.moment(time * subject.frame_rate)}"
-        self.mark = Mark(subject.to_stage(time), text, caught.caught)
+        self.mark = DragHint(subject.to_stage(time), text, caught.caught)
 
 
 class MoveActivation(EditGesture):
@@ -69,7 +69,7 @@ class MoveActivation(EditGesture):
 
     collection = "constraints"
 
-    def __init__(self, shown: Shown, entity_id: str, press: QPointF) -> None:
+    def __init__(self, shown: RowContext, entity_id: str, press: QPointF) -> None:
         super().__init__(shown, entity_id, press)
         self.text = f"Move {self.words} in time"
 
@@ -86,7 +86,7 @@ class MoveActivation(EditGesture):
         self.put_all(lambda _, each: moved(each, seconds, free))
         start = curve.start + seconds
         text = f"{seconds:+.3f} s  starts {self.shown.moment(start * subject.frame_rate)}"
-        self.mark = Mark(subject.to_stage(start), text, caught.caught)
+        self.mark = DragHint(subject.to_stage(start), text, caught.caught)
 
     def _catch(self, begin: float, free: bool) -> Snapped:
         """The snapped begin: by a magnet near one of the four times, else by the frame of the begin."""

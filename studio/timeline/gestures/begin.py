@@ -6,26 +6,28 @@ from studio.core.captures.contacts import ContactInterval
 from studio.timeline.gestures.activation import DragHandle, MoveActivation
 from studio.timeline.gestures.clip import MoveClips, TrimClip
 from studio.timeline.gestures.contact import DragContact
-from studio.timeline.gestures.gesture import Gesture
+from studio.timeline.gestures.gesture import TimelineGesture
 from studio.timeline.gestures.hold import DragHold
 from studio.timeline.gestures.label import DragLabel
 from studio.timeline.gestures.view import Scrub
-from studio.timeline.shown import EDGES, HANDLES, Hit, Part, Shown
+from studio.timeline.shown import EDGES, HANDLES, Hit, ItemPart, RowContext
 
 Cursor = Qt.CursorShape
 
 
-def gesture_at(hit: Hit, shown: Shown, press: QPointF) -> Gesture | None:
+def gesture_at(hit: Hit, shown: RowContext, press: QPointF) -> TimelineGesture | None:
     """The drag of what was hit, or None where there is nothing to drag."""
-    if hit.part == Part.TIME:
+    if hit.part == ItemPart.TIME:
         return Scrub(shown.document.playhead, shown.axis)
     if hit.kind == "constraints" and hit.part in HANDLES:
         return DragHandle(shown, hit.id, hit.part, press)
-    if hit.kind == "constraints" and hit.part == Part.BODY:
+    if hit.kind == "constraints" and hit.part == ItemPart.BODY:
         return MoveActivation(shown, hit.id, press)
     if hit.kind == "clips":
-        return MoveClips(shown, hit.id, press) if hit.part == Part.BODY else TrimClip(shown, hit.id, hit.part, press)
-    if hit.kind == "props" and (hit.part == Part.BODY or hit.part in EDGES):
+        return (
+            MoveClips(shown, hit.id, press) if hit.part == ItemPart.BODY else TrimClip(shown, hit.id, hit.part, press)
+        )
+    if hit.kind == "props" and (hit.part == ItemPart.BODY or hit.part in EDGES):
         return DragHold(shown, hit.id, hit.part, press)
     if hit.kind == "labels" and hit.id:
         return DragLabel(shown, hit.id, hit.part, press)
@@ -36,13 +38,13 @@ def gesture_at(hit: Hit, shown: Shown, press: QPointF) -> Gesture | None:
 
 def cursor_at(hit: Hit) -> Cursor:
     """Arrows for what moves, a hand for what is chosen, a cross where a contact or label may be added."""
-    if hit.part in HANDLES or hit.part in (*EDGES, Part.KEY) or hit.kind == "playhead":
+    if hit.part in HANDLES or hit.part in (*EDGES, ItemPart.KEY) or hit.kind == "playhead":
         return Cursor.SizeHorCursor
-    if hit.part == Part.BODY and hit.kind in ("constraints", "contacts", "clips", "props", "labels"):
+    if hit.part == ItemPart.BODY and hit.kind in ("constraints", "contacts", "clips", "props", "labels"):
         return Cursor.OpenHandCursor
-    if hit.part == Part.FOLD or (hit.part == Part.LABEL and hit.kind in ("constraints", "plot", "performers")):
+    if hit.part == ItemPart.FOLD or (hit.part == ItemPart.LABEL and hit.kind in ("constraints", "plot", "performers")):
         return Cursor.PointingHandCursor
-    if hit.kind in ("lane", "labels") and hit.part == Part.EMPTY:
+    if hit.kind in ("lane", "labels") and hit.part == ItemPart.EMPTY:
         return Cursor.CrossCursor
     return Cursor.ArrowCursor
 
@@ -51,14 +53,14 @@ def items_of(hit: Hit) -> tuple[tuple[str, str], ...]:
     """What a click on it selects: a clip with whom it was clicked on."""
     if hit.kind == "clips":
         return ("performers", hit.performer_id), ("clips", hit.id)
-    if hit.part == Part.KEY and hit.kind not in ("growth", "props", "constraints"):
+    if hit.part == ItemPart.KEY and hit.kind not in ("growth", "props", "constraints"):
         return ()
     if hit.kind == "growth":
-        return (("performers", hit.id),) if hit.part == Part.KEY else ()
+        return (("performers", hit.id),) if hit.part == ItemPart.KEY else ()
     if (
         hit.kind == "contacts"
         or (hit.kind == "labels" and hit.id)
-        or (hit.kind in ("constraints", "performers", "props") and hit.part != Part.EMPTY)
+        or (hit.kind in ("constraints", "performers", "props") and hit.part != ItemPart.EMPTY)
     ):
         return ((hit.kind, hit.id),)
     return ()

@@ -10,8 +10,8 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.clip_row import ClipEdit, begun_at, edited, ended_at, frame_at, players_of
 from studio.document.clips import name_of
 from studio.timeline.figures import moment
-from studio.timeline.gestures.gesture import EditGesture, Mark
-from studio.timeline.shown import Part, Shown
+from studio.timeline.gestures.gesture import DragHint, EditGesture
+from studio.timeline.shown import ItemPart, RowContext
 from studio.timeline.snapping import Snapped
 
 
@@ -20,7 +20,7 @@ class ClipGesture(EditGesture):
 
     collection = "clips"
 
-    def __init__(self, shown: Shown, clip_id: str, press: QPointF) -> None:
+    def __init__(self, shown: RowContext, clip_id: str, press: QPointF) -> None:
         selected = [key for key in shown.document.selection.of("clips") if key in shown.project.clips]
         self.clip_ids: Sequence[str] = selected if clip_id in selected else (clip_id,)
         super().__init__(shown, clip_id, press)
@@ -76,7 +76,7 @@ class ClipGesture(EditGesture):
 class MoveClips(ClipGesture):
     """Drag bars in time: one that begins where another ends catches there."""
 
-    def __init__(self, shown: Shown, clip_id: str, press: QPointF) -> None:
+    def __init__(self, shown: RowContext, clip_id: str, press: QPointF) -> None:
         super().__init__(shown, clip_id, press)
         self.text = f"Move {self.words} in time"
 
@@ -91,39 +91,41 @@ class MoveClips(ClipGesture):
         self.put_each(lambda clip: (replace(clip, start=clip.start + seconds),))
         start = begin + seconds
         text = f"{seconds:+.3f} s  starts {moment(start * self.shown.axis.frame_rate, start)}"
-        self.mark = Mark(start, text, caught.caught)
+        self.mark = DragHint(start, text, caught.caught)
 
 
 class TrimClip(ClipGesture):
     """Drag an end: the frames that are left play when they did."""
 
-    def __init__(self, shown: Shown, clip_id: str, part: Part, press: QPointF) -> None:
+    def __init__(self, shown: RowContext, clip_id: str, part: ItemPart, press: QPointF) -> None:
         super().__init__(shown, clip_id, press)
         self.part = part
         self.text = f"Trim {self.words}"
 
     def drag(self, position: QPointF, free: bool) -> None:
         """Whole frames always; ``free`` only keeps it from catching on what lies near."""
-        clip, first = self.original, self.part == Part.FIRST
+        clip, first = self.original, self.part == ItemPart.FIRST
         grabbed = clip.start if first else end_of(self.shown, clip)
         caught = self.snap(grabbed + self.moved(position), free)
         seconds = caught.time - grabbed
         self.put_each(lambda each: (self._trimmed(each, seconds),))
         trimmed = self._trimmed(clip, seconds)
         place = caught.time if caught.caught is not None else grabbed + self.moved(position)
-        self.mark = Mark(place, f"{self.part} {trimmed.first if first else trimmed.last} of the motion", caught.caught)
+        self.mark = DragHint(
+            place, f"{self.part} {trimmed.first if first else trimmed.last} of the motion", caught.caught
+        )
 
     def _trimmed(self, clip: Clip, seconds: float) -> Clip:
         """The clip with its end moved by ``seconds`` of the stage, to a whole frame of its motion."""
         project = self.shown.project
         rate = project.frame_rate_of(clip)
-        if self.part == Part.FIRST:
+        if self.part == ItemPart.FIRST:
             return begun_at(clip, rate, min(max(round(frame_at(clip, rate, clip.start + seconds)), 0), clip.last))
         count = project.captures[project.motions[clip.motion_id].capture_id].poses.frame_count
         way = round(seconds * rate * clip.speed / clip.repeats)
         return ended_at(clip, max(min(clip.last + way, count - 1), clip.first), count)
 
 
-def end_of(shown: Shown, clip: Clip) -> float:
+def end_of(shown: RowContext, clip: Clip) -> float:
     """Seconds at which a clip ends."""
     return clip.start + clip.length(shown.project.frame_rate_of(clip))

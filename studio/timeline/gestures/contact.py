@@ -7,8 +7,8 @@ from PySide6.QtCore import QPointF
 
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
 from studio.core.stage.scope import EVERYONE
-from studio.timeline.gestures.gesture import EditGesture, Mark
-from studio.timeline.shown import Part, Shown
+from studio.timeline.gestures.gesture import DragHint, EditGesture
+from studio.timeline.shown import ItemPart, RowContext
 from studio.timeline.snapping import Snapped
 
 LONGEST_NEW = 0.3
@@ -16,7 +16,7 @@ LONGEST_NEW = 0.3
 
 
 def free_stretch(
-    shown: Shown, point: ContactPoint | Touch, frame: int, without: Collection[str] = ()
+    shown: RowContext, point: ContactPoint | Touch, frame: int, without: Collection[str] = ()
 ) -> tuple[int, int] | None:
     """First and last frame about ``frame`` that no contact of the point takes; None where one stands."""
     first, last = 0, shown.subject.last_frame
@@ -32,7 +32,7 @@ def free_stretch(
     return (first, last) if first <= frame <= last else None
 
 
-def new_contact(shown: Shown, point: ContactPoint | Touch, frame: int) -> ContactInterval | None:
+def new_contact(shown: RowContext, point: ContactPoint | Touch, frame: int) -> ContactInterval | None:
     """A contact about ``frame``, at most 0.3 s long and up to its neighbours; None where one stands."""
     subject, room = shown.subject, free_stretch(shown, point, frame)
     if room is None:
@@ -43,7 +43,7 @@ def new_contact(shown: Shown, point: ContactPoint | Touch, frame: int) -> Contac
     return ContactInterval(subject.motion_id, point, first, first + length, scopes[0] if scopes else EVERYONE)
 
 
-def contacts_shown(shown: Shown) -> dict[str, ContactInterval]:
+def contacts_shown(shown: RowContext) -> dict[str, ContactInterval]:
     """What stands while the active performer plays the clip, by id."""
     return shown.project.contacts_for(shown.subject.performer_id, shown.subject.clip)
 
@@ -53,13 +53,13 @@ class DragContact(EditGesture):
 
     collection = "contacts"
 
-    def __init__(self, shown: Shown, entity_id: str, part: Part, press: QPointF) -> None:
+    def __init__(self, shown: RowContext, entity_id: str, part: ItemPart, press: QPointF) -> None:
         super().__init__(shown, entity_id, press)
         self.part = part
-        self.text = f"{'Move' if part == Part.BODY else 'Trim'} {self.words}"
+        self.text = f"{'Move' if part == ItemPart.BODY else 'Trim'} {self.words}"
         # Contacts that move together leave each other room; those that are trimmed stop at each other.
         self._rooms = {
-            key: free_stretch(shown, each.point, each.first, self.originals if part == Part.BODY else (key,))
+            key: free_stretch(shown, each.point, each.first, self.originals if part == ItemPart.BODY else (key,))
             or (each.first, each.last)
             for key, each in self.originals.items()
         }
@@ -72,18 +72,18 @@ class DragContact(EditGesture):
     def update(self, position: QPointF, free: bool) -> None:
         """Whole frames always; ``free`` only keeps it from catching on what lies near."""
         subject, old = self.shown.subject, self.original
-        caught = self._catch(old.last if self.part == Part.LAST else old.first, position, free)
-        if self.part == Part.BODY and caught.caught is None:
+        caught = self._catch(old.last if self.part == ItemPart.LAST else old.first, position, free)
+        if self.part == ItemPart.BODY and caught.caught is None:
             behind = subject.stage_time(old.last) - subject.stage_time(old.first)
             end = self._catch(old.last, position, free)
             caught = Snapped(end.time - behind, end.caught) if end.caught is not None else caught
-        grabbed = old.last if self.part == Part.LAST else old.first
+        grabbed = old.last if self.part == ItemPart.LAST else old.first
         frames = self._within(round(subject.motion_frame(caught.time)) - grabbed)
         self.put_all(lambda key, each: self._dragged(key, each, frames))
         contact = self._dragged(self.entity_id, old, frames)
-        shown_frame = contact.last if self.part == Part.LAST else contact.first
+        shown_frame = contact.last if self.part == ItemPart.LAST else contact.first
         text = self.shown.moment(shown_frame)
-        self.mark = Mark(subject.stage_time(shown_frame), text, caught.caught)
+        self.mark = DragHint(subject.stage_time(shown_frame), text, caught.caught)
 
     def _catch(self, grabbed: int, position: QPointF, free: bool) -> Snapped:
         """Where one of its ends would come to lie."""
@@ -91,7 +91,7 @@ class DragContact(EditGesture):
 
     def _within(self, frames: int) -> int:
         """As many frames as there is room for where all move."""
-        if self.part != Part.BODY:
+        if self.part != ItemPart.BODY:
             return frames
         rooms = [(self._rooms[key], each) for key, each in self.originals.items()]
         frames = min(frames, *(high - each.last for (_, high), each in rooms))
@@ -99,8 +99,8 @@ class DragContact(EditGesture):
 
     def _dragged(self, key: str, old: ContactInterval, frames: int) -> ContactInterval:
         low, high = self._rooms[key]
-        if self.part == Part.FIRST:
+        if self.part == ItemPart.FIRST:
             return replace(old, first=min(max(old.first + frames, low), old.last))
-        if self.part == Part.LAST:
+        if self.part == ItemPart.LAST:
             return replace(old, last=max(min(old.last + frames, high), old.first))
         return replace(old, first=old.first + frames, last=old.last + frames)

@@ -6,12 +6,12 @@ from typing import Any
 
 from PySide6.QtCore import QPointF, Qt
 
-from studio.timeline.shown import Shown
+from studio.timeline.shown import RowContext
 from studio.timeline.snapping import Snapped, magnets_of, snapped
 
 
 @dataclass(frozen=True)
-class Mark:
+class DragHint:
     """What a drag says beside the mouse: a sentence at a stage time, and the moment it has caught on."""
 
     time: float
@@ -19,10 +19,10 @@ class Mark:
     caught: float | None = None
 
 
-class Gesture:
+class TimelineGesture:
     """A drag that changes nothing that could be undone."""
 
-    mark: Mark | None = None
+    mark: DragHint | None = None
     modifiers = Qt.KeyboardModifier.NoModifier
     """The keys that are held with the mouse."""
 
@@ -36,7 +36,7 @@ class Gesture:
         """Esc: everything as before."""
 
 
-class EditGesture(Gesture):
+class EditGesture(TimelineGesture):
     """A drag that edits an entity, and all of its kind that are selected with it: a single undo step.
 
     Every visible character follows.
@@ -45,7 +45,7 @@ class EditGesture(Gesture):
     collection = ""
     text = ""
 
-    def __init__(self, shown: Shown, entity_id: str, press: QPointF) -> None:
+    def __init__(self, shown: RowContext, entity_id: str, press: QPointF) -> None:
         self.shown, self.entity_id = shown, entity_id
         self.original: Any = shown.project.get(self.collection, entity_id)
         selected = shown.document.selection.of(self.collection)

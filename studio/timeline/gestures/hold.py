@@ -3,8 +3,8 @@
 from PySide6.QtCore import QPointF
 
 from studio.timeline.figures import moment
-from studio.timeline.gestures.gesture import EditGesture, Mark
-from studio.timeline.shown import Part, Shown
+from studio.timeline.gestures.gesture import DragHint, EditGesture
+from studio.timeline.shown import ItemPart, RowContext
 from studio.timeline.tracks.hold import hold_under
 
 
@@ -13,26 +13,26 @@ class DragHold(EditGesture):
 
     collection = "props"
 
-    def __init__(self, shown: Shown, entity_id: str, part: Part, press: QPointF) -> None:
+    def __init__(self, shown: RowContext, entity_id: str, part: ItemPart, press: QPointF) -> None:
         super().__init__(shown, entity_id, press)
         self.part = part
         self._hold = hold_under(shown, self.original, press.x()) or self.original.holds[0]
-        verb = {Part.FIRST: "Pick up", Part.LAST: "Put down"}.get(part, "Hold")
+        verb = {ItemPart.FIRST: "Pick up", ItemPart.LAST: "Put down"}.get(part, "Hold")
         self.text = f"{verb} {self.original.name} at another time"
 
     def update(self, position: QPointF, free: bool) -> None:
         """The ends stay in order; the moment at which it is handed on is dragged for both."""
         hold = self._hold
         first, last = (-1e9 if hold.begin is None else hold.begin), (1e9 if hold.end is None else hold.end)
-        grabbed = hold.end if self.part == Part.LAST or hold.begin is None else hold.begin
+        grabbed = hold.end if self.part == ItemPart.LAST or hold.begin is None else hold.begin
         if grabbed is None:
             grabbed = self.press_time
         caught = self.snap(grabbed + self.moved(position), free)
         way = caught.time - grabbed
         begin, end = hold.begin, hold.end
-        if self.part != Part.LAST and begin is not None:
-            begin = min(begin + way, last) if self.part == Part.FIRST else begin + way
-        if self.part != Part.FIRST and end is not None:
-            end = max(end + way, first) if self.part == Part.LAST else end + way
+        if self.part != ItemPart.LAST and begin is not None:
+            begin = min(begin + way, last) if self.part == ItemPart.FIRST else begin + way
+        if self.part != ItemPart.FIRST and end is not None:
+            end = max(end + way, first) if self.part == ItemPart.LAST else end + way
         self.put(self.original.with_span(hold, begin, end))
-        self.mark = Mark(caught.time, moment(caught.time * self.shown.axis.frame_rate, caught.time), caught.caught)
+        self.mark = DragHint(caught.time, moment(caught.time * self.shown.axis.frame_rate, caught.time), caught.caught)

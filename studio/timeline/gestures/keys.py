@@ -5,18 +5,18 @@ from PySide6.QtCore import QPointF, QRectF
 from studio.document.key_edits import KeyDrag
 from studio.document.keyed_fields import KeyRef
 from studio.timeline.figures import moment
-from studio.timeline.gestures.gesture import Gesture, Mark
+from studio.timeline.gestures.gesture import DragHint, TimelineGesture
 from studio.timeline.sheet import Sheet
-from studio.timeline.shown import Shown
+from studio.timeline.shown import RowContext
 from studio.timeline.snapping import key_magnets, snapped
 from studio.timeline.tracks.brush import KEY_REACH
 from studio.timeline.tracks.keys import fields_in, key_height, keys_between, stage_times
 
 
-class DragKeys(Gesture):
+class DragKeys(TimelineGesture):
     """Move the selected keys in time; with ``scaling`` scale them about the playhead. A single undo step."""
 
-    def __init__(self, shown: Shown, grabbed: KeyRef, press: QPointF, scaling: bool) -> None:
+    def __init__(self, shown: RowContext, grabbed: KeyRef, press: QPointF, scaling: bool) -> None:
         self.shown, self.scaling = shown, scaling
         self._drag = KeyDrag(shown.document)
         self._grabbed = float(stage_times(shown, grabbed.field)[grabbed.place])
@@ -33,11 +33,11 @@ class DragKeys(Gesture):
         if not self.scaling:
             self._drag.move(caught.time - self._grabbed)
             frames = (caught.time - self._grabbed) * axis.frame_rate
-            self.mark = Mark(caught.time, f"{words}  {frames:+.4g} frames", caught.caught)
+            self.mark = DragHint(caught.time, f"{words}  {frames:+.4g} frames", caught.caught)
         elif abs(self._grabbed - here) * axis.frame_rate > 1e-3:
             factor = (caught.time - here) / (self._grabbed - here)
             self._drag.scale(factor, here)
-            self.mark = Mark(caught.time, f"{words}  × {max(factor, 0.01):.3g}", caught.caught)
+            self.mark = DragHint(caught.time, f"{words}  × {max(factor, 0.01):.3g}", caught.caught)
 
     def finish(self) -> None:
         """Let the whole clip be solved."""
@@ -49,7 +49,7 @@ class DragKeys(Gesture):
         self.finish()
 
 
-class BoxSelect(Gesture):
+class BoxSelect(TimelineGesture):
     """Select the keys in a box; with ``add`` beside those that are selected."""
 
     def __init__(self, sheet: Sheet, press: QPointF, add: bool) -> None:

@@ -5,8 +5,8 @@ from PySide6.QtCore import QPointF, QRect, QRectF, Qt
 from studio.document.channels import key_values, with_handle, with_values
 from studio.document.key_edits import KeyDrag, replace_fields
 from studio.timeline.figures import moment
-from studio.timeline.gestures.gesture import Gesture, Mark
-from studio.timeline.shown import Shown
+from studio.timeline.gestures.gesture import DragHint, TimelineGesture
+from studio.timeline.shown import RowContext
 from studio.timeline.snapping import key_magnets, snapped
 from studio.timeline.tracks.value_curves import (
     HandleRef,
@@ -25,13 +25,13 @@ FINE = 0.1
 Modifier = Qt.KeyboardModifier
 
 
-class DragCurveKeys(Gesture):
+class DragCurveKeys(TimelineGesture):
     """Move the selected keys in time, and those of the grabbed channel in value: one undo step.
 
     Shift is finer, Ctrl catches on round values.
     """
 
-    def __init__(self, shown: Shown, curves: ValueCurves, row: QRect, grabbed: HandleRef, press: QPointF) -> None:
+    def __init__(self, shown: RowContext, curves: ValueCurves, row: QRect, grabbed: HandleRef, press: QPointF) -> None:
         self.shown, self._curves, self._area = shown, curves, plot_area(row)
         self._grabbed, self._press = grabbed, press
         self._drag = KeyDrag(shown.document)
@@ -62,7 +62,7 @@ class DragCurveKeys(Gesture):
         self._drag.move(seconds, {channel.field: changed})
         time = self._time + seconds
         text = f"{moment(time * self.shown.axis.frame_rate, time)}  {channel.name} {old + rise:.4g} {channel.unit}"
-        self.mark = Mark(time, text.strip(), caught.caught if self._is_moved else None)
+        self.mark = DragHint(time, text.strip(), caught.caught if self._is_moved else None)
 
     def finish(self) -> None:
         """Let the whole clip be solved."""
@@ -74,13 +74,13 @@ class DragCurveKeys(Gesture):
         self.finish()
 
 
-class DragTangent(Gesture):
+class DragTangent(TimelineGesture):
     """Drag the handle of a tangent: its rate and its weight. One undo step.
 
     The other side turns with it unless they are broken, or Alt breaks them now; Shift is finer, Ctrl keeps the weight.
     """
 
-    def __init__(self, shown: Shown, curves: ValueCurves, row: QRect, handle: HandleRef, press: QPointF) -> None:
+    def __init__(self, shown: RowContext, curves: ValueCurves, row: QRect, handle: HandleRef, press: QPointF) -> None:
         self.shown, self._curves, self._area, self._handle, self._press = shown, curves, plot_area(row), handle, press
         before = value_in(shown, handle.channel)
         assert before is not None
@@ -107,7 +107,7 @@ class DragTangent(Gesture):
         replace_fields(shown.document, {channel.field: new}, "Move tangent", self._gesture)
         time = shown.axis.time_at(self._key.x())
         rate = value / seconds if seconds else 0.0
-        self.mark = Mark(time, f"{channel.name} {rate:.3g} {channel.unit}/s")
+        self.mark = DragHint(time, f"{channel.name} {rate:.3g} {channel.unit}/s")
 
     def finish(self) -> None:
         """Let the whole clip be solved."""
@@ -119,10 +119,10 @@ class DragTangent(Gesture):
         self.finish()
 
 
-class BoxSelectCurves(Gesture):
+class BoxSelectCurves(TimelineGesture):
     """Select the keys whose diamonds are in a box; with ``add`` beside those that are selected."""
 
-    def __init__(self, shown: Shown, curves: ValueCurves, row: QRect, press: QPointF, add: bool) -> None:
+    def __init__(self, shown: RowContext, curves: ValueCurves, row: QRect, press: QPointF, add: bool) -> None:
         self._shown, self._points = shown, list(curves.points(shown, plot_area(row)))
         self._press, self._before = press, shown.document.keys.items
         self._kept = self._before if add else frozenset()

@@ -6,10 +6,10 @@ from PySide6.QtCore import QPointF
 
 from studio.document.playhead import Playhead
 from studio.timeline.axis import TimeAxis
-from studio.timeline.gestures.gesture import Gesture
+from studio.timeline.gestures.gesture import TimelineGesture
 
 
-class Scrub(Gesture):
+class Scrub(TimelineGesture):
     """The playhead goes to the frame under the mouse, at once; Esc brings it back."""
 
     def __init__(self, playhead: Playhead, axis: TimeAxis) -> None:
@@ -30,7 +30,7 @@ class Scrub(Gesture):
         self.playhead.set_time(self._before)
 
 
-class Pan(Gesture):
+class Pan(TimelineGesture):
     """The rows follow the mouse, sideways and upright."""
 
     def __init__(self, axis: TimeAxis, scroll: Callable[[float], None], press: QPointF) -> None:

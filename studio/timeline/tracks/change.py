@@ -11,7 +11,7 @@ from studio.core.normalized.joining import FARTHEST
 from studio.core.normalized.pieces import Played
 from studio.core.stage.clip import Clip
 from studio.document import colours
-from studio.timeline.shown import Shown
+from studio.timeline.shown import RowContext
 from studio.timeline.tracks.brush import hairline, translucent
 
 HEAD = 4.0
@@ -44,7 +44,7 @@ class TakeOver:
         return f"Takes over at {at}{alike}: the body goes on from where it is, standing feet stay until they are lifted"
 
 
-def take_over(shown: Shown, performer_id: str, clip: Clip) -> TakeOver | None:
+def take_over(shown: RowContext, performer_id: str, clip: Clip) -> TakeOver | None:
     """How a clip of a performer takes over; None for the first one, and while it is not known.
 
     While the clip is dragged it is known of where it was last solved, and goes with it.

@@ -8,7 +8,7 @@ from studio.core.stage.clip import Clip
 from studio.document import colours
 from studio.engine.empty_stage import HIDDEN, empty_words
 from studio.timeline.figures import rate
-from studio.timeline.shown import Hit, Part, Shown, label_area
+from studio.timeline.shown import Hit, ItemPart, RowContext, label_area
 from studio.timeline.tracks.brush import LABEL_INDENT, font, hairline, paint_dot, paint_fold, paint_label, translucent
 from studio.timeline.tracks.change import paint_take_over, take_over
 
@@ -20,20 +20,20 @@ CURVE_STEPS = 16
 PARTED = " · "
 
 
-def clip_bar(shown: Shown, row: QRect, clip: Clip) -> QRectF:
+def clip_bar(shown: RowContext, row: QRect, clip: Clip) -> QRectF:
     """Where a clip lies, all its repeats together."""
     left = shown.axis.x_of_time(clip.start)
     right = shown.axis.x_of_time(clip.start + clip.length(shown.project.frame_rate_of(clip)))
     return QRectF(left, row.top() + 3, max(right - left, 2.0), row.height() - 6)
 
 
-def bars_of(shown: Shown, row: QRect, performer_id: str) -> list[tuple[Clip, QRectF]]:
+def bars_of(shown: RowContext, row: QRect, performer_id: str) -> list[tuple[Clip, QRectF]]:
     """The bars of a performer, later ones over earlier ones."""
     clips = sorted(shown.project.performers[performer_id].clips, key=lambda clip: clip.start)
     return [(clip, clip_bar(shown, row, clip)) for clip in clips]
 
 
-def clip_text(shown: Shown, clip: Clip) -> str:
+def clip_text(shown: RowContext, clip: Clip) -> str:
     """``front_kick · 70 frames at 30 Hz``, and how it plays where that is not as it is."""
     motion, frames = shown.project.motions[clip.motion_id], clip.last - clip.first + 1
     words = [motion.name, f"{frames} frame{'' if frames == 1 else 's'} at {rate(shown.project.frame_rate_of(clip))}"]
@@ -43,7 +43,7 @@ def clip_text(shown: Shown, clip: Clip) -> str:
     return PARTED.join(words)
 
 
-def row_text(shown: Shown, clip: Clip) -> str:
+def row_text(shown: RowContext, clip: Clip) -> str:
     """As ``clip_text``; where one row stands for all, on how many bodies, or that all are hidden."""
     text = clip_text(shown, clip)
     if shown.apart:
@@ -54,7 +54,7 @@ def row_text(shown: Shown, clip: Clip) -> str:
     return f"{text} → {bodies} {'body' if bodies == 1 else 'bodies'}"
 
 
-def paint_clips(painter: QPainter, row: QRect, shown: Shown, performer_id: str) -> None:
+def paint_clips(painter: QPainter, row: QRect, shown: RowContext, performer_id: str) -> None:
     """Quiet bars that say what plays: a clip lies over the one before it from where it takes over."""
     bars = bars_of(shown, row, performer_id)
     failure = shown.live.failure(performer_id)
@@ -84,7 +84,9 @@ def paint_clips(painter: QPainter, row: QRect, shown: Shown, performer_id: str) 
         end = max(end, bar.right())
 
 
-def _paint_failure(painter: QPainter, row: QRect, shown: Shown, bars: list[tuple[Clip, QRectF]], failure: str) -> None:
+def _paint_failure(
+    painter: QPainter, row: QRect, shown: RowContext, bars: list[tuple[Clip, QRectF]], failure: str
+) -> None:
     """Outlines of what would play, and why it does not."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     for _, bar in bars:
@@ -121,7 +123,7 @@ def _paint_unplayed(painter: QPainter, bar: QRectF) -> None:
         painter.drawRoundedRect(bar, 3, 3)
 
 
-def paint_clip_bar(painter: QPainter, shown: Shown, performer_id: str, clip: Clip, path: QPainterPath) -> None:
+def paint_clip_bar(painter: QPainter, shown: RowContext, performer_id: str, clip: Clip, path: QPainterPath) -> None:
     """A bar in the colour of its body, or of all bodies, stronger where it is selected."""
     project = shown.project
     colour = colours.KINDS["position"]
@@ -144,7 +146,7 @@ def _paint_repeats(painter: QPainter, clip: Clip, bar: QRectF) -> None:
         painter.drawLine(QPointF(x, bar.bottom() - 5), QPointF(x, bar.bottom()))
 
 
-def seen_part(shown: Shown, room: QRectF) -> QRectF:
+def seen_part(shown: RowContext, room: QRectF) -> QRectF:
     """What of a place is not beyond the ends of the axis."""
     return room.intersected(QRectF(shown.axis.left, room.top(), shown.axis.width, room.height()))
 
@@ -166,7 +168,7 @@ def shortened(words: str, metrics: QFontMetrics, width: int) -> str:
     return metrics.elidedText(parts[0], Qt.TextElideMode.ElideRight, width)
 
 
-def paint_clip_label(painter: QPainter, row: QRect, shown: Shown, performer_id: str) -> None:
+def paint_clip_label(painter: QPainter, row: QRect, shown: RowContext, performer_id: str) -> None:
     """Whose clips they are, with the body's colour; the first one's arrow folds the rows of all."""
     performer = shown.project.performers[performer_id]
     colour = shown.project.characters[performer.character_id].colour
@@ -178,7 +180,7 @@ def paint_clip_label(painter: QPainter, row: QRect, shown: Shown, performer_id: 
         paint_fold(painter, row, not shown.apart)
 
 
-def folds(shown: Shown, performer_id: str) -> bool:
+def folds(shown: RowContext, performer_id: str) -> bool:
     """Whether the rows of all performers are folded and unfolded at this one's."""
     performers = list(shown.project.performers)
     return len(performers) > 1 and (not shown.apart or performer_id == performers[0])
@@ -190,10 +192,10 @@ def clip_hit(bars: list[tuple[Clip, QRectF]], performer_id: str, point: QPointF)
         reach = min(EDGE_REACH, bar.width() / 4)
         if not bar.adjusted(-reach / 2, 0, reach / 2, 0).contains(point):
             continue
-        part = Part.BODY
+        part = ItemPart.BODY
         if point.x() < bar.left() + reach:
-            part = Part.FIRST
+            part = ItemPart.FIRST
         elif point.x() > bar.right() - reach:
-            part = Part.LAST
+            part = ItemPart.LAST
         return Hit("clips", clip.id, part, performer_id)
-    return Hit("clip", performer_id, Part.EMPTY)
+    return Hit("clip", performer_id, ItemPart.EMPTY)

@@ -8,7 +8,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.target import key_times
 from studio.document import colours
 from studio.engine.residuals import unsolved_words
-from studio.timeline.shown import HANDLES, Hit, Part, Shown, label_area, within
+from studio.timeline.shown import HANDLES, Hit, ItemPart, RowContext, label_area, within
 from studio.timeline.subject import Body
 from studio.timeline.tracks.brush import hairline, paint_dot, paint_fold, paint_label, translucent
 from studio.timeline.tracks.strip import PITCH, paint_strip, paint_unknown
@@ -42,7 +42,7 @@ def is_folded(row: QRect) -> bool:
     return row.height() <= FOLDED
 
 
-def handle_points(shown: Shown, row: QRect, constraint: Constraint) -> dict[Part, QPointF]:
+def handle_points(shown: RowContext, row: QRect, constraint: Constraint) -> dict[ItemPart, QPointF]:
     """Where the four handles lie."""
     curve, low = constraint.activation, baseline(row) + 0.5
     times = (curve.start, curve.full, curve.full_end, curve.end)
@@ -59,7 +59,7 @@ def looks_of(constraint: Constraint | None) -> object:
     return (constraint.name, constraint.enabled, constraint.priority, constraint.activation, *key_times(constraint))
 
 
-def paint_constraint(painter: QPainter, row: QRect, shown: Shown, constraint_id: str) -> None:
+def paint_constraint(painter: QPainter, row: QRect, shown: RowContext, constraint_id: str) -> None:
     """The curve filled at 40 per cent in the kind's colour; light and with larger handles when selected."""
     constraint = shown.project.constraints[constraint_id]
     colour = colours.kind_colour(constraint.kind) if constraint.enabled else colours.TEXT_THIRD
@@ -74,19 +74,19 @@ def paint_constraint(painter: QPainter, row: QRect, shown: Shown, constraint_id:
     _paint_strips(painter, row, shown, constraint_id)
 
 
-def line_colour(shown: Shown, constraint_id: str) -> str:
+def line_colour(shown: RowContext, constraint_id: str) -> str:
     """The colour of a curve and its handles."""
     selected = shown.is_selected("constraints", constraint_id)
     return colours.SELECTED_HANDLE if selected else key_colour(shown, constraint_id)
 
 
-def key_colour(shown: Shown, constraint_id: str) -> str:
+def key_colour(shown: RowContext, constraint_id: str) -> str:
     """The colour of a constraint's keys."""
     constraint = shown.project.constraints[constraint_id]
     return colours.kind_colour(constraint.kind) if constraint.enabled else colours.TEXT_THIRD
 
 
-def paint_handles(painter: QPainter, row: QRect, shown: Shown, constraint_id: str) -> None:
+def paint_handles(painter: QPainter, row: QRect, shown: RowContext, constraint_id: str) -> None:
     """The four handles of the activation."""
     constraint, selected = shown.project.constraints[constraint_id], shown.is_selected("constraints", constraint_id)
     line = line_colour(shown, constraint_id)
@@ -95,7 +95,7 @@ def paint_handles(painter: QPainter, row: QRect, shown: Shown, constraint_id: st
         paint_dot(painter, point, 4.5 if selected else 3.5, line, colours.PLAYHEAD if focused else colours.PANEL)
 
 
-def paint_constraint_label(painter: QPainter, row: QRect, shown: Shown, constraint_id: str) -> None:
+def paint_constraint_label(painter: QPainter, row: QRect, shown: RowContext, constraint_id: str) -> None:
     """Priority and name, and who misses it most."""
     constraint = shown.project.constraints[constraint_id]
     order = shown.project.places_of(constraint.motion_id)[constraint_id]
@@ -115,7 +115,7 @@ def paint_constraint_label(painter: QPainter, row: QRect, shown: Shown, constrai
         paint_label(painter, QRect(area.left(), top.top() + 18, area.width(), 20), text, colour, 11)
 
 
-def constraint_hit(shown: Shown, row: QRect, constraint_id: str, point: QPointF) -> Hit:
+def constraint_hit(shown: RowContext, row: QRect, constraint_id: str, point: QPointF) -> Hit:
     """The nearest handle within reach, else the bar, else nothing of it."""
     constraint = shown.project.constraints[constraint_id]
     near = {
@@ -126,10 +126,10 @@ def constraint_hit(shown: Shown, row: QRect, constraint_id: str, point: QPointF)
     if near:
         return Hit("constraints", constraint_id, _nearest(near, point))
     inside = _curve_path(shown, row, constraint).contains(point)
-    return Hit("constraints", constraint_id, Part.BODY if inside else Part.EMPTY)
+    return Hit("constraints", constraint_id, ItemPart.BODY if inside else ItemPart.EMPTY)
 
 
-def _nearest(near: dict[Part, QPointF], point: QPointF) -> Part:
+def _nearest(near: dict[ItemPart, QPointF], point: QPointF) -> ItemPart:
     """Where handles lie on one another, the one that the mouse comes from: earlier ones from the left."""
     return min(
         near,
@@ -140,7 +140,7 @@ def _nearest(near: dict[Part, QPointF], point: QPointF) -> Part:
     )
 
 
-def _curve_path(shown: Shown, row: QRect, constraint: Constraint) -> QPainterPath:
+def _curve_path(shown: RowContext, row: QRect, constraint: Constraint) -> QPainterPath:
     """The activation over the visible pixels, closed along the baseline."""
     curve, axis = constraint.activation, shown.axis
     corners = (curve.start, curve.full, curve.full_end, curve.end)
@@ -165,7 +165,7 @@ def strip_top(row: QRect, place: int) -> int:
     return baseline(row) + 1 + BETWEEN + PITCH * place
 
 
-def _paint_strips(painter: QPainter, row: QRect, shown: Shown, constraint_id: str) -> None:
+def _paint_strips(painter: QPainter, row: QRect, shown: RowContext, constraint_id: str) -> None:
     constraint = shown.project.constraints[constraint_id]
     left, right = (shown.x_of_motion_time(time) for time in (constraint.activation.start, constraint.activation.end))
     for place, body in enumerate(bodies_of(shown, row, constraint_id) if constraint.enabled else ()):
@@ -178,7 +178,7 @@ def _paint_strips(painter: QPainter, row: QRect, shown: Shown, constraint_id: st
             paint_unknown(painter, shown.axis.right, left, right, top, body.colour)
 
 
-def bodies_of(shown: Shown, row: QRect, constraint_id: str) -> tuple[Body, ...]:
+def bodies_of(shown: RowContext, row: QRect, constraint_id: str) -> tuple[Body, ...]:
     """The bodies whose strips a row shows: all, or folded the one that misses it most, or of which least is known."""
     bodies = tuple(shown.subject.bodies)
     asked = [body for body in bodies if shown.is_asked(constraint_id, body.performer_id)]
@@ -194,13 +194,13 @@ def bodies_of(shown: Shown, row: QRect, constraint_id: str) -> tuple[Body, ...]:
     return (max(asked, key=weight),)
 
 
-def strip_body(shown: Shown, row: QRect, constraint_id: str, y: float) -> str | None:
+def strip_body(shown: RowContext, row: QRect, constraint_id: str, y: float) -> str | None:
     """The performer whose strip lies at a height, or None."""
     bodies, place = bodies_of(shown, row, constraint_id), int((y - strip_top(row, 0)) // PITCH)
     return bodies[place].performer_id if 0 <= place < len(bodies) else None
 
 
-def verdict(shown: Shown, constraint_id: str) -> tuple[str, str]:
+def verdict(shown: RowContext, constraint_id: str) -> tuple[str, str]:
     """``Child 42 mm at frame 23`` in the state's colour, that all hold it, or that this is not known."""
     if not shown.project.constraints[constraint_id].enabled:
         return "off", colours.TEXT_THIRD

@@ -6,7 +6,7 @@ from PySide6.QtGui import QColor, QPainter
 
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
 from studio.document import colours
-from studio.timeline.shown import EDGES, Hit, Part, Shown, label_area
+from studio.timeline.shown import EDGES, Hit, ItemPart, RowContext, label_area
 from studio.timeline.tracks.brush import paint_bar, paint_fold, paint_label, translucent
 
 HEIGHT, FOLDED = 24, 13
@@ -14,7 +14,7 @@ LINE, THIN_LINE = 7, 3
 """Pixels of a row, and of one of its lines, as high as it is and folded."""
 EDGE_REACH = 5.0
 LEAST_BAR = 3.0
-EDGE_FIELDS = {Part.FIRST: "first", Part.LAST: "last"}
+EDGE_FIELDS = {ItemPart.FIRST: "first", ItemPart.LAST: "last"}
 LANES: dict[str, tuple[ContactPoint | Touch, ...]] = {
     "left foot": (ContactPoint.LEFT_HEEL, ContactPoint.LEFT_TOE),
     "right foot": (ContactPoint.RIGHT_HEEL, ContactPoint.RIGHT_TOE),
@@ -57,7 +57,7 @@ def is_folded(row: QRect) -> bool:
     return row.height() <= FOLDED
 
 
-def contact_bar(shown: Shown, row: QRect, contact: ContactInterval) -> QRectF:
+def contact_bar(shown: RowContext, row: QRect, contact: ContactInterval) -> QRectF:
     """Where a contact lies: from its first frame to its last, three pixels at least."""
     line, (first, last) = lane(row, contact.point), played_frames(shown, contact)
     left, right = shown.x_of_frame(first), shown.x_of_frame(last)
@@ -65,13 +65,13 @@ def contact_bar(shown: Shown, row: QRect, contact: ContactInterval) -> QRectF:
     return QRectF(left - spare, line.top(), right - left + 2 * spare, line.height())
 
 
-def played_frames(shown: Shown, contact: ContactInterval) -> tuple[int, int]:
+def played_frames(shown: RowContext, contact: ContactInterval) -> tuple[int, int]:
     """First and last frame of a contact that the clip plays."""
     clip = shown.subject.clip
     return max(contact.first, clip.first), min(contact.last, clip.last)
 
 
-def paint_contacts(painter: QPainter, row: QRect, shown: Shown, row_id: str) -> None:
+def paint_contacts(painter: QPainter, row: QRect, shown: RowContext, row_id: str) -> None:
     """Bars that lie on one another, as most of an hour on a thousand pixels, are one; the selected has a light edge."""
     contacts = _contacts(shown, row_id)
     for point, fill in zip(LANES[row_id], FILLS, strict=False):
@@ -89,14 +89,14 @@ def paint_contacts(painter: QPainter, row: QRect, shown: Shown, row_id: str) -> 
             _paint_edge(painter, bar, shown.handle)
 
 
-def _paint_own(painter: QPainter, bar: QRectF, shown: Shown) -> None:
+def _paint_own(painter: QPainter, bar: QRectF, shown: RowContext) -> None:
     """A line in the body's colour under contacts that are its alone."""
     performer = shown.project.performers[shown.subject.performer_id]
     colour = shown.project.characters[performer.character_id].colour
     painter.fillRect(QRectF(bar.left(), bar.bottom() - 2, bar.width(), 2), QColor(colour))
 
 
-def seen_bars(shown: Shown, spans: list[tuple[int, int]]) -> list[tuple[float, float]]:
+def seen_bars(shown: RowContext, spans: list[tuple[int, int]]) -> list[tuple[float, float]]:
     """Pixels from and to which the bars of ``spans`` (first and last frame, in time) reach in the visible stretch.
 
     Those that lie on one another are joined.
@@ -120,7 +120,7 @@ def paint_contacts_label(painter: QPainter, row: QRect, row_id: str) -> None:
     paint_label(painter, label_area(row), row_id.capitalize(), colour, pixels)
 
 
-def contacts_hit(shown: Shown, row: QRect, row_id: str, point: QPointF) -> Hit:
+def contacts_hit(shown: RowContext, row: QRect, row_id: str, point: QPointF) -> Hit:
     """A contact or its end; else the lane, named by its point."""
     lanes = LANES[row_id]
     touching = lanes[0] if point.y() < row.top() + row.height() / 2 else lanes[-1]
@@ -131,26 +131,26 @@ def contacts_hit(shown: Shown, row: QRect, row_id: str, point: QPointF) -> Hit:
         for key, contact in _contacts(shown, row_id)
         if contact.point == touching and contact.last >= first and contact.first <= last
         for distance, part in _grip(contact_bar(shown, row, contact), point.x())
-        if part == Part.BODY or getattr(contact, EDGE_FIELDS[part]) in played_frames(shown, contact)
+        if part == ItemPart.BODY or getattr(contact, EDGE_FIELDS[part]) in played_frames(shown, contact)
     ]
     if hits:
         return min(hits, key=lambda pair: pair[0])[1]
-    return Hit("lane", touching.value, Part.EMPTY)
+    return Hit("lane", touching.value, ItemPart.EMPTY)
 
 
-def _grip(bar: QRectF, x: float) -> list[tuple[float, Part]]:
+def _grip(bar: QRectF, x: float) -> list[tuple[float, ItemPart]]:
     """The part of a bar at ``x`` with its distance; ends reach beyond the bar, and leave a third as body."""
     reach = min(EDGE_REACH, bar.width() / 3)
     if bar.left() - EDGE_REACH <= x <= bar.left() + reach:
-        return [(abs(x - bar.left()), Part.FIRST)]
+        return [(abs(x - bar.left()), ItemPart.FIRST)]
     if bar.right() - reach <= x <= bar.right() + EDGE_REACH:
-        return [(abs(x - bar.right()), Part.LAST)]
-    return [(0.0, Part.BODY)] if bar.left() < x < bar.right() else []
+        return [(abs(x - bar.right()), ItemPart.LAST)]
+    return [(0.0, ItemPart.BODY)] if bar.left() < x < bar.right() else []
 
 
-def _paint_edge(painter: QPainter, bar: QRectF, handle: Part | None) -> None:
+def _paint_edge(painter: QPainter, bar: QRectF, handle: ItemPart | None) -> None:
     if handle in EDGES:
-        x = bar.left() if handle == Part.FIRST else bar.right()
+        x = bar.left() if handle == ItemPart.FIRST else bar.right()
         paint_bar(
             painter,
             QRectF(x - 2, bar.top() - 2, 4, bar.height() + 4),
@@ -159,7 +159,7 @@ def _paint_edge(painter: QPainter, bar: QRectF, handle: Part | None) -> None:
         )
 
 
-def _contacts(shown: Shown, row_id: str) -> list[tuple[str, ContactInterval]]:
+def _contacts(shown: RowContext, row_id: str) -> list[tuple[str, ContactInterval]]:
     own = shown.project.contacts_for(shown.subject.performer_id, shown.subject.clip)
     clip = shown.subject.clip
     return [

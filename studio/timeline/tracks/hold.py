@@ -6,14 +6,14 @@ from PySide6.QtGui import QPainter
 from studio.core.stage.prop import Carried, Hold, InHand, Prop
 from studio.document import colours
 from studio.document.keyed_fields import fields_of
-from studio.timeline.shown import Hit, Part, Shown, label_area
+from studio.timeline.shown import Hit, ItemPart, RowContext, label_area
 from studio.timeline.tracks.brush import paint_bar, paint_label, translucent
 from studio.timeline.tracks.clip import EDGE_REACH, paint_clip_text, seen_part
 
 HEIGHT = 22
 
 
-def rows_of(shown: Shown) -> list[tuple[str, str, int]]:
+def rows_of(shown: RowContext) -> list[tuple[str, str, int]]:
     """Kind, id and height of the rows of props that are held for a while, or have keys."""
     props = shown.project.props.items()
     return [
@@ -23,14 +23,14 @@ def rows_of(shown: Shown) -> list[tuple[str, str, int]]:
     ]
 
 
-def hold_bar(shown: Shown, row: QRect, hold: Hold) -> QRectF:
+def hold_bar(shown: RowContext, row: QRect, hold: Hold) -> QRectF:
     """From where it is taken to where it is let go, or to the ends of the axis."""
     left = shown.axis.left if hold.begin is None else shown.axis.x_of_time(hold.begin)
     right = shown.axis.left + shown.axis.width if hold.end is None else shown.axis.x_of_time(hold.end)
     return QRectF(left, row.top() + 3, max(right - left, 2.0), row.height() - 6)
 
 
-def paint_hold(painter: QPainter, row: QRect, shown: Shown, prop_id: str) -> None:
+def paint_hold(painter: QPainter, row: QRect, shown: RowContext, prop_id: str) -> None:
     """A bar for each who holds it, that says who."""
     project, selected = shown.project, shown.is_selected("props", prop_id)
     edge = colours.SELECTED_HANDLE if selected else None
@@ -41,24 +41,24 @@ def paint_hold(painter: QPainter, row: QRect, shown: Shown, prop_id: str) -> Non
         paint_clip_text(painter, f"held by {holder.name}", seen_part(shown, bar))
 
 
-def paint_hold_label(painter: QPainter, row: QRect, shown: Shown, prop_id: str) -> None:
+def paint_hold_label(painter: QPainter, row: QRect, shown: RowContext, prop_id: str) -> None:
     """Which prop it is."""
     paint_label(painter, label_area(row), shown.project.props[prop_id].name, colours.TEXT)
 
 
-def hold_hit(shown: Shown, row: QRect, prop_id: str, point: QPointF) -> Hit:
+def hold_hit(shown: RowContext, row: QRect, prop_id: str, point: QPointF) -> Hit:
     """An end of a bar, its body, or the row's empty place."""
     hold = hold_under(shown, shown.project.props[prop_id], point.x())
     if hold is None:
-        return Hit("props", prop_id, Part.EMPTY)
+        return Hit("props", prop_id, ItemPart.EMPTY)
     bar = hold_bar(shown, row, hold)
     reach = _reach(bar)
     if point.x() < bar.left() + reach:
-        return Hit("props", prop_id, Part.FIRST)
-    return Hit("props", prop_id, Part.LAST if point.x() > bar.right() - reach else Part.BODY)
+        return Hit("props", prop_id, ItemPart.FIRST)
+    return Hit("props", prop_id, ItemPart.LAST if point.x() > bar.right() - reach else ItemPart.BODY)
 
 
-def hold_under(shown: Shown, prop: Prop, x: float) -> InHand | Carried | None:
+def hold_under(shown: RowContext, prop: Prop, x: float) -> InHand | Carried | None:
     """The hold whose bar, or an end of it, is at ``x`` of its row."""
     for hold in prop.holds:
         bar = hold_bar(shown, QRect(0, 0, 1, HEIGHT), hold)

@@ -11,7 +11,7 @@ from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.keyed import Keys
 from studio.document import colours
 from studio.document.keyed_fields import Keyed, KeyedField, KeyRef, fields_of, keyed_value, selected_fields
-from studio.timeline.shown import Row, Shown, label_area
+from studio.timeline.shown import RowContext, TimelineRow, label_area
 from studio.timeline.tracks.brush import KEY_REACH, paint_bar, paint_key, paint_label, translucent
 from studio.timeline.tracks.layer import INDENT
 
@@ -41,7 +41,7 @@ def field_of(row_id: str) -> KeyedField:
     return KeyedField(collection, entity_id, name)
 
 
-def sheet_fields(shown: Shown) -> dict[KeyedField, Keyed]:
+def sheet_fields(shown: RowContext) -> dict[KeyedField, Keyed]:
     """What the dope sheet shows: the keyed fields of the selection, or else all that the stage shows here."""
     chosen = selected_fields(shown.project, shown.document.selection.items)
     if chosen:
@@ -57,13 +57,13 @@ def sheet_fields(shown: Shown) -> dict[KeyedField, Keyed]:
     return {field: value for entity in entities for field, value in fields_of(*entity).items()}
 
 
-def rows_of(shown: Shown) -> list[tuple[str, str, int]]:
+def rows_of(shown: RowContext) -> list[tuple[str, str, int]]:
     """Kind, id and height of the dope sheet's rows, the summary first."""
     rows = [(SHEET, sheet_id(field), HEIGHT) for field in sheet_fields(shown)]
     return [(SUMMARY, "", HEIGHT), *rows]
 
 
-def fields_in(shown: Shown, row: Row) -> tuple[KeyedField, ...]:
+def fields_in(shown: RowContext, row: TimelineRow) -> tuple[KeyedField, ...]:
     """The fields whose keys a row shows; a constraint's bar shows its activation by handles of its own."""
     match row.kind:
         case "summary":
@@ -77,19 +77,19 @@ def fields_in(shown: Shown, row: Row) -> tuple[KeyedField, ...]:
     return ()
 
 
-def _keys_of(shown: Shown, collection: str, entity_id: str) -> tuple[KeyedField, ...]:
+def _keys_of(shown: RowContext, collection: str, entity_id: str) -> tuple[KeyedField, ...]:
     found = fields_of(collection, entity_id, shown.project.get(collection, entity_id))
     return tuple(field for field, value in found.items() if not isinstance(value, ActivationCurve))
 
 
-def stage_times(shown: Shown, field: KeyedField) -> FloatArray:
+def stage_times(shown: RowContext, field: KeyedField) -> FloatArray:
     """(K,) seconds of the stage at which the keys of a field lie."""
     value = keyed_value(shown.project, field)
     times = value.seconds if isinstance(value, Keys) else np.array(value.times if value is not None else ())
     return np.asarray(shown.subject.to_stage(times)) if field.collection == "constraints" else times
 
 
-def keys_between(shown: Shown, fields: Iterable[KeyedField], begin: float, end: float) -> tuple[KeyRef, ...]:
+def keys_between(shown: RowContext, fields: Iterable[KeyedField], begin: float, end: float) -> tuple[KeyRef, ...]:
     """The keys from one second of the stage to another."""
     found = []
     for field in fields:
@@ -99,7 +99,7 @@ def keys_between(shown: Shown, fields: Iterable[KeyedField], begin: float, end: 
     return tuple(found)
 
 
-def keys_at(shown: Shown, row: Row, area: QRect, point: QPointF) -> tuple[KeyRef, ...]:
+def keys_at(shown: RowContext, row: TimelineRow, area: QRect, point: QPointF) -> tuple[KeyRef, ...]:
     """The keys of the diamond under the mouse: all of the row that lie at one time; none beside diamonds."""
     if abs(point.y() - key_height(row, area)) > KEY_REACH + 1.0:
         return ()
@@ -112,7 +112,7 @@ def keys_at(shown: Shown, row: Row, area: QRect, point: QPointF) -> tuple[KeyRef
     return tuple(key for key, time in times.items() if abs(time - nearest) * axis.scale < 1.0)
 
 
-def key_height(row: Row, area: QRect) -> float:
+def key_height(row: TimelineRow, area: QRect) -> float:
     """The pixel at which the diamonds of a row lie."""
     if row.kind == "constraints":
         from studio.timeline.tracks import constraint
@@ -121,7 +121,7 @@ def key_height(row: Row, area: QRect) -> float:
     return area.center().y() + 0.5
 
 
-def paint_keys(painter: QPainter, shown: Shown, row: Row, area: QRect, colour: str) -> None:
+def paint_keys(painter: QPainter, shown: RowContext, row: TimelineRow, area: QRect, colour: str) -> None:
     """Diamonds, with a light edge where they are selected; a bar where they lie closer than they can be told apart."""
     axis = shown.axis
     begin, end = axis.time_at(axis.left - KEY_REACH), axis.time_at(axis.right + 20.0)
@@ -142,7 +142,9 @@ def paint_keys(painter: QPainter, shown: Shown, row: Row, area: QRect, colour: s
     _paint_diamonds(painter, shown, np.concatenate(chosen), y, colour, True)
 
 
-def _paint_diamonds(painter: QPainter, shown: Shown, times: FloatArray, y: float, colour: str, selected: bool) -> None:
+def _paint_diamonds(
+    painter: QPainter, shown: RowContext, times: FloatArray, y: float, colour: str, selected: bool
+) -> None:
     if not len(times):
         return
     xs = np.unique(np.round(shown.axis.left + (times - shown.axis.start) * shown.axis.scale, 1))
@@ -156,7 +158,7 @@ def _paint_diamonds(painter: QPainter, shown: Shown, times: FloatArray, y: float
         paint_key(painter, QPointF(left, y), colour, selected)
 
 
-def paint_sheet_label(painter: QPainter, row: Row, area: QRect, shown: Shown) -> None:
+def paint_sheet_label(painter: QPainter, row: TimelineRow, area: QRect, shown: RowContext) -> None:
     """Whose keys they are, and of what."""
     if row.kind == SUMMARY:
         paint_label(painter, label_area(area), "All keys", colours.TEXT)
@@ -164,7 +166,7 @@ def paint_sheet_label(painter: QPainter, row: Row, area: QRect, shown: Shown) ->
     paint_label(painter, label_area(area), row_words(shown, row), colours.TEXT_SECOND)
 
 
-def row_words(shown: Shown, row: Row) -> str:
+def row_words(shown: RowContext, row: TimelineRow) -> str:
     """``Kick target · target``."""
     field = field_of(row.id)
     return f"{getattr(shown.project.get(*field.item), 'name', '')} · {field_words(field)}"
@@ -175,7 +177,7 @@ def field_words(field: KeyedField) -> str:
     return FIELD_NAMES.get(field.name, field.name)
 
 
-def row_colour(shown: Shown, row: Row) -> str:
+def row_colour(shown: RowContext, row: TimelineRow) -> str:
     """The colour of a row's diamonds: of the kind of the constraint, or of the body."""
     if row.kind == SUMMARY:
         return colours.TEXT_SECOND
@@ -186,7 +188,7 @@ def row_colour(shown: Shown, row: Row) -> str:
     return getattr(entity, "colour", colours.TEXT_SECOND)
 
 
-def paint_sheet(painter: QPainter, row: Row, area: QRect, shown: Shown) -> None:
+def paint_sheet(painter: QPainter, row: TimelineRow, area: QRect, shown: RowContext) -> None:
     """A row of the dope sheet."""
     if row.kind == SUMMARY:
         painter.fillRect(area, QColor(colours.BAR))
@@ -198,11 +200,11 @@ def paint_growth_label(painter: QPainter, area: QRect) -> None:
     paint_label(painter, label_area(area).adjusted(INDENT, 0, 0, 0), "Measures", colours.TEXT_SECOND)
 
 
-def growth_rows(shown: Shown, performer_id: str) -> list[tuple[str, str, int]]:
+def growth_rows(shown: RowContext, performer_id: str) -> list[tuple[str, str, int]]:
     """Kind, id and height of the row of a performer whose body grows."""
     return [("growth", performer_id, HEIGHT)] if growth_fields(shown, performer_id) else []
 
 
-def growth_fields(shown: Shown, performer_id: str) -> tuple[KeyedField, ...]:
+def growth_fields(shown: RowContext, performer_id: str) -> tuple[KeyedField, ...]:
     """The keyed measures of a performer; none of a body that stays as it is."""
     return _keys_of(shown, "characters", shown.project.performers[performer_id].character_id)

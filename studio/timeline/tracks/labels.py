@@ -7,7 +7,7 @@ from PySide6.QtGui import QColor, QFontMetrics, QPainter, QPolygonF
 
 from studio.core.captures.annotations import Label
 from studio.document import colours
-from studio.timeline.shown import Hit, Part, Shown, label_area
+from studio.timeline.shown import Hit, ItemPart, RowContext, label_area
 from studio.timeline.tracks.brush import font, paint_label, translucent
 
 HEIGHT = 20
@@ -16,19 +16,19 @@ POLE, GRIP, MARGIN = 2.0, 5.0, 4.0
 PIXELS = 11
 
 
-def rows_of(shown: Shown) -> list[tuple[str, str, int]]:
+def rows_of(shown: RowContext) -> list[tuple[str, str, int]]:
     """Kind, id and height of the row of labels; none while the motion has no label."""
     return [("labels", "", HEIGHT)] if shown.project.labels_of(shown.subject.motion_id) else []
 
 
-def flag_area(shown: Shown, row: QRect, label: Label) -> QRectF:
+def flag_area(shown: RowContext, row: QRect, label: Label) -> QRectF:
     """Rectangle of a label's flag: from its first frame over its stretch, at least as wide as its name."""
     left, right = shown.x_of_frame(label.first), shown.x_of_frame(label.last)
     width = QFontMetrics(font(PIXELS)).horizontalAdvance(label.name) + 2 * MARGIN + POLE
     return QRectF(left, row.top() + 3.0, max(right - left, width), row.height() - 6.0)
 
 
-def paint_labels(painter: QPainter, row: QRect, shown: Shown) -> None:
+def paint_labels(painter: QPainter, row: QRect, shown: RowContext) -> None:
     """Draw a pole at the first frame of each label, its stretch as a band, and its name; the selected one is light."""
     painter.setFont(font(PIXELS))
     for key, label in shown.project.labels_of(shown.subject.motion_id).items():
@@ -53,21 +53,21 @@ def paint_labels_label(painter: QPainter, row: QRect) -> None:
     paint_label(painter, label_area(row), "Labels", colours.TEXT_SECOND)
 
 
-def labels_hit(shown: Shown, row: QRect, point: QPointF) -> Hit:
+def labels_hit(shown: RowContext, row: QRect, point: QPointF) -> Hit:
     """The label under ``point``, the one that begins last where they overlap, and its end; else the empty row."""
     found = max(_parts(shown, row, point.x()), default=None, key=lambda each: each[0])
-    return Hit("labels", found[1], found[2]) if found else Hit("labels", "", Part.EMPTY)
+    return Hit("labels", found[1], found[2]) if found else Hit("labels", "", ItemPart.EMPTY)
 
 
-def _parts(shown: Shown, row: QRect, x: float) -> Iterator[tuple[float, str, Part]]:
+def _parts(shown: RowContext, row: QRect, x: float) -> Iterator[tuple[float, str, ItemPart]]:
     """First frame, id and part of each label at the pixel ``x``."""
     for key, label in shown.project.labels_of(shown.subject.motion_id).items():
         area, end = flag_area(shown, row, label), shown.x_of_frame(label.last)
         if not area.left() - GRIP <= x <= max(area.right(), end + GRIP):
             continue
-        part = Part.BODY
+        part = ItemPart.BODY
         if label.last > label.first and abs(x - end) <= GRIP:
-            part = Part.LAST
+            part = ItemPart.LAST
         elif label.last > label.first and abs(x - area.left()) <= GRIP:
-            part = Part.FIRST
+            part = ItemPart.FIRST
         yield label.first, key, part

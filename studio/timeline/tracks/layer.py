@@ -7,7 +7,7 @@ from studio.core.constraints.activation import EaseShape, ease
 from studio.core.stage.clip import Clip
 from studio.core.stage.layer import Layer, Region
 from studio.document import colours
-from studio.timeline.shown import Shown, label_area
+from studio.timeline.shown import RowContext, label_area
 from studio.timeline.tracks.brush import paint_label
 from studio.timeline.tracks.clip import CURVE_STEPS, clip_bar, clip_text, paint_clip_bar, paint_clip_text, seen_part
 
@@ -17,7 +17,7 @@ LEAST = 0.3
 """Of the row: how high a bar is at least."""
 
 
-def rows_of(shown: Shown, performer_id: str) -> list[tuple[str, str, int]]:
+def rows_of(shown: RowContext, performer_id: str) -> list[tuple[str, str, int]]:
     """Kind, id and height of the rows of a performer's layers, one a region."""
     layers = shown.project.performers[performer_id].layers
     regions = dict.fromkeys(each.region for each in layers)
@@ -29,12 +29,12 @@ def performer_of(row_id: str) -> str:
     return row_id.rpartition("/")[0]
 
 
-def clip_bars(shown: Shown, row: QRect, row_id: str) -> list[tuple[Clip, QRectF]]:
+def clip_bars(shown: RowContext, row: QRect, row_id: str) -> list[tuple[Clip, QRectF]]:
     """The bars of a row, each as high as the row, so that it can be taken hold of."""
     return [(each.clip, clip_bar(shown, row, each.clip)) for each in _layers(shown, row_id)]
 
 
-def paint_layers(painter: QPainter, row: QRect, shown: Shown, row_id: str) -> None:
+def paint_layers(painter: QPainter, row: QRect, shown: RowContext, row_id: str) -> None:
     """Bars that rise and fall as the layers fade."""
     for layer, (clip, bar) in zip(_layers(shown, row_id), clip_bars(shown, row, row_id), strict=True):
         low = bar.adjusted(0, (1.0 - max(layer.weight, LEAST)) * bar.height(), 0, 0)
@@ -48,7 +48,7 @@ def paint_layer_label(painter: QPainter, row: QRect, row_id: str) -> None:
     paint_label(painter, label_area(row).adjusted(INDENT, 0, 0, 0), region.capitalize(), colours.TEXT_SECOND)
 
 
-def layer_text(shown: Shown, layer: Layer) -> str:
+def layer_text(shown: RowContext, layer: Layer) -> str:
     """What plays, and how much of it."""
     words = [clip_text(shown, layer.clip)]
     words += ["added"] if layer.additive else []
@@ -56,13 +56,13 @@ def layer_text(shown: Shown, layer: Layer) -> str:
     return " · ".join(words)
 
 
-def _layers(shown: Shown, row_id: str) -> list[Layer]:
+def _layers(shown: RowContext, row_id: str) -> list[Layer]:
     performer = shown.project.performers[performer_of(row_id)]
     region = row_id.rpartition("/")[2]
     return [each for each in performer.layers if each.region == region]
 
 
-def _outline(shown: Shown, bar: QRectF, layer: Layer) -> QPainterPath:
+def _outline(shown: RowContext, bar: QRectF, layer: Layer) -> QPainterPath:
     scale, half = shown.axis.scale, bar.width() / 2
     rise, fall = (min(seconds * scale, half) for seconds in (layer.fade_in, layer.fade_out))
     shares = [step / CURVE_STEPS for step in range(CURVE_STEPS + 1)]

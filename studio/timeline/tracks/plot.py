@@ -10,8 +10,8 @@ from PySide6.QtWidgets import QWidget
 
 from studio.document import colours
 from studio.engine.scheduler import SolveScheduler
-from studio.timeline.curves import Asked, Curve, Quantity, error_measure, plotted_constraint, seen_curve
-from studio.timeline.shown import LABEL_WIDTH, Shown, label_area
+from studio.timeline.curves import Curve, CurveQuery, Quantity, error_measure, plotted_constraint, seen_curve
+from studio.timeline.shown import LABEL_WIDTH, RowContext, label_area
 from studio.timeline.tracks.brush import font, paint_fold, paint_label, translucent
 
 LEAST_HEIGHT, MOST_HEIGHT, FOLDED = 54, 120, 22
@@ -54,13 +54,13 @@ class PlotPicture(QObject):
         self._worker: SolveScheduler | None = None
         self._order = 0
 
-    def fetch(self, shown: Shown) -> None:
+    def fetch(self, shown: RowContext) -> None:
         """Take the newest results; of a body whose result is that of the last time, the curve of the last time.
 
         Curves of long motions are made by a worker, and until then the last ones are shown.
         """
         project, constraint_id = shown.project, plotted_constraint(shown)
-        asked = Asked(project, shown.subject, self.quantity, constraint_id)
+        asked = CurveQuery(project, shown.subject, self.quantity, constraint_id)
         revision = shown.document.revision if self.quantity.asks_document else 0
         known: dict[str, Known] = {}
         for body in shown.subject.bodies:
@@ -107,7 +107,7 @@ class PlotPicture(QObject):
     def _fail(self, _performer_id: str, _order: int, error: Exception) -> None:
         raise error
 
-    def paint(self, painter: QPainter, row: QRect, shown: Shown) -> None:
+    def paint(self, painter: QPainter, row: QRect, shown: RowContext) -> None:
         """The curves over the axis' own stretch of time, so that they line up with the bars to the pixel."""
         area = row.adjusted(LABEL_WIDTH, 4, 0, -3)
         axis = shown.axis
@@ -137,7 +137,7 @@ class PlotPicture(QObject):
         span = self.top * (HEADROOM + 0.04)
         return area.bottom() - (value + 0.04 * self.top) / span * area.height()
 
-    def paint_label(self, painter: QPainter, row: QRect, shown: Shown) -> None:
+    def paint_label(self, painter: QPainter, row: QRect, shown: RowContext) -> None:
         """What is plotted, its unit and its greatest value, at the height where that lies."""
         area, folded = label_area(row), row.height() <= FOLDED
         line = QRect(0, row.top() + (1 if folded else 4), LABEL_WIDTH - 44, 20)
@@ -155,13 +155,13 @@ class PlotPicture(QObject):
             place = QRect(area.right() - 60, round(self.y_of(row, value)) - 8, 54, 16)
             painter.drawText(place, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, _figure(value))
 
-    def title(self, shown: Shown) -> str:
+    def title(self, shown: RowContext) -> str:
         """``Foot speed`` or ``Error: Kick target``."""
         constraint_id = plotted_constraint(shown) if self.quantity is Quantity.ERROR else None
         name = f": {shown.project.constraints[constraint_id].name}" if constraint_id else ""
         return self.quantity.value + name
 
-    def words(self, shown: Shown, value: float) -> str:
+    def words(self, shown: RowContext, value: float) -> str:
         """A value that is drawn, with its unit."""
         if self.quantity is not Quantity.ERROR:
             return f"{value:.2f} {self.quantity.unit(shown)}"

@@ -7,13 +7,13 @@ from PySide6.QtGui import QColor, QPainter, QPolygonF
 
 from studio.core.captures.remarks import Remark
 from studio.document import colours
-from studio.timeline.shown import LABEL_WIDTH, Shown
+from studio.timeline.shown import LABEL_WIDTH, RowContext
 
 HEAD, LINE = 4.0, 2
 """Pixels of half a mark's head, and of the line along the frames that it is about."""
 
 
-def paint_remarks(painter: QPainter, ruler: QRect, shown: Shown) -> None:
+def paint_remarks(painter: QPainter, ruler: QRect, shown: RowContext) -> None:
     """A small head where something odd begins, and a line for as long as it lasts."""
     painter.save()
     painter.setClipRect(ruler.adjusted(LABEL_WIDTH, 0, 0, 0), Qt.ClipOperation.IntersectClip)
@@ -30,13 +30,13 @@ def paint_remarks(painter: QPainter, ruler: QRect, shown: Shown) -> None:
     painter.restore()
 
 
-def remark_text(shown: Shown, x: float) -> str:
+def remark_text(shown: RowContext, x: float) -> str:
     """The sentences of the marks at a pixel; empty where there is none."""
     there = (remark.sentence for remark, left, right in _marks(shown) if left - HEAD <= x <= right + HEAD)
     return "\n".join(dict.fromkeys(there))
 
 
-def _marks(shown: Shown) -> Iterator[tuple[Remark, float, float]]:
+def _marks(shown: RowContext) -> Iterator[tuple[Remark, float, float]]:
     """Each remark with where it begins and ends, on the frames that the clip plays; what always holds lies over all."""
     clip = shown.subject.clip
     for remark in shown.remarks:

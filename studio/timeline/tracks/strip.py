@@ -6,7 +6,7 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QBrush, QColor, QPainter
 
 from studio.document import colours
-from studio.timeline.shown import LABEL_WIDTH, Shown
+from studio.timeline.shown import LABEL_WIDTH, RowContext
 from studio.timeline.strips import Strip, strip_heights
 from studio.timeline.tracks.brush import paint_dot, translucent
 
@@ -34,7 +34,7 @@ def paint_unknown(painter: QPainter, axis_right: float, left: float, right: floa
 
 
 def paint_strip(
-    painter: QPainter, shown: Shown, strip: Strip, left: float, right: float, top: int, colour: str
+    painter: QPainter, shown: RowContext, strip: Strip, left: float, right: float, top: int, colour: str
 ) -> None:
     """A line from pixel ``left`` to ``right`` at the bottom of its five pixels; the body's dot before it."""
     xs = np.arange(round(max(left, LABEL_WIDTH + ROOM_FOR_DOT)), round(min(right, shown.axis.right + 20)) + 1)
@@ -55,7 +55,7 @@ def paint_strip(
 
 
 def _columns(
-    shown: Shown, strip: Strip, xs: NDArray[np.int64], first: int, last: int
+    shown: RowContext, strip: Strip, xs: NDArray[np.int64], first: int, last: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """State and height of each pixel column, by the worst of the frames ``first`` to ``last`` in it."""
     seconds = shown.subject.to_motion(shown.axis.start + (xs - shown.axis.left) / shown.axis.scale)

@@ -12,7 +12,7 @@ from PySide6.QtGui import QColor, QPainter, QPolygonF
 from studio.document import colours
 from studio.document.channels import Channel, Side, channels_of, handle_of, key_values, values_at
 from studio.document.keyed_fields import Keyed, KeyedField, KeyRef, keyed_value, selected_fields
-from studio.timeline.shown import LABEL_WIDTH, Shown, within
+from studio.timeline.shown import LABEL_WIDTH, RowContext, within
 from studio.timeline.tracks.brush import font, hairline, paint_dot, paint_key, translucent
 
 FloatArray = NDArray[np.float64]
@@ -66,12 +66,12 @@ class ValueCurves:
         self.active: Channel | None = None
         """The channel that was taken hold of last, whose value the field shows."""
 
-    def channels(self, shown: Shown) -> list[tuple[Channel, Keyed]]:
+    def channels(self, shown: RowContext) -> list[tuple[Channel, Keyed]]:
         """The channels of what is selected."""
         fields = selected_fields(shown.project, shown.document.selection.items)
         return [(channel, value) for field, value in fields.items() for channel in channels_of(field, value)]
 
-    def frame(self, shown: Shown, selected: bool) -> None:
+    def frame(self, shown: RowContext, selected: bool) -> None:
         """Show all values, or with ``selected`` those of the selected keys, and their times."""
         keys = shown.document.keys.by_field() if selected else {}
         found: dict[str, list[float]] = {}
@@ -90,7 +90,7 @@ class ValueCurves:
         if keys and len(times) > 1:
             shown.axis.show(min(times), max(times))
 
-    def range_of(self, shown: Shown, unit: str) -> ValueRange:
+    def range_of(self, shown: RowContext, unit: str) -> ValueRange:
         """The values between which a unit is shown; all of them until it is framed."""
         if unit not in self.ranges:
             values = [
@@ -114,23 +114,23 @@ class ValueCurves:
             step = share * (old.high - old.low)
             self.ranges[unit] = ValueRange(old.low - step, old.high - step)
 
-    def y_of(self, shown: Shown, area: QRect, unit: str, value: float) -> float:
+    def y_of(self, shown: RowContext, area: QRect, unit: str, value: float) -> float:
         """Pixel of a value."""
         span = self.range_of(shown, unit)
         return area.bottom() - (value - span.low) / (span.high - span.low) * area.height()
 
-    def value_of(self, shown: Shown, area: QRect, unit: str, pixels: float) -> float:
+    def value_of(self, shown: RowContext, area: QRect, unit: str, pixels: float) -> float:
         """The difference of values that so many pixels upwards are."""
         span = self.range_of(shown, unit)
         return pixels / area.height() * (span.high - span.low)
 
-    def point(self, shown: Shown, area: QRect, channel: Channel, keyed: Keyed, place: int) -> QPointF:
+    def point(self, shown: RowContext, area: QRect, channel: Channel, keyed: Keyed, place: int) -> QPointF:
         """Where a key lies."""
         value = float(key_values(channel, keyed)[place])
         x = shown.axis.x_of_time(stage_time(shown, channel.field, keyed.times[place]))
         return QPointF(x, self.y_of(shown, area, channel.unit, value))
 
-    def handle_point(self, shown: Shown, area: QRect, handle: HandleRef, keyed: Keyed) -> QPointF | None:
+    def handle_point(self, shown: RowContext, area: QRect, handle: HandleRef, keyed: Keyed) -> QPointF | None:
         """Where the end of a tangent's handle lies."""
         assert handle.side is not None
         found = handle_of(handle.channel, keyed, handle.place, handle.side)
@@ -141,7 +141,7 @@ class ValueCurves:
         there = float(key_values(handle.channel, keyed)[handle.place]) + value
         return QPointF(x, self.y_of(shown, area, handle.channel.unit, there))
 
-    def handles(self, shown: Shown, area: QRect) -> Iterator[tuple[HandleRef, QPointF]]:
+    def handles(self, shown: RowContext, area: QRect) -> Iterator[tuple[HandleRef, QPointF]]:
         """The handles of the selected keys."""
         selected = shown.document.keys.by_field()
         for channel, keyed in self.channels(shown):
@@ -152,13 +152,13 @@ class ValueCurves:
                     if point is not None:
                         yield handle, point
 
-    def points(self, shown: Shown, area: QRect) -> Iterator[tuple[HandleRef, QPointF]]:
+    def points(self, shown: RowContext, area: QRect) -> Iterator[tuple[HandleRef, QPointF]]:
         """The keys of all channels."""
         for channel, keyed in self.channels(shown):
             for place in range(len(keyed.times)):
                 yield HandleRef(channel, place), self.point(shown, area, channel, keyed, place)
 
-    def hit(self, shown: Shown, area: QRect, position: QPointF) -> HandleRef | None:
+    def hit(self, shown: RowContext, area: QRect, position: QPointF) -> HandleRef | None:
         """The handle, or else the key, under the mouse; of several the nearest, in the active channel first."""
         for candidates in (self.handles(shown, area), self.points(shown, area)):
             near = [(each, at) for each, at in candidates if within(position, at.x(), at.y(), REACH)]
@@ -168,7 +168,7 @@ class ValueCurves:
                 )[0]
         return None
 
-    def paint(self, painter: QPainter, row: QRect, shown: Shown) -> None:
+    def paint(self, painter: QPainter, row: QRect, shown: RowContext) -> None:
         """The curves, their keys, and the handles of those that are selected."""
         area = plot_area(row)
         channels = self.channels(shown)
@@ -188,7 +188,7 @@ class ValueCurves:
         _paint_legend(painter, area, [channel for channel, _ in channels])
         painter.restore()
 
-    def _paint_scale(self, painter: QPainter, area: QRect, shown: Shown, unit: str) -> None:
+    def _paint_scale(self, painter: QPainter, area: QRect, shown: RowContext, unit: str) -> None:
         """Lines at round values of one unit, with their figures."""
         span = self.range_of(shown, unit)
         step = 10.0 ** np.floor(np.log10((span.high - span.low) / 2.0))
@@ -202,7 +202,7 @@ class ValueCurves:
             place = QRect(area.right() - 70, y - 15, 64, 14)
             painter.drawText(place, Qt.AlignmentFlag.AlignRight, f"{value:.4g} {unit}".strip())
 
-    def _paint_curve(self, painter: QPainter, area: QRect, shown: Shown, channel: Channel, keyed: Keyed) -> None:
+    def _paint_curve(self, painter: QPainter, area: QRect, shown: RowContext, channel: Channel, keyed: Keyed) -> None:
         xs = np.arange(area.left(), area.right() + SAMPLE, SAMPLE)
         stage = shown.axis.start + (xs - shown.axis.left) / shown.axis.scale
         times = np.unique(np.concatenate([own_times(shown, channel.field, stage), keyed.times]))
@@ -215,7 +215,7 @@ class ValueCurves:
         ys = np.clip(ys, -1e5, 1e5)
         painter.drawPolyline(QPolygonF(list(map(QPointF, xs.tolist(), ys.tolist()))))
 
-    def _paint_handles(self, painter: QPainter, area: QRect, shown: Shown) -> None:
+    def _paint_handles(self, painter: QPainter, area: QRect, shown: RowContext) -> None:
         keyed = dict(self.channels(shown))
         for handle, end in self.handles(shown, area):
             begin = self.point(shown, area, handle.channel, keyed[handle.channel], handle.place)
@@ -235,18 +235,18 @@ def colour_of(channel: Channel) -> str:
     return CHANNEL_COLOURS.get(channel.name, colours.TEXT_SECOND)
 
 
-def stage_time(shown: Shown, field: KeyedField, seconds: float) -> float:
+def stage_time(shown: RowContext, field: KeyedField, seconds: float) -> float:
     """Seconds of the stage at which seconds of a field lie."""
     return float(shown.subject.to_stage(seconds)) if field.collection == "constraints" else seconds
 
 
-def own_times(shown: Shown, field: KeyedField, stage: ArrayLike) -> FloatArray:
+def own_times(shown: RowContext, field: KeyedField, stage: ArrayLike) -> FloatArray:
     """The opposite of ``stage_time``, for one or many."""
     seconds = np.asarray(stage, dtype=np.float64)
     return np.asarray(shown.subject.to_motion(seconds)) if field.collection == "constraints" else seconds
 
 
-def value_in(shown: Shown, channel: Channel) -> Keyed | None:
+def value_in(shown: RowContext, channel: Channel) -> Keyed | None:
     """What is keyed of a channel."""
     return keyed_value(shown.project, channel.field)
 

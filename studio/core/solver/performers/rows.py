@@ -9,9 +9,9 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.carried_over import NEVER, Carry, carried_over
 from studio.core.normalized.compose import Composite
 from studio.core.normalized.joining import Planar
-from studio.core.normalized.layers import Overlay, layered
+from studio.core.normalized.layers import PlayedLayer, layered
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.pieces import Piece, Played
+from studio.core.normalized.pieces import MotionPiece, Played
 from studio.core.project import Performer, Project
 from studio.core.stage.clip import Clip
 from studio.core.stage.timing import Timing
@@ -77,7 +77,7 @@ def composite_of(project: Project, performer_id: str, motion_of: MotionOf) -> Co
         for piece in pieces_of(project, performer_id, clip, motion_of, place)
     ]
     overlays = [
-        Overlay(
+        PlayedLayer(
             pieces_of(project, performer_id, each.clip, motion_of), each.region, each.weight,
             (each.fade_in, each.fade_out), each.additive, each.reference,
         )
@@ -88,12 +88,12 @@ def composite_of(project: Project, performer_id: str, motion_of: MotionOf) -> Co
 
 def pieces_of(
     project: Project, performer_id: str, clip: Clip, motion_of: MotionOf, place: int = 0
-) -> tuple[Piece, ...]:
+) -> tuple[MotionPiece, ...]:
     """Pieces of a clip at a ``place`` of a performer's row, one for each repeat."""
     motion, contacts = motion_of(clip.motion_id), tuple(project.contacts_for(performer_id, clip).values())
     own, once = Planar(clip.turn, clip.offset), clip.length(motion.frame_rate) / clip.repeats
     return tuple(
-        Piece(
+        MotionPiece(
             motion, contacts, clip.first, clip.last, clip.start + repeat * once, clip.speed, clip.mirrored,
             own if repeat == 0 else Planar(), clip.joined or repeat > 0, clip.ease, (place, repeat),
         )
