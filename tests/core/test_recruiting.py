@@ -21,7 +21,7 @@ from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.limbs.reach import aim_at
-from studio.core.kernels.records import FrameBody, FrameProblem, LegTargets, Pose
+from studio.core.kernels.records import HAND_CONTACT, FrameBody, FrameProblem, LegTargets, Pose
 from studio.core.kernels.search.body_placement import pose_body
 from studio.core.kernels.search.joints import ROOT_TRANSLATION
 from studio.core.kernels.solve_clip import make_search
@@ -316,7 +316,8 @@ class _Posed:
         parts = footing.soft_thresholds, footing.ankles, footing.feet, footing.toes
         legs = LegTargets(KICK.channels[frame], *(np.ascontiguousarray(part[:, frame]) for part in parts))
         self.masses, self.shares = segment_masses(body.layout), point_masses(body.layout)
-        self.body = FrameBody(body.rows[0], self.masses, np.full(2, np.inf), legs, limits_of(body)[:0], self.shares)
+        free, none = np.full(2, np.inf), np.zeros(2, HAND_CONTACT)
+        self.body = FrameBody(body.rows[0], self.masses, free, legs, limits_of(body)[:0], self.shares, none)
         self.search = make_search(1, len(self.chain.joints), len(self.start.positions))
 
     def pose(self, joint: int, turn: np.ndarray) -> Pose:

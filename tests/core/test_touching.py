@@ -12,13 +12,16 @@ from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
 from studio.core.captures.touching import find_touches, hands_together_or_holding
 from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
 from studio.core.normalized.mirror import mirrored_contacts
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import detected_contacts, normalize
 from studio.core.normalized.realize import realize
+from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import adapt
+from studio.core.solver.asking.chains import point_masses
 from studio.core.solver.asking.clearance import rooms
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.importing import load_capture
@@ -123,6 +126,56 @@ def test_the_other_hand_follows_one_of_which_something_is_asked() -> None:
     reached = adapted("giant", Touch.HANDS_TOGETHER, constraints=(asked,))
     assert np.linalg.norm(reached.positions[40, reached.morphology.layout.wrist(0)] - place) < 2e-4
     np.testing.assert_allclose(wrists(reached)[40], wrists(found)[40], atol=1e-4)
+
+
+def led_hand(body: str, touch: Touch, side: int) -> tuple[AdaptedMotion, AdaptedMotion]:
+    """A guard whose hands touch: balanced alone, and with one wrist at a place below the balance, in short ramps."""
+    free = adapted(body, touch)
+    wrist = BodyPoint((BodyPart.LEFT_FOREARM, BodyPart.RIGHT_FOREARM)[side], at_end=True)
+    place = free.positions[40, free.morphology.layout.wrist(side)] + [0.1, 0.0, -0.2]
+    moment = 40 / free.frame_rate
+    curve = ActivationCurve(moment - 0.6, moment - 0.3, moment + 0.3, moment + 0.6)
+    always, shifts = ActivationCurve(-1.0, -1.0, 100.0, 100.0), Chain(0.0, 0.0, 0.0, 0.0, 1.0)
+    balance = BalanceConstraint("motion", "Balance", BodyPoint(BodyPart.PELVIS), shifts, 0, always)
+    target = tuple(place.tolist())
+    asked = PositionConstraint("motion", "Reach", wrist, Chain(trunk=1.0), 1, curve, target=target)
+    return free, adapted(body, touch, constraints=(balance, asked), eased=True)
+
+
+@pytest.mark.parametrize("side", [0, 1])
+@pytest.mark.parametrize("touch", [Touch.HANDS_TOGETHER, Touch.HANDS_ON_THING])
+@pytest.mark.parametrize("body", BODIES)
+def test_a_balance_counts_the_hand_that_follows_the_other(body: str, touch: Touch, side: int) -> None:
+    free, reached = led_hand(body, touch, side)
+    masses = point_masses(free.morphology.layout)
+    off = np.einsum("p,fpi->fi", masses, reached.positions - free.positions)[:, :2]
+    assert np.linalg.norm(off, axis=1).max() < 1e-3
+
+
+@pytest.mark.parametrize("side", [0, 1])
+@pytest.mark.parametrize("body", BODIES)
+def test_a_hand_that_follows_the_other_jolts_no_more_than_that_one(body: str, side: int) -> None:
+    free, reached = led_hand(body, Touch.HANDS_TOGETHER, side)
+    forearms = [free.morphology.layout.segment(part) for part in (BodyPart.LEFT_FOREARM, BodyPart.RIGHT_FOREARM)]
+    own, peaks = (
+        angular_acceleration(each.rotations, each.frame_rate).max(axis=0)[forearms] for each in (free, reached)
+    )
+    assert peaks[1 - side] < 1.5 * max(peaks[side], own.max())
+
+
+def test_a_hand_on_the_hips_stays_there_as_the_trunk_bends() -> None:
+    free = adapted("giant", Touch.LEFT_HAND_ON_HIPS)
+    head = free.positions[40, free.morphology.layout.segment(BodyPart.HEAD) + 1] + [0.3, 0.0, -0.2]
+    always, bends = ActivationCurve(-1.0, -1.0, 100.0, 100.0), Chain(1.0, 1.0, 0.0, 1.0)
+    target = tuple(head.tolist())
+    asked = PositionConstraint("motion", "Bow", BodyPoint(BodyPart.HEAD), bends, 0, always, target=target)
+    bent = adapted("giant", Touch.LEFT_HAND_ON_HIPS, constraints=(asked,))
+    wrist = free.morphology.layout.wrist(0)
+    there, here = (
+        np.einsum("fij,fi->fj", each.rotations[:, 0], each.positions[:, wrist] - each.positions[:, 0])[20:61]
+        for each in (free, bent)
+    )
+    np.testing.assert_allclose(here, there, atol=5e-4)
 
 
 def test_any_window_of_frames_is_as_in_the_whole() -> None:

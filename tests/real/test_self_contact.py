@@ -1,14 +1,21 @@
 """Arms stay out of their own body by default, softly."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from studio.core.body.canonical import BodyPart
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.constraints.position import PositionConstraint
 from studio.core.normalized.normalize import detected_contacts
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.quality.motion_quality import rises
 from studio.core.solver.adapt import adapt
 from studio.core.solver.asking.clearance import actor_rooms, rooms
 from studio.core.solver.request import AdaptRequest
+from studio.core.solver.standing.stand import standing_of
 from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.real.taken import contacts_of, named, taken
@@ -95,6 +102,31 @@ def test_any_window_of_frames_is_as_in_the_whole(stem):
         motion, character.morphology, contacts, volume=character.volume, actor=actor.morphology, clears=True
     )
     np.testing.assert_array_equal(adapt(request, 20, 40).positions, adapt(request).positions[20:41])
+
+
+@pytest.mark.parametrize("side", [0, 1])
+@pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize("stem", ["cartwheel", "crawl", *outside("mass_cart")])
+def test_a_hand_on_the_ground_stays_there_whatever_is_asked_of_an_arm_around(stem, body, side):
+    """Pushing arms out of the solved body leaves it where it is before and after something acts, too."""
+    capture, motion, actor = taken(named(stem))
+    character, contacts = bundled_characters()[body], contacts_of(capture)
+    known = {"volume": character.volume, "actor": actor.morphology, "clears": True}
+    request = AdaptRequest(motion, character.morphology, contacts, **known)
+    standing = standing_of(request)
+    wrist = character.morphology.layout.wrist(side)
+    [stands] = [each.standing for each in standing.holds if each.point.value == f"{('left', 'right')[side]}_hand"]
+    moment = motion.times[int(np.median(np.flatnonzero(stands)))]
+    curve = ActivationCurve(moment - 0.5, moment - 0.25, moment + 0.25, moment + 0.5)
+    point = BodyPoint((BodyPart.LEFT_FOREARM, BodyPart.RIGHT_FOREARM)[side], at_end=True)
+    target = tuple((standing.positions[round(moment * motion.frame_rate), wrist] + [0.15, 0.1, 0.1]).tolist())
+    asked = PositionConstraint("motion", "Reach", point, Chain(trunk=1.0, root=1.0), 0, curve, target=target)
+    found = adapt(replace(request, constraints=(asked,), eased=True))
+    for hold in standing.holds:
+        if hold.point.member == "hand":
+            own = character.morphology.layout.wrist(hold.point.side)
+            moved = np.linalg.norm(found.positions[:, own] - standing.positions[:, own], axis=1)
+            assert moved[hold.standing].max() < 1e-3
 
 
 @pytest.mark.captures

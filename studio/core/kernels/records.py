@@ -119,6 +119,8 @@ class BodyFrames(NamedTuple):
     """(4,) of ``kernels.limits.limb_joint_limits``, empty without limits."""
     mass_fractions: Array
     """(P,) of ``kernels.tasks.balance``."""
+    hand_contacts: Array
+    """(2, F) records of ``HAND_CONTACT``, or (2, 1) of none."""
 
 
 class FrameBody(NamedTuple):
@@ -135,6 +137,8 @@ class FrameBody(NamedTuple):
     """(4,) of ``kernels.limits.limb_joint_limits``."""
     mass_fractions: Array
     """(P,) of ``kernels.tasks.balance``."""
+    hand_contacts: Array
+    """(2,) records of ``HAND_CONTACT``."""
 
 
 class RedundancyGroups(NamedTuple):
@@ -459,6 +463,16 @@ LIMB_STATE = np.dtype(
 if hand or foot keeps its world orientation, ``end_has_task`` if a task sets it; ``freedoms_used`` by tasks (aim and
 bend, then the swivel); the ``primary`` task, its end, and the position of its point; ``aims_upper`` if that is a point
 of the upper segment, ``swivels`` if it leaves a swivel; ``lower_rotated`` if the lower segment was rotated for itself.
+"""
+HAND_CONTACT = np.dtype(
+    [
+        *((name, np.float64) for name in ("together", "resting")),
+        *((name, np.int64) for name in ("segment", "origin")),
+    ],
+    align=True,
+)
+"""Contact of a hand (``kernels.limbs.touching_arms``): weights in [0, 1] of its contact with the other hand, and with
+the body; the segment of the body under it, and the point where that begins.
 """
 CAPSULE = np.dtype(
     [

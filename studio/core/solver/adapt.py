@@ -56,6 +56,7 @@ def hold(
         return _answer(standing, first, positions, rotations, np.empty((0, len(positions))))
     activations = constraint_activations(constraints, standing)
     fraction, self_contact = np.asarray((activations > 0.0).any(axis=0), dtype=np.float64), standing.self_contact
+    self_contact = self_contact if self_contact and self_contact.rooms else None
     if self_contact:
         fraction = self_contact.beside(fraction)
     positions, rotations = positions[:].copy(), rotations[:].copy()
@@ -68,7 +69,7 @@ def hold(
         posed = solved.answer(touched)
         if self_contact:
             free = fraction[touched, None, None] * (1.0 - solved.arms_asked(touched))
-            self_contact.close(touched, free, *posed[:2])
+            self_contact.push_out(touched, free, *posed[:2])
         rows, own = (slice(run.start - frames.start, run.stop - frames.start) for frames in (window, touched))
         positions[rows], rotations[rows], residuals[acting, rows] = posed[0][own], posed[1][own], posed[2][:, own]
     return _answer(standing, first, positions, rotations, residuals)

@@ -18,7 +18,7 @@ from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.target import follows_of, own_places_of
 from studio.core.errors import StudioError
 from studio.core.kernels import records
-from studio.core.kernels.records import BodyFrames, ConstraintSet, MotionArrays, RedundancyGroups
+from studio.core.kernels.records import HAND_CONTACT, BodyFrames, ConstraintSet, MotionArrays, RedundancyGroups
 from studio.core.kernels.solve_clip import solve_frames
 from studio.core.runs import runs_of
 from studio.core.solver.asking.chains import joints_of_chains, point_masses, relevant_chain, segment_masses
@@ -112,7 +112,13 @@ class SolvedWindow:
         limits = limits_of(body.still)[: 4 * (bound.by_limits and standing.limited)]
         masses, fractions = segment_masses(body.layout), point_masses(body.layout)
         measures = at_frames(body.rows, window)
-        self._body = BodyFrames(measures, masses, self._root_reach, self._legs, limits, fractions)
+        contacts = self._hand_contacts(window)
+        self._body = BodyFrames(measures, masses, self._root_reach, self._legs, limits, fractions, contacts)
+
+    def _hand_contacts(self, window: slice) -> NDArray[np.void]:
+        """Contacts of hands (2, F), or (2, 1) of none, for ``kernels.limbs.touching_arms``."""
+        contact = self.standing.self_contact
+        return np.zeros((2, 1), HAND_CONTACT) if contact is None else contact.hand_contacts(window)
 
     def _lead(self, asked: Sequence[Constraint]) -> tuple[FloatArray, records.TargetArrays]:
         """Release fractions (C, F) of ramped targets, 1 for others, and all targets at these fractions."""
@@ -133,6 +139,8 @@ class SolvedWindow:
         free = limb_availability(limbs, tasks["level"], activations, contacts, standing.motion.frame_rate)
         free = free[:, :, self.window]
         free[:, :2] *= arm_availability(standing.morphology, standing.positions, self.window)
+        touching = self._hand_contacts(self.window)
+        free[:, :2] *= 1.0 - np.maximum(touching["together"], touching["resting"])
         free[:, 2:] *= leg_availability(standing.morphology, standing.ground, standing.positions, self.window)
         return np.ascontiguousarray(free[:, self._joints.limbs])
 
@@ -300,8 +308,10 @@ class SolvedWindow:
 
     def arms_asked(self, window: slice) -> FloatArray:
         """Activations (F, 2, 2) of constraints and contacts on the wrist, and the elbow, of each arm in some frames."""
-        rows = slice(window.start - self.window.start, window.stop - self.window.start)
-        return arm_activations(self._rows.tasks, self._activations[:, rows], self.standing.morphology)
+        rows, standing = slice(window.start - self.window.start, window.stop - self.window.start), self.standing
+        asked = arm_activations(self._rows.tasks, self._activations[:, rows], standing.morphology)
+        asked[:, :, 0] = np.maximum(asked[:, :, 0], 1.0 - standing.limb_freedoms[:2, window].T)
+        return asked
 
     def answer(self, window: slice) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Positions, rotations and residuals of some frames."""

@@ -21,8 +21,7 @@ from studio.core.kernels.body_indices import (
     UPPER_ARM_SEGMENT,
 )
 from studio.core.kernels.compiling import allocating_kernel, kernel
-from studio.core.kernels.limbs.limb import MAX_EXTENSION, SOFT_IK_THRESHOLD, soft_extension
-from studio.core.kernels.limbs.reach import bend_and_aim, distance_range
+from studio.core.kernels.limbs.touching_arms import extend_softly
 from studio.core.kernels.records import CAPSULE, Pose
 
 PROBE_COUNT = 5
@@ -351,19 +350,9 @@ def move_arm(side, fraction, move, saved, rotation, pose):
         spine_count + UPPER_ARM_SEGMENT + SEGMENTS_PER_LIMB * side,
     )
     copy_arm(saved, Pose(positions[shoulder : shoulder + 4], rotations[upper : upper + 3]))
-    root, wrist, target = positions[shoulder], positions[shoulder + 2], np.empty(3)
-    reach = distance_range(root, positions[shoulder + 1], rotations[upper, :, 0], wrist)[1]
-    now, needed = 0.0, 0.0
-    for axis in range(3):
-        target[axis] = saved.positions[2, axis] + fraction * move[axis]
-        now += (saved.positions[2, axis] - root[axis]) ** 2
-        needed += (target[axis] - root[axis]) ** 2
-    now, needed = math.sqrt(now) / reach, math.sqrt(needed) / reach
-    most = min(max(now, SOFT_IK_THRESHOLD), MAX_EXTENSION)
-    freely = max(now, 2.0 * SOFT_IK_THRESHOLD - 1.0)
-    if needed > freely:
-        needed = most * soft_extension(needed / most, freely / most) if freely < most else most
-    bend_and_aim(target, needed * reach, upper, shoulder, wrist, positions, rotations)
+    root, wrist = positions[shoulder], positions[shoulder + 2]
+    target = wrist[0] + fraction * move[0], wrist[1] + fraction * move[1], wrist[2] + fraction * move[2]
+    extend_softly(side, distance(root, wrist), target, pose)
     angle = MAX_SWIVEL * math.tanh(fraction * move[ELBOW_SWIVEL] / MAX_SWIVEL)
     ax, ay, az = wrist[0] - root[0], wrist[1] - root[1], wrist[2] - root[2]
     scale = angle / max(math.sqrt(ax * ax + ay * ay + az * az), 1e-9)

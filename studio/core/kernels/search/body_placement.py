@@ -22,6 +22,7 @@ from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.limbs.legs import place_leg, place_leg_points
 from studio.core.kernels.limbs.limb_tasks import KEEPS_BLEND, NEGLIGIBLE_ERROR, solve_limb
 from studio.core.kernels.limbs.stiffness import carry_leg
+from studio.core.kernels.limbs.touching_arms import follow_contacts
 from studio.core.kernels.limits.limb_joint_limits import clamp_joint, is_well_within
 from studio.core.kernels.records import FrameProblem
 from studio.core.kernels.search.joints import pose_arm, pose_limb, pose_point, pose_trunk
@@ -111,8 +112,8 @@ def pose_limb_points(limb, problem):
 
 
 @kernel
-def find_idle_limbs(tasks, joint_of_segment, spine_count, out_idle):
-    """Mark limbs (4,) without tasks and joints in the search: their rotations can wait until all is solved.
+def find_idle_limbs(tasks, joint_of_segment, hand_contacts, spine_count, out_idle):
+    """Mark limbs (4,) without tasks, contacts and joints in the search: their rotations can wait until all is solved.
 
     Legs on a fixed root are not marked.
     """
@@ -125,6 +126,9 @@ def find_idle_limbs(tasks, joint_of_segment, spine_count, out_idle):
             segment = tasks[c].segments[end]
             if tasks[c].points[end] >= 0 and segment >= spine_count + 2:
                 out_idle[(segment - spine_count - 2) // 4] = 0
+    for side in range(2):
+        if hand_contacts[side].together > 0.0 or hand_contacts[side].resting > 0.0:
+            out_idle[side] = 0
 
 
 @kernel
@@ -178,6 +182,7 @@ def solve_limbs(level, problem):
                     if limb >= 2:
                         carry_leg(limb - 2, start, search.segment_rotations, pose)
                 solve_limb(limb, level, problem)
+        follow_contacts(level, problem)
         if not moving:
             return
         update_goals(level, True, problem)

@@ -93,7 +93,7 @@ def solve_frame(level_count, problem):
     spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
     zero_points(search.state)
     idle = search.idle_limbs
-    find_idle_limbs(tasks, chain.joint_of_segment, spine_count, idle)
+    find_idle_limbs(tasks, chain.joint_of_segment, body.hand_contacts, spine_count, idle)
     mark_secondary_tasks(tasks)
     update_limb_limits(problem)
     before = -1

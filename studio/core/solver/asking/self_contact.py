@@ -1,6 +1,7 @@
 """Self-contact of arms: hands that touch stay where they touch, and arms stay out of the rest of the body.
 
-It acts first, on the grounded body, and last, on the solved one. A hand with constraints or ground contact stays.
+Both are solved on the grounded body. There hands touch, and the search keeps them so (``kernels.limbs.touching_arms``);
+arms are pushed out of the solved body again. A hand with constraints or ground contact stays.
 """
 
 from collections.abc import Sequence
@@ -17,12 +18,13 @@ from studio.core.kernels import layout as at
 from studio.core.kernels.limits import arm_clearance as clearing
 from studio.core.kernels.limits.arm_clearance import ARM_STEP_SIZE, ELBOW_SWIVEL, HAND_ROTATION
 from studio.core.kernels.limits.hand_contact import (
+    SPOT_WEIGHT,
     apply_arm_steps,
     push_out_steps,
     solve_hand_body_contact,
     solve_hand_hand_contact,
 )
-from studio.core.kernels.records import ActorClearance
+from studio.core.kernels.records import HAND_CONTACT, ActorClearance
 from studio.core.mesh.volume import CAPSULES_OF, BodyVolume, usual_volume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
@@ -154,21 +156,16 @@ class SelfContact:
         near = maximum_filter1d(acts, 2 * half + 1, mode="constant")
         return np.asarray(convolve1d(near, hann_window(half), mode="nearest"))
 
-    def close(
-        self, window: slice, free: FloatArray, positions: FloatArray, rotations: FloatArray, looks: int = 1
-    ) -> None:
-        """Correct the arms of posed frames of a ``window`` (F, P, 3), (F, S, 3, 3), in place.
+    def close(self, window: slice, free: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
+        """Correct the arms of grounded frames of a ``window`` (F, P, 3), (F, S, 3, 3), in place.
 
         ``free`` (F, 2, 2) are the weights of wrist and elbow of each arm. Frames are final if all frames ``around``
-        them, with as many ``looks``, are in the window.
+        them, with ``PUSH_OUT_ROUNDS``, are in the window.
         """
         volume, proximal = packed(self.volume), np.array(self.body.layout.proximal_points())
-        firm = self.firm[window]
-        lying = np.zeros((len(positions), 2))
-        for each in self.resting:
-            lying[:, each.side] = np.maximum(lying[:, each.side], each.firm[window])
+        firm, lying = self.firm[window], self._lying(window)
         led = np.ones(len(firm), dtype=np.bool_)
-        for _ in range(looks):
+        for _ in range(PUSH_OUT_ROUNDS):
             led = self._clear(window, free, lying, 0.0 * firm, led, positions, rotations)
         for each in self.resting:
             solve_hand_body_contact(
@@ -180,9 +177,36 @@ class SelfContact:
         whole = firm * (1.0 - (1.0 - wrists).prod(axis=1))
         self._join(window, whole[:, None] * displacements, positions, rotations)
         touches = (lying > 0.0).any(axis=1) | (firm > 0.0)
-        for _ in range(max(looks - 1, 1) if touches.any() else 0):
+        for _ in range(PUSH_OUT_ROUNDS - 1 if touches.any() else 0):
             touches &= self._clear(window, free, lying, firm, touches, positions, rotations)
         self._join(window, (firm**3 * whole)[:, None] * displacements, positions, rotations)  # coming out may part them
+
+    def push_out(self, window: slice, free: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
+        """Push the arms of solved frames of a ``window`` out of the body, as ``close`` does; hands stay in contact."""
+        all_frames = np.ones(len(positions), dtype=np.bool_)
+        self._clear(window, free, self._lying(window), self.firm[window], all_frames, positions, rotations)
+
+    def hand_contacts(self, window: slice) -> NDArray[np.void]:
+        """Contacts (2, F) of the hands for ``kernels.limbs.touching_arms``."""
+        found = np.zeros((2, len(self.firm[window])), HAND_CONTACT)
+        found["together"] = self.firm[window]
+        for each in self.resting:
+            firm, carrier = each.firm[window], self.volume.segments[each.capsules, 0]
+            under = carrier[(each.firm[:, None] * each.spots[:, :, SPOT_WEIGHT]).sum(axis=0).argmax()]
+            row = found[each.side]
+            row["segment"], row["origin"] = (
+                np.where(firm > row["resting"], now, was)
+                for now, was in ((under, row["segment"]), (self.body.layout.proximal_points()[under], row["origin"]))
+            )
+            row["resting"] = np.maximum(row["resting"], firm)
+        return found
+
+    def _lying(self, window: slice) -> FloatArray:
+        """Weights (F, 2) of each hand's contact with the body."""
+        lying = np.zeros((len(self.firm[window]), 2))
+        for each in self.resting:
+            lying[:, each.side] = np.maximum(lying[:, each.side], each.firm[window])
+        return lying
 
     def _join(self, window: slice, fractions: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
         """Solve hand-hand contacts, with the fractions (F, 2) of both arms."""

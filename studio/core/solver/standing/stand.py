@@ -82,7 +82,7 @@ class Standing:
         free = 1.0 - standing_hand_weights(self.contacts, motion.frame_count, motion.frame_rate)
         positions, rotations = np.asarray(self.positions), np.asarray(self.rotations)
         for run in runs_in(slice(0, motion.frame_count), target, 1):
-            contact.close(run, free[run], positions[run], rotations[run], PUSH_OUT_ROUNDS)
+            contact.close(run, free[run], positions[run], rotations[run])
         raise_arms(self.morphology, self.ground, self.arms, motion.frame_rate, positions, rotations)
         return self
 
