@@ -146,7 +146,7 @@ EDIT = (
            "Paste with left for right", ends_group=True),
     Action("set_key", "Edit", "Set key", editing.set_key, ("S",), "Key the selection at the playhead", _any_selected),
     Action("preferences", "Edit", "Preferences…", editing.preferences, ("Ctrl+,",),
-           "Snapping steps, new constraints and keys"),
+           "Steps to which the gizmo snaps, and keys"),
     Action("escape", "Edit", "Deselect", editing.escape, ("Esc",), "Cancel the current action"),
     Action(
         "report", "Edit", "Show import report", editing.select_capture,
@@ -342,6 +342,13 @@ HELP = (
         "Kinds of files",
         view.formats,
         tooltip="The kinds of files that can be read and written, and those that failed to load",
+    ),
+    Action(
+        "plug_ins",
+        "Help",
+        "Plug-ins",
+        view.plug_ins,
+        tooltip="What installed packages add: kinds of files, verbs, panels; and what failed to load",
     ),
     Action("shortcuts", "Help", "Shortcuts", view.shortcuts, ("?",), "All shortcuts on one sheet"),
 )

@@ -13,6 +13,7 @@ from studio.app.action_set import ActionSet
 from studio.app.live_control import LiveControl
 from studio.app.marker_dialog import open_markers
 from studio.app.playing_live import LivePlaying
+from studio.app.plug_in_panels import add_panel_actions
 from studio.app.preferences import Preferences, save_preferences
 from studio.app.problem_tour import ProblemTour
 from studio.app.striking import Striking
@@ -70,6 +71,7 @@ class MainWindow(QMainWindow):
         self._make_bars()
         self._make_centre()
         self._make_docks()
+        add_panel_actions(self)
         self.palette_panel = CommandPalette(self, list(self.actions_by_id.by_id.values()))
         self.choice_panel = CommandPalette(self, [])
         self._connect()
@@ -129,10 +131,8 @@ class MainWindow(QMainWindow):
         self._apply_preferences()
 
     def _apply_preferences(self) -> None:
-        viewport, preferences = self.bench.viewport, self.bench.preferences
-        if viewport is not None:
-            viewport.snap_steps = preferences.snap_steps
-            viewport.new_activation = preferences.hold, preferences.fade
+        if self.bench.viewport is not None:
+            self.bench.viewport.snap_steps = self.bench.preferences.snap_steps
 
     def show_shortcuts(self) -> None:
         """The sheet of all shortcuts."""

@@ -218,8 +218,14 @@ def check_frames(asked: ConstraintFile, ready: ReadyCapture, path: Path) -> None
 def print_report(report: Record) -> None:
     """The report as tables: one line a character, one line a constraint and character."""
     print(f"{report['source']}: {report['frames']} frames at {report['frame_rate']:g} Hz\n")
-    titles = ("character", "slide mm", "float mm", "below ground mm", "acceleration ratio", "speed ratio", "us/frame")
-    keys = ("slide_mm", "float_mm", "penetration_mm", "acceleration_ratio", "speed_ratio", "microseconds_per_frame")
+    titles = (
+        *("character", "slide mm", "skate mm", "float mm", "below ground mm", "acceleration ratio", "speed ratio"),
+        "us/frame",
+    )
+    keys = (
+        *("slide_mm", "skate_mm", "float_mm", "penetration_mm", "acceleration_ratio", "speed_ratio"),
+        "microseconds_per_frame",
+    )
     rows = [[record["name"], *(f"{record[key]:.2f}" for key in keys)] for record in report["characters"]]
     print_table(titles, rows)
     lines = [

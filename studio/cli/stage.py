@@ -27,7 +27,7 @@ from studio.startup.kernel_warm_up import compile_first
 
 OF_CAPTURES = ("capture", "character", "constraints", "ground", "place")
 """Arguments that a project answers itself."""
-COLUMNS = ("slide_mm", "float_mm", "penetration_mm", "acceleration_ratio", "speed_ratio")
+COLUMNS = ("slide_mm", "skate_mm", "float_mm", "penetration_mm", "acceleration_ratio", "speed_ratio")
 
 
 def run_stage(arguments: Namespace) -> int:

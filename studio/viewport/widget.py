@@ -25,7 +25,7 @@ from studio.viewport.body_points import body_joints
 from studio.viewport.camera import VIEWS, FloatArray, OrbitCamera
 from studio.viewport.canvas import Canvas
 from studio.viewport.chips import Chips
-from studio.viewport.constraining import HOLD, RAMP, Here, constraint_here
+from studio.viewport.constraining import Here, constraint_here
 from studio.viewport.dropping import StrikeDrops
 from studio.viewport.following import FollowCamera
 from studio.viewport.framing import selected_points
@@ -65,8 +65,6 @@ class Viewport(Canvas):
         self.tool = "move"
         self.gizmo_space = Space.WORLD
         self.snap_steps = DEFAULT_STEPS
-        self.new_activation = (HOLD, RAMP)
-        """Seconds for which a new constraint holds on either side of the playhead, and fades."""
         self._nudged = "z"
         self.posed: dict[str, Posed] = {}
         self.resting: dict[str, Posed] = {}
@@ -231,7 +229,7 @@ class Viewport(Canvas):
         if pose is None or pose.motion_id not in project.motions or (picked is None and KINDS[kind].shown.picks):
             return None
         context, joint = TargetContext(project, self.posed, pose), picked.joint if picked else None
-        constraint = constraint_here(Here(context, joint, self.new_activation), kind)
+        constraint = constraint_here(Here(context, joint), kind)
         constraint_id = self._document.add("constraints", constraint, f"Add '{constraint.name}'")
         self.pick(None)
         self._document.selection.set(("performers", performer_id), ("constraints", constraint_id))

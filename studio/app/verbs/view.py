@@ -4,6 +4,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from studio.app.workbench import Workbench
+from studio.core.errors import StudioError
+from studio.io import plug_ins as plug_in_groups
 from studio.io.registry import Format, known_formats
 from studio.viewport.eyes import Stereo
 
@@ -129,6 +131,25 @@ def formats(bench: Workbench) -> None:
     rows = [(f"{each.name}  {' '.join(each.suffixes)}", _uses(each)) for each in known.formats]
     rows += [(sentence, "failed") for sentence in known.failures]
     bench.window.choose("Kinds of files", [(row, lambda: None) for row in rows])
+
+
+def plug_ins(bench: Workbench) -> None:
+    """What installed packages add, with the error of what cannot be loaded."""
+    groups = {
+        plug_in_groups.VERBS: plug_in_groups.verb_of,
+        plug_in_groups.PANELS: plug_in_groups.panel_of,
+        plug_in_groups.FORMATS: lambda found: found,
+    }
+    rows: list[tuple[str, str]] = []
+    for group, accepted in groups.items():
+        for offer in plug_in_groups.offers(group):
+            try:
+                offer.load(accepted)
+                rows.append((f"{offer.name}  {offer.words}", offer.package))
+            except StudioError as error:
+                rows.append((str(error), "failed"))
+    none = [("No installed package adds anything. docs/scripts.md tells how one does.", "")]
+    bench.window.choose("Plug-ins", [(row, lambda: None) for row in rows or none])
 
 
 def _uses(known: Format) -> str:
