@@ -14,7 +14,7 @@ from studio.viewport.snapping import SnapSteps
 KeyTable = Mapping[str, tuple[str, ...]]
 """Keys by the id of an action."""
 STUDIO_KEYS = "studio"
-LEAST_STEP = 1e-3
+LEAST_SNAP = 1e-3
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Preferences:
     def __post_init__(self) -> None:
         for each in ("move_step", "rotate_step", "scale_step"):
             value = getattr(self, each)
-            if not (isinstance(value, float | int) and math.isfinite(value) and value >= LEAST_STEP):
+            if not (isinstance(value, float | int) and math.isfinite(value) and value >= LEAST_SNAP):
                 raise ValueError(f"The preference '{each}' is a number above zero, got {value!r}.")
         object.__setattr__(self, "own_keys", {key: tuple(keys) for key, keys in dict(self.own_keys).items()})
 
