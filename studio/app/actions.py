@@ -146,7 +146,7 @@ EDIT = (
            "Paste with left for right", ends_group=True),
     Action("set_key", "Edit", "Set key", editing.set_key, ("S",), "Key the selection at the playhead", _any_selected),
     Action("preferences", "Edit", "Preferences…", editing.preferences, ("Ctrl+,",),
-           "Snapping steps, new constraints and keys"),
+           "Steps to which the gizmo snaps, and keys"),
     Action("escape", "Edit", "Deselect", editing.escape, ("Esc",), "Cancel the current action"),
     Action(
         "report", "Edit", "Show import report", editing.select_capture,

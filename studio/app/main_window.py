@@ -131,10 +131,8 @@ class MainWindow(QMainWindow):
         self._apply_preferences()
 
     def _apply_preferences(self) -> None:
-        viewport, preferences = self.bench.viewport, self.bench.preferences
-        if viewport is not None:
-            viewport.snap_steps = preferences.snap_steps
-            viewport.new_activation = preferences.hold, preferences.fade
+        if self.bench.viewport is not None:
+            self.bench.viewport.snap_steps = self.bench.preferences.snap_steps
 
     def show_shortcuts(self) -> None:
         """The sheet of all shortcuts."""

@@ -14,7 +14,7 @@ from studio.viewport.snapping import SnapSteps
 KeyTable = Mapping[str, tuple[str, ...]]
 """Keys by the id of an action."""
 STUDIO_KEYS = "studio"
-LEAST_STEP = 1e-3
+LEAST_SNAP = 1e-3
 
 
 @dataclass(frozen=True)
@@ -27,19 +27,14 @@ class Preferences:
     """Degrees."""
     scale_step: float = 10.0
     """Percent."""
-    hold: float = 0.1
-    """Seconds that a new constraint holds on either side of the playhead."""
-    fade: float = 0.3
-    """Seconds in which it fades in and out."""
     key_map: str = STUDIO_KEYS
     own_keys: KeyTable = field(default_factory=dict)
     """Keys that the user has given to actions, over those of the map."""
 
     def __post_init__(self) -> None:
-        for each in ("move_step", "rotate_step", "scale_step", "hold", "fade"):
+        for each in ("move_step", "rotate_step", "scale_step"):
             value = getattr(self, each)
-            least = 0.0 if each == "hold" else LEAST_STEP
-            if not (isinstance(value, float | int) and math.isfinite(value) and value >= least):
+            if not (isinstance(value, float | int) and math.isfinite(value) and value >= LEAST_SNAP):
                 raise ValueError(f"The preference '{each}' is a number above zero, got {value!r}.")
         object.__setattr__(self, "own_keys", {key: tuple(keys) for key, keys in dict(self.own_keys).items()})
 

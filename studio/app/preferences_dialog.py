@@ -17,14 +17,12 @@ NUMBERS = (
     ("move_step", "Move step", "cm", 0.1, 100.0),
     ("rotate_step", "Rotate step", "°", 0.1, 180.0),
     ("scale_step", "Scale step", "%", 1.0, 100.0),
-    ("hold", "New: hold", "s", 0.0, 10.0),
-    ("fade", "New: fade", "s", 0.01, 10.0),
 )
 ACTION_ID = Qt.ItemDataRole.UserRole
 
 
 class PreferencesDialog(QDialog):
-    """Snapping steps, new constraints, and keys in a table in which they are typed."""
+    """Snapping steps, and keys in a table in which they are typed."""
 
     def __init__(self, bench: Workbench) -> None:
         super().__init__(bench.window)
@@ -33,9 +31,9 @@ class PreferencesDialog(QDialog):
         self.setWindowTitle("Preferences")
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.resize(520, 640)
-        section = Section("Steps and new constraints")
+        section = Section("Steps of the gizmo")
         for name, words, unit, low, high in NUMBERS:
-            field = NumberField(words, unit, low, high, low or 0.1, 2)
+            field = NumberField(words, unit, low, high, low, 2)
             field.show_value(getattr(bench.preferences, name))
             field.edited.connect(lambda value, name=name: self._change(**{name: value}))
             section.add_row(words, field)

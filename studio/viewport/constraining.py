@@ -16,7 +16,7 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint, Vector
 from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
-from studio.core.constraints.fitted_activation import HOLD, LONGEST, RAMP, fitted_activation
+from studio.core.constraints.fitted_activation import LONGEST, fitted_activation
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
@@ -52,8 +52,6 @@ class Here:
 
     moment: TargetContext
     joint: BodyJoint | None
-    activation: tuple[float, float] = (HOLD, RAMP)
-    """Seconds for which it holds on either side of the playhead, and fades beyond, where the limb keeps its speed."""
 
     @property
     def project(self) -> Project:
@@ -128,7 +126,7 @@ class Here:
         now = min(max(self.pose.seconds, begin), end)
         activation = ActivationCurve(begin, begin, end, end)
         if moving is not None:
-            activation = fitted_activation(self.around[2], moving, now, begin, end, self.activation)
+            activation = fitted_activation(self.around[2], moving, now, begin, end)
         return {
             "motion_id": motion_id,
             "name": free_name(name, {one.name for one in existing}),

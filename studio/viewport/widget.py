@@ -12,7 +12,6 @@ from PySide6.QtWidgets import QWidget
 
 from studio.core.body.sticks import bone_pairs
 from studio.core.constraints.base import BodyPoint
-from studio.core.constraints.fitted_activation import HOLD, RAMP
 from studio.core.constraints.kinds import KINDS
 from studio.document import colours
 from studio.document.document import Document
@@ -66,8 +65,6 @@ class Viewport(Canvas):
         self.tool = "move"
         self.gizmo_space = Space.WORLD
         self.snap_steps = DEFAULT_STEPS
-        self.new_activation = (HOLD, RAMP)
-        """Seconds for which a new constraint holds on either side of the playhead, and fades."""
         self._nudged = "z"
         self.posed: dict[str, Posed] = {}
         self.resting: dict[str, Posed] = {}
@@ -232,7 +229,7 @@ class Viewport(Canvas):
         if pose is None or pose.motion_id not in project.motions or (picked is None and KINDS[kind].shown.picks):
             return None
         context, joint = TargetContext(project, self.posed, pose), picked.joint if picked else None
-        constraint = constraint_here(Here(context, joint, self.new_activation), kind)
+        constraint = constraint_here(Here(context, joint), kind)
         constraint_id = self._document.add("constraints", constraint, f"Add '{constraint.name}'")
         self.pick(None)
         self._document.selection.set(("performers", performer_id), ("constraints", constraint_id))

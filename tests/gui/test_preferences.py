@@ -50,8 +50,8 @@ def test_preferences_are_kept_and_what_makes_no_sense_in_the_file_is_left_aside(
     mine = Preferences(rotate_step=5.0, key_map="maya", own_keys={"play": ("P",)})
     save_preferences(settings, mine)
     assert load_preferences(Settings(tmp_path / "studio.ini")) == mine
-    settings.preferences = {"rotate_step": -1.0, "move_step": "far", "hold": 0.2, "unknown": 3, "own_keys": 7}
-    assert load_preferences(settings) == Preferences(hold=0.2)
+    settings.preferences = {"rotate_step": -1.0, "move_step": "far", "scale_step": 5.0, "unknown": 3, "own_keys": 7}
+    assert load_preferences(settings) == Preferences(scale_step=5.0)
     settings._store.setValue("preferences", "{")
     assert load_preferences(settings) == Preferences()
     assert json.loads(json.dumps(settings.preferences)) == {}
