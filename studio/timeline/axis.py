@@ -55,11 +55,15 @@ class TimeAxis(QObject):
             self._settle()
 
     def set_extent(self, begin: float, end: float, frame_rate: float) -> None:
-        """There is something from ``begin`` to ``end`` seconds, counted in frames of ``frame_rate``."""
+        """There is something from ``begin`` to ``end`` seconds, counted in frames of ``frame_rate``.
+
+        What was fitted is fitted again where there is more than before; where there is less, the scale stays, so that
+        a trim leaves everything where it is.
+        """
         end = max(end, begin + 1.0 / frame_rate)
         if (begin, end, frame_rate) != (self.begin, self.end, self.frame_rate):
             self.begin, self.end, self.frame_rate = begin, end, frame_rate
-            self._settle()
+            self._settle(min(self.scale, self._whole) if self._fitted else None)
 
     def fit(self) -> None:
         """Show everything."""
@@ -100,10 +104,10 @@ class TimeAxis(QObject):
         """The scale at which everything fits."""
         return max(self.width - 2 * MARGIN, 1.0) / (self.end - self.begin)
 
-    def _settle(self) -> None:
-        """Keep the view over what there is."""
+    def _settle(self, scale: float | None = None) -> None:
+        """Keep the view over what there is: where that is fitted, at the scale that shows all, or another one."""
         if self._fitted:
-            self.scale = self._whole
+            self.scale = scale or self._whole
         margin = MARGIN / self.scale
         latest = self.end + margin - self.width / self.scale
         self.start = max(min(self.start, latest), self.begin - margin)

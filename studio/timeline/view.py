@@ -173,8 +173,8 @@ class TrackView(QWidget):
 
     def _show_project(self) -> None:
         self.handle = self.apart = self._remarked = None
-        self.axis.fit()
         self.lay_out()
+        self.axis.fit()
 
     def _show_selection(self) -> None:
         self.set_handle(None)

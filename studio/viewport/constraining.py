@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
@@ -16,6 +17,7 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint, Vector
 from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
+from studio.core.constraints.fitted_activation import LONGEST, fitted_activation
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
@@ -23,13 +25,12 @@ from studio.core.constraints.upright import UprightConstraint
 from studio.core.names import free_name
 from studio.core.project import Project
 from studio.core.rotations import from_matrix
+from studio.core.solver.request import AdaptedMotion
 from studio.engine.moments import TargetContext
 from studio.engine.performance import Posed
 from studio.viewport.body_points import BodyJoint, point_path
 from studio.viewport.camera import FloatArray
 
-HOLD, RAMP = 0.1, 0.3
-"""Seconds held on either side of the playhead, and eased beyond."""
 AHEAD = 2.0
 """Metres from the eyes to what a new look-at looks at."""
 LEANING = math.radians(5.0)
@@ -95,21 +96,45 @@ class Here:
         rate = self.project.frame_rate_of(clip)
         return clip.first / rate, clip.last / rate
 
-    def common(self, name: str, point: BodyPoint, chain: Chain, always: bool = False) -> dict[str, Any]:
-        """What every kind has: last in priority, full near the playhead or all the time."""
+    @cached_property
+    def around(self) -> tuple[AdaptedMotion, slice, FloatArray]:
+        """The motion over time, its rows around the playhead, and their seconds (F,) of the clip's motion."""
+        motion, clip = self.pose.over_time, self.pose.clip
+        assert clip is not None
+        row, reach = self.pose.frame - motion.first_frame, round(LONGEST * motion.frame_rate / clip.speed)
+        rows = slice(max(row - reach, 0), max(min(row + reach + 1, motion.frame_count), 0))
+        since = (np.arange(rows.start, rows.stop) - row) * clip.speed / motion.frame_rate
+        return motion, rows, np.asarray(self.pose.seconds + since)
+
+    def points(self, point: BodyPoint) -> FloatArray:
+        """(F, 3) where a point of the body is in the rows ``around``."""
+        motion, rows, _ = self.around
+        return point_path(motion, point, rows)
+
+    def turns(self, part: BodyPart) -> FloatArray:
+        """(F, 3, 3) how a segment is turned in the rows ``around``."""
+        motion, rows, _ = self.around
+        return motion.rotations[rows, motion.morphology.layout.segment(part)]
+
+    def common(self, name: str, point: BodyPoint, chain: Chain, moving: FloatArray | None = None) -> dict[str, Any]:
+        """What every kind has: last in priority, full near the playhead or, if nothing is ``moving``, all the time.
+
+        ``moving`` (F, D), metres or radians in the rows ``around``, is what the constraint keeps at its value of now.
+        """
         motion_id = self.pose.motion_id or ""
         existing = self.project.constraints_of(motion_id).values()
         begin, end = self.span
         now = min(max(self.pose.seconds, begin), end)
-        steps = (-HOLD - RAMP, -HOLD, HOLD, HOLD + RAMP)
-        times = (begin, begin, end, end) if always else [min(max(now + step, begin), end) for step in steps]
+        activation = ActivationCurve(begin, begin, end, end)
+        if moving is not None:
+            activation = fitted_activation(self.around[2], moving, now, begin, end)
         return {
             "motion_id": motion_id,
             "name": free_name(name, {one.name for one in existing}),
             "point": point,
             "chain": chain,
             "priority": max((one.priority for one in existing), default=-1) + 1,
-            "activation": ActivationCurve(*times),
+            "activation": activation,
         }
 
 
@@ -124,7 +149,8 @@ def _position(here: Here) -> Constraint:
     place = _vector(here.place(joint.point))
     # Bodies of other measures are elsewhere in the middle of a walk: each has its own place, as long as that is known.
     target = here.moment.own_place(joint.point, place, here.pose.seconds) or place
-    return PositionConstraint(**here.common(joint.name.capitalize(), joint.point, joint.chain), target=target)
+    common = here.common(joint.name.capitalize(), joint.point, joint.chain, here.points(joint.point))
+    return PositionConstraint(**common, target=target)
 
 
 def _orientation(here: Here) -> Constraint:
@@ -132,19 +158,25 @@ def _orientation(here: Here) -> Constraint:
     part = turned_part(joint.point)
     target = tuple(from_matrix(here.turn(part)).tolist())
     chain = _HEAD if part in (BodyPart.HEAD, BodyPart.NECK) else replace(joint.chain, end_segment=1.0)
-    return OrientationConstraint(**here.common(f"Turn of {part.label.lower()}", BodyPoint(part), chain), target=target)
+    turns = here.turns(part)
+    now = int(np.argmin(np.abs(here.around[2] - here.pose.seconds)))
+    moving = Rotation.from_matrix(turns[now].T @ turns).as_rotvec()
+    return OrientationConstraint(
+        **here.common(f"Turn of {part.label.lower()}", BodyPoint(part), chain, moving), target=target
+    )
 
 
 def _look_at(here: Here) -> Constraint:
     target = here.place(EYES) + AHEAD * here.turn(EYES.part)[:, 0]
-    return LookAtConstraint(**here.common("Look at", EYES, _HEAD), target=_vector(target))
+    gazes = here.turns(EYES.part)[:, :, 0]
+    return LookAtConstraint(**here.common("Look at", EYES, _HEAD, gazes), target=_vector(target))
 
 
 def _upright(here: Here) -> Constraint:
     """What points up now stays up."""
     part = turned_part(here.picked.point)
     chain = _HEAD if part in (BodyPart.HEAD, BodyPart.NECK) else replace(here.picked.chain, end_segment=1.0)
-    common = here.common(f"{part.label.capitalize()} upright", BodyPoint(part), chain, always=True)
+    common = here.common(f"{part.label.capitalize()} upright", BodyPoint(part), chain)
     return UprightConstraint(**common, axis=_vector(here.turn(part)[2]), cone=LEANING)
 
 
@@ -152,14 +184,17 @@ def _distance(here: Here) -> Constraint:
     joint = here.picked
     begin, other = here.place(joint.point), opposite_hand(joint.point)
     name = "Hands apart" if other else f"{joint.name.capitalize()} near"
-    common = here.common(name, joint.point, joint.chain)
+    moving = here.points(joint.point)
+    if other is not None:
+        moving = np.linalg.norm(here.points(other) - moving, axis=1, keepdims=True)
+    common = here.common(name, joint.point, joint.chain, moving)
     if other is None:
         return DistanceConstraint(**common, other=_vector(begin), distance=0.0)
     return DistanceConstraint(**common, other=other, distance=float(np.linalg.norm(here.place(other) - begin)))
 
 
 def _balance(here: Here) -> Constraint:
-    return BalanceConstraint(**here.common("Balance", BodyPoint(BodyPart.PELVIS), _WHOLE_BODY, always=True))
+    return BalanceConstraint(**here.common("Balance", BodyPoint(BodyPart.PELVIS), _WHOLE_BODY))
 
 
 def _area(here: Here) -> Constraint:
@@ -168,14 +203,14 @@ def _area(here: Here) -> Constraint:
     floor = float(here.project.ground.height_at(here.pose.clip_placement.to_stage((x, y, 0.0))))
     height = max(float(top) - floor, LEAST_TABLE)
     return AreaConstraint(
-        **here.common(f"Table under {joint.name}", joint.point, joint.chain, always=True),
+        **here.common(f"Table under {joint.name}", joint.point, joint.chain),
         centre=(float(x), float(y), floor + height / 2),
         size=(*TABLE, height),
     )
 
 
 def _clear(here: Here) -> Constraint:
-    return ClearConstraint(**here.common("Clear of body", BodyPoint(BodyPart.THORAX), Chain(), always=True))
+    return ClearConstraint(**here.common("Clear of body", BodyPoint(BodyPart.THORAX), Chain()))
 
 
 _MAKERS: dict[str, Callable[[Here], Constraint]] = {

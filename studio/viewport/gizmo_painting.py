@@ -1,7 +1,5 @@
 """Painting of gizmos: arrows, rings, boxes, and the change while one of them is dragged."""
 
-from itertools import pairwise
-
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
@@ -17,9 +15,9 @@ from studio.viewport.strokes import SHADOW, draw_disc, draw_line
 AXIS_COLOURS = {"x": "#e8675f", "y": "#7cc47a", "z": "#5f9fe8"}
 HOVERED, MIDDLE = "#ffe08a", "#f4f7fb"
 ARROW_LENGTH, ARROW_WIDTH = 13.0, 5.5
-BOX = 5.0
+HALF_BOX = 5.0
 """Pixels from the middle of a box to its sides."""
-HIDDEN = 0.16
+HIDDEN_STRENGTH = 0.16
 """Strength of the half of a ring that is behind."""
 WORDS_HEIGHT = 22.0
 
@@ -83,15 +81,18 @@ class GizmoPainter:
 
     def _ring(self, gizmo: RotateGizmo, part: str, colour: QColor, width: float) -> None:
         corners, front = gizmo.ring(part), gizmo.in_front(part)
-        self._painter.setBrush(Qt.BrushStyle.NoBrush)
-        for strength, chosen in ((HIDDEN, ~front), (1.0, front)):
+        for strength, chosen in ((HIDDEN_STRENGTH, ~front), (1.0, front)):
             for begin, end in _runs(chosen.tolist()):
-                line = QPolygonF([QPointF(*corners[side % len(front)]) for side in range(begin, end + 1)])
-                for hue, extent in ((SHADOW, width + 1.6), (colour, width)):
-                    faint = QColor(hue)
-                    faint.setAlphaF(hue.alphaF() * strength)
-                    self._painter.setPen(QPen(faint, extent, Qt.PenStyle.SolidLine, Qt.PenCapStyle.FlatCap))
-                    self._painter.drawPolyline(line)
+                self._polyline(corners[np.arange(begin, end + 1) % len(front)], colour, width, strength)
+
+    def _polyline(self, corners: FloatArray, colour: QColor, width: float, strength: float = 1.0) -> None:
+        line = QPolygonF([QPointF(*corner) for corner in corners])
+        self._painter.setBrush(Qt.BrushStyle.NoBrush)
+        for hue, extent in ((SHADOW, width + 1.6), (colour, width)):
+            faint = QColor(hue)
+            faint.setAlphaF(hue.alphaF() * strength)
+            self._painter.setPen(QPen(faint, extent, Qt.PenStyle.SolidLine, Qt.PenCapStyle.FlatCap))
+            self._painter.drawPolyline(line)
 
     def _sector(self, gizmo: RotateGizmo, drag: RotateDrag) -> None:
         """The ring that is dragged, with the sector from where it was gripped."""
@@ -106,8 +107,7 @@ class GizmoPainter:
         self._painter.drawPolygon(QPolygonF([QPointF(*corner) for corner in corners]))
         draw_line(self._painter, corners[0], corners[1], colour.name(), 1.2)
         draw_line(self._painter, corners[0], corners[-1], HOVERED, 1.8)
-        for begin, end in pairwise(held.ring(drag.part) + shift):
-            draw_line(self._painter, begin, end, HOVERED, 1.8)
+        self._polyline(held.ring(drag.part) + shift, QColor(HOVERED), 1.8)
         draw_disc(self._painter, gizmo.centre, 2.5, QColor(MIDDLE))
 
     def _words(self, gizmo: GizmoFrame, words: str) -> None:
@@ -140,7 +140,7 @@ class GizmoPainter:
     def _box(self, place: FloatArray, colour: QColor) -> None:
         self._painter.setPen(QPen(SHADOW, 1.5))
         self._painter.setBrush(QBrush(colour))
-        self._painter.drawRect(QRectF(place[0] - BOX, place[1] - BOX, 2.0 * BOX, 2.0 * BOX))
+        self._painter.drawRect(QRectF(place[0] - HALF_BOX, place[1] - HALF_BOX, 2.0 * HALF_BOX, 2.0 * HALF_BOX))
 
     def _square(self, corners: FloatArray, colour: str, hot: bool) -> None:
         fill = QColor(HOVERED if hot else colour)

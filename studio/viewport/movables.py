@@ -28,7 +28,7 @@ from studio.viewport.camera import FloatArray
 from studio.viewport.handle_places import handle_place, is_flat
 from studio.viewport.rotate_gizmo import rotation_about
 
-SMALLEST_SIZE = 0.001
+LEAST_SIDE = 0.001
 """Metres of a side of a prop or an area."""
 
 
@@ -193,7 +193,7 @@ class PlacedProp(Movable):
 
     def scale(self, factors: FloatArray, gesture: int) -> None:
         """Make it larger about its centre, and with it what keeps bodies out."""
-        x, y, z = np.maximum(np.array(self._begin.size) * factors, SMALLEST_SIZE).tolist()
+        x, y, z = np.maximum(np.array(self._begin.size) * factors, LEAST_SIDE).tolist()
         obstacles = {key: replace(each, size=(x, y, z)) for key, each in self._obstacles.items()}
         self._put(replace(self._begin, size=(x, y, z)), "Resize", gesture, obstacles)
 

@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 from studio.viewport.camera import FloatArray
 from studio.viewport.gizmo import AXES, LINE_REACH, GizmoFrame
 
-RING, SCREEN_RING, TRACKBALL = 0.86, 1.06, "trackball"
+ROTATE_RING, SCREEN_RING, TRACKBALL = 0.86, 1.06, "trackball"
 """Radii of the rings, in parts of an arrow."""
 SCREEN = "screen"
 EDGE_ON = 0.2
 """Cosine between a ring's axis and the sight below which the ring is dragged along its tangent."""
-SIDES = 72
-_ROUND = np.linspace(0.0, 2.0 * np.pi, SIDES + 1)
+RING_SIDES = 72
+_ROUND = np.linspace(0.0, 2.0 * np.pi, RING_SIDES + 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,24 +30,24 @@ class RotateGizmo(GizmoFrame):
         return ("z",) if self.heading_only else (*AXES, SCREEN)
 
     def ring(self, part: str) -> FloatArray:
-        """(SIDES + 1, 2) pixels of a ring, closed; angles grow with a positive rotation about its axis."""
+        """(RING_SIDES + 1, 2) pixels of a ring, closed; angles grow with a positive rotation about its axis."""
         first, second, _ = self._basis(part)
-        radius = self.length * (SCREEN_RING if part == SCREEN else RING)
+        radius = self.length * (SCREEN_RING if part == SCREEN else ROTATE_RING)
         points = np.outer(np.cos(_ROUND), first) + np.outer(np.sin(_ROUND), second)
         return self.camera.project(self.origin + radius * points, self.size)[0]
 
     def in_front(self, part: str) -> NDArray[np.bool_]:
-        """(SIDES,) True for sides on the half towards the viewer; all of a ring that is seen from its axis."""
+        """(RING_SIDES,) True for sides on the half towards the viewer; all of a ring that is seen from its axis."""
         first, second, axis = self._basis(part)
         if part == SCREEN or self.heading_only or abs(float(axis @ self.sight)) > 0.985:
-            return np.ones(SIDES, dtype=np.bool_)
+            return np.ones(RING_SIDES, dtype=np.bool_)
         middles = (_ROUND[:-1] + _ROUND[1:]) / 2
         return np.asarray(np.cos(middles) * (first @ self.sight) + np.sin(middles) * (second @ self.sight) <= 0.0)
 
     @cached_property
     def radius(self) -> float:
         """Pixels of a ring that is seen from its axis."""
-        return RING * self.pixels
+        return ROTATE_RING * self.pixels
 
     def axis(self, part: str) -> FloatArray:
         """(3,) unit axis of a ring, stage space."""
@@ -79,8 +79,8 @@ class RotateGizmo(GizmoFrame):
     def sector(self, part: str, begin: float, angle: float) -> FloatArray:
         """(N, 2) pixels of the sector of a ring from bearing ``begin`` over ``angle`` radians, from the middle on."""
         first, second, _ = self._basis(part)
-        radius = self.length * (SCREEN_RING if part == SCREEN else RING)
-        angles = begin + np.linspace(0.0, angle, 2 + int(abs(angle) * SIDES / (2.0 * np.pi)))
+        radius = self.length * (SCREEN_RING if part == SCREEN else ROTATE_RING)
+        angles = begin + np.linspace(0.0, angle, 2 + int(abs(angle) * RING_SIDES / (2.0 * np.pi)))
         points = np.outer(np.cos(angles), first) + np.outer(np.sin(angles), second)
         return self.camera.project(self.origin + radius * np.concatenate([np.zeros((1, 3)), points]), self.size)[0]
 

@@ -19,7 +19,7 @@ from studio.engine.moments import TargetContext
 from studio.engine.props import further_heading, is_about_z
 from studio.viewport.body_points import point_path
 from studio.viewport.camera import FloatArray
-from studio.viewport.movables import SMALLEST_SIZE, Target
+from studio.viewport.movables import LEAST_SIDE, Target
 
 SIZED = {
     AreaShape.BOX: (True, True, True),
@@ -174,7 +174,7 @@ class RotatedArea(RotatedTarget):
 
     def scale(self, factors: FloatArray, gesture: int) -> None:
         """Make it larger about its centre."""
-        x, y, z = np.maximum(np.array(self._area.size) * factors, SMALLEST_SIZE).tolist()
+        x, y, z = np.maximum(np.array(self._area.size) * factors, LEAST_SIDE).tolist()
         self._put(replace(self._area, size=(x, y, z)), f"Resize {self._area.name}", gesture)
 
     @property

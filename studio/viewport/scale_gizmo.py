@@ -8,7 +8,7 @@ from studio.viewport.gizmo import AXES, BALL, BALL_REACH, GizmoFrame, nearest_ax
 
 EVEN_PIXELS = 120.0
 """Pixels to the right over which the box in the middle makes a thing 2.7 times larger."""
-SMALLEST = 0.01
+LEAST_FACTOR = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,4 +34,4 @@ class ScaleGizmo(GizmoFrame):
             return float(np.exp((x - grip[0] - (y - grip[1])) / EVEN_PIXELS))
         axis = AXES.index(part)
         begin, end = (float((self.along_axis(axis, *at) - self.origin) @ self.axes[axis]) for at in (grip, (x, y)))
-        return max(end / begin if abs(begin) > 1e-6 else 1.0, SMALLEST)
+        return max(end / begin if abs(begin) > 1e-6 else 1.0, LEAST_FACTOR)

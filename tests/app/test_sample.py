@@ -10,7 +10,7 @@ from studio.engine.performance import posed_performers
 from studio.io.adapted_file import read_adapted, write_adapted
 from studio.io.importing import load_capture
 from studio.jobs.performances import adapted_performers
-from studio.viewport.body_points import body_joints
+from studio.viewport.body_points import body_joints, point_path
 from studio.viewport.constraining import Here, constraint_here
 from tests.architecture.sources import ROOT
 
@@ -44,6 +44,23 @@ def test_c_on_the_sample_gives_each_body_its_own_place_before_anything_is_solved
     for pose in posed.values():
         made = constraint_here(Here(TargetContext(project, posed, pose), ball), "position")
         assert isinstance(made.target, OwnPlace)
+
+
+def test_c_on_the_sample_leaves_every_limb_its_speed():
+    project, shown = sample.read_sample()
+    for frame in (60, 100, 148, 154, 160, 200):
+        posed = posed_performers(project, shown.get, frame / 60)
+        for key in ("child", "giant"):
+            here = TargetContext(project, posed, posed[key])
+            for joint in body_joints(posed[key].motion.morphology.layout):
+                made = constraint_here(Here(here, joint), "position")
+                path = point_path(shown[key], joint.point)
+                drawn = path + made.activation.at(np.arange(len(path)) / 60)[:, None] * (path[frame] - path)
+                near = slice(max(frame - 70, 0), frame + 70)
+                speed, before = (
+                    60 * np.linalg.norm(np.diff(each[near], axis=0), axis=1).max() for each in (drawn, path)
+                )
+                assert speed < 1.1 * max(before, 0.1) + 1e-6, f"{key}, {joint.name}, frame {frame}"
 
 
 def test_adapted_motions_come_back_as_finely_as_anybody_sees(tmp_path):

@@ -86,3 +86,18 @@ def test_a_strike_whose_capture_the_project_has_does_not_bring_it_again():
     assert _known_capture(project, read_again) == key
     assert _known_capture(project, make_capture(frames=capture.frame_count + 1)) is None
     assert _known_capture(replace(project, motions={}), read_again) is None
+
+
+def test_deleting_bodies_says_that_they_leave_the_stage_and_their_characters_stay(window):
+    document = window.bench.document
+    one, two, three, _ = document.project.performers
+    document.selection.set(("performers", one), ("performers", two))
+    QTest.keyClick(window, Qt.Key.Key_Delete)
+    assert document.undo_stack.undoText() == "Take 2 characters off the stage"
+    assert len(document.project.characters) == 4
+    document.selection.set(("performers", three))
+    QTest.keyClick(window, Qt.Key.Key_Delete)
+    assert document.undo_stack.undoText() == "Take Body 2 off the stage"
+    document.selection.set(*(("constraints", key) for key in document.project.constraints))
+    QTest.keyClick(window, Qt.Key.Key_Delete)
+    assert document.undo_stack.undoText() == "Delete 3 constraints"

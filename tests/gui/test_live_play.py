@@ -22,8 +22,8 @@ PLACE = (0.4, -0.2, 1.1)
 @pytest.fixture
 def playing(window, qtbot):
     """A window whose stage plays live."""
-    punch = replace(clip_of("straight_punch", 60, 200), repeats=10)  # it does not end while a slow machine is tested
-    kick = clip_of("front_kick", 60, 200, 30.0)
+    punch = replace(clip_of("straight_punch", 60, 200), repeats=4)  # it does not end while a slow machine is tested
+    kick = clip_of("front_kick", 60, 200, 12.0)
     project = staged(punch, kick, reach=reaching("straight_punch", PLACE))
     ways = (Transition("guard", "kick", (KeyCondition("X"),)),)
     states = (State("guard", clip_of("straight_punch", 60, 120)), State("kick", kick))

@@ -8,9 +8,11 @@ import pytest
 
 from studio.core.body.kinematics import joint_positions
 from studio.core.errors import StudioError
+from studio.io.export import take_of_capture, write_take
 from studio.io.importing import ImportOptions, load_capture
 from studio.resources_folder import example_captures_folder
 
+SIDES = (("Left", "Right"), ("Right", "Left"))
 WALK = (example_captures_folder() / "walk_turn.bvh").read_text()
 JOINTS = re.findall(r"(?:ROOT|JOINT) (\S+)", WALK)
 
@@ -124,3 +126,32 @@ def test_joints_that_only_divide_a_bone_are_no_elbows_and_knees(tmp_path: Path, 
             here = joint_positions(found.skeleton, found.poses)[:, found.body_map[part]]
             there = joint_positions(plain.skeleton, plain.poses)[:, joint]
             assert np.abs(here - there).max() < 1e-3, part
+
+
+@pytest.mark.parametrize("suffix", [".bvh", ".glb"])
+@pytest.mark.parametrize("limbs", [("legs",), ("arms",), ("legs", "arms")])
+def test_limbs_that_bear_the_names_of_the_other_side_are_put_right_and_told(
+    tmp_path: Path, limbs: tuple[str, ...], suffix: str
+) -> None:
+    plain = load_capture(example_captures_folder() / "walk_turn.bvh")
+    bare = {"legs": ("UpLeg", "Leg", "Foot", "ToeBase"), "arms": ("Shoulder", "Arm", "ForeArm", "Hand")}
+    pairs = [(f"{one}{name}", f"{two}{name}") for limb in limbs for name in bare[limb] for one, two in SIDES]
+    path = _renamed(tmp_path, dict(pairs))
+    if suffix == ".glb":
+        read = load_capture(path, ImportOptions(body_map=plain.body_map.to_json(plain.skeleton)))  # as it is named
+        path = path.with_suffix(suffix)
+        write_take(take_of_capture(read), path)
+    found = load_capture(path)
+    assert found.body_map is not None
+    assert plain.body_map is not None
+    for part, joint in plain.body_map.parts.items():
+        name = plain.skeleton.names[joint]
+        assert found.skeleton.names[found.body_map[part]] == dict(pairs).get(name, name)
+    [guess] = [guess for guess in found.guesses if guess.subject == "sides"]
+    assert guess.value == f"left and right of {' and '.join(limbs)} exchanged"
+
+
+def test_names_that_agree_with_the_body_are_left_alone(captures: Path) -> None:
+    for stem in ("varied/accad_female1_A11_CrawlForward", "varied/accad_female1_A08_CrouchToLie"):
+        read = load_capture(captures / "bvh" / f"{stem}.bvh")
+        assert not any(guess.subject == "sides" for guess in read.guesses)

@@ -78,3 +78,15 @@ def test_any_time_at_any_zoom_has_a_pixel_that_can_be_painted(seconds, factor):
     assert (axis.left <= x <= axis.right) == (axis.time_at(axis.left) <= seconds <= axis.time_at(axis.right)) or (
         min(abs(x - axis.left), abs(x - axis.right)) < 1e-3
     )
+
+
+def test_a_trim_leaves_everything_where_it_is_and_fitting_shows_all_again():
+    axis = make_axis()
+    before = axis.x_of_frame(90)
+    axis.set_extent(0.0, 6.0, 30.0)
+    assert (axis.x_of_frame(90), axis.scale) == pytest.approx((before, 98.0))
+    axis.set_extent(0.0, 10.0, 30.0)
+    assert (axis.x_of_frame(90), axis.scale) == pytest.approx((before, 98.0))
+    axis.set_extent(0.0, 6.0, 30.0)
+    axis.fit()
+    assert axis.x_of_frame(180) == pytest.approx(1196 - MARGIN)

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from studio.viewport.camera import OrbitCamera
 from studio.viewport.gizmo import AXES
-from studio.viewport.rotate_gizmo import SCREEN, SIDES, TRACKBALL, RotateGizmo, rotation_about
+from studio.viewport.rotate_gizmo import RING_SIDES, SCREEN, TRACKBALL, RotateGizmo, rotation_about
 from studio.viewport.scale_gizmo import ScaleGizmo
 
 SIZE = (800.0, 600.0)
@@ -22,15 +22,15 @@ rotations = st.builds(
 )  # fmt: skip
 
 
-@given(cameras, rotations, st.sampled_from(PARTS), st.integers(0, SIDES - 1), st.integers(1, 8))
+@given(cameras, rotations, st.sampled_from(PARTS), st.integers(0, RING_SIDES - 1), st.integers(1, 8))
 def test_the_thing_follows_the_mouse_round_a_ring_whatever_the_view_and_the_axes(camera, axes, part, first, further):
     gizmo = RotateGizmo(ORIGIN, axes, camera, SIZE)
     if abs(float(gizmo.axis(part) @ gizmo.sight)) < 0.3:
         return  # edge on: the test below
-    begin, end = gizmo.ring(part)[first], gizmo.ring(part)[(first + further) % SIDES]
+    begin, end = gizmo.ring(part)[first], gizmo.ring(part)[(first + further) % RING_SIDES]
     grip = tuple(begin.tolist())
     angle = gizmo.bearing(part, *end, grip) - gizmo.bearing(part, *begin, grip)
-    expected = 2.0 * np.pi * further / SIDES
+    expected = 2.0 * np.pi * further / RING_SIDES
     assert np.remainder(angle - expected + np.pi, 2.0 * np.pi) - np.pi == pytest.approx(0.0, abs=1e-6)
 
 
@@ -41,9 +41,9 @@ def test_a_ring_seen_edge_on_turns_as_far_as_the_mouse_goes_along_it(camera, axe
         return
     corners, front = gizmo.ring(part), np.flatnonzero(gizmo.in_front(part))
     middle = front[np.argmin(np.hypot(*(corners[front] - gizmo.centre).T))]
-    begin, end = corners[middle], corners[(middle + 2) % SIDES]
+    begin, end = corners[middle], corners[(middle + 2) % RING_SIDES]
     angle = gizmo.bearing(part, *end, tuple(begin.tolist()))
-    assert angle == pytest.approx(4.0 * np.pi / SIDES, rel=0.15)
+    assert angle == pytest.approx(4.0 * np.pi / RING_SIDES, rel=0.15)
 
 
 @settings(max_examples=20)

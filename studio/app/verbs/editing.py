@@ -1,5 +1,6 @@
 """Edits: undo, constraints, what is shown."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from PySide6.QtGui import QGuiApplication
@@ -68,7 +69,7 @@ def delete(bench: Workbench) -> None:
         return
     selected = [item for item in document.selection.items if item != ("grounds", GROUND_ID)]
     items = [item for item in selected if item[0] in SMALL_THINGS] or selected
-    text = f"Delete {_name(bench, *items[0])}" if len(items) == 1 else f"Delete {len(items)} items"
+    text = _deletion(bench, items)
     with document.group(text):
         remove_clips(document, document.selection.of("clips"), text)
         remove_parts(document, document.selection.of("states"), document.selection.of("transitions"), text)
@@ -158,6 +159,15 @@ def select_capture(bench: Workbench) -> None:
     motion = bench.document.project.motions.get(bench.document.active_motion_id or "")
     if motion is not None:
         bench.document.selection.set(("captures", motion.capture_id))
+
+
+def _deletion(bench: Workbench, items: Sequence[tuple[str, str]]) -> str:
+    """Undo text of a deletion: performers leave the stage, and their characters stay in the library."""
+    collections = {collection for collection, _ in items}
+    what = _name(bench, *items[0]) if len(items) == 1 else f"{len(items)} items"
+    if collections == {"performers"}:
+        return f"Take {what if len(items) == 1 else f'{len(items)} characters'} off the stage"
+    return f"Delete {f'{len(items)} {next(iter(collections))}' if len(collections) == 1 < len(items) else what}"
 
 
 def _name(bench: Workbench, collection: str, key: str) -> str:

@@ -214,7 +214,7 @@ class _BlockerSearch:
             self._note(names, np.arange(len(self._found)), np.arange(len(self._frames)), whole)
 
     def _gain_of(self, standing: Standing) -> FloatArray:
-        """What is missed less (C, F) on another grounded motion, where asked for fully."""
+        """Gain (C, F) on another grounded motion, where a constraint is fully active: how much less it is missed."""
         problem, first, last = self._problem, self._window.start, self._window.stop - 1
         posed = hold(standing, problem.constraints, first, last, problem.tracks, eased=self._eased)
         return np.where(self._full, self._misses - problem.misses(posed), 0.0)
