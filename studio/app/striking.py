@@ -14,6 +14,7 @@ from studio.app.strike_edit import Wish, put_strike
 from studio.app.strike_target import StrikeTarget, targets_of
 from studio.app.workbench import Workbench
 from studio.cli.arguments import library_folder
+from studio.core.captures.contacts import standing_at
 from studio.core.errors import StudioError
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.placement import Placement
@@ -265,7 +266,9 @@ class Striking:
         row = row_at(adapted, timing_of(project, performer), time)
         rows = slice(row, row + 1)
         pose = encode(adapted.positions[rows], adapted.rotations[rows], adapted.morphology, adapted.frame_rate)
-        return StrikeQuery(pose, adapted.morphology, (0.0, 0.0, 0.0))
+        frame = adapted.first_frame + row
+        stands = standing_at(adapted.contacts, frame)
+        return StrikeQuery(pose, adapted.morphology, (0.0, 0.0, 0.0), contacts=stands)
 
     def _asked(self, performer_id: str, time: float) -> "StrikeQuery | None":
         """A body as it is at ``time``, and the target; None while one of them is missing."""

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from studio.core.body.morphology import Morphology
+from studio.core.captures.contacts import ContactPoint
 from studio.core.kernels import layout as at_channel
 from studio.core.kernels import pose_search as at
 from studio.core.normalized.motion import NormalizedMotion
@@ -27,8 +28,8 @@ FloatArray = NDArray[np.float64]
 class StrikeQuery:
     """``pose`` a motion of one frame, the performer's now; ``place`` (3,) where to hit, in the same space on ``body``.
 
-    ``limbs``, ``kinds`` and ``tags`` leave out clips that are of none of them, ``numbers`` those of other numbers;
-    empty leaves out none.
+    ``contacts`` are the points that stand in the pose. ``limbs``, ``kinds`` and ``tags`` leave out clips that are of
+    none of them, ``numbers`` those of other numbers; empty leaves out none.
     """
 
     pose: NormalizedMotion
@@ -40,6 +41,7 @@ class StrikeQuery:
     numbers: Collection[int] = ()
     posture_weight: float = 1.0
     reach_weight: float = 1.0
+    contacts: Collection[ContactPoint] = ()
     in_box: bool = False
     """Whether clips whose hit point stays within a box that does not hold the place are left out, as in P09."""
 

@@ -16,13 +16,11 @@ from studio.core.constraints.activation import ActivationCurve, EaseShape
 from studio.core.constraints.base import Chain
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.target import Place
-from studio.core.grounds.ground import Ground
 from studio.core.normalized.compose import Composite, compose
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import MotionPiece
-from studio.core.solver.adapt import adapt, hold
+from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.standing.stand import stand
 from studio.core.stage.clip import Clip
 from studio.core.stage.scope import Scope
 from studio.library.clips import ClipLabel, Limb, hit_point
@@ -136,14 +134,17 @@ def tried(found: Sequence[Result], asked: StrikeQuery) -> list[Tried]:
 
 
 def missed_by(found: Result, asked: StrikeQuery) -> float:
-    """Metres by which the hit misses the place although all is done to meet it, from the pose that was asked on."""
+    """Metres by which the hit misses the place although all is done to meet it, from the pose that was asked on: with
+    what stands there, and smoothed.
+    """
     pose, place = asked.pose, np.asarray(asked.place, dtype=np.float64)
     held = replace(pose, channels=np.repeat(pose.channels, round(HELD * pose.frame_rate), axis=0))
     x, y, z = place.tolist()
     last = held.frame_count - 1
-    made = make_strike(MotionPiece(held, (), 0, last), last, Blow.of(found), asked.body, (x, y, z))
-    standing = stand(made.composite.motion, asked.body, made.composite.contacts, Ground())
-    return float(hold(standing, [made.constraint], made.hit, made.hit).residuals[0, 0])
+    stands = tuple(ContactInterval("", point, 0, last) for point in asked.contacts)
+    made = make_strike(MotionPiece(held, stands, 0, last), last, Blow.of(found), asked.body, (x, y, z))
+    adapted = adapt(replace(made.request(), eased=True), made.hit, made.hit)
+    return float(np.linalg.norm(place_of(made.constraint.point, adapted)[0] - place))
 
 
 def aimed(found: Result, clip: Clip, target: Place, body: Morphology) -> PositionConstraint:

@@ -149,6 +149,12 @@ def on_ground(contacts: Iterable[ContactInterval]) -> tuple[ContactInterval, ...
     return tuple(each for each in contacts if isinstance(each.point, ContactPoint))
 
 
+def standing_at(contacts: Iterable[ContactInterval], frame: int) -> tuple[ContactPoint, ...]:
+    """The points that stand on the ground in a frame."""
+    there = (each.point for each in contacts if each.first <= frame <= each.last)
+    return tuple(point for point in there if isinstance(point, ContactPoint))
+
+
 HEIGHT_MARGIN = 0.04
 """Metres above its own usual low that a standing heel, ball or tip of the toes may be."""
 STILL_SPEED = 0.35
