@@ -39,11 +39,12 @@ from studio.core.stage.prop import Prop
 from studio.core.stage.scope import Scope
 from studio.io.export_options import ExportOptions
 from studio.io.importing import ImportOptions
+from studio.io.plug_ins import Panel, Verb
 from studio.library.clips import Kind, Limb
 from studio.library.searching import Result
 from studio.resources_folder import example_captures_folder
 
-VERSION = "1.0.0"
+VERSION = "1.1.0"
 """Semantic version of this interface, apart from that of the program."""
 
 __all__ = [
@@ -80,6 +81,7 @@ __all__ = [
     "Motion",
     "OrientationConstraint",
     "OwnPlace",
+    "Panel",
     "Performer",
     "PositionConstraint",
     "Project",
@@ -90,6 +92,7 @@ __all__ = [
     "StudioError",
     "Touch",
     "UprightConstraint",
+    "Verb",
     "example_captures_folder",
     "new_scene",
     "open_scene",

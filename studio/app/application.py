@@ -135,8 +135,9 @@ def import_viewport(warm_up: WarmUp | None = None) -> None:
 
 
 def import_timeline() -> None:
-    """Load what the timeline is made of."""
+    """Load what the timeline is made of, and with what the 3D view draws the first trail."""
     import_module("studio.timeline.timeline")
+    import_module("scipy.interpolate")
 
 
 def show_views(window: MainWindow) -> None:

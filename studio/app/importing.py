@@ -13,6 +13,7 @@ from studio.app.relinking import finder, offer_relinking
 from studio.app.workbench import Workbench
 from studio.core.captures.annotations import Annotations
 from studio.core.captures.capture import Capture
+from studio.core.captures.remarks import remarks_on
 from studio.core.errors import StudioError
 from studio.core.markers.take import MarkerTake
 from studio.core.project import Motion, Project, new_id
@@ -83,6 +84,7 @@ def ready_motion(
     capture = with_drift_told(capture)
     expect(capture)
     progress(READ_SHARE, "looking for contacts")
+    remarks_on(capture)  # here, beside the window, whose views show them
     motion_id = new_id()
     return ReadMotion(capture, known_of_motion(capture, read.annotations, motion_id), read_as, motion_id, path)
 

@@ -13,12 +13,15 @@ from studio.app.action_set import ActionSet
 from studio.app.live_control import LiveControl
 from studio.app.marker_dialog import open_markers
 from studio.app.playing_live import LivePlaying
+from studio.app.plug_in_panels import add_panel_actions
+from studio.app.problem_tour import ProblemTour
 from studio.app.striking import Striking
 from studio.app.top_bar import TopBar
 from studio.app.verbs import editing, files
 from studio.app.verbs.behaviours import READY_MADE
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
+from studio.engine.problem_search import ProblemSearch
 from studio.panels.behaviour.panel import BehaviourPanel
 from studio.panels.command_palette import CommandPalette, ShortcutSheet
 from studio.panels.console import Console
@@ -27,6 +30,7 @@ from studio.panels.history import History
 from studio.panels.inspector import Inspector
 from studio.panels.library import LibraryPanel
 from studio.panels.message_strip import MessageStrip, RecoveryBar
+from studio.panels.problem_table import ProblemTable
 from studio.panels.status_line import StatusLine
 
 SIZE = (1680, 1050)
@@ -39,7 +43,7 @@ ABOVE_NOTES = 48
 """Pixels of the view's edges that its chips have, which no sentence covers."""
 
 Area = Qt.DockWidgetArea
-SHARED = {"Inspector": ("Strikes", "Live"), "Timeline": ("Behaviour", "Pose map", "Console")}
+SHARED = {"Inspector": ("Strikes", "Live"), "Timeline": ("Behaviour", "Pose map", "Console", "Problems")}
 """Panels that stand in the place of another one, when they are asked for."""
 
 
@@ -65,6 +69,7 @@ class MainWindow(QMainWindow):
         self._make_bars()
         self._make_centre()
         self._make_docks()
+        add_panel_actions(self)
         self.palette_panel = CommandPalette(self, list(self.actions_by_id.by_id.values()))
         self.choice_panel = CommandPalette(self, [])
         self._connect()
@@ -193,6 +198,11 @@ class MainWindow(QMainWindow):
         self.behaviour = BehaviourPanel(self.bench.document, ready_made)
         self.behaviour.wanted.connect(lambda key: self.actions_by_id.by_id[key].trigger())
         self.console = Console(self.bench.document)
+        self.problem_search = ProblemSearch(self.bench.document, self.bench.live, self)
+        self.problem_search.failed.connect(self.bench.said)
+        self.problem_tour = ProblemTour(self.bench, self.problem_search, self)
+        self.problems = ProblemTable(self.problem_search)
+        self.problems.chosen.connect(self.problem_tour.show)
         self.docks: dict[str, QDockWidget] = {}
         for name, widget, area in (
             ("Library", self.library, Area.LeftDockWidgetArea),
@@ -204,6 +214,7 @@ class MainWindow(QMainWindow):
             ("Behaviour", self.behaviour, Area.BottomDockWidgetArea),
             ("Pose map", self.striking.mapping.view, Area.BottomDockWidgetArea),
             ("Console", self.console, Area.BottomDockWidgetArea),
+            ("Problems", self.problems, Area.BottomDockWidgetArea),
         ):
             dock = QDockWidget(name, self)
             dock.setObjectName(name)
@@ -362,6 +373,7 @@ class MainWindow(QMainWindow):
         if self.bench.timeline is not None:
             self.bench.timeline.close()
         self.live_control.close()
+        self.problem_search.close()
         self.console.close_session()
         self.hide()  # workers may take a moment to end
         self.bench.close()

@@ -10,7 +10,7 @@ from studio.cli.batch_summary import rows_of, write_rows
 from studio.cli.export_options import export_options
 from studio.cli.import_options import import_options
 from studio.cli.outputs import refuse_replacing
-from studio.cli.printing import print_json, print_table
+from studio.cli.printing import QUALITY_TITLES, print_json, print_table
 from studio.cli.stage import run_stage
 from studio.core.body.character import Character
 from studio.core.errors import StudioError
@@ -21,10 +21,10 @@ from studio.core.stage.placement import Placement
 from studio.io.export import take_of_actor, take_of_adapted, write_take
 from studio.io.export_options import ExportOptions
 from studio.io.importing import ImportOptions
+from studio.io.json_text import write_json
 from studio.io.project.constraint_file import ConstraintFile, read_constraints
 from studio.io.project.ground_file import read_ground
 from studio.io.registry import known_formats
-from studio.io.report_file import write_json
 from studio.jobs.adapt_report import Record, character_report, place_record
 from studio.jobs.adaptation import (
     MOTION_ID,
@@ -218,8 +218,8 @@ def check_frames(asked: ConstraintFile, ready: ReadyCapture, path: Path) -> None
 def print_report(report: Record) -> None:
     """The report as tables: one line a character, one line a constraint and character."""
     print(f"{report['source']}: {report['frames']} frames at {report['frame_rate']:g} Hz\n")
-    titles = ("character", "slide mm", "float mm", "below ground mm", "acceleration ratio", "speed ratio", "us/frame")
-    keys = ("slide_mm", "float_mm", "penetration_mm", "acceleration_ratio", "speed_ratio", "microseconds_per_frame")
+    titles = ("character", *QUALITY_TITLES.values(), "us/frame")
+    keys = (*QUALITY_TITLES, "microseconds_per_frame")
     rows = [[record["name"], *(f"{record[key]:.2f}" for key in keys)] for record in report["characters"]]
     print_table(titles, rows)
     lines = [

@@ -81,7 +81,7 @@ def work(job: BatchJob) -> Record:
     prepare_process()
     from studio.cli.adapt import adapt_file, asked_by
     from studio.cli.import_options import import_options
-    from studio.io.report_file import write_json
+    from studio.io.json_text import write_json
 
     arguments, start = Namespace(**job.arguments), perf_counter()
     record: Record = {"name": job.name, "digest": job.digest}

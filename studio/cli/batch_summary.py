@@ -14,12 +14,12 @@ Record = dict[str, Any]
 Row = dict[str, Any]
 
 COLUMNS = (
-    *("capture", "character", "file", "frames", "frame_rate", "slide_mm", "float_mm", "penetration_mm"),
+    *("capture", "character", "file", "frames", "frame_rate", "slide_mm", "skate_mm", "float_mm", "penetration_mm"),
     *("residual_mm", "residual_deg", "targets", "reached", "microseconds_per_frame", "seconds", "error"),
 )
 PLOTS = (
     ("Foot slide", "mm", "slide_mm"),
-    ("Feet below the ground", "mm", "penetration_mm"),
+    ("Body below the ground", "mm", "penetration_mm"),
     ("Worst residual of a place or distance", "mm", "residual_mm"),
     ("Worst residual of a direction", "°", "residual_deg"),
     ("Time of the solver a frame", "µs", "microseconds_per_frame"),

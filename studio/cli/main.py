@@ -4,7 +4,7 @@ import json
 import os
 import sys
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from studio import __version__
 from studio.cli.printing import STOPPED
 from studio.core.errors import Stopped, StudioError
+from studio.io import plug_ins
 from studio.io.registry import known_formats
 from studio.startup.process import check_libraries, has_display, prepare_process
 
@@ -58,11 +59,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(given: Sequence[str]) -> int:
     prepare_process()
-    verb = next((word for word in given if word in VERBS), None)
+    added = {offer.name: offer for offer in plug_ins.offers(plug_ins.VERBS) if offer.name not in VERBS}
+    verb = next((word for word in given if word in VERBS or word in added), None)
     files = [word for word in given if word.lower().endswith(opened())] if verb is None else []
-    parsed = make_parser(verb).parse_args([word for word in given if word not in files])
+    try:
+        plug_in = added[verb].load(plug_ins.verb_of) if verb in added else None
+        parser = make_parser(verb, {name: plug_in if name == verb else offer for name, offer in added.items()})
+    except StudioError as error:
+        report(error, "--json" in given)
+        return WORK_FAILED
+    parsed = parser.parse_args([word for word in given if word not in files])
     wants_json = getattr(parsed, "json", False)
     try:
+        if plug_in is not None:
+            return plug_in.run(parsed)
         if verb is not None:
             run: Callable[[Namespace], int] = import_module(f"studio.cli.{verb}").run
             return run(parsed)
@@ -76,8 +86,11 @@ def _run(given: Sequence[str]) -> int:
         return STOPPED if isinstance(error, Stopped) else WORK_FAILED
 
 
-def make_parser(verb: str | None) -> ArgumentParser:
-    """The parser with every verb named, and the options of the one asked for."""
+def make_parser(verb: str | None, added: Mapping[str, plug_ins.Verb | plug_ins.Offer | None]) -> ArgumentParser:
+    """The parser with every verb named, and the options of the one asked for.
+
+    ``added`` are the verbs of installed packages; only the one asked for is loaded.
+    """
     parser = ArgumentParser(
         prog="morpho-studio",
         allow_abbrev=False,
@@ -92,6 +105,11 @@ def make_parser(verb: str | None) -> ArgumentParser:
         verb_parser = verbs.add_parser(name, help=summary, description=description, allow_abbrev=False)
         if name == verb:
             import_module("studio.cli.arguments").ADD_ARGUMENTS[name](verb_parser)
+    for name, plug_in in added.items():
+        if isinstance(plug_in, plug_ins.Verb):
+            plug_in.add_arguments(verbs.add_parser(name, description=plug_in.summary, allow_abbrev=False))
+        elif plug_in is not None:
+            verbs.add_parser(name, help=f"added by {plug_in.package}")
     return parser
 
 

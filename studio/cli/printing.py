@@ -12,6 +12,17 @@ def print_json(value: object) -> None:
     print(json.dumps(value, indent=1, allow_nan=False))
 
 
+QUALITY_TITLES = {
+    "slide_mm": "slide mm",
+    "skate_mm": "skate mm",
+    "float_mm": "float mm",
+    "penetration_mm": "below ground mm",
+    "acceleration_ratio": "acceleration ratio",
+    "speed_ratio": "speed ratio",
+}
+"""Titles of a motion's figures in tables, by their names in reports."""
+
+
 def print_table(titles: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     """Columns as wide as they need; the first stands left, the others right."""
     widths = [max(len(row[column]) for row in (titles, *rows)) for column in range(len(titles))]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from studio.cli.export_options import export_options
 from studio.cli.outputs import refuse_replacing
-from studio.cli.printing import print_json, print_table
+from studio.cli.printing import QUALITY_TITLES, print_json, print_table
 from studio.core.errors import StudioError
 from studio.core.project import Project
 from studio.core.solver.performers.performing import Performance
@@ -15,8 +15,8 @@ from studio.core.solver.source import played_on
 from studio.core.solver.standing.stand import standing_of
 from studio.core.stage.placement import Placement
 from studio.io.export import write_take
+from studio.io.json_text import write_json
 from studio.io.registry import known_formats
-from studio.io.report_file import write_json
 from studio.io.staged_export import safe_name, take_of_performer
 from studio.io.takes.exported_stage import exported_stage, write_stage
 from studio.jobs.adapt_report import Record, figures, place_record
@@ -27,7 +27,6 @@ from studio.startup.kernel_warm_up import compile_first
 
 OF_CAPTURES = ("capture", "character", "constraints", "ground", "place")
 """Arguments that a project answers itself."""
-COLUMNS = ("slide_mm", "float_mm", "penetration_mm", "acceleration_ratio", "speed_ratio")
 
 
 def run_stage(arguments: Namespace) -> int:
@@ -126,8 +125,8 @@ def performer_record(project: Project, key: str, performance: Performance, path:
 
 def print_stage(report: Record) -> None:
     """A line a performer, a line a constraint, and who failed."""
-    rows = [[each["name"], *(f"{each[key]:.2f}" for key in COLUMNS)] for each in report["performers"]]
-    print_table(("performer", "slide mm", "float mm", "below ground mm", "acceleration ratio", "speed ratio"), rows)
+    rows = [[each["name"], *(f"{each[key]:.2f}" for key in QUALITY_TITLES)] for each in report["performers"]]
+    print_table(("performer", *QUALITY_TITLES.values()), rows)
     lines = [
         [asked["name"], each["name"], f"{asked['frames_held']} of {asked['frames_asked']}"]
         for each in report["performers"]

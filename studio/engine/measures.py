@@ -42,6 +42,8 @@ ANGLE = Measure(
     worth_saying=math.radians(1.0),
     worst_shown=math.radians(45.0),
 )
+PEAK = Measure(" ×", 1.0, held_below=1.5, partly_below=3.0, worth_saying=3.0, worst_shown=8.0)
+"""Ratio of an angular acceleration to its highest in the capture."""
 _BY_UNIT = {"m": LENGTH, "rad": ANGLE}
 
 

@@ -1,12 +1,13 @@
 """What every reader of captures has to find out when the file does not say it: the body, the ground, who stands how."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body.body_sides import LIMB_PARTS, exchanged_limbs
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.moving_offsets import with_bones_followed
 from studio.core.body.pose import PoseSequence
@@ -23,14 +24,19 @@ from studio.io.importing import ImportOptions
 FloatArray = NDArray[np.float64]
 
 
-def feet_guess(behind: float) -> Guess:
-    """Feet that do not hang from the legs; the body was ``behind`` them, in the unit of the poses, by so much."""
-    reason = (
-        "In the file they do not hang from the legs, as rigs for inverse kinematics have it; they follow the shanks."
-    )
+def loose_guesses(feet: Collection[int], hands: Collection[int], behind: float) -> list[Guess]:
+    """Feet and hands that do not hang from their limbs; the body was ``behind`` the feet, in the unit of the poses."""
+    guesses = []
+    for ends, subject, limbs, bones in ((feet, "feet", "legs", "shanks"), (hands, "hands", "arms", "forearms")):
+        if ends:
+            reason = f"In the file they do not hang from the {limbs}, as rigs for inverse kinematics have it;"
+            guesses.append(
+                Guess(subject, f"hung from the {bones}", f"{reason} they follow the {bones}.", Confidence.SURE)
+            )
     if behind:
-        reason += " The body does not go with them there; it was put where the ends of its shanks meet them."
-    return Guess("feet", "hung from the shanks", reason, Confidence.LIKELY if behind else Confidence.SURE)
+        moved = "The body does not go with them there; it was put where the ends of its shanks meet them."
+        guesses[0] = replace(guesses[0], reason=f"{guesses[0].reason} {moved}", confidence=Confidence.LIKELY)
+    return guesses
 
 
 def body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) -> list[Guess]:
@@ -49,6 +55,18 @@ def body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) -
         reason = "The names of its joints say nothing; legs reach lowest, arms widest, the head highest."
         confidence = Confidence.LIKELY
     return [Guess("body map", f"{parts} parts, {len(found.body_map.spine)} spine joints", reason, confidence)]
+
+
+def with_sides_right(found: FoundBody, points: FloatArray, guesses: list[Guess]) -> FoundBody:
+    """The body with left and right as ``points`` (F, J, 3) show them, in any axes, and a guess where names say else."""
+    exchanged = exchanged_limbs(found.body_map, points) if found.body_map is not None else ()
+    if found.body_map is None or not exchanged:
+        return found
+    names = [name for limb in exchanged for name in LIMB_PARTS[limb]]
+    shown = " and ".join(exchanged)
+    reason = f"The names of its {shown} say the other side than their place on the body does; they were put right."
+    guesses.append(Guess("sides", f"left and right of {shown} exchanged", reason, Confidence.LIKELY))
+    return replace(found, body_map=found.body_map.with_sides_exchanged(names))
 
 
 @dataclass(frozen=True, eq=False)

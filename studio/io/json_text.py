@@ -10,6 +10,7 @@ import numpy as np
 
 from studio.core.errors import StudioError
 from studio.io.beside import LARGEST, read_bytes
+from studio.io.replacing import write_whole
 
 Parse = Callable[[str], Any]
 
@@ -53,3 +54,8 @@ def _whole(text: str) -> int:
     if len(text) > LONGEST_NUMBER:
         raise ValueError(f"'{text[:20]}…' is not a believable number")
     return int(text)
+
+
+def write_json(path: Path, value: object) -> None:
+    """Write ``value`` as JSON, whole or not at all. Raises StudioError when it cannot be written."""
+    write_whole(path, (json.dumps(value, indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode())

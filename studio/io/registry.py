@@ -8,7 +8,6 @@ import hashlib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
@@ -16,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from studio.core.captures.annotations import Annotations
 from studio.core.errors import StudioError
 from studio.core.plausible import BONE, TRAVEL
+from studio.io import plug_ins
 from studio.io.beside import SNIFFED, refuse_devices, refuse_stand_in
 
 if TYPE_CHECKING:
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 Progress = Callable[[float, str], None]
 """Hears a share from 0 to 1 and what is being done; it raises to cancel."""
 
-ENTRY_POINTS = "morpho_studio.formats"
 _EARLIER = "It was written for an earlier version of the studio: docs/formats.md tells what a format is now."
 
 
@@ -299,26 +298,19 @@ class KnownFormats:
 @lru_cache(maxsize=1)
 def known_formats() -> KnownFormats:
     """The studio's own formats and those that are installed beside it; never raises."""
-    formats, failures = list(OWN_FORMATS), []
-    for entry in entry_points(group=ENTRY_POINTS):
-        try:
-            formats.append(_added(entry, formats))
-        except Exception as error:  # noqa: BLE001 - another's code may raise anything; the studio starts
-            package = entry.dist.name if entry.dist else entry.value
-            failures.append(f"The format '{entry.name}' of {package} could not be added: {error or type(error)}")
-    return KnownFormats(tuple(formats), tuple(failures))
+    names = {known.name for known in OWN_FORMATS}
 
+    def accepted(added: object) -> Format:
+        if not isinstance(added, Format):
+            raise StudioError(f"{added!r:.60} is not a studio.io.registry.Format.")
+        if added.name in names:
+            raise StudioError(f"there is already a format called {added.name}.")
+        names.add(added.name)
+        return added
 
-def _added(entry: EntryPoint, formats: list[Format]) -> Format:
-    try:
-        added = entry.load()
-    except TypeError as error:
-        raise StudioError(f"{error}. {_EARLIER}" if "Format.__init__" in str(error) else str(error)) from error
-    if not isinstance(added, Format):
-        raise StudioError(f"{entry.value} is not a studio.io.registry.Format.")
-    if any(added.name == known.name for known in formats):
-        raise StudioError(f"there is already a format called {added.name}.")
-    return added
+    loaded = plug_ins.load_all(plug_ins.FORMATS, accepted)
+    failures = (f"{each} {_EARLIER}" if "Format.__init__" in each else each for each in loaded.failures)
+    return KnownFormats((*OWN_FORMATS, *loaded.found), tuple(failures))
 
 
 @dataclass(frozen=True)

@@ -16,12 +16,17 @@ from studio.core.constraints.base import Constraint
 from studio.core.quality.metrics import SLOW, acceleration_ratio, knee_speeds, speed_ratio, worst_of
 from studio.core.solver.adapt import hold
 from studio.core.solver.report import (
+    BLOCKED_BY_CLEARANCE,
     BLOCKED_BY_CONTACTS,
     BLOCKED_BY_LIMITS,
     BLOCKED_BY_NOTHING,
     BLOCKED_BY_REACH,
     BLOCKED_BY_SMOOTHING,
+    BLOCKED_BY_TOLERANCE,
+    BLOCKED_BY_TOUCHES,
+    MET_BY_UNIT,
     Report,
+    fully_active,
     report_of,
 )
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -32,15 +37,17 @@ from studio.core.stage.placement import Placement
 Record = dict[str, Any]
 FloatArray = NDArray[np.float64]
 
-REACHED_MM, REACHED_DEG = 0.2, 0.1
+REACHED_MM, REACHED_DEG = 1000.0 * MET_BY_UNIT["m"], math.degrees(MET_BY_UNIT["rad"])
 """Millimetres and degrees within which a target counts as met."""
-FULLY = 1.0 - 1e-9
 OTHERS = {
     BLOCKED_BY_NOTHING: None,
     BLOCKED_BY_CONTACTS: "contacts",
     BLOCKED_BY_LIMITS: "joint limits",
     BLOCKED_BY_REACH: "reach",
-    BLOCKED_BY_SMOOTHING: "easing",
+    BLOCKED_BY_SMOOTHING: "smoothing",
+    BLOCKED_BY_TOUCHES: "touches",
+    BLOCKED_BY_CLEARANCE: "clearance",
+    BLOCKED_BY_TOLERANCE: "tolerance",
 }
 """Who else than another constraint keeps one from being met."""
 
@@ -72,7 +79,8 @@ def figures(
     record: Record = {
         "slide_mm": 1000.0 * quality.slide,
         "float_mm": 1000.0 * max(quality.rise, 0.0),
-        "penetration_mm": 1000.0 * max(quality.penetration, 0.0),
+        "penetration_mm": 1000.0 * max(quality.penetration, -float(report.lowest.min()), 0.0),
+        "skate_mm": 1000.0 * float(report.skates.max()),
         "acceleration_ratio": acceleration_ratio(adapted, source),
         "speed_ratio": speed_ratio(adapted, source),
         "knee_speed_deg": math.degrees(float(report.knee_speeds.max())),
@@ -97,6 +105,8 @@ def frame_records(report: Report) -> Record:
     return {
         "slide_mm": {point.value: _numbers(row) for point, row in zip(ContactPoint, slides, strict=True)},
         "penetration_mm": {point.value: _numbers(row) for point, row in zip(ContactPoint, depths, strict=True)},
+        "lowest_mm": _numbers(1000.0 * report.lowest),
+        "skate_mm": {side: _numbers(1000.0 * row) for side, row in zip(("left", "right"), report.skates, strict=True)},
         "knee_speed_deg": {
             side: _numbers(np.degrees(row)) for side, row in zip(("left", "right"), report.knee_speeds, strict=True)
         },
@@ -113,19 +123,18 @@ def constraint_records(request: AdaptRequest, adapted: AdaptedMotion, report: Re
     """
     records = []
     frames = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
-    for row, asked in enumerate(fully_asked(request)[:, frames]):
+    for row, asked in enumerate(fully_active(request.constraints, request.motion.times[frames])):
         constraint = request.constraints[row]
         factor = math.degrees(1.0) if constraint.unit == "rad" else 1000.0
         misses, kept_by = report.misses[row], [_winner(int(code), request.constraints) for code in report.winners[row]]
-        held = asked & (factor * misses <= (REACHED_DEG if constraint.unit == "rad" else REACHED_MM))
+        missed = asked & ~(misses <= MET_BY_UNIT[constraint.unit])
         worst = np.nanmax(misses[asked], initial=-math.inf)
         record: Record = {"name": constraint.name, "kind": constraint.kind}
         record |= residual_record(constraint, float(worst) if math.isfinite(worst) else None)
-        record |= {"frames_asked": int(asked.sum()), "frames_held": int(held.sum())}
+        record |= {"frames_asked": int(asked.sum()), "frames_held": int(asked.sum() - missed.sum())}
         if asked.any():
-            record["reached"] = bool(held.sum() == asked.sum())
-        missed = Counter(kept_by[frame] or OTHERS[BLOCKED_BY_SMOOTHING] for frame in np.flatnonzero(asked & ~held))
-        record["kept_by"] = dict(missed.most_common())
+            record["reached"] = not missed.any()
+        record["kept_by"] = dict(Counter(kept_by[frame] for frame in np.flatnonzero(missed)).most_common())
         if by_frame:
             told = np.where(asked, misses, adapted.residuals[row])
             record["by_frame"] = {"residual": _numbers(factor * told), "kept_by": kept_by}
@@ -156,12 +165,6 @@ def residual_record(constraint: Constraint, residual: float | None) -> Record:
         "residual_deg": shown if is_angle else None,
         "reached": None if shown is None else shown <= (REACHED_DEG if is_angle else REACHED_MM),
     }
-
-
-def fully_asked(request: AdaptRequest) -> NDArray[np.bool_]:
-    """(C, F) where each constraint is fully active as its curve has it, whatever stands."""
-    times = request.motion.times
-    return np.array([each.activation.at(times) >= FULLY for each in request.constraints]).reshape(-1, len(times))
 
 
 def knee_speed_ratio(speeds: FloatArray, first: int, source: AdaptedMotion) -> float:

@@ -7,6 +7,7 @@ other. A catalogue of a newer version is only read, and one that another process
 
 import json
 import operator
+import os
 import sqlite3
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -54,6 +55,7 @@ _COLUMNS = {
     "takes": "id, path, actor, name, frame_rate, spine_places, contacts",
     "clips": "id, take, label, confirmed, path_first, path",
 }
+_WITHOUT_TAKE = "take IS NULL OR take NOT IN (SELECT id FROM takes)"
 _BAD_VALUES = (ValueError, TypeError, KeyError, ArithmeticError, AttributeError, LookupError, StudioError)
 """Raised by a row that is not as it was written."""
 _BAD_DATABASE = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_FORMAT, sqlite3.SQLITE_ERROR)
@@ -172,6 +174,8 @@ class Catalogue:
 
     def files(self) -> dict[str, FileState]:
         """Every file whose entries are whole, by its path; the others of ``paths`` are to be read again."""
+        if self._rows(f"SELECT 1 FROM clips WHERE {_WITHOUT_TAKE} LIMIT 1"):
+            return {}  # nobody knows which take lost a clip
         takes = {take.path: take for take in self.takes().values()}
         labels = self._labels()
         counts = dict(self._rows("SELECT take, count(*) FROM clips GROUP BY take"))
@@ -205,7 +209,7 @@ class Catalogue:
             self._channels_file(number).unlink(missing_ok=True)
         for table in ("takes", "files"):
             self._connection.execute(f"DELETE FROM {table} WHERE path = ?", (path,))
-        self._connection.execute("DELETE FROM clips WHERE take NOT IN (SELECT id FROM takes)")
+        self._connection.execute(f"DELETE FROM clips WHERE {_WITHOUT_TAKE}")
 
     def note(self, path: str, state: FileState) -> None:
         """A file was looked at; what came from it before is forgotten."""
@@ -327,7 +331,7 @@ class Catalogue:
         """Raises StudioError for whatever SQLite raises in the block."""
         try:
             yield
-        except (sqlite3.Error, UnicodeEncodeError, OSError) as error:
+        except (sqlite3.Error, UnicodeError, OSError) as error:
             raise self._refusal(error) from error
 
     def _refusal(self, error: Exception) -> StudioError:
@@ -377,6 +381,9 @@ class Catalogue:
                 raise _damaged(str(state).splitlines()[-1])
             for table, columns in _COLUMNS.items():
                 database.execute(f"SELECT {columns} FROM {table} LIMIT 0")
+        except UnicodeDecodeError as error:  # a name of a table or column, or a message with it
+            database.close()
+            raise _damaged("a name in it is no text") from error
         except BaseException:
             database.close()
             raise
@@ -424,7 +431,7 @@ class Catalogue:
         if labels and not entered and not self.repaired:
             self.remark("The catalogue was lost; a new one is made. Add your folders again where files are missing.")
         missing = (rescued.keys() | labels.keys()) - entered
-        present = [path for path in sorted(missing) if Path(path).is_file()]
+        present = [path for path in sorted(missing) if os.path.isfile(path)]
         if present:
             with self.changing():
                 for path in present:
@@ -471,7 +478,7 @@ def _rescued(aside: Path) -> Labels:
 def _readable(database: sqlite3.Connection, question: str) -> list[tuple[Any, ...]]:
     """Rows up to the first that cannot be read."""
     rows = []
-    with suppress(sqlite3.Error):
+    with suppress(sqlite3.Error, UnicodeDecodeError):
         for row in database.execute(question):
             rows.append(row)
     return rows

@@ -4,6 +4,7 @@ A file that cannot be used is noted with the reason, and so is a folder that is 
 """
 
 import hashlib
+import os
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -52,7 +53,7 @@ def index(catalogue: Catalogue, folders: Iterable[Path], progress: Progress = la
     present = [root for root in roots if root.is_dir()]
     paths = sorted({path for root in present for path in captures_in(root)})
     known, read = catalogue.files(), 0
-    gone = [name for name in catalogue.paths() if _below(name, present) and not Path(name).exists()]
+    gone = [name for name in catalogue.paths() if _below(name, present) and not os.path.exists(name)]
     if gone:
         with catalogue.changing():
             for name in gone:
@@ -72,7 +73,7 @@ def whole_library(catalogue: Catalogue, progress: Progress = lambda share, text:
     """The library of a catalogue; files whose entries are damaged are read again first, where they are still there."""
     if not catalogue.read_only:
         whole = catalogue.files()
-        damaged = [path for path in map(Path, catalogue.paths()) if str(path) not in whole and path.is_file()]
+        damaged = [Path(path) for path in catalogue.paths() if path not in whole and os.path.isfile(path)]
         for place, path in enumerate(damaged):
             progress(place / len(damaged), path.name)
             _read(catalogue, path, _state(path))

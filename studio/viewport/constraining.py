@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
@@ -154,6 +153,8 @@ def _position(here: Here) -> Constraint:
 
 
 def _orientation(here: Here) -> Constraint:
+    from scipy.spatial.transform import Rotation  # late: it takes longer than a window
+
     joint = here.picked
     part = turned_part(joint.point)
     target = tuple(from_matrix(here.turn(part)).tolist())

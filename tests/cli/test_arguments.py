@@ -102,6 +102,6 @@ def test_the_rest_poses_to_choose_are_those_that_exports_know():
 
 def test_the_help_of_the_studio_names_every_verb():
     with contextlib.redirect_stdout(io.StringIO()) as shown, contextlib.suppress(SystemExit):
-        make_parser(None).parse_args(["--help"])
+        make_parser(None, {}).parse_args(["--help"])
 
     assert all(verb in shown.getvalue() for verb in VERBS)

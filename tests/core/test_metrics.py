@@ -13,7 +13,13 @@ from studio.core.grounds.steps import Steps
 from studio.core.mesh.volume import BodyVolume, usual_volume
 from studio.core.normalized.realize import realize
 from studio.core.quality.contact_tracks import contact_tracks
-from studio.core.quality.metrics import acceleration_ratio, angular_acceleration, contact_quality
+from studio.core.quality.metrics import (
+    acceleration_ratio,
+    angular_acceleration,
+    body_heights,
+    contact_quality,
+    skate_distances,
+)
 from studio.core.quality.motion_quality import motion_quality
 from studio.core.rotations import to_matrix
 from studio.core.solver.adapt import adapt
@@ -163,3 +169,37 @@ def test_what_is_inside_its_body_at_rest_may_be_so_in_motion() -> None:
     still = [AdaptedMotion(BODY, RATE, 0, positions, rotations, np.zeros((0, 10)), volume=v) for v in (thin, thick)]
     assert rooms(still[1]).min() < -0.1
     assert motion_quality(still[1], still[0], (), Ground()).inside == 0.0
+
+
+def test_a_foot_in_the_floor_is_seen_without_a_contact() -> None:
+    """A released foot 116 mm under the floor was reported as 0."""
+    sunk = _moved(_standing(), (0.0, 0.0, -0.116), slice(10, 12))
+    assert contact_quality(sunk, (), Ground()).penetration == 0.0
+    assert body_heights(sunk, Ground()).min() == pytest.approx(-0.116)
+    assert body_heights(_standing(), Ground()).min() == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("depth", [0.0, 0.03, 0.116])
+@pytest.mark.parametrize("ground", [Ground(0.2), Slope(0.1, 0.3), Steps(0.0, 0.15, 0.3)])
+def test_depth_is_that_of_the_lowest_point_under_level_sloped_and_stepped_ground(ground: Ground, depth: float) -> None:
+    motion, contacts = walk()
+    adapted = adapt(AdaptRequest(motion, BODY, contacts, ground=ground))
+    slope = np.cos(0.3) if isinstance(ground, Slope) else 1.0
+    before = body_heights(adapted, ground)
+    sunk = body_heights(_moved(adapted, (0.0, 0.0, -depth), slice(20, 40)), ground)
+    assert before.min() > -0.02
+    np.testing.assert_allclose(sunk[20:40], before[20:40] - depth * slope, atol=1e-9)
+    np.testing.assert_array_equal(sunk[:20], before[:20])
+
+
+def test_a_foot_that_glides_along_the_ground_skates_whatever_its_contacts_say() -> None:
+    still = _standing(61)
+    glide = np.linspace(0.0, 1.0, 61)[:, None, None]
+    for speed, expected in ((0.3, 0.3), (5.0, 0.0)):
+        moved = replace(still, positions=still.positions + speed * 60.0 / RATE * glide * [1.0, 0.0, 0.0])
+        assert skate_distances(moved, Ground()).max() == pytest.approx(expected * 60.0 / RATE, abs=1e-9)
+    assert contact_quality(still, (), Ground()).slide == 0.0
+    assert skate_distances(still, Ground()).max() == 0.0
+    lifted = _moved(still, (0.0, 0.0, 0.02), slice(0, 61))
+    drifting = replace(lifted, positions=lifted.positions + 0.3 * glide * [1.0, 0.0, 0.0])
+    assert skate_distances(drifting, Ground()).max() == 0.0

@@ -1,5 +1,7 @@
 """The window, the viewport and the timeline that several files of tests drive; a file may have its own by that name."""
 
+import shutil
+
 import pytest
 from PySide6.QtCore import QEvent
 from PySide6.QtTest import QTest
@@ -10,11 +12,15 @@ from studio.app.settings import Settings
 from studio.core.captures.contacts import ContactPoint
 from studio.document.document import Document
 from studio.io.bvh.writer import write_bvh
+from studio.library.catalogue import Catalogue
+from studio.library.indexing import index
+from studio.resources_folder import bundled_strikes_folder
 from studio.timeline.timeline import Timeline
 from studio.viewport.widget import Viewport
 from tests.builders import make_capture, make_constraint, make_contact, make_project
 from tests.gui.hand import Hand, curve
 from tests.gui.viewport_use import settle
+from tests.patience import PATIENCE
 from tests.timeline.fakes import FakeLive
 from tests.viewport.standing import StandingLive
 
@@ -45,8 +51,8 @@ def studio(qtbot):
     document = Document(make_project(characters=2, constraints=1))
     live = StandingLive(document)
     viewport = Viewport(document, live)
-    viewport.resize(900, 600)
-    with qtbot.waitSignal(viewport.started):
+    viewport.resize(600, 400)
+    with qtbot.waitSignal(viewport.started, timeout=PATIENCE):
         viewport.show()
     document.playhead.set_time(0.2)
     settle(viewport)
@@ -54,6 +60,21 @@ def studio(qtbot):
     viewport.close()
     viewport.deleteLater()
     QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+
+
+@pytest.fixture(scope="session")
+def bundled_library_folder(tmp_path_factory):
+    """The library of the bundled strikes, read once."""
+    folder = tmp_path_factory.mktemp("bundled") / "library"
+    with Catalogue(folder) as catalogue:
+        index(catalogue, [bundled_strikes_folder()])
+    return folder
+
+
+@pytest.fixture
+def library_folder(bundled_library_folder, tmp_path):
+    """A library of the bundled strikes of the test's own."""
+    return shutil.copytree(bundled_library_folder, tmp_path / "library")
 
 
 @pytest.fixture

@@ -18,9 +18,9 @@ LEFT = Qt.MouseButton.LeftButton
 
 
 @pytest.fixture
-def striking(window, qtbot, tmp_path):
+def striking(window, qtbot, library_folder):
     made = window.striking
-    made.folder = tmp_path / "library"
+    made.folder = library_folder
     window.actions_by_id.by_id["find_strike"].trigger()
     wait_until_idle(qtbot, window)
     made.panel.results.setCurrentRow(0)

@@ -27,6 +27,7 @@ from studio.viewport.handle_places import handle_place
 from studio.viewport.widget import Viewport
 from tests.builders import make_project
 from tests.gui.viewport_use import drag, joint_pixel, settle
+from tests.patience import PATIENCE
 from tests.viewport.standing import StandingLive
 
 LEFT = Qt.MouseButton.LeftButton
@@ -40,8 +41,8 @@ def studio(qtbot):
     qtbot.addWidget(inspector)
     inspector.resize(316, 1400)
     inspector.show()
-    viewport.resize(900, 600)
-    with qtbot.waitSignal(viewport.started):
+    viewport.resize(600, 400)
+    with qtbot.waitSignal(viewport.started, timeout=PATIENCE):
         viewport.show()
     document.playhead.set_time(0.2)
     settle(viewport)

@@ -25,7 +25,7 @@ def window(qtbot, tmp_path):
     window = make_window(Settings(tmp_path / "studio.ini"), Document())
     with qtbot.waitExposed(window):
         window.show()
-    window.resize(1400, 900)
+    window.resize(1000, 680)
     window.actions_by_id.by_id["open_sample"].trigger()
     import_views()
     show_views(window)

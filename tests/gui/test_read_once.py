@@ -6,6 +6,9 @@ import threading
 
 import pytest
 
+from studio.app.application import import_views, show_views
+from studio.app.verbs.files import open_path
+from studio.core.captures import remarks
 from studio.core.captures.annotations import Annotations, Label
 from studio.core.normalized import normalize
 from studio.io.export import take_of_capture, write_take
@@ -68,6 +71,32 @@ def test_a_dropped_capture_is_normalised_once_for_its_contacts_and_its_bodies(qt
     wait_until_idle(qtbot, window)
     assert window.bench.live.wait(300.0)
     assert measured.count(41) == 1
+
+
+def test_what_is_odd_about_a_capture_is_looked_for_once_beside_the_window(qtbot, window, tmp_path, monkeypatch):
+    looked, real, frames = [], remarks.joint_positions, 41
+    put(tmp_path / "jump.bvh", frames=frames)
+
+    def positions(skeleton, poses):
+        looked.append((poses.frame_count, threading.current_thread() is threading.main_thread()))
+        return real(skeleton, poses)
+
+    monkeypatch.setattr(remarks, "joint_positions", positions)
+    import_views()
+    show_views(window)
+    drop(window, tmp_path / "jump.bvh")
+    wait_until_idle(qtbot, window)
+    document = window.bench.document
+    document.selection.set(("captures", list(document.project.captures)[-1]))
+    assert window.bench.live.wait(300.0)
+    assert [each for each in looked if each[0] == frames] == [(frames, False)]
+    document.save(tmp_path / "shot.studio")
+    looked.clear()
+    open_path(window.bench, tmp_path / "shot.studio")
+    wait_until_idle(qtbot, window)
+    assert window.bench.live.wait(300.0)
+    assert (frames, False) in looked
+    assert not any(on_the_windows for _, on_the_windows in looked)
 
 
 def test_a_file_whose_kind_was_corrected_is_read_no_more_often(qtbot, window, tmp_path, watched):

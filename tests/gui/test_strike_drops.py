@@ -22,9 +22,9 @@ PLACE = (0.75, -0.1, 1.3)
 
 
 @pytest.fixture
-def striking(window, qtbot, tmp_path):
+def striking(window, qtbot, library_folder):
     made = window.striking
-    made.folder = tmp_path / "library"
+    made.folder = library_folder
     window.bench.document.add("props", Prop("Target", (0.1, 0.1, 0.1), PLACE), "Add Target")
     assert window.bench.live.wait(PATIENCE / 1000)
     window.actions_by_id.by_id["find_strike"].trigger()

@@ -20,13 +20,17 @@ from tests.gui.striking_use import struck_place
 from tests.gui.window_use import PATIENCE, same, wait_until_idle
 
 
-@pytest.fixture
-def striking(window, qtbot, tmp_path):
+def opened(window, qtbot, folder):
     made = window.striking
-    made.folder = tmp_path / "library"
+    made.folder = folder
     window.actions_by_id.by_id["find_strike"].trigger()
     wait_until_idle(qtbot, window)
     return made
+
+
+@pytest.fixture
+def striking(window, qtbot, library_folder):
+    return opened(window, qtbot, library_folder)
 
 
 def add_box(window, place=(0.75, -0.1, 1.3)):
@@ -38,7 +42,8 @@ def solved(window, qtbot):
     return window.bench.live.result(window.bench.document.active_performer_id)
 
 
-def test_a_new_library_has_the_bundled_strikes(striking, window):
+def test_a_new_library_has_the_bundled_strikes(window, qtbot, tmp_path):
+    striking = opened(window, qtbot, tmp_path / "new")
     assert window.docks["Strikes"].isVisible()
     assert striking.panel.hint.text() == strikes.NO_TARGET
     assert len(striking.library.clips) == 14

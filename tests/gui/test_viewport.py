@@ -13,6 +13,7 @@ from studio.viewport.scene import StageScene
 from studio.viewport.widget import Viewport
 from tests.builders import make_project
 from tests.gui.viewport_use import LEFT, chip, settle
+from tests.patience import PATIENCE
 from tests.viewport.standing import StandingLive
 
 
@@ -85,7 +86,7 @@ def test_another_project_takes_the_place_of_this_one(studio):
 def test_the_image_for_thumbnails_has_the_size_of_the_widget_and_no_chips(studio):
     viewport, _, _ = studio
     image = viewport.grab_image()
-    assert (image.width(), image.height()) == (900, 600)
+    assert (image.width(), image.height()) == (600, 400)
     assert image.pixelColor(30, 23).lightness() < 60
 
 
@@ -123,7 +124,7 @@ def test_a_viewport_starts_vtk_then_draws_the_stage_then_the_bodies_each_in_a_tu
     document = Document(make_project(characters=2))
     viewport = Viewport(document, StandingLive(document))
     beat.start()
-    with qtbot.waitSignal(viewport.started):
+    with qtbot.waitSignal(viewport.started, timeout=PATIENCE):
         viewport.show()
     beat.stop()
     assert [name for name, _ in turns] == ["__init__", "render", "sync", "render"]

@@ -162,6 +162,7 @@ def test_the_wheel_keeps_what_is_under_the_mouse_there(studio):
 
 def test_the_first_view_is_taken_anew_in_a_much_smaller_window_but_not_for_a_line_of_words(studio):
     viewport, _, _ = studio
+    viewport.resize(900, 600)
     first = viewport.camera
     viewport.resize(900, 570)
     assert viewport.camera == first

@@ -3,12 +3,16 @@
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from studio.core.body.kinematics import joint_positions
 from studio.core.errors import StudioError
+from studio.io.export import take_of_capture, write_take
 from studio.io.importing import ImportOptions, load_capture
 from studio.resources_folder import example_captures_folder
 
+SIDES = (("Left", "Right"), ("Right", "Left"))
 WALK = (example_captures_folder() / "walk_turn.bvh").read_text()
 JOINTS = re.findall(r"(?:ROOT|JOINT) (\S+)", WALK)
 
@@ -61,3 +65,93 @@ def test_limbs_that_the_user_names_are_believed_however_long_their_bones(tmp_pat
     assert found.body_map.to_json(found.skeleton) == names
     with pytest.raises(StudioError, match="must hang below each other"):
         load_capture(path, ImportOptions(body_map=names | {"left_shank": names["right_hand"]}))
+
+
+def _divided(text: str, bones: dict[str, str]) -> str:
+    """The file with a joint in the middle of each bone, from a joint to the one below it, that turns about nothing."""
+    head, motion = text.split("MOTION")
+    lines = motion.strip().splitlines()
+    order = list(JOINTS)
+    for upper, lower in bones.items():
+        block = re.search(rf"JOINT {lower}\s*\{{\s*OFFSET (.+)", head)
+        assert block is not None
+        half = " ".join(str(0.5 * float(number)) for number in block[1].split())
+        begin, end = block.start(), _closing(head, block.start())
+        inner = head[begin:end].replace(f"OFFSET {block[1]}", f"OFFSET {half}", 1)
+        middle = f"JOINT {upper}02 {{ OFFSET {half} CHANNELS 3 Zrotation Xrotation Yrotation\n"
+        head = f"{head[:begin]}{middle}{inner}}}\n{head[end:]}"
+        at = order.index(lower)
+        order.insert(at, f"{upper}02")
+        rows = [line.split() for line in lines[2:]]
+        lines[2:] = [" ".join([*row[: 3 + 3 * at], "0", "0", "0", *row[3 + 3 * at :]]) for row in rows]
+    return f"{head}MOTION\n" + "\n".join(lines) + "\n"
+
+
+def _closing(text: str, start: int) -> int:
+    depth = 0
+    for at in range(text.index("{", start), len(text)):
+        depth += {"{": 1, "}": -1}.get(text[at], 0)
+        if depth == 0:
+            return at + 1
+    raise AssertionError("a brace is open")
+
+
+BONES = {
+    f"{side}{upper}": f"{side}{lower}"
+    for side in ("Left", "Right")
+    for upper, lower in (("Arm", "ForeArm"), ("ForeArm", "Hand"), ("UpLeg", "Leg"), ("Leg", "Foot"))
+}
+
+
+@pytest.mark.parametrize("spelling", ["J{place}", "{name}_part{number}", "{name}.00{number}", "{name}{letter}"])
+def test_joints_that_only_divide_a_bone_are_no_elbows_and_knees(tmp_path: Path, spelling: str) -> None:
+    """By a number behind the name, or by the motion where names say nothing."""
+    plain = load_capture(example_captures_folder() / "walk_turn.bvh")
+    assert plain.body_map is not None
+    limbs = {*BONES, *(f"{upper}02" for upper in BONES)}
+    path = tmp_path / "walk.bvh"
+
+    def spelled(found: re.Match[str]) -> str:
+        name, number = found[2].removesuffix("02"), 2 if found[2].endswith("02") else 1
+        if "{name}" in spelling and found[2] not in limbs:
+            return found[0]
+        place = sum(map(ord, found[2]))
+        return f"{found[1]} {spelling.format(name=name, number=number, letter=' ab'[number], place=place)}"
+
+    path.write_text(re.sub(r"(ROOT|JOINT) (\S+)", spelled, _divided(WALK, BONES)))
+    found = load_capture(path)
+    assert found.body_map is not None
+    for part, joint in plain.body_map.parts.items():
+        if part in found.body_map.parts:
+            here = joint_positions(found.skeleton, found.poses)[:, found.body_map[part]]
+            there = joint_positions(plain.skeleton, plain.poses)[:, joint]
+            assert np.abs(here - there).max() < 1e-3, part
+
+
+@pytest.mark.parametrize("suffix", [".bvh", ".glb"])
+@pytest.mark.parametrize("limbs", [("legs",), ("arms",), ("legs", "arms")])
+def test_limbs_that_bear_the_names_of_the_other_side_are_put_right_and_told(
+    tmp_path: Path, limbs: tuple[str, ...], suffix: str
+) -> None:
+    plain = load_capture(example_captures_folder() / "walk_turn.bvh")
+    bare = {"legs": ("UpLeg", "Leg", "Foot", "ToeBase"), "arms": ("Shoulder", "Arm", "ForeArm", "Hand")}
+    pairs = [(f"{one}{name}", f"{two}{name}") for limb in limbs for name in bare[limb] for one, two in SIDES]
+    path = _renamed(tmp_path, dict(pairs))
+    if suffix == ".glb":
+        read = load_capture(path, ImportOptions(body_map=plain.body_map.to_json(plain.skeleton)))  # as it is named
+        path = path.with_suffix(suffix)
+        write_take(take_of_capture(read), path)
+    found = load_capture(path)
+    assert found.body_map is not None
+    assert plain.body_map is not None
+    for part, joint in plain.body_map.parts.items():
+        name = plain.skeleton.names[joint]
+        assert found.skeleton.names[found.body_map[part]] == dict(pairs).get(name, name)
+    [guess] = [guess for guess in found.guesses if guess.subject == "sides"]
+    assert guess.value == f"left and right of {' and '.join(limbs)} exchanged"
+
+
+def test_names_that_agree_with_the_body_are_left_alone(captures: Path) -> None:
+    for stem in ("varied/accad_female1_A11_CrawlForward", "varied/accad_female1_A08_CrouchToLie"):
+        read = load_capture(captures / "bvh" / f"{stem}.bvh")
+        assert not any(guess.subject == "sides" for guess in read.guesses)

@@ -10,7 +10,7 @@ from studio.core.body.rehanging import over_feet, rehang, rehung
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
 from studio.core.rotations import from_matrix
-from studio.io.figure.body_maps import find_body, loose_feet, named_sides
+from studio.io.figure.body_maps import find_body, loose_feet, loose_hands, named_sides
 from tests.core.motions import random_rotations
 from tests.io.character_files import JOINTS, NAMES, PLACES
 
@@ -109,6 +109,21 @@ def test_feet_that_hang_from_the_root_are_hung_from_the_shanks() -> None:
     found = find_body(after, points[:, hanging.order]).body_map
     assert found is not None
     assert after.names[found[BodyPart.LEFT_FOOT]] == "leftFoot"
+
+
+def test_hands_that_hang_from_the_root_are_hung_from_the_forearms() -> None:
+    joints = [(name, "root" if name.endswith("Hand") else parent or "root", place)
+              for (name, parent, _), place in zip(JOINTS, POINTS, strict=True)]  # fmt: skip
+    skeleton, points = _skeleton([("root", None, np.zeros(3)), *joints])
+    hands = loose_hands(skeleton)
+    assert {skeleton.names[hand]: skeleton.names[forearm] for hand, forearm in hands.items()} == {
+        "leftHand": "leftLowerArm", "rightHand": "rightLowerArm",
+    }  # fmt: skip
+    hanging = rehang(skeleton.parents, hands)
+    after, _ = rehung(skeleton, PoseSequence(np.tile([0.0, 0, 0, 1], (1, skeleton.joint_count, 1)), points), hanging)
+    found = find_body(after, points[:, hanging.order]).body_map
+    assert found is not None
+    assert after.names[found[BodyPart.RIGHT_HAND]] == "rightHand"
 
 
 def _walking(behind: float, apart: float = 0.0) -> tuple[Skeleton, PoseSequence, PoseSequence]:

@@ -69,7 +69,7 @@ REFUSED = {
     "overflow": (_rows("1e999"), "line 20: '1e999' is too large to be true"),
     "comma decimals": (_rows("90,5"), "line 20: '90,5' is not a number. Commas seem to be decimals"),
     "comma offset": (
-        bvh_text(hierarchy=HIERARCHY.replace("0 20 0", "0 20,5 0")),
+        bvh_text(hierarchy=HIERARCHY.replace("0 20 0", "0.5 20,5 0")),
         "line 8: '20,5' is not a number. Commas seem",
     ),
     "a channel without any number": (
@@ -205,6 +205,21 @@ REPAIRED = {
     ),
     "decimal commas but for the frame time": (
         bvh_text([ROW.replace(".", ",")] * 3, header="Frames: 3\nFrame Time: 0.0333\n"),
+        3,
+        "take.bvh: its numbers have decimal commas; they were read as points.",
+    ),
+    "decimal commas but for the offsets": (
+        bvh_text([ROW.replace(".", ",")] * 3, hierarchy=HIERARCHY.replace("0 90 0", "0.5 90.0 0.25")),
+        3,
+        "take.bvh: its numbers have decimal commas; they were read as points.",
+    ),
+    "decimal commas in the offsets only": (
+        bvh_text([ROW] * 3, hierarchy=HIERARCHY.replace("0 90 0", "0,5 90,0 0,25")),
+        3,
+        "take.bvh: its numbers have decimal commas; they were read as points.",
+    ),
+    "decimal commas between semicolons but for the offsets": (
+        bvh_text([ROW.replace(" ", ";").replace(".", ",")] * 3, hierarchy=HIERARCHY.replace("0 90 0", "0.5 90.0 0.25")),
         3,
         "take.bvh: its numbers have decimal commas; they were read as points.",
     ),
@@ -386,6 +401,23 @@ def test_a_row_without_numbers_lies_between_its_neighbours_and_angles_turn_the_s
     assert frames[1, 1] == pytest.approx(92.0)
     assert frames[1, 3] % 360.0 == pytest.approx(180.0)
     assert frames[[0, 2], 3].tolist() == [170.0, -170.0]
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "Frame Time: 16.6667 ms",
+        "Frame Time: 60 fps",
+        "Frame Time: 60Hz",
+        "Frame Rate: 60",
+        "FPS: 60",
+        "framerate: 60.0",
+    ],
+)
+def test_a_frame_time_may_have_a_unit_or_be_a_rate(tmp_path: Path, header: str) -> None:
+    file = _read(tmp_path, bvh_text(header=f"Frames: 3\n{header}\n"))
+    assert file.frame_time == pytest.approx(1.0 / 60.0, rel=1e-5)
+    assert any("was read as 0.0166667 s." in repair for repair in file.repairs)
 
 
 @pytest.mark.parametrize(("text", "rate"), [("1/60", 60.0), ("1 / 30", 30.0), ("1/29.97", 29.97), ("0.02 s", 50.0)])

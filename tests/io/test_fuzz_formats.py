@@ -12,7 +12,7 @@ from studio.core.errors import StudioError
 from studio.io.registry import OWN_FORMATS
 from tests.io.seeds import SEEDS, read, spoiled
 
-MUTATIONS = 2000
+MUTATIONS = 1000
 ELSEWHERE = {
     ".fbx": 12,
     ".c3d": 100,

@@ -11,7 +11,7 @@ import pytest
 from examples.formats.trace_format import FORMAT as TRACE
 from studio.cli.main import main
 from studio.core.errors import StudioError
-from studio.io import registry
+from studio.io import plug_ins, registry
 from studio.io.export import take_of_capture, write_capture, write_take
 from studio.io.importing import ImportOptions, load_capture, load_character
 from studio.io.registry import OWN_FORMATS, Format, format_of, known_formats
@@ -25,8 +25,8 @@ def installed(monkeypatch):
     """Lets packages be installed that add formats: name and what their entry point names."""
 
     def install(**entries: str) -> None:
-        group = [EntryPoint(name, value, registry.ENTRY_POINTS) for name, value in entries.items()]
-        monkeypatch.setattr(registry, "entry_points", lambda group, group_=group: group_)
+        group = [EntryPoint(name, value, plug_ins.FORMATS) for name, value in entries.items()]
+        monkeypatch.setattr(plug_ins, "entry_points", lambda group, group_=group: group_)
         known_formats.cache_clear()
 
     yield install
@@ -71,7 +71,7 @@ def test_a_format_that_fails_is_listed_with_its_error_and_the_others_are_there(i
     gone, wrong, again = known.failures
     assert "'gone'" in gone
     assert "No module named 'no_such_module'" in gone
-    assert "studio.core.errors:StudioError is not a studio.io.registry.Format" in wrong
+    assert "StudioError'> is not a studio.io.registry.Format" in wrong
     assert "OWN_BVH" in again
     (tmp_path / "take.xyz").write_bytes(b"?")
     with pytest.raises(StudioError, match="no_such_module"):

@@ -68,6 +68,30 @@ def test_every_row_may_hold_anything(folder: Path, label: ClipLabel) -> None:
     use(folder, label)
 
 
+@pytest.mark.parametrize("take", [None, "", "null", -1, 0, 1e300, 2**62])
+def test_a_clip_of_no_take_is_found_again_in_its_file(folder: Path, label: ClipLabel, take: object) -> None:
+    """Nobody missed it: its take seemed to have no clip."""
+    put(folder, "UPDATE clips SET take = ? WHERE id = (SELECT max(id) FROM clips)", take)
+    use(folder, label)
+    with closing(sqlite3.connect(folder / "catalogue" / DATABASE)) as database:
+        assert not database.execute("SELECT * FROM clips WHERE take IS NULL OR take = ?", (take,)).fetchall()
+
+
+@pytest.mark.parametrize("path", ["x" * 5000, "nul\0l", "\U0010ffff", ""])
+def test_a_path_that_can_be_none_is_that_of_no_file(folder: Path, label: ClipLabel, path: str) -> None:
+    put(folder, "UPDATE files SET path = ? WHERE path = (SELECT max(path) FROM files)", path)
+    use(folder, label)
+
+
+@pytest.mark.parametrize("name", [b"sqlite_autoindex_files_1", b"sqlite_autoindex_takes_1", b"spine_places", b"CREATE"])
+def test_a_name_in_the_file_that_is_no_text_is_damage(folder: Path, label: ClipLabel, name: bytes) -> None:
+    database = folder / "catalogue" / DATABASE
+    content = database.read_bytes()
+    assert name in content
+    database.write_bytes(content.replace(name, b"\xd0" + name[1:]))
+    use(folder, label)
+
+
 @pytest.mark.parametrize("version", [VERSION + 1, VERSION + 98, 2**31 - 1])
 def test_a_catalogue_of_a_newer_version_is_searched_and_never_changed(
     folder: Path, label: ClipLabel, version: int

@@ -7,6 +7,7 @@ from pathlib import Path
 from studio.app import casting, importing, sample
 from studio.app.file_dialogs import PROJECTS, ask_file, ask_new_file, characters, motions
 from studio.app.workbench import Workbench
+from studio.core.captures.remarks import remarks_on
 from studio.core.errors import StudioError
 from studio.engine.saving import save_in_background
 from studio.io.project.project_file import ChangedOnDisk, OpenedProject, read_project
@@ -139,8 +140,14 @@ def leave(bench: Workbench) -> None:
 
 
 def _open(bench: Workbench, path: Path) -> None:
+    def read(_progress: Progress) -> OpenedProject:
+        opened = read_project(path)
+        for capture in opened.project.captures.values():
+            remarks_on(capture)  # here, beside the window, whose views show them
+        return opened
+
     def show(opened: OpenedProject) -> None:
         bench.document.show_opened(opened)
         bench.settings.remember(path)
 
-    bench.runner.run(f"Opening {path.name}", lambda _: read_project(path), show)
+    bench.runner.run(f"Opening {path.name}", read, show)

@@ -41,6 +41,16 @@ def previous_event(bench: Workbench) -> None:
     bench.timeline.go_to_key(-1)
 
 
+def next_problem(bench: Workbench) -> None:
+    """To the next problem, the worst first."""
+    bench.window.problem_tour.go(1)
+
+
+def previous_problem(bench: Workbench) -> None:
+    """To the problem before."""
+    bench.window.problem_tour.go(-1)
+
+
 def add_label(bench: Workbench) -> None:
     """Name the moment at the playhead."""
     bench.timeline.add_label()

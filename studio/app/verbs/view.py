@@ -4,6 +4,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from studio.app.workbench import Workbench
+from studio.core.errors import StudioError
+from studio.io import plug_ins as plug_in_groups
 from studio.io.registry import Format, known_formats
 from studio.viewport.eyes import Stereo
 
@@ -93,6 +95,21 @@ def move_tool(bench: Workbench) -> None:
     _take_tool(bench, "move")
 
 
+def rotate_tool(bench: Workbench) -> None:
+    """Rotate targets, areas, props and bodies by the gizmo."""
+    _take_tool(bench, "rotate")
+
+
+def scale_tool(bench: Workbench) -> None:
+    """Resize areas and props by the gizmo."""
+    _take_tool(bench, "scale")
+
+
+def next_gizmo_axes(bench: Workbench) -> None:
+    """Move and rotate along the axes of the next space."""
+    bench.viewport.next_gizmo_space()
+
+
 def palette(bench: Workbench) -> None:
     """Find an action by its name."""
     bench.window.palette_panel.open()
@@ -116,9 +133,33 @@ def formats(bench: Workbench) -> None:
     bench.window.choose("Kinds of files", [(row, lambda: None) for row in rows])
 
 
+def plug_ins(bench: Workbench) -> None:
+    """What installed packages add, with the error of what cannot be loaded."""
+    groups = {
+        plug_in_groups.VERBS: plug_in_groups.verb_of,
+        plug_in_groups.PANELS: plug_in_groups.panel_of,
+        plug_in_groups.FORMATS: lambda found: found,
+    }
+    rows: list[tuple[str, str]] = []
+    for group, accepted in groups.items():
+        for offer in plug_in_groups.offers(group):
+            try:
+                offer.load(accepted)
+                rows.append((f"{offer.name}  {offer.words}", offer.package))
+            except StudioError as error:
+                rows.append((str(error), "failed"))
+    none = [("No installed package adds anything. docs/scripts.md tells how one does.", "")]
+    bench.window.choose("Plug-ins", [(row, lambda: None) for row in rows or none])
+
+
 def _uses(known: Format) -> str:
     uses = (f"reads {', '.join(known.reads)}" if known.reads else "", "writes" if known.writes else "")
     return "; ".join(use for use in uses if use)
+
+
+def problems(bench: Workbench) -> None:
+    """The table of constraints by body."""
+    bench.window.show_dock("Problems")
 
 
 def arrange(bench: Workbench) -> None:

@@ -1,6 +1,6 @@
 """BodyMap: which joints of a skeleton move which parts of a human body."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -46,13 +46,13 @@ class BodyMap:
         """The joint of ``part``, or None where the body has none."""
         return self.parts.get(part)
 
-    def with_sides_exchanged(self) -> "BodyMap":
-        """The same joints with left and right the other way round."""
+    def with_sides_exchanged(self, names: Collection[str] | None = None) -> "BodyMap":
+        """The same joints with left and right the other way round, of all parts or of ``names`` (``THIGH``)."""
         other = {"LEFT": "RIGHT", "RIGHT": "LEFT"}
         sides = ((part, joint, *part.name.partition("_")) for part, joint in self.parts.items())
         return BodyMap(
             {
-                BodyPart[f"{other[side]}_{name}"] if side in other else part: joint
+                BodyPart[f"{other[side]}_{name}"] if side in other and (names is None or name in names) else part: joint
                 for part, joint, side, _, name in sides
             },
             self.spine,

@@ -17,6 +17,7 @@ from studio.core.captures.contacts import spans_of
 from studio.core.markers.jumps import jumps
 from studio.core.markers.trial import bare_label
 from studio.core.rotations import normalized
+from studio.core.sharing import Shared
 
 FloatArray = NDArray[np.float64]
 
@@ -65,8 +66,7 @@ class Remark:
         return f"{self.words} {word} {', '.join(shown)}{more}."
 
 
-def remarks_on(capture: Capture) -> tuple[Remark, ...]:
-    """All that is odd about a capture; of one without a body map only its markers and bones that cannot be true."""
+def _remarks_on(capture: Capture) -> tuple[Remark, ...]:
     if capture.body_map is None:
         return (*_leaps(capture), *_far_joints(capture))
     positions = joint_positions(capture.skeleton, capture.poses)
@@ -81,6 +81,10 @@ def remarks_on(capture: Capture) -> tuple[Remark, ...]:
         *_hovers(capture, capture.body_map, positions),
     ]
     return tuple(found)
+
+
+remarks_on: Shared[Capture, tuple[Remark, ...]] = Shared(_remarks_on)
+"""All that is odd about a capture; of one without a body map only its markers and bones that cannot be true."""
 
 
 def remarks_on_body(body: Morphology) -> tuple[Remark, ...]:

@@ -19,6 +19,8 @@ class EaseShape(StrEnum):
     QUINTIC = "quintic"
 
 
+FULLY_ACTIVE = 1.0 - 1e-9
+"""Least activation of a constraint that is asked for fully."""
 EASE_PEAK = 1.875
 """Highest slope of a quintic ease."""
 

@@ -14,6 +14,7 @@ from studio.core.captures.contacts import ContactInterval
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.time.acceleration_peaks import segment_peaks
 from studio.core.quality.contact_tracks import contact_tracks
+from studio.core.runs import runs_of
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.footing import foot_states
 from studio.core.solver.standing.support import mass_path
@@ -25,6 +26,10 @@ QUIET = 20.0
 """Radians a second squared: a source peak below it counts as this, or a still source would divide by nothing."""
 SLOW = 1.0
 """Radians a second: the same of how fast a joint turns."""
+NEAR_GROUND, SKATING_SPEED = 0.005, 0.7
+"""Height in metres above the ground, and speed in leg lengths a second, below which a foot that moves along the ground
+skates: a faster one swings.
+"""
 LIMB_BONES = [
     place for place, part in enumerate(BodyPart) if part.value.endswith(("upper_arm", "forearm", "thigh", "shank"))
 ]
@@ -66,15 +71,56 @@ def swing_depths(adapted: AdaptedMotion, contacts: Sequence[ContactInterval], gr
 
     NaN where heel or toe stand. Within 5 mm of a riser or an edge counts as beside it.
     """
-    body, count = adapted.body, adapted.first_frame + adapted.frame_count
-    frames, depths = np.arange(adapted.first_frame, count), np.empty((2, adapted.frame_count))
-    states = foot_states(contacts, count)[:, adapted.first_frame :]
+    states = foot_states(contacts, adapted.first_frame + adapted.frame_count)[:, adapted.first_frame :]
+    return np.where(states == 0, -_sole_heights(adapted, ground).min(axis=2), np.nan)
+
+
+def body_heights(adapted: AdaptedMotion, ground: Ground) -> FloatArray:
+    """Heights (F,) in metres of the lowest point of the body, of its joints and soles, above the ground along its
+    normal; negative below it, whatever stands.
+
+    Within 5 mm of a riser or an edge a point counts as beside it.
+    """
+    soles = np.concatenate(_sole_points(adapted), axis=1)
+    points = np.concatenate([adapted.positions[:], soles], axis=1)
+    heights = (points[..., 2] - worn_height(ground, points)) * ground.normal_at(points)[..., 2]
+    return np.asarray(heights.min(axis=1))
+
+
+def skate_distances(adapted: AdaptedMotion, ground: Ground) -> FloatArray:
+    """Distances (2, F) in metres that each foot has gone along the ground since it came near it, whether or not a
+    contact says that it stands; 0 in the air.
+
+    The lowest point of the sole counts, so that a foot may roll.
+    """
+    points, heights = _sole_points(adapted), _sole_heights(adapted, ground)
+    lowest = heights.argmin(axis=2)[:, :-1, None]
+    steps = np.linalg.norm(np.diff(points[..., :2], axis=1), axis=3)
+    steps = np.pad(np.take_along_axis(steps, lowest, axis=2)[..., 0], ((0, 0), (1, 0)))
+    slow = steps * adapted.frame_rate < SKATING_SPEED * adapted.morphology.leg_length
+    near = (heights.min(axis=2) < NEAR_GROUND) & slow
+    distances = np.zeros(near.shape)
+    for foot, step, row in zip(near, steps, distances, strict=True):
+        for first, stop in runs_of(foot):
+            row[first + 1 : stop] = np.cumsum(step[first + 1 : stop])
+    return distances
+
+
+def _sole_points(adapted: AdaptedMotion) -> FloatArray:
+    """Low points (2, F, P, 3) of both soles, heel to tip."""
+    body, points = adapted.body, []
+    frames = np.arange(adapted.first_frame, adapted.first_frame + adapted.frame_count)
     for side in range(2):
         foot, ankle = body.layout.spine_count + 12 + 4 * side, adapted.positions[:, body.layout.ankle(side)]
         turns, measures = adapted.rotations[:, foot : foot + 2], at_frames(sole_rows(body, side), frames)
-        points = Sole.of(ankle, turns[:, 0], turns[:, 1], measures).points
-        depths[side] = (worn_height(ground, points) - points[..., 2]).max(axis=1)
-    return np.where(states == 0, depths, np.nan)
+        points.append(Sole.of(ankle, turns[:, 0], turns[:, 1], measures).points)
+    return np.array(points)
+
+
+def _sole_heights(adapted: AdaptedMotion, ground: Ground) -> FloatArray:
+    """Heights (2, F, P) in metres of ``_sole_points`` above the ground."""
+    points = _sole_points(adapted)
+    return np.asarray(points[..., 2] - worn_height(ground, points))
 
 
 def knee_speeds(adapted: AdaptedMotion) -> FloatArray:

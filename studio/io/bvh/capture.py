@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.body_shape import body_by_shape, knees_bend_backwards
+from studio.core.body.body_shape import moving_body_by_shape
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_positions
 from studio.core.body.moving_offsets import with_seen_offsets
@@ -20,8 +20,8 @@ from studio.core.kernels.body.file_channels import change_axes
 from studio.core.pieces import over_frames
 from studio.core.rotations import IDENTITY, normalized
 from studio.io.bvh.reader import read_bvh
-from studio.io.capture_guesses import ReadJoints, body_guesses, feet_guess, stood_capture
-from studio.io.figure.body_maps import FoundBody, find_body, loose_feet, named_sides
+from studio.io.capture_guesses import ReadJoints, body_guesses, loose_guesses, stood_capture, with_sides_right
+from studio.io.figure.body_maps import FoundBody, find_body, loose_feet, loose_hands, named_sides
 from studio.io.guessing import Scale, find_unit, guess_frame_rate, leg_and_trunk
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress, ReadCapture
@@ -83,9 +83,10 @@ def capture_of(file: JointRecording, path: Path, options: ImportOptions, progres
     sample = PoseSequence(*file.transforms(looked_at))
     after = PoseSequence(*file.transforms(np.minimum(looked_at + 1, file.frame_count - 1)))
     skeleton = with_seen_offsets(file.skeleton, sample)
-    loose = loose_feet(skeleton)
-    if loose:
-        sample, after = (over_feet(skeleton, poses, loose)[0] for poses in (sample, after))
+    feet, hands = loose_feet(skeleton), loose_hands(skeleton)
+    loose = feet | hands
+    if feet:
+        sample, after = (over_feet(skeleton, poses, feet)[0] for poses in (sample, after))
     both = np.stack([joint_positions(skeleton, poses) for poses in (sample, after)])
     if loose:
         hanging = rehang(skeleton.parents, loose)
@@ -95,6 +96,8 @@ def capture_of(file: JointRecording, path: Path, options: ImportOptions, progres
     if found.body_map is None:
         found = _found_by_shape(skeleton, both[0], options) or found
     guesses: list[Guess] = body_guesses(skeleton, found, options)
+    if not options.body_map:
+        found = with_sides_right(found, both[0], guesses)
     leg, trunk = leg_and_trunk(both[0], found.body_map)
     scale, unit_guess = find_unit(leg, file.said_unit, options.unit, trunk)
     guesses += [unit_guess] if unit_guess else []
@@ -104,9 +107,9 @@ def capture_of(file: JointRecording, path: Path, options: ImportOptions, progres
     )
     skeleton = with_seen_offsets(skeleton, poses)
     if loose:
-        poses, behind = over_feet(skeleton, poses, loose)
+        poses, behind = over_feet(skeleton, poses, feet) if feet else (poses, 0.0)
         skeleton, poses = rehung(skeleton, poses, hanging)
-        guesses.append(feet_guess(behind))
+        guesses += loose_guesses(feet, hands, behind)
     frame_rate = _frame_rate(file.frame_time, file.frame_time_digit, options, guesses)
     progress(0.8, f"Finding floor and reference pose of {path.name}")
     positions = joint_positions(skeleton, poses)
@@ -124,12 +127,9 @@ def _found_by_shape(skeleton: Skeleton, points: FloatArray, options: ImportOptio
     still = PoseSequence(np.tile(IDENTITY, (1, skeleton.joint_count, 1)), skeleton.offsets[None])
     rest, sides = joint_positions(skeleton, still)[0], named_sides(skeleton)
     for axis in (axis_called(options.up_axis),) if options.up_axis else AXES:
-        by_shape = body_by_shape(skeleton, rest @ turn_to_world(axis).T, sides)
+        by_shape = moving_body_by_shape(skeleton, rest @ turn_to_world(axis).T, points, sides)
         if by_shape is not None:
-            if not sides.any() and knees_bend_backwards(by_shape, points):
-                by_shape = by_shape.with_sides_exchanged()
-            parts = {part: joint for part, joint in by_shape.parts.items() if not skeleton.end_sites[joint]}
-            return FoundBody(BodyMap(parts, by_shape.spine), "", ())
+            return FoundBody(by_shape, "", ())
     return None
 
 

@@ -28,10 +28,11 @@ _LONGEST_HIERARCHY = 1 << 24
 _MOST_NUMBERS = 1 << 28
 _WITHOUT_COLON = re.compile(rb"^\s*(frames|frame\s*time)(?=\s+[\d.])", re.IGNORECASE)
 _FRAME_TIME = re.compile(
-    r"(?P<over>\+?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(?:\s*/\s*(?P<under>\d+\.?\d*))?(?=\s|;|s|$)",
+    r"(?P<over>\+?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(?:\s*/\s*(?P<under>\d+\.?\d*))?"
+    r"(?:\s*(?P<unit>ms|millisec\w*|hz|fps))?(?=\s|;|s|$)",
     re.ASCII | re.IGNORECASE,
 )
-"""Seconds as a number or as a fraction."""
+"""Seconds, or what a unit behind says, as a number or as a fraction."""
 _SCALE_NOISE = 1e-3
 _DEEDS = {
     "scale": kernel.IGNORED_CHANNEL,
@@ -211,8 +212,9 @@ def _motion_header(name: str, body: list[bytes], motion_line: int) -> tuple[_Hea
         if key == "frames":
             header.frames = " ".join(words[words.index(":") + 1 :])
             header.frames_line = motion_line + at
-        elif key in ("frame time", "frametime"):
+        elif key in ("frame time", "frametime", "frame rate", "framerate", "fps"):
             header.frame_time = " ".join(words[words.index(":") + 1 :])
+            header.frame_time += " Hz" * (header.frame_time != "" and key not in ("frame time", "frametime"))
             header.frame_time_line = motion_line + at
         elif ":" in words:
             raise StudioError(f"{name}, line {motion_line + at}: '{key[:40]}' is not part of a BVH motion. Remove it.")
@@ -229,13 +231,16 @@ def _frame_time(name: str, header: _Header, repairs: list[str]) -> tuple[float |
         return None, 0.0
     where = f"{name}, line {header.frame_time_line}"
     plain = _FRAME_TIME.match(text.replace(",", "."))
-    seconds = float(plain["over"]) / float(plain["under"] or 1.0) if plain and float(plain["under"] or 1.0) else 0.0
+    over, under = (float(plain[part] or 1.0) for part in ("over", "under")) if plain else (0.0, 1.0)
+    unit = ((plain and plain["unit"]) or "").lower()
+    over, under = (under, over) if unit in ("hz", "fps") else (over, under * (1000.0 if unit.startswith("m") else 1.0))
+    seconds = over / under if under else 0.0
     if not plain or not 1e-4 <= seconds <= 1.0:
         repairs.append(f"{where}: Frame Time {text[:20]} cannot be true and was not used.")
         return None, 0.0
-    if plain[0] != text or plain["under"]:
+    if plain[0] != text or plain["under"] or unit:
         repairs.append(f"{where}: Frame Time {text[:20]} was read as {seconds:.6g} s.")
-    if plain["under"]:
+    if plain["under"] or unit:
         return seconds, 1e-9
     mantissa, _, exponent = plain["over"].lower().partition("e")
     return seconds, float(10.0 ** (float(exponent or 0) - len(mantissa.partition(".")[2])))

@@ -3,10 +3,12 @@
 import re
 
 _COMMENT = re.compile(rb"^[ \t]*(?:#|//)[^\r\n]*", re.MULTILINE)
-_NUMBERS = re.compile(rb"^[ \t]*OFFSET[^\r\n]*|^[ \t]*MOTION[ \t]*$.*\Z", re.MULTILINE | re.DOTALL | re.IGNORECASE)
+_OFFSETS = re.compile(rb"^[ \t]*OFFSET[^\n]*", re.MULTILINE | re.IGNORECASE)
+_MOTION = re.compile(rb"^[ \t]*MOTION[ \t]*$.*\Z", re.MULTILINE | re.DOTALL | re.IGNORECASE)
 _HEADER = re.compile(rb"^[ \t]*(?:MOTION|FRAMES?\b)[^\n]*", re.MULTILINE | re.IGNORECASE)
 _COMMA_AND_BLANK = re.compile(rb",(?=\s)|(?<=\s),")
 _DECIMAL_COMMA = re.compile(rb"\d,\d")
+_SEMICOLON, _COMMA = re.compile(rb";"), re.compile(rb",")
 _COMMAS_BETWEEN = re.compile(rb",[-+\d.eE]*,")
 
 
@@ -21,27 +23,34 @@ def plainly_spelled(name: str, content: bytes, repairs: list[str]) -> bytes:
 
 
 def _plain_numbers(name: str, content: bytes, repairs: list[str]) -> bytes:
-    """Offsets and rows with blanks between their numbers and points in them; the header of the motion stays."""
+    """Offsets and rows with blanks between their numbers and points in them, either as it needs; headers stay."""
     content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-    numbers = _HEADER.sub(b"", b"\n".join(_NUMBERS.findall(content)))
-    changes: list[tuple[re.Pattern[bytes], bytes, str]] = []
+    for block in (_OFFSETS, _MOTION):
+        changes = _changes(_HEADER.sub(b"", b"\n".join(block.findall(content))))
+        repairs += [f"{name}: {words}" for words in changes.values() if f"{name}: {words}" not in repairs]
+        content = block.sub(lambda found, changes=tuple(changes): _respelled(found[0], changes), content)  # type: ignore[misc]
+    return content
+
+
+def _changes(numbers: bytes) -> dict[tuple[re.Pattern[bytes], bytes], str]:
+    """Patterns and what replaces them, in order, each with a sentence."""
+    changes: dict[tuple[re.Pattern[bytes], bytes], str] = {}
     if b";" in numbers:
-        changes.append((re.compile(b";"), b" ", "its numbers have semicolons between them; they were read as blanks."))
+        changes[_SEMICOLON, b" "] = "its numbers have semicolons between them; they were read as blanks."
     if _COMMA_AND_BLANK.search(numbers):
-        changes.append((_COMMA_AND_BLANK, b" ", "its numbers have commas between them; they were read as blanks."))
-    for pattern, plain, _ in changes:
+        changes[_COMMA_AND_BLANK, b" "] = "its numbers have commas between them; they were read as blanks."
+    for pattern, plain in changes:
         numbers = pattern.sub(plain, numbers)
     if _COMMAS_BETWEEN.search(numbers):
-        changes.append((re.compile(b","), b" ", "its numbers have commas between them; they were read as blanks."))
+        changes[_COMMA, b" "] = "its numbers have commas between them; they were read as blanks."
     elif b"." not in numbers and _DECIMAL_COMMA.search(numbers):
-        changes.append((re.compile(b","), b".", "its numbers have decimal commas; they were read as points."))
+        changes[_COMMA, b"."] = "its numbers have decimal commas; they were read as points."
+    return changes
 
-    def respelled(found: re.Match[bytes]) -> bytes:
-        start = max((header.end() for header in _HEADER.finditer(found[0])), default=0)
-        rows = found[0][start:]
-        for pattern, plain, _ in changes:
-            rows = pattern.sub(plain, rows)
-        return found[0][:start] + rows
 
-    repairs += dict.fromkeys(f"{name}: {words}" for _, _, words in changes)
-    return _NUMBERS.sub(respelled, content) if changes else content
+def _respelled(block: bytes, changes: tuple[tuple[re.Pattern[bytes], bytes], ...]) -> bytes:
+    start = max((header.end() for header in _HEADER.finditer(block)), default=0)
+    rows = block[start:]
+    for pattern, plain in changes:
+        rows = pattern.sub(plain, rows)
+    return block[:start] + rows

@@ -27,7 +27,7 @@ from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Appearance, Material
 from studio.core.mesh.rig import STILL, Rig
-from studio.io.figure.body_maps import find_body, loose_feet, named_sides, similar_joints
+from studio.io.figure.body_maps import find_body, loose_feet, loose_hands, named_sides, similar_joints
 from studio.io.figure.figure import NO_SKELETON, Figure, MeshPiece
 from studio.io.guessing import find_unit, said_unit
 from studio.io.importing import ImportOptions
@@ -95,7 +95,7 @@ def _body_of(figure: Figure, options: ImportOptions, hung: Figure, order: IntArr
     offsets = figure.positions - figure.positions[np.maximum(parents, 0)]
     offsets[0] = figure.positions[0]
     skeleton = Skeleton(figure.joint_names, parents, offsets, np.zeros(len(parents), dtype=bool))
-    loose = loose_feet(skeleton)
+    loose = loose_feet(skeleton) | loose_hands(skeleton)
     if loose:
         new = rehang(parents, loose)
         return _body_of(_rehung(figure, new), options, hung, order[new.order])

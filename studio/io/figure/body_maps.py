@@ -90,16 +90,25 @@ def loose_feet(skeleton: Skeleton) -> dict[int, int]:
 
     Rigs for inverse kinematics keep feet under the root.
     """
+    return _loose_ends(skeleton, "left leg", "right leg")
+
+
+def loose_hands(skeleton: Skeleton) -> dict[int, int]:
+    """Forearms by the hands that belong to them and hang elsewhere."""
+    return _loose_ends(skeleton, "left arm", "right arm")
+
+
+def _loose_ends(skeleton: Skeleton, *limbs: str) -> dict[int, int]:
     candidates = _candidates(_all_families(), _joints_by_name(skeleton))
-    feet: dict[int, int] = {}
-    for limb in ("left leg", "right leg"):
-        thigh, shank, foot = (next(iter(candidates[part]), -1) for part in LIMBS[limb])
-        if min(thigh, shank, foot) < 0 or len(skeleton.path(thigh, shank)) < 2:
+    ends: dict[int, int] = {}
+    for limb in limbs:
+        root, middle, end = (next(iter(candidates[part]), -1) for part in LIMBS[limb])
+        if min(root, middle, end) < 0 or len(skeleton.path(root, middle)) < 2:
             continue
-        if skeleton.path(shank, foot) or (skeleton.path(foot, thigh) and foot != 0):
+        if skeleton.path(middle, end) or (skeleton.path(end, root) and end != 0):
             continue
-        feet[foot] = shank
-    return feet if len(feet) == 2 else {}
+        ends[end] = middle
+    return ends if len(ends) == len(limbs) else {}
 
 
 def named_sides(skeleton: Skeleton) -> NDArray[np.int64]:
@@ -176,7 +185,7 @@ def _joints_by_name(skeleton: Skeleton) -> dict[str, list[int]]:
         plain = _plain(name), _sided(name)
         for key in {_numberless(name, _plain), _numberless(name, _sided)}.difference(plain):
             above = numbered.setdefault(key, [])
-            if not any(skeleton.path(upper, joint) for upper in above):
+            if not any(skeleton.path(upper, joint) for upper in (*by_name.get(key, ()), *above)):
                 above.append(joint)
     for key, joints in numbered.items():
         by_name[key] = list(dict.fromkeys([*by_name.get(key, []), *joints]))
@@ -185,7 +194,7 @@ def _joints_by_name(skeleton: Skeleton) -> dict[str, list[int]]:
 
 def _numberless(name: str, key: Callable[[str], str]) -> str:
     """The ``key`` of a name without the number that ends it, before or behind its side."""
-    return re.sub(r"\d+$", "", key(name)).rstrip()
+    return re.sub(r"(part|seg|segment|section|piece)?\d+$", "", key(name)).rstrip()
 
 
 def _suffixes(name: str) -> Iterator[str]:

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.body_shape import body_by_shape, knees_bend_backwards
+from studio.core.body.body_shape import moving_body_by_shape
 from studio.core.body.kinematics import joint_positions
 from studio.core.body.pose import PoseSequence
 from studio.core.body.rehanging import over_feet, rehang, rehung
@@ -15,8 +15,8 @@ from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
 from studio.core.rotations import from_matrix, to_matrix
-from studio.io.capture_guesses import ReadJoints, body_guesses, feet_guess, stood_capture
-from studio.io.figure.body_maps import FoundBody, find_body, loose_feet, named_sides
+from studio.io.capture_guesses import ReadJoints, body_guesses, loose_guesses, stood_capture, with_sides_right
+from studio.io.figure.body_maps import FoundBody, find_body, loose_feet, loose_hands, named_sides
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.animation import AnimationTrack, read_tracks
 from studio.io.gltf.container import GltfFile, read_gltf
@@ -90,23 +90,24 @@ def _capture(file: GltfFile, options: ImportOptions, progress: Progress) -> Capt
     looked_at = np.unique(np.linspace(0, len(times) - 1, _LOOKED_AT).astype(int))
     skeleton, poses = _joint_motion(figure, rest_places[0], rest_turns[0], places, turns)
     rest = rest_places[0]
-    loose = loose_feet(skeleton)
-    if loose:
-        poses, behind = over_feet(skeleton, poses, loose)
+    feet, hands = loose_feet(skeleton), loose_hands(skeleton)
+    if feet or hands:
+        poses, behind = over_feet(skeleton, poses, feet) if feet else (poses, 0.0)
         places = joint_positions(skeleton, poses)
-        hanging = rehang(skeleton.parents, loose)
+        hanging = rehang(skeleton.parents, feet | hands)
         skeleton, poses = rehung(skeleton, poses, hanging)
         places, rest = places[:, hanging.order], rest[hanging.order]
-        guesses.append(feet_guess(behind))
+        guesses += loose_guesses(feet, hands, behind)
     sample = places[looked_at]
     chosen = {part: figure.names[figure.nodes.index(node)] for part, node in bones.items()}
     found = find_body(skeleton, sample, {**chosen, **(options.body_map or {})} or None)
     sides = named_sides(skeleton)
-    by_shape = body_by_shape(skeleton, rest, sides) if found.body_map is None else None
+    by_shape = moving_body_by_shape(skeleton, rest, sample, sides) if found.body_map is None else None
     if by_shape is not None:
-        turned = not sides.any() and knees_bend_backwards(by_shape, sample)
-        found = FoundBody(by_shape.with_sides_exchanged() if turned else by_shape, "", ())
+        found = FoundBody(by_shape, "", ())
     guesses += body_guesses(skeleton, found, options)
+    if not (bones or options.body_map):
+        found = with_sides_right(found, sample, guesses)
     if found.body_map is not None and options.up_axis is None:
         after = places[np.minimum(looked_at + 1, len(times) - 1)]
         body = BodyPoints.of_joints(np.stack([sample, after]) @ to_world, found.body_map)

@@ -11,7 +11,7 @@ from studio.core.body.morphology import AnyMorphology
 from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import Follow, FollowBody, FollowPerformer, FollowProp, FollowTracked
-from studio.core.constraints.keyed import KeyedNumber
+from studio.core.constraints.keyed import Keys
 from studio.core.constraints.objections import objection
 from studio.core.constraints.target import follows_of, own_place_of, with_own_place
 from studio.core.normalized.compose import Composite
@@ -201,7 +201,8 @@ def _prop(follow: FollowProp, project: Project, performer_id: str, results: Mapp
             return OwnPath(among)
         return seen_from(follow, prop, stage_track(prop, seconds, hands), own)
 
-    moving = prop.holds or not isinstance(prop.position, tuple) or isinstance(prop.heading, KeyedNumber)
+    is_keyed = isinstance(prop.heading, Keys) or isinstance(prop.tilt, Keys)
+    moving = prop.holds or not isinstance(prop.position, tuple) or is_keyed
     depends = (*results.values(), *timings.values(), project.performers[performer_id].clips) if moving else ()
     return Followed(follow, (prop, own, *map(Placement.of, leaders.values()), *depends), make)
 

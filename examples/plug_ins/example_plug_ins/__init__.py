@@ -1,0 +1,1 @@
+"""A verb and a panel that a package adds to Morpho Studio."""

@@ -1,0 +1,51 @@
+"""Panels of installed packages, loaded when they are first shown."""
+
+from typing import Any
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import QDockWidget, QWidget
+
+from studio.core.errors import StudioError
+from studio.io import plug_ins
+
+
+def add_panel_actions(window: Any) -> None:
+    """A line in the menu *View* of the main window for each panel that packages offer; nothing is loaded."""
+    for offer in plug_ins.offers(plug_ins.PANELS):
+        action = QAction(f"{offer.name.replace('_', ' ').capitalize()} panel", window)
+        action.setToolTip(f"Added by {offer.package}")
+        action.triggered.connect(lambda _=False, offer=offer: show_plug_in(window, offer))
+        window.actions_by_id.menus["View"].addAction(action)
+
+
+def show_plug_in(window: Any, offer: plug_ins.Offer) -> None:
+    """Show a package's panel beside the inspector; what goes wrong in it is a sentence."""
+    key = f"plug-in {offer.name}"
+    if key not in window.docks:
+        try:
+            dock = _dock(window, offer)
+        except StudioError as error:
+            window.strip.say(str(error))
+            return
+        dock.setObjectName(key)
+        window.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, dock)
+        window.tabifyDockWidget(window.docks["Inspector"], dock)
+        window.docks[key] = dock
+        window.arrange(window.arranging)
+    window.show_dock(key)
+
+
+def _dock(window: Any, offer: plug_ins.Offer) -> QDockWidget:
+    from studio import api  # late: it loads what renders and searches
+
+    panel = offer.load(plug_ins.panel_of)
+    try:
+        widget = panel.make(api.Scene(window.bench.document))
+    except Exception as error:  # another's code may raise anything
+        raise StudioError(f"The panel '{offer.name}' of {offer.package} could not be made: {error}") from error
+    if not isinstance(widget, QWidget):
+        raise StudioError(f"The panel '{offer.name}' of {offer.package} is a {type(widget).__name__}, not a QWidget.")
+    dock = QDockWidget(panel.title, window)
+    dock.setWidget(widget)
+    return dock

@@ -1,0 +1,55 @@
+"""The tour of the stage's problems: next and previous, by keys, the worst first."""
+
+from PySide6.QtCore import QObject
+
+from studio.app.workbench import Workbench
+from studio.engine.problem_search import ProblemSearch
+from studio.engine.quality_summary import FoundProblem, SummaryRow
+
+
+class ProblemTour(QObject):
+    """Goes from problem to problem; one that is mended leaves the list, and the worst that remains is next."""
+
+    def __init__(self, bench: Workbench, search: ProblemSearch, parent: QObject) -> None:
+        super().__init__(parent)
+        self._bench, self._search = bench, search
+        self._at: tuple[str, str | None, str] | None = None
+        self._step = 0
+        search.found.connect(self._found)
+
+    def go(self, step: int) -> None:
+        """To the next problem (1) or the one before (-1), as soon as the stage is measured."""
+        self._step = step
+        if self._search.ask():
+            self._found()
+
+    def show(self, row: SummaryRow, aspect: str) -> None:
+        """Go to the worst frame of one aspect of a row, or else to the row's constraint."""
+        finding = row.findings.get(aspect)
+        if finding is not None:
+            self._bench.document.playhead.pause()
+            self._bench.document.playhead.set_time(finding.time)
+        items = [("performers", row.performer_id)]
+        if row.constraint_id is not None:
+            items.append(("constraints", row.constraint_id))
+        if all(self._bench.document.project.get(*item) is not None for item in items):
+            self._bench.document.selection.set(*items)
+
+    def _found(self) -> None:
+        step, self._step = self._step, 0
+        problems = self._search.problems
+        if step == 0:
+            return
+        if not problems:
+            self._at = None
+            self._bench.said.emit("No problems: every constraint holds, and nothing slides, sinks in or pops.")
+            return
+        places = {each.key: place for place, each in enumerate(problems)}
+        at = places.get(self._at) if self._at is not None else None
+        self._go_to(problems, 0 if at is None else (at + step) % len(problems))
+
+    def _go_to(self, problems: tuple[FoundProblem, ...], place: int) -> None:
+        problem = problems[place]
+        self._at = problem.key
+        self.show(problem.row, problem.aspect)
+        self._bench.said.emit(f"Problem {place + 1} of {len(problems)}. {problem.sentence}.")

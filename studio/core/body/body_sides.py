@@ -1,0 +1,38 @@
+"""Limbs whose names say the other side of the body than their place and motion do."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.body_shape import knees_bend_backwards
+from studio.core.body.humanoid import BodyMap, BodyPart
+from studio.core.rotations import normalized
+
+FloatArray = NDArray[np.float64]
+
+LIMB_PARTS = {"legs": ("THIGH", "SHANK", "FOOT", "TOE"), "arms": ("CLAVICLE", "UPPER_ARM", "FOREARM", "HAND")}
+_OPPOSITE, _MOSTLY = -0.5, 0.9
+"""Cosine between hips and shoulders, from right to left, to which no trunk twists, and the part of the frames."""
+_BACKWARDS = -0.3
+"""Mean cosine of feet with the front of the body that only feet on the wrong sides have."""
+
+
+def exchanged_limbs(body_map: BodyMap, points: FloatArray) -> tuple[str, ...]:
+    """Of ``legs`` and ``arms`` those with left and right exchanged; ``points`` (F, J, 3) in any axes.
+
+    Legs are where knees bend backwards and feet point backwards too; arms where shoulders lie across the hips.
+    """
+
+    def pair(part: str) -> FloatArray:
+        return points[:, [body_map[BodyPart[f"{side}_{part}"]] for side in ("LEFT", "RIGHT")]]
+
+    hips, shoulders = pair("THIGH"), pair("UPPER_ARM")
+    left = normalized(hips[:, 0] - hips[:, 1])
+    up = normalized(shoulders.mean(axis=1) - hips.mean(axis=1))
+    legs = False
+    if all(BodyPart[f"{side}_TOE"] in body_map.parts for side in ("LEFT", "RIGHT")):
+        front = normalized(np.cross(left, up))[:, None]
+        ahead = np.einsum("fsi,fsi->fs", normalized(pair("TOE") - pair("FOOT")), np.broadcast_to(front, hips.shape))
+        legs = bool(ahead.mean() < _BACKWARDS) and knees_bend_backwards(body_map, points)
+    across = np.einsum("fi,fi->f", normalized(shoulders[:, 0] - shoulders[:, 1]), left * (-1.0 if legs else 1.0))
+    arms = bool((across < _OPPOSITE).mean() > _MOSTLY)
+    return tuple(name for name, exchanged in (("legs", legs), ("arms", arms)) if exchanged)

@@ -1,0 +1,179 @@
+"""Summary of how well everything holds on every body, and the problems in it, the worst first.
+
+A row is a constraint on a body, with what the body does while that acts, or a body's whole motion.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.canonical import BodyPart
+from studio.core.constraints.carried_over import mirrored_constraint
+from studio.core.project import Project
+from studio.core.solver.performers.rows import timing_of
+from studio.core.solver.performers.stage import asked_of
+from studio.core.solver.request import AdaptedMotion
+from studio.engine.measures import LENGTH, PEAK, Measure
+from studio.engine.performance import stage_time
+from studio.engine.residuals import worst_residual
+
+FloatArray = NDArray[np.float64]
+
+WHOLE_MOTION = "Whole motion"
+ASPECTS = ("residual", "slide", "penetration", "peak")
+ASPECT_HINTS = {
+    "residual": "Worst error while fully active",
+    "slide": "Farthest that a standing heel, toe, hand, knee or seat has moved since its contact began",
+    "penetration": "Deepest that a standing point or the sole of a foot is below the ground",
+    "peak": "Highest angular acceleration of a limb, beside the highest of the same limb in the capture",
+}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """The worst ``amount`` of one aspect (metres, radians, or a ratio, as ``measure`` says), and its stage second."""
+
+    amount: float
+    time: float
+    measure: Measure = LENGTH
+
+    @property
+    def words(self) -> str:
+        """The amount with its unit."""
+        return self.measure.words(self.amount)
+
+    @property
+    def weight(self) -> float:
+        """Badness, comparable between measures."""
+        return self.measure.weight(self.amount)
+
+
+@dataclass(frozen=True)
+class SummaryRow:
+    """Findings for a constraint on a body, or for its whole motion, by aspect."""
+
+    performer_id: str
+    body: str
+    constraint_id: str | None
+    name: str
+    findings: Mapping[str, Finding]
+
+
+@dataclass(frozen=True)
+class FoundProblem:
+    """A finding that is worth saying."""
+
+    row: SummaryRow
+    aspect: str
+    finding: Finding
+
+    @property
+    def key(self) -> tuple[str, str | None, str]:
+        """What it is about, whatever its amount is now."""
+        return self.row.performer_id, self.row.constraint_id, self.aspect
+
+    @property
+    def sentence(self) -> str:
+        """``Tall man: residual 42 mm, Right wrist``."""
+        return f"{self.row.body}: {self.aspect} {self.finding.words}, {self.row.name}"
+
+
+def summary_of(
+    project: Project, motions: Mapping[str, AdaptedMotion], sources: Mapping[str, AdaptedMotion]
+) -> tuple[SummaryRow, ...]:
+    """A row for each visible body with a result, and for each constraint on it; ``sources`` by motion."""
+    return tuple(
+        row
+        for key, performer in project.performers.items()
+        if performer.visible and performer.clips and key in motions
+        for row in _rows_of(project, key, motions[key], sources)
+    )
+
+
+def problems_in(rows: tuple[SummaryRow, ...]) -> tuple[FoundProblem, ...]:
+    """The problems, the worst first: residuals of constraints, and the rest of whole motions."""
+    found = [
+        FoundProblem(row, aspect, finding)
+        for row in rows
+        for aspect, finding in row.findings.items()
+        if (aspect == "residual") != (row.constraint_id is None) and finding.amount > finding.measure.worth_saying
+    ]
+    return tuple(sorted(found, key=lambda each: -each.finding.weight))
+
+
+def _rows_of(
+    project: Project, performer_id: str, motion: AdaptedMotion, sources: Mapping[str, AdaptedMotion]
+) -> Iterator[SummaryRow]:
+    performer = project.performers[performer_id]
+    timing = timing_of(project, performer)
+    times = timing.begin + (motion.first_frame + np.arange(motion.frame_count)) / timing.frame_rate
+    tracks = _tracks(project, performer_id, motion, sources)
+    everywhere = {aspect: _worst(values, times, measure) for aspect, (values, measure) in tracks.items()}
+    yield SummaryRow(performer_id, performer.name, None, WHOLE_MOTION, _known(everywhere))
+    listed: set[str] = set()
+    for asked in asked_of(project, performer_id):
+        if asked.constraint_id in listed:
+            continue
+        listed.add(asked.constraint_id)
+        constraint, clip = asked.constraint, performer.clips[asked.clip]
+        rate, curve = project.frame_rate_of(clip), constraint.activation
+        begin, end = (stage_time(clip, rate, second) for second in (curve.start, curve.end))
+        acts = (times >= begin) & (times <= end)
+        own = {aspect: _worst(np.where(acts, values, np.nan), times, each) for aspect, (values, each) in tracks.items()}
+        found = worst_residual(project, performer_id, motion, asked.constraint_id)
+        if found is not None:
+            own["residual"] = Finding(found.amount, stage_time(clip, rate, found.frame / rate), found.measure)
+        name = (mirrored_constraint(constraint) if clip.mirrored else constraint).name
+        yield SummaryRow(performer_id, performer.name, asked.constraint_id, name, _known(own))
+
+
+def _known(findings: Mapping[str, Finding | None]) -> Mapping[str, Finding]:
+    return {aspect: findings[aspect] for aspect in ASPECTS if findings.get(aspect) is not None}  # type: ignore[misc]
+
+
+def _worst(values: FloatArray, times: FloatArray, measure: Measure) -> Finding | None:
+    if not np.isfinite(values).any():
+        return None
+    place = int(np.nanargmax(values))
+    return Finding(float(values[place]), float(times[place]), measure)
+
+
+def _tracks(
+    project: Project, performer_id: str, motion: AdaptedMotion, sources: Mapping[str, AdaptedMotion]
+) -> dict[str, tuple[FloatArray, Measure]]:
+    """(F,) of each aspect but residuals, NaN where nothing is known, with its measure."""
+    from studio.core.quality.contact_tracks import contact_tracks  # not before a result is there: they load kernels
+    from studio.core.quality.metrics import swing_depths
+
+    performer = project.performers[performer_id]
+    ground = project.ground.seen_from(performer.position, performer.heading)
+    composite = motion.composite
+    contacts = motion.contacts if composite else tuple(project.contacts_of(performer.clips[0].motion_id).values())
+    slides, heights = contact_tracks(motion, contacts, ground)
+    depths = np.concatenate([-heights, swing_depths(motion, contacts, ground)])
+    tracks = {
+        "slide": (np.fmax.reduce(slides, axis=0), LENGTH),
+        "penetration": (np.maximum(np.fmax.reduce(depths, axis=0), 0.0), LENGTH),
+    }
+    source = sources.get(performer.clips[0].motion_id)
+    if source is not None and (composite is None or composite.is_plain):
+        tracks["peak"] = (_peaks(motion, source), PEAK)
+    return tracks
+
+
+def _peaks(motion: AdaptedMotion, source: AdaptedMotion) -> FloatArray:
+    """(F,) angular acceleration of the limb that turns most abruptly, in parts of its highest in the source."""
+    from studio.core.quality.metrics import LIMB_BONES, QUIET, angular_acceleration, turning_peaks
+
+    peaks = np.full(motion.frame_count, np.nan)
+    if motion.frame_count < 3:
+        return peaks
+    parts = tuple(BodyPart)
+    segments = [motion.morphology.layout.segment(parts[place]) for place in LIMB_BONES]
+    turning = angular_acceleration(np.asarray(motion.rotations[:, segments]), motion.frame_rate)
+    first = motion.first_frame
+    theirs = turning_peaks(source.frames(first, first + motion.frame_count - 1))[LIMB_BONES, 1]
+    peaks[1:-1] = (turning / np.maximum(theirs, QUIET)).max(axis=1)
+    return peaks

@@ -1,0 +1,109 @@
+"""What installed packages add to the studio by entry points: kinds of files, verbs, panels.
+
+A package names what it adds in its ``pyproject.toml``, for example a verb:
+
+    [project.entry-points."morpho_studio.verbs"]
+    count = "my_package:COUNT"
+
+What cannot be loaded is told with its package and error, and the studio starts without it.
+"""
+
+from argparse import ArgumentParser, Namespace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any, Generic, TypeVar
+
+from studio.core.errors import StudioError
+
+FORMATS, VERBS, PANELS = "morpho_studio.formats", "morpho_studio.verbs", "morpho_studio.panels"
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Verb:
+    """A verb of the command line: ``morpho-studio NAME``, with the name of its entry point."""
+
+    summary: str
+    """One line for ``--help``."""
+    add_arguments: Callable[[ArgumentParser], object]
+    run: Callable[[Namespace], int]
+    """Do the work and return the exit code; raises StudioError."""
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A panel of the window, in its menu *View*."""
+
+    title: str
+    make: Callable[[Any], Any]
+    """``(scene: studio.api.Scene) -> QWidget``: the panel on the open project; what it changes are undo steps."""
+
+
+@dataclass(frozen=True)
+class Offer:
+    """An entry point that is not loaded yet."""
+
+    entry: EntryPoint
+    words: str
+    """What it would add, such as ``verb``."""
+
+    @property
+    def name(self) -> str:
+        """The name that the package gives it."""
+        return self.entry.name
+
+    @property
+    def package(self) -> str:
+        """The package that offers it."""
+        return self.entry.dist.name if self.entry.dist else self.entry.value
+
+    def load(self, accepted: Callable[[Any], T]) -> T:
+        """What ``accepted`` makes of the object; raises StudioError, whatever the package raises."""
+        try:
+            return accepted(self.entry.load())
+        except Exception as error:  # another's code may raise anything
+            raise StudioError(
+                f"The {self.words} '{self.name}' of {self.package} could not be added: {error or type(error)}"
+            ) from error
+
+
+@dataclass(frozen=True)
+class Loaded(Generic[T]):
+    """All that could be loaded of a group, and a sentence for each that could not."""
+
+    found: tuple[T, ...]
+    failures: tuple[str, ...]
+
+
+def offers(group: str) -> Iterator[Offer]:
+    """The entry points of a group; nothing of their packages is imported."""
+    words = group.rpartition(".")[2].removesuffix("s")
+    return (Offer(entry, words) for entry in entry_points(group=group))
+
+
+def load_all(group: str, accepted: Callable[[Any], T]) -> Loaded[T]:
+    """Everything that packages offer in a group, as ``accepted`` makes it of the objects; never raises."""
+    found: list[T] = []
+    failures: list[str] = []
+    for offer in offers(group):
+        try:
+            found.append(offer.load(accepted))
+        except StudioError as error:
+            failures.append(str(error))
+    return Loaded(tuple(found), tuple(failures))
+
+
+def verb_of(value: Any) -> Verb:
+    """``value`` where it is a verb; raises StudioError."""
+    if not isinstance(value, Verb):
+        raise StudioError(f"{value!r:.60} is not a studio.api.Verb.")
+    return value
+
+
+def panel_of(value: Any) -> Panel:
+    """``value`` where it is a panel; raises StudioError."""
+    if not isinstance(value, Panel):
+        raise StudioError(f"{value!r:.60} is not a studio.api.Panel.")
+    return value
