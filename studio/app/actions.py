@@ -27,7 +27,20 @@ from studio.viewport.eyes import Stereo
 Run = Callable[[Workbench], object]
 Test = Callable[[Workbench], bool]
 
-MENUS = ("File", "Scenes", "Edit", "Character", "Clip", "Constraint", "Behaviour", "Play", "View", "Help")
+MENUS = (
+    "File",
+    "Scenes",
+    "Edit",
+    "Character",
+    "Clip",
+    "Constraint",
+    "Prop",
+    "Library",
+    "Behaviour",
+    "Play",
+    "View",
+    "Help",
+)
 
 
 def _always(_: Workbench) -> bool:
@@ -204,27 +217,33 @@ CONSTRAINT = (
     Action("lower_priority", "Constraint", "Lower priority", shift(1), ("Alt+Down",),
            "The selected constraint goes after the one below it",
            lambda bench: selected_constraint(bench) is not None, ends_group=True),
-    Action("add_box", "Constraint", "Add box", props.add_box,
-           tooltip="A prop in front of the body, for targets to follow", enabled=_viewing),
-    Action("add_prop", "Constraint", "Add prop…", props.choose,
-           tooltip="A box, ball, stick, table, stairs or a mesh file in front of the body", enabled=_viewing),
-    Action("hold_prop", "Constraint", "Hold prop in both hands", props.hold,
-           tooltip="The active body carries the selected prop, a hand on either side, at any size",
-           enabled=lambda bench: _performing(bench) and props.selected_prop(bench) is not None),
-    Action("pick_up_prop", "Constraint", "Pick prop up at playhead", props.pick_up,
-           tooltip="From here on the active body has the selected prop in its hands",
-           enabled=lambda bench: _performing(bench) and props.selected_prop(bench) is not None),
-    Action("put_down_prop", "Constraint", "Put prop down at playhead", props.put_down,
-           tooltip="From here on the selected prop lies where it is", enabled=props.is_held),
-    Action("find_strike", "Constraint", "Find a strike in the library…", show_strikes, ("Ctrl+F",),
-           "Which clip of the motion library hits a box best, and why", _performing),
-    Action("label_strike", "Constraint", "Label strike…", label_strike,
-           tooltip="Confirm or correct the cut, hit, limb and kind of the chosen strike",
-           enabled=strike_chosen),
-    Action("pose_map", "Constraint", "Map of the library's poses", show_map,
-           tooltip="The poses of the motion library as figures; click one to list its clips", ends_group=True),
     Action("duplicate", "Constraint", "Duplicate", editing.duplicate, ("Ctrl+D",),
            "Copy the selected constraints, the clip, or the states of a behaviour", _copyable),
+)  # fmt: skip
+
+PROP = (
+    Action("add_box", "Prop", "Add box", props.add_box,
+           tooltip="A prop in front of the body, for targets to follow", enabled=_viewing),
+    Action("add_prop", "Prop", "Add prop…", props.choose,
+           tooltip="A box, ball, stick, table, stairs or a mesh file in front of the body", enabled=_viewing),
+    Action("hold_prop", "Prop", "Hold prop in both hands", props.hold,
+           tooltip="The active body carries the selected prop, a hand on either side, at any size",
+           enabled=lambda bench: _performing(bench) and props.selected_prop(bench) is not None),
+    Action("pick_up_prop", "Prop", "Pick prop up at playhead", props.pick_up,
+           tooltip="From here on the active body has the selected prop in its hands",
+           enabled=lambda bench: _performing(bench) and props.selected_prop(bench) is not None),
+    Action("put_down_prop", "Prop", "Put prop down at playhead", props.put_down,
+           tooltip="From here on the selected prop lies where it is", enabled=props.is_held),
+)  # fmt: skip
+
+LIBRARY = (
+    Action("find_strike", "Library", "Find a strike in the library…", show_strikes, ("Ctrl+F",),
+           "Which clip of the motion library hits a box best, and why", _performing),
+    Action("label_strike", "Library", "Label strike…", label_strike,
+           tooltip="Confirm or correct the cut, hit, limb and kind of the chosen strike",
+           enabled=strike_chosen),
+    Action("pose_map", "Library", "Map of the library's poses", show_map,
+           tooltip="The poses of the motion library as figures; click one to list its clips"),
 )  # fmt: skip
 
 BEHAVIOUR = (
@@ -361,5 +380,5 @@ SHOWN = tuple(
 )
 
 ACTIONS: tuple[Action, ...] = (
-    *FILE, *SHOWN, *EDIT, *CHARACTER, *CLIP, *CONSTRAINT, *BEHAVIOUR, *PLAY, *LIVE, *VIEW, *HELP
+    *FILE, *SHOWN, *EDIT, *CHARACTER, *CLIP, *CONSTRAINT, *PROP, *LIBRARY, *BEHAVIOUR, *PLAY, *LIVE, *VIEW, *HELP
 )  # fmt: skip

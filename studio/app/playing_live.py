@@ -102,10 +102,9 @@ def toggle(bench: Workbench) -> None:
         return
     active = bench.document.active_performer_id or ""
     names = [_name(bench.document.project, clip) for clip in clips_of(bench.document.project, active)]
-    offered = [f"{number} {name}" for number, name in enumerate(names[:9], 1)]
-    own = [f"{', '.join(offered)} for the selected body"] if offered else []
-    heard = [f"{key} to {', '.join(states).lower()}" for key, states in keys_of(bench.document.project).items()]
-    bench.said.emit(f"The stage plays live. Press {'; '.join([*own, *heard, 'R to record'])}, Esc to end.")
+    own = [f"{number}: {name} (selected body)." for number, name in enumerate(names[:9], 1)]
+    heard = [f"{key}: {', '.join(states).lower()}." for key, states in keys_of(bench.document.project).items()]
+    bench.said.emit(" ".join(["The stage plays live.", *own, *heard, "R: record. Esc: end."]))
 
 
 def record(bench: Workbench) -> None:

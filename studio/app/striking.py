@@ -164,7 +164,7 @@ class Striking:
 
         project, target = self.bench.document.project, self.panel.target.value
         if not isinstance(target, StrikeTarget):
-            raise StudioError("There is nothing to hit. Add a box (Constraint > Add box) and choose it as target.")
+            raise StudioError("There is nothing to hit. Add a box (Prop > Add box) and choose it as target.")
         name = project.performers[performer_id].name
         if target == StrikeTarget("performers", performer_id):
             raise StudioError(f"{name} cannot strike at its own face. Choose another target.")

@@ -70,9 +70,9 @@ class Result:
     def reasons(self) -> tuple[str, str, str]:
         """Posture, reach, time to hit, each in words."""
         return (
-            f"posture {metres(self.posture)} off",
-            f"passes {metres(self.reach)} from the target",
-            f"hits in {self.seconds:.2f} s",
+            f"fits {metres(self.posture)}",
+            f"{metres(self.reach)} away unadapted",
+            f"hits after {self.seconds:.2f} s",
         )
 
 

@@ -124,7 +124,7 @@ class Tried:
     @property
     def reasons(self) -> tuple[str, ...]:
         """As those of the result, and whether it hits in the end."""
-        return (*self.found.reasons, "meets it" if self.hits else f"falls {metres(self.missed)} short")
+        return (*self.found.reasons, "reached" if self.hits else f"{metres(self.missed)} short")
 
 
 def tried(found: Sequence[Result], asked: StrikeQuery) -> list[Tried]:

@@ -110,7 +110,7 @@ class Transport(QWidget):
         row.addStretch()
         _add(row, self.dope, self.curves)
         row.addSpacing(12)
-        _add(row, _caption("Range"), self.first, _caption("–"), self.last)
+        _add(row, _caption("Play range"), self.first, _caption("–"), self.last)
 
     def _show_time(self) -> None:
         with QSignalBlocker(self.frame), QSignalBlocker(self.seconds):

@@ -1,6 +1,6 @@
 """What is painted over the picture: constraint handles and joints."""
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,8 @@ NOTICE_ABOVE = 150.0
 """Pixels from the lower edge up to what is said while nobody performs: clear of a sentence of two lines."""
 
 
+GAZE = 0.6
+"""Least strength of the line from eyes to what they look at, whoever's they are."""
 JOINT = QColor(colours.SELECTED_HANDLE)
 """Of the dots at joints that can be picked."""
 
@@ -80,17 +82,24 @@ class Overlay:
                 CHOSEN_MARKER if chosen else MARKER if used else OTHER_MARKER,
             )
             if chosen or named:
-                self._name(pixel, label, chosen)
+                self._name(pixel, label, CHOSEN_MARKER if chosen else MARKER, 12 if chosen else 10)
 
-    def _name(self, place: FloatArray, words: str, strong: bool) -> None:
+    def _name(self, place: FloatArray, words: str, colour: QColor, height: int) -> None:
         font = self._painter.font()
-        font.setPixelSize(12 if strong else 10)
+        font.setPixelSize(height)
         self._painter.setFont(font)
         where = QPointF(*place) + QPointF(8.0, -5.0)
         self._painter.setPen(SHADOW)
         self._painter.drawText(where + QPointF(1.0, 1.0), words)
-        self._painter.setPen(CHOSEN_MARKER if strong else MARKER)
+        self._painter.setPen(colour)
         self._painter.drawText(where, words)
+
+    def names(self, tops: Mapping[str, FloatArray]) -> None:
+        """Names over the tops (3,) of heads."""
+        for name, top in tops.items():
+            pixels, depth = self._camera.project(top, self._size)
+            if depth[0] > 0:
+                self._name(pixels[0] + [-3.3 * len(name) - 8.0, -10.0], name, MARKER, 12)
 
     def joints(self, places: FloatArray) -> None:
         """Dots at the joints (J, 3) of a body that can be picked."""
@@ -145,7 +154,8 @@ class Overlay:
         for line in figure.lines:
             self._thin(line, colours.NOT_REACHED if handle.missed and figure.link is None else colour, strength)
         if figure.link is not None and (handle.missed or figure.link_always):
-            self._link(handle, figure.link, colour, strength)
+            gazes = handle.kind == "look_at" and handle.activation > 0.0
+            self._link(handle, figure.link, colour, max(strength, GAZE) if gazes else strength)
 
     def _link(self, handle: Handle, link: FloatArray, colour: str, strength: float) -> None:
         """From what is to what is asked: red and strong when that is missed, else quiet with a dot at each end."""
@@ -158,7 +168,7 @@ class Overlay:
         self._thin(link, colour, strength)
         dot = QColor(colour)
         dot.setAlphaF(strength)
-        for pixel in pixels if handle.main else ():
+        for pixel in pixels if handle.main or handle.kind == "look_at" else ():
             draw_disc(self._painter, pixel, 3.0, dot)
 
     def _thin(self, points: FloatArray, colour: str, strength: float) -> None:

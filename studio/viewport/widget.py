@@ -1,5 +1,6 @@
 """The 3D viewport: the document's performers as the engine adapts them, to be picked and dragged."""
 
+from collections import Counter
 from collections.abc import Callable, Container
 from dataclasses import replace
 from functools import partial
@@ -347,7 +348,10 @@ class Viewport(Canvas):
         if self._recorded is not None:
             overlay.markers(self._recorded, self.recording.marked, self.recording.named)
         chosen = set(self._document.selection.of("constraints"))
-        overlay.handles(self.handles(chosen if self.moving else None), chosen)  # more cost pictures and hide bodies
+        gazes = {key for key, each in self._document.project.constraints.items() if each.kind == "look_at"}
+        only = chosen | gazes if self.moving else None  # more cost pictures and hide bodies
+        overlay.handles(self.handles(only), chosen)
+        overlay.names(self._twins())
         under = self.posed.get(self.body_hovered or "") if self.gesture is None else None
         if under is not None:
             overlay.joints(under.points[[joint.index for joint in body_joints(under.motion.morphology.layout)]])
@@ -361,6 +365,15 @@ class Viewport(Canvas):
         if self.notice:
             overlay.notice(self.notice, self._progress[1] if self._progress[0] else None)
         self._place_constrain_chip()
+
+    def _twins(self) -> dict[str, FloatArray]:
+        """Tops of the heads, (3,) metres, of bodies of one character, by the names that tell them apart."""
+        seen = Counter(pose.performer.character_id for pose in self.posed.values())
+        return {
+            pose.performer.name: pose.points[pose.motion.morphology.layout.head_end]
+            for pose in self.posed.values()
+            if seen[pose.performer.character_id] > 1
+        }
 
     def _place_constrain_chip(self) -> None:
         picked, chip = self.joint_picked, self._chips.constrain

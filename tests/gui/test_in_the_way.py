@@ -101,3 +101,10 @@ def test_deleting_bodies_says_that_they_leave_the_stage_and_their_characters_sta
     document.selection.set(*(("constraints", key) for key in document.project.constraints))
     QTest.keyClick(window, Qt.Key.Key_Delete)
     assert document.undo_stack.undoText() == "Delete 3 constraints"
+
+
+def test_the_menus_of_props_and_of_the_library_are_their_own(window):
+    menus = window.actions_by_id.by_menu()
+    assert "Add box" in [action.text() for action in menus["Prop"]]
+    assert "Find a strike in the library…" in [action.text() for action in menus["Library"]]
+    assert not {"Add box", "Pick prop up at playhead"} & {action.text() for action in menus["Constraint"]}

@@ -1,5 +1,7 @@
 """Behaviours in words: what transitions wait for, and in what manner states are played."""
 
+import math
+
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowPerformer
@@ -26,11 +28,20 @@ NAMED = {
     FOREARM: "left forearm",
 }
 """Points of fights that are no joints."""
+_UPRIGHT = (BodyPart.PELVIS, BodyPart.ABDOMEN, BodyPart.THORAX, BodyPart.NECK, BodyPart.HEAD)
+_WAYS = (("behind", "ahead of"), ("right of", "left of"), ("below", "above"))
 
 
 def point_name(point: BodyPoint) -> str:
-    """``right fist``, ``left wrist``."""
-    return NAMED.get(point) or (f"place off {point_words(point)}" if any(point.offset) else point_words(point))
+    """``right fist``, ``left wrist``, ``a point 0.9 m above the pelvis``."""
+    return NAMED.get(point) or (_offset_words(point) if any(point.offset) else point_words(point))
+
+
+def _offset_words(point: BodyPoint) -> str:
+    """Distance of a point from a joint, and on the trunk its direction, in words."""
+    axis = max(range(3), key=lambda place: abs(point.offset[place]))
+    way = _WAYS[axis][point.offset[axis] > 0.0] if point.part in _UPRIGHT else "off"
+    return f"a point {math.hypot(*point.offset):.2g} m {way} the {point_words(point)}"
 
 
 def point_choices() -> list[tuple[BodyPoint, str]]:

@@ -13,6 +13,7 @@ class ClearEditor(ConstraintEditor):
     """No point and no chain: it is about whole arms and moves nothing else."""
 
     has_point = has_chain = False
+    kind_words = "keep clear"
 
     def add_kind_rows(self, section: Section) -> None:
         """Arms, margin, what gives way."""

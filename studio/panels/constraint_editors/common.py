@@ -33,12 +33,14 @@ class ConstraintEditor(Editor):
 
     has_point = True
     """Whether the kind is about one point; otherwise its rows are not shown."""
+    kind_words = ""
+    """The kind in words, where its own name is no noun."""
     has_chain = True
     """Whether it says which parts of the body may move."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
-        kind = self.entity.kind.replace("_", "-")
+        kind = self.kind_words or self.entity.kind.replace("_", "-")
         self._section = Section(f"{kind.capitalize()} constraint")
         self._add_names()
         self._scope = ScopeRow(self, self._section, self._ask)

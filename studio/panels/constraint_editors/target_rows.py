@@ -213,9 +213,7 @@ class TargetRows:
             return
         editor, things = self._editor, self._things(kind)
         if kind in (FollowProp.kind, FollowPerformer.kind) and not things:
-            editor.document.problem.emit(
-                "There is no prop on the stage. Add one with Constraint > Add box, then choose it."
-            )
+            editor.document.problem.emit("There is no prop on the stage. Add one with Prop > Add box, then choose it.")
             self.refresh()
             return
         text = f"{dict(KINDS)[kind]}: {editor.entity.name}"
