@@ -22,7 +22,7 @@ from studio.live.recording import Recorder, Replay
 from studio.live.streamer import Broadcast, StreamedPose
 from studio.live.tracker import LOOPBACK, PORT, Inbox, UdpInput
 from studio.panels.live import InputRow, LivePanel, SenderRow
-from studio.viewport.eyes import MIDDLE, Eye
+from studio.viewport.eyes import CENTRE_EYE, Eye
 
 if TYPE_CHECKING:
     from studio.engine.driven import PoseSource  # loads the solver
@@ -266,7 +266,7 @@ class LiveControl:
             return
         self.head_from = place if on else None
         if not on:
-            self._look_from(MIDDLE)
+            self._look_from(CENTRE_EYE)
 
     def _head(self) -> FloatArray | None:
         """(3,) where the tracked head is; of the source and the names in the panel where no prop is moved."""

@@ -9,10 +9,10 @@ import numpy as np
 from studio.document.document import Document
 from studio.engine.live import Live
 from studio.viewport.camera import OrbitCamera
-from studio.viewport.gizmo import RING, Gizmo, moved_axes
+from studio.viewport.gizmo import RING_HANDLE, Gizmo, moved_axes
 from studio.viewport.movables import Movable
 
-FINE = 0.2
+FINE_DRAG = 0.2
 SNAP_METRES, SNAP_TURN = 0.01, math.radians(15.0)
 ORBIT_PER_PIXEL = math.radians(0.4)
 ZOOM_PER_PIXEL = 1.006
@@ -68,7 +68,7 @@ class CameraDrag:
 class TurnDrag:
     """Turns a thing by the gizmo's ring; one undo step, and none at all when cancelled."""
 
-    part = RING
+    part = RING_HANDLE
 
     def __init__(self, document: Document, live: Live, movable: Movable, gizmo: Gizmo, x: float, y: float) -> None:
         self._live, self._movable, self._gizmo = live, movable, gizmo
@@ -79,7 +79,7 @@ class TurnDrag:
     def update(self, x: float, y: float, fine: bool, snap: bool) -> None:
         """Follow the mouse round the middle: ``fine`` a fifth of the way, ``snap`` to fifteen degrees."""
         seen = self._bearing(x, y)
-        self._angle += math.remainder(seen - self._seen, 2.0 * math.pi) * (FINE if fine else 1.0)
+        self._angle += math.remainder(seen - self._seen, 2.0 * math.pi) * (FINE_DRAG if fine else 1.0)
         self._seen = seen
         self._movable.turn(round(self._angle / SNAP_TURN) * SNAP_TURN if snap else self._angle, self._number)
 
@@ -93,7 +93,7 @@ class TurnDrag:
         self._live.interactive = False
 
     def _bearing(self, x: float, y: float) -> float:
-        right, ahead, _ = self._gizmo.axes @ (self._gizmo.grip(RING, x, y) - self._gizmo.origin)
+        right, ahead, _ = self._gizmo.axes @ (self._gizmo.grip(RING_HANDLE, x, y) - self._gizmo.origin)
         return math.atan2(ahead, right)
 
 
@@ -116,7 +116,7 @@ class GizmoDrag:
         step = self._gizmo.axes @ (grip - self._grip)
         self._grip = grip
         free = np.array(moved_axes(self.part))
-        self._moved += np.where(free, step * (FINE if fine else 1.0), 0.0)
+        self._moved += np.where(free, step * (FINE_DRAG if fine else 1.0), 0.0)
         place = self._begin + self._moved
         if snap:
             place = np.where(free, np.round(place / SNAP_METRES) * SNAP_METRES, place)

@@ -12,11 +12,11 @@ ARROW_PIXELS, SHORTEST_ARROW = 90.0, 44.0
 PLANE_NEAR, PLANE_FAR = 0.30, 0.48
 """A plane handle's square, in parts of an arrow."""
 LINE_REACH, BALL_REACH = 8.0, 10.0
-AXES = ("x", "y", "z")
+GIZMO_AXES = ("x", "y", "z")
 PLANES = {"yz": 0, "zx": 1, "xy": 2}
 """Each plane handle and the axis it stands across."""
-BALL, RING = "view", "ring"
-RING_RADIUS = 0.8
+BALL_HANDLE, RING_HANDLE = "view", "ring"
+GIZMO_RING_RADIUS = 0.8
 """Of the ring by which a thing is turned about Z, in parts of an arrow."""
 _ROUND = np.linspace(0.0, 2.0 * np.pi, 49)
 
@@ -28,7 +28,7 @@ def arrow_pixels(body_height: float) -> float:
 
 def moved_axes(part: str) -> list[bool]:
     """Which of the gizmo's axes a drag of ``part`` may change."""
-    return [True] * 3 if part == BALL else [axis in part for axis in AXES]
+    return [True] * 3 if part == BALL_HANDLE else [axis in part for axis in GIZMO_AXES]
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,50 +85,54 @@ class Gizmo:
     @cached_property
     def ring(self) -> FloatArray:
         """(49, 2) pixels of the ring, closed."""
-        return self._pixels(RING_RADIUS * np.column_stack([np.cos(_ROUND), np.sin(_ROUND), np.zeros(len(_ROUND))]))
+        return self._pixels(
+            GIZMO_RING_RADIUS * np.column_stack([np.cos(_ROUND), np.sin(_ROUND), np.zeros(len(_ROUND))])
+        )
 
     def usable(self, part: str) -> bool:
         """An arrow seen end on, or a plane or the ring seen edge on, cannot be dragged and is not shown."""
-        if part == BALL:
+        if part == BALL_HANDLE:
             return True
-        if part == RING:
+        if part == RING_HANDLE:
             return self.turns and self.usable("xy")
         if self.flat and "z" in part:
             return False
         sight = self.origin - self.camera.eye if not self.camera.parallel else -self.camera.axes[2]
         sight = sight / max(float(np.linalg.norm(sight)), 1e-9)
         facing = np.abs(self.axes @ sight)
-        return bool(facing[AXES.index(part)] < 0.985 if part in AXES else facing[PLANES[part]] > 0.12)
+        return bool(facing[GIZMO_AXES.index(part)] < 0.985 if part in GIZMO_AXES else facing[PLANES[part]] > 0.12)
 
     def part_at(self, x: float, y: float) -> str | None:
         """The part under pixel (x, y): ball before planes before arrows before the ring."""
         mouse = np.array([x, y])
         if np.hypot(*(mouse - self.centre)) <= BALL_REACH:
-            return BALL
+            return BALL_HANDLE
         for name, corners in self.squares.items():
             if self.usable(name) and _inside(mouse, corners):
                 return name
         away = [
             _distance(mouse, self.centre, tip) if self.usable(axis) else np.inf
-            for axis, tip in zip(AXES, self.tips, strict=True)
+            for axis, tip in zip(GIZMO_AXES, self.tips, strict=True)
         ]
         nearest = int(np.argmin(away))
         if away[nearest] <= LINE_REACH:
-            return AXES[nearest]
-        on_ring = self.usable(RING) and min(_distance(mouse, *side) for side in pairwise(self.ring)) <= LINE_REACH
-        return RING if on_ring else None
+            return GIZMO_AXES[nearest]
+        on_ring = (
+            self.usable(RING_HANDLE) and min(_distance(mouse, *side) for side in pairwise(self.ring)) <= LINE_REACH
+        )
+        return RING_HANDLE if on_ring else None
 
     def grip(self, part: str, x: float, y: float) -> FloatArray:
         """(3,) stage point that pixel (x, y) holds when ``part`` is dragged: on its axis or in its plane."""
         begin, sight = self.camera.ray(x, y, self.size)
         away = self.origin - begin
-        if part in AXES:
-            axis = self.axes[AXES.index(part)]
+        if part in GIZMO_AXES:
+            axis = self.axes[GIZMO_AXES.index(part)]
             lean = float(axis @ sight)
             along = (lean * (sight @ away) - axis @ away) / max(1.0 - lean * lean, 1e-6)
             return self.origin + along * axis
-        level = part == RING or (part == BALL and self.flat)
-        normal = self.axes[2] if level else self.camera.axes[2] if part == BALL else self.axes[PLANES[part]]
+        level = part == RING_HANDLE or (part == BALL_HANDLE and self.flat)
+        normal = self.axes[2] if level else self.camera.axes[2] if part == BALL_HANDLE else self.axes[PLANES[part]]
         slant = float(normal @ sight)
         slant = np.copysign(max(abs(slant), 1e-3), slant)
         return begin + (float(normal @ away) / slant) * sight

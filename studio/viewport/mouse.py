@@ -11,12 +11,12 @@ from studio.document.document import Document
 from studio.engine.live import Live
 from studio.viewport import picking
 from studio.viewport.gestures import CameraDrag, GizmoDrag, TurnDrag
-from studio.viewport.gizmo import RING
+from studio.viewport.gizmo import RING_HANDLE
 
 if TYPE_CHECKING:
     from studio.viewport.widget import Viewport
 
-HANDLE_REACH = 11.0
+HANDLE_PICK_REACH = 11.0
 _CAMERA = {
     Qt.MouseButton.LeftButton: "orbit",
     Qt.MouseButton.MiddleButton: "pan",
@@ -51,7 +51,7 @@ def _grab_gizmo(viewport: Viewport, document: Document, live: Live, x: float, y:
     if gizmo is None or movable is None or part is None:
         return False
     viewport.gizmo_part_hovered = part
-    if part == RING:
+    if part == RING_HANDLE:
         viewport.gesture = TurnDrag(document, live, movable, gizmo, x, y)
     else:
         viewport.gesture = GizmoDrag(document, live, movable, gizmo, part, x, y)
@@ -66,7 +66,7 @@ def _select(viewport: Viewport, document: Document, x: float, y: float) -> None:
     where = (viewport.camera, viewport.view_size, x, y)
     handles = {f"{one.performer_id} {one.constraint_id}": one for one in viewport.handles()}
     near = picking.nearest_place(
-        [(key, one.target) for key, one in handles.items() if one.target is not None], *where, HANDLE_REACH
+        [(key, one.target) for key, one in handles.items() if one.target is not None], *where, HANDLE_PICK_REACH
     )
     joint = picking.joint_at(viewport.posed, *where)
     if near:

@@ -9,7 +9,7 @@ from PySide6.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
 
 from studio.document import colours
 from studio.viewport.camera import FloatArray, OrbitCamera
-from studio.viewport.gizmo import AXES, BALL, PLANES, RING, Gizmo
+from studio.viewport.gizmo import BALL_HANDLE, GIZMO_AXES, PLANES, RING_HANDLE, Gizmo
 from studio.viewport.handles import Handle
 from studio.viewport.recording import MarkerFrame
 
@@ -17,14 +17,18 @@ AXIS_COLOURS = {"x": "#e8675f", "y": "#7cc47a", "z": "#5f9fe8"}
 HOVERED = "#ffe08a"
 SHADOW = QColor(12, 14, 17, 170)
 GHOST = QColor(196, 204, 214, 215)
-MARKER, OTHER_MARKER, CHOSEN_MARKER = QColor("#f0f4f8"), QColor(142, 152, 164, 170), QColor(colours.PLAYHEAD)
+MARKER_COLOUR, OTHER_MARKER_COLOUR, CHOSEN_MARKER_COLOUR = (
+    QColor("#f0f4f8"),
+    QColor(142, 152, 164, 170),
+    QColor(colours.PLAYHEAD),
+)
 ARROW_LENGTH, ARROW_WIDTH = 13.0, 5.5
 
 NOTICE_ABOVE = 150.0
 """Pixels from the lower edge up to what is said while nobody performs: clear of a sentence of two lines."""
 
 
-JOINT = QColor(colours.SELECTED_HANDLE)
+JOINT_COLOUR = QColor(colours.SELECTED_HANDLE)
 """Of the dots at joints that can be picked."""
 
 
@@ -77,7 +81,11 @@ class Overlay:
             if ahead <= 0:
                 continue
             chosen = label in marked
-            self._disc(pixel, 5.5 if chosen else 3.2, CHOSEN_MARKER if chosen else MARKER if used else OTHER_MARKER)
+            self._disc(
+                pixel,
+                5.5 if chosen else 3.2,
+                CHOSEN_MARKER_COLOUR if chosen else MARKER_COLOUR if used else OTHER_MARKER_COLOUR,
+            )
             if chosen or named:
                 self._name(pixel, label, chosen)
 
@@ -88,7 +96,7 @@ class Overlay:
         where = QPointF(*place) + QPointF(8.0, -5.0)
         self._painter.setPen(SHADOW)
         self._painter.drawText(where + QPointF(1.0, 1.0), words)
-        self._painter.setPen(CHOSEN_MARKER if strong else MARKER)
+        self._painter.setPen(CHOSEN_MARKER_COLOUR if strong else MARKER_COLOUR)
         self._painter.drawText(where, words)
 
     def joints(self, places: FloatArray) -> None:
@@ -96,7 +104,7 @@ class Overlay:
         pixels, depth = self._camera.project(places, self._size)
         for pixel, ahead in zip(pixels, depth, strict=True):
             if ahead > 0:
-                self._disc(pixel, 3.0, JOINT)
+                self._disc(pixel, 3.0, JOINT_COLOUR)
 
     def joint(self, place: FloatArray, colour: str, strong: bool) -> None:
         """A ring round a joint: strong for the picked one, thin for the one under the mouse."""
@@ -117,15 +125,15 @@ class Overlay:
             return
         for name, across in PLANES.items():
             if gizmo.usable(name):
-                self._square(gizmo.squares[name], AXIS_COLOURS[AXES[across]], name == hot)
-        if gizmo.usable(RING):
-            self._ring(gizmo.ring, QColor(HOVERED if hot == RING else AXIS_COLOURS["z"]))
+                self._square(gizmo.squares[name], AXIS_COLOURS[GIZMO_AXES[across]], name == hot)
+        if gizmo.usable(RING_HANDLE):
+            self._ring(gizmo.ring, QColor(HOVERED if hot == RING_HANDLE else AXIS_COLOURS["z"]))
         order = np.argsort(gizmo.axes @ gizmo.camera.axes[2])
         for index in order:
-            axis = AXES[index]
+            axis = GIZMO_AXES[index]
             if gizmo.usable(axis):
                 self._arrow(gizmo.centre, gizmo.tips[index], HOVERED if axis == hot else AXIS_COLOURS[axis])
-        self._disc(gizmo.centre, 6.0, QColor(HOVERED if hot == BALL else "#f4f7fb"))
+        self._disc(gizmo.centre, 6.0, QColor(HOVERED if hot == BALL_HANDLE else "#f4f7fb"))
 
     def notice(self, words: str, share: float | None) -> None:
         """One line low in the middle, with a bar under it where something is under way."""

@@ -22,7 +22,7 @@ from studio.engine.moments import TargetContext
 from studio.panels.constraint_editors.body_figure import SCALE, SHAPES, BodyFigure
 from studio.panels.fields import NumberField
 from studio.panels.inspector import Inspector
-from studio.viewport.gizmo import AXES
+from studio.viewport.gizmo import GIZMO_AXES
 from studio.viewport.handle_places import handle_place
 from studio.viewport.widget import Viewport
 from tests.builders import make_project
@@ -231,7 +231,7 @@ def test_dragging_an_arrow_moves_the_place_of_any_kind_in_one_step(studio, kind)
     viewport.frame_selection()
     settle(viewport)
     gizmo = viewport.gizmo()
-    tip = gizmo.tips[AXES.index("z")]
+    tip = gizmo.tips[GIZMO_AXES.index("z")]
     begin, end = (QPoint(*np.rint(gizmo.centre + share * (tip - gizmo.centre)).astype(int)) for share in (0.7, 1.5))
     drag(viewport, begin, end)
     way = np.array(fixed(studio, current(document))) - fixed(studio, before)
@@ -294,7 +294,7 @@ def test_dragging_a_keyed_target_sets_a_key_at_the_playhead_and_escape_takes_it_
     viewport, document, _ = studio
     before = keyed(studio, kind)
     gizmo = viewport.gizmo()
-    tip = gizmo.tips[AXES.index("z")]
+    tip = gizmo.tips[GIZMO_AXES.index("z")]
     begin, end = (QPoint(*np.rint(gizmo.centre + share * (tip - gizmo.centre)).astype(int)) for share in (0.7, 1.5))
     QTest.mousePress(viewport, LEFT, Qt.KeyboardModifier.NoModifier, begin)
     QTest.mouseMove(viewport, (begin + end) / 2)

@@ -8,7 +8,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
 from studio.core.stage.prop import Prop
-from studio.viewport.gizmo import AXES, RING
+from studio.viewport.gizmo import GIZMO_AXES, RING_HANDLE
 from tests.gui.viewport_use import (
     LEFT,
     NONE,
@@ -48,14 +48,14 @@ def test_a_drag_moves_it_for_every_body_by_its_measure_and_one_with_its_own_offs
         assert place == pytest.approx(before[performer_id])
 
 
-@pytest.mark.parametrize("axis", AXES)
+@pytest.mark.parametrize("axis", GIZMO_AXES)
 def test_dragging_an_arrow_moves_the_target_along_that_axis_alone_in_one_step(studio, axis):
     viewport, document, live = studio
     select_constraint(viewport, document)
     before, gizmo = target(document), viewport.gizmo()
     begin, end = on_arrow(viewport, axis, 0.7), on_arrow(viewport, axis, 1.5)
     drag(viewport, begin, end)
-    index = AXES.index(axis)
+    index = GIZMO_AXES.index(axis)
     expected = (gizmo.grip(axis, end.x(), end.y()) - gizmo.grip(axis, begin.x(), begin.y()))[index]
     assert target(document) - before == pytest.approx(expected * np.eye(3)[index], abs=1e-9)
     assert abs(expected) > 0.05
@@ -149,7 +149,7 @@ def test_a_selected_body_is_turned_by_the_ring_about_where_it_stands(studio):
     before = select_performer(viewport, document)
     root = viewport.posed["performer 1"].points[0]
     begin, end = on_ring(viewport, 29), on_ring(viewport, 31)
-    assert viewport.gizmo().part_at(begin.x(), begin.y()) == RING
+    assert viewport.gizmo().part_at(begin.x(), begin.y()) == RING_HANDLE
     drag(viewport, begin, end)
     settle(viewport)
     after = document.project.performers["performer 1"]

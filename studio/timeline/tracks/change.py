@@ -14,7 +14,7 @@ from studio.document import colours
 from studio.timeline.shown import RowContext
 from studio.timeline.tracks.brush import hairline, translucent
 
-HEAD = 4.0
+CHANGE_HALF_WIDTH = 4.0
 """Pixels of half a mark's head."""
 
 
@@ -74,5 +74,5 @@ def paint_take_over(painter: QPainter, bar: QRectF, x: float, cut: bool) -> None
     painter.setPen(hairline(translucent(colour, 0.9), 1.2))
     painter.drawLine(QPointF(x, bar.top()), QPointF(x, bar.bottom()))
     painter.setBrush(QColor(colour))
-    corners = ((-HEAD, 0.0), (HEAD, 0.0), (0.0, HEAD))
+    corners = ((-CHANGE_HALF_WIDTH, 0.0), (CHANGE_HALF_WIDTH, 0.0), (0.0, CHANGE_HALF_WIDTH))
     painter.drawPolygon(QPolygonF([QPointF(x + dx, bar.top() + dy) for dx, dy in corners]))
