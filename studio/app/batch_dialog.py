@@ -25,7 +25,7 @@ from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.io.project.character_file import bundled_characters
 from studio.io.registry import known_formats
-from studio.panels.fields import SIDE, Choice, Section, labelled, press_button
+from studio.panels.fields import FIELD_ICON_PX, Choice, Section, labelled, press_button
 
 WIDTH = 520
 ACTOR = ("actor", "The body each capture was recorded from")
@@ -41,7 +41,7 @@ class BatchDialog(QDialog):
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setMinimumWidth(WIDTH)
         column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, SIDE)
+        column.setContentsMargins(0, 0, 0, FIELD_ICON_PX)
         column.addWidget(self._make_files())
         column.addWidget(self._make_characters())
         column.addStretch(1)
@@ -91,7 +91,7 @@ class BatchDialog(QDialog):
 
     def _make_foot(self) -> QVBoxLayout:
         foot, row = QVBoxLayout(), QHBoxLayout()
-        foot.setContentsMargins(SIDE, SIDE, SIDE, 0)
+        foot.setContentsMargins(FIELD_ICON_PX, FIELD_ICON_PX, FIELD_ICON_PX, 0)
         self.bar = QProgressBar()
         self.bar.setTextVisible(False)
         self.bar.setRange(0, 1000)

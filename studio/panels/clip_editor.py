@@ -19,9 +19,9 @@ from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section, labelled, press_button, short
 from studio.panels.layer_section import LayerSection
 
-FAR = 1000.0
-LATE = 100_000.0
-GRIPS = (
+CLIP_OFFSET_LIMIT = 1000.0
+CLIP_TIME_LIMIT = 100_000.0
+GRIP_CHOICES = (
     (None, "As the character has them"),
     (OPEN, "Open"),
     (AT_EASE, "At ease"),
@@ -53,7 +53,9 @@ class ClipEditor(Editor):
             "An edit changes the clip for every body that plays it. A copy of its own is edited separately."
         )
         section.add_wide(self._own)
-        self._start = self._number(NumberField("Start", "s", -LATE, LATE, 0.05, 3), "Move", "in time", start=1.0)
+        self._start = self._number(
+            NumberField("Start", "s", -CLIP_TIME_LIMIT, CLIP_TIME_LIMIT, 0.05, 3), "Move", "in time", start=1.0
+        )
         section.add_row("Start", self._start)
         self._first = self.bind(NumberField("First frame", "", 0, 1e6, 1, 0), self._set_first)
         self._last = self.bind(NumberField("Last frame", "", 0, 1e6, 1, 0), self._set_last)
@@ -65,7 +67,7 @@ class ClipEditor(Editor):
         section.add_row("Times", self._repeats)
         self._mirrored = self._box("left and right swapped", lambda on: self._set("Mirror", mirrored=on))
         section.add_row("Mirrored", self._mirrored)
-        self._grip = Choice("Hands", GRIPS)
+        self._grip = Choice("Hands", GRIP_CHOICES)
         self._grip.setToolTip("How the hands of mannequins are held while the clip plays")
         self._grip.chosen.connect(lambda grip: self._set("Hold hands of", grip=grip))
         section.add_row("Hands", self._grip)
@@ -80,7 +82,9 @@ class ClipEditor(Editor):
         self._turn = self._number(turn, "Turn", "", turn=math.radians(1.0))
         section.add_row("Turn", self._turn)
         self._offset = [
-            self.bind(NumberField(f"Offset {axis}", "", -FAR, FAR, 0.01), partial(self._move, k))
+            self.bind(
+                NumberField(f"Offset {axis}", "", -CLIP_OFFSET_LIMIT, CLIP_OFFSET_LIMIT, 0.01), partial(self._move, k)
+            )
             for k, axis in enumerate("XY")
         ]
         for field in self._offset:

@@ -27,7 +27,7 @@ from studio.panels.library_delegate import EYE_WIDTH, LibraryDelegate
 from studio.panels.library_rows import LibraryRow, rows_of
 
 ROW_ROLE = Qt.ItemDataRole.UserRole
-ROW_HEIGHT = 26
+LIBRARY_ROW_HEIGHT = 26
 EYE_HINT = "Click the eye to show or hide it, with all that are selected. Alt and click shows it alone."
 Index = QModelIndex | QPersistentModelIndex
 

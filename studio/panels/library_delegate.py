@@ -13,7 +13,7 @@ from studio.resources_folder import resources_folder
 ROW_ROLE = Qt.ItemDataRole.UserRole
 ROW_HEIGHT = 26
 HEAD_HEIGHT = 36
-SIDE = 12
+LIBRARY_MARK_PX = 12
 MARK = 8
 EYE = 16
 EYE_WIDTH = 32
@@ -35,7 +35,7 @@ class LibraryDelegate(QStyledItemDelegate):
     def sizeHint(self, option: QStyleOptionViewItem, index: QModelIndex | QPersistentModelIndex) -> QSize:
         row: LibraryRow = index.data(ROW_ROLE)
         if row.hint:
-            width = self._view.viewport().width() - 2 * SIDE
+            width = self._view.viewport().width() - 2 * LIBRARY_MARK_PX
             room = QFontMetrics(_sized(option.font, HINT_PIXELS)).boundingRect(
                 QRect(0, 0, max(width, 1), 0), Qt.TextFlag.TextWordWrap, row.text
             )
@@ -57,7 +57,7 @@ class LibraryDelegate(QStyledItemDelegate):
 
     def _paint_head(self, painter: QPainter, rect: QRect, font: QFont, row: LibraryRow) -> None:
         painter.setPen(QColor(colours.TEXT_THIRD))
-        place = rect.adjusted(SIDE, 0, -SIDE, 0)
+        place = rect.adjusted(LIBRARY_MARK_PX, 0, -LIBRARY_MARK_PX, 0)
         if row.hint:
             painter.setFont(_sized(font, HINT_PIXELS))
             flags = Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft | Qt.TextFlag.TextWordWrap
@@ -82,7 +82,7 @@ class LibraryDelegate(QStyledItemDelegate):
             )
 
     def _paint_row(self, painter: QPainter, rect: QRect, font: QFont, row: LibraryRow) -> None:
-        left, right = rect.left() + SIDE, rect.right() - SIDE
+        left, right = rect.left() + LIBRARY_MARK_PX, rect.right() - LIBRARY_MARK_PX
         hidden = row.shown is False
         if row.colour is not None:
             left += self._paint_mark(painter, left, rect.center().y(), row, hidden)

@@ -23,11 +23,11 @@ from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section, labelled, press_button
 
-LEAST = 0.001
-STAYS, KEYED = "stays", "keyed"
-WHERE = (
-    (STAYS, "Stays where it is"),
-    (KEYED, "Keyed over time"),
+LEAST_PROP_SIZE = 0.001
+STAYING, KEYED_PLACE = "stays", "keyed"
+PLACE_CHOICES = (
+    (STAYING, "Stays where it is"),
+    (KEYED_PLACE, "Keyed over time"),
     *RULES,
     (InHand.kind, "In a hand, or on a body"),
     (Carried.kind, "Carried in both hands"),
@@ -48,8 +48,8 @@ class PropEditor(Editor):
         self._shape.chosen.connect(lambda shape: self.change(f"Shape of {self.entity.name}", shape=shape))
         section.add_row("Shape", self._shape)
         self._size = VectorRow(self, section, "Size", self._resize)
-        self._size.set_least(LEAST)
-        self._where = Choice("Where", WHERE)
+        self._size.set_least(LEAST_PROP_SIZE)
+        self._where = Choice("Where", PLACE_CHOICES)
         self._where.chosen.connect(self._place)
         section.add_row("Where", self._where)
         self._holder = Choice("By whom", ())
@@ -94,7 +94,7 @@ class PropEditor(Editor):
         self._holder.offer([(key, each.name) for key, each in self.document.project.performers.items()])
         self._rule.refresh()
         self._collides.setChecked(bool(obstacles_of(self.document.project, self.entity_id)))
-        self._show(where_of(prop) == KEYED, self._keys_row, *self._keys)
+        self._show(where_of(prop) == KEYED_PLACE, self._keys_row, *self._keys)
         self._refresh_moment()
 
     def concerns(self, collection: str, entity_id: str) -> bool:
@@ -140,7 +140,7 @@ class PropEditor(Editor):
         self._heading.show_value(math.degrees(heading_of(pose)))
 
     def _playhead_moved(self, _: float) -> None:
-        if self.entity is not None and where_of(self.entity) != STAYS:
+        if self.entity is not None and where_of(self.entity) != STAYING:
             self._refresh_moment()
 
     def _show(self, shown: bool, *widgets: QWidget) -> None:
@@ -168,8 +168,8 @@ class PropEditor(Editor):
         self._put_made("Turn", lambda: turned_prop(pose, math.radians(degrees) - heading_of(pose)))
 
     def _place(self, where: str) -> None:
-        if where in (STAYS, KEYED):
-            self._put_made("Let go of", lambda: unheld(self.pose, keyed=where == KEYED))
+        if where in (STAYING, KEYED_PLACE):
+            self._put_made("Let go of", lambda: unheld(self.pose, keyed=where == KEYED_PLACE))
         elif where in dict(RULES):
             x, y, z = self.pose.place.tolist()
             self._put_made(
@@ -234,9 +234,9 @@ def _span_words(hold: Hold) -> str:
 
 
 def where_of(prop: Prop) -> str:
-    """Which of ``WHERE`` it is."""
+    """Which of ``PLACE_CHOICES`` it is."""
     if prop.held is not None:
         return prop.held.kind
     if isinstance(prop.position, ProceduralPlace):
         return prop.position.kind
-    return KEYED if isinstance(prop.position, KeyedPlace) or isinstance(prop.heading, KeyedNumber) else STAYS
+    return KEYED_PLACE if isinstance(prop.position, KeyedPlace) or isinstance(prop.heading, KeyedNumber) else STAYING

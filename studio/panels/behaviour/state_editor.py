@@ -18,10 +18,10 @@ from studio.document.document import Document
 from studio.engine.live import Live
 from studio.panels.behaviour.manner_section import TITLES, MannerSection
 from studio.panels.behaviour.part_editor import PartEditor
-from studio.panels.fields import SIDE, Choice, NumberField, Section, labelled
+from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, labelled
 
 ADD = "Add a manner"
-NEW: dict[str, Manner] = {TITLES[type(each)]: each for each in (KeepDistance(), LeanAway(), Meet())}
+NEW_MANNERS: dict[str, Manner] = {TITLES[type(each)]: each for each in (KeepDistance(), LeanAway(), Meet())}
 
 
 class StateEditor(PartEditor):
@@ -37,8 +37,8 @@ class StateEditor(PartEditor):
         self.column.addLayout(self._box)
         below = QWidget()
         row = QVBoxLayout(below)
-        row.setContentsMargins(SIDE, 12, SIDE, 0)
-        self._add = Choice("Add a manner", [(None, ADD), *((title, title) for title in NEW)])
+        row.setContentsMargins(FIELD_ICON_PX, 12, FIELD_ICON_PX, 0)
+        self._add = Choice("Add a manner", [(None, ADD), *((title, title) for title in NEW_MANNERS)])
         self._add.chosen.connect(self._add_manner)
         row.addWidget(self._add)
         row.addWidget(labelled("The constraints of the clip act too, as long as the state lasts.", "hint"))
@@ -182,7 +182,7 @@ class StateEditor(PartEditor):
 
     def _add_manner(self, title: Any) -> None:
         if title is not None:
-            self._set(f"{self.entity.name}: {title.lower()}", manners=(*self.entity.manners, NEW[title]))
+            self._set(f"{self.entity.name}: {title.lower()}", manners=(*self.entity.manners, NEW_MANNERS[title]))
 
     def _putter(self, place: int) -> Callable[[Any, str], None]:
         def put(make: Callable[[], Manner] | None, text: str) -> None:

@@ -12,7 +12,7 @@ from studio.panels.constraint_editors.segment_weights import SegmentWeights, wei
 from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section, labelled
 
-TRUNK = (BodyPart.ABDOMEN, BodyPart.THORAX)
+TRUNK_SEGMENTS = (BodyPart.ABDOMEN, BodyPart.THORAX)
 
 
 def link_words(point: BodyPart) -> dict[str, str]:
@@ -30,7 +30,7 @@ def link_words(point: BodyPart) -> dict[str, str]:
 def link_parts(constraint: Constraint) -> dict[str, tuple[BodyPart, ...]]:
     """The segments of each link that counts for a constraint."""
     side, _, bone = constraint.point.part.value.partition("_")
-    links: dict[str, tuple[BodyPart, ...]] = {"trunk": TRUNK, "root": (BodyPart.PELVIS,)}
+    links: dict[str, tuple[BodyPart, ...]] = {"trunk": TRUNK_SEGMENTS, "root": (BodyPart.PELVIS,)}
     if bone in ("clavicle", "upper_arm", "forearm", "hand"):
         links["limb"] = (BodyPart(f"{side}_upper_arm"), BodyPart(f"{side}_forearm"))
         links["end_segment"] = (BodyPart(f"{side}_hand"),)

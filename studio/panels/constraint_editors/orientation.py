@@ -9,7 +9,7 @@ from studio.panels.constraint_editors.common import ConstraintEditor
 from studio.panels.constraint_editors.target_rows import TargetRows
 from studio.panels.fields import NumberField, Section
 
-ORDER = "ZYX"
+EULER_ORDER = "ZYX"
 """Turned about the world's X first, then its Y, then its Z: so Z is always the heading."""
 SAME = 1e-3
 """Radians: the fields are rounded, and angles that mean the same turn stay as they were typed."""
@@ -32,7 +32,7 @@ class OrientationEditor(ConstraintEditor):
         self._source.refresh()
         now = self._source.now()
         if now is not None and angle_between(self._quaternion(self._shown()), np.array(now)) > SAME:
-            for field, angle in zip(self._angles, np.degrees(to_euler(ORDER, np.array(now)))[::-1], strict=True):
+            for field, angle in zip(self._angles, np.degrees(to_euler(EULER_ORDER, np.array(now)))[::-1], strict=True):
                 field.show_value(float(angle))
 
     def _shown(self) -> list[float]:
@@ -40,7 +40,7 @@ class OrientationEditor(ConstraintEditor):
 
     @staticmethod
     def _quaternion(degrees: list[float]) -> np.ndarray:
-        return from_euler(ORDER, np.radians(degrees[::-1]))
+        return from_euler(EULER_ORDER, np.radians(degrees[::-1]))
 
     def _set_angle(self, axis: int, degrees: float) -> None:
         angles = self._shown()

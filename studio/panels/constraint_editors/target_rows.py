@@ -20,12 +20,12 @@ from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRo
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, Section, labelled, press_button, short
 
-FIXED, KEYED = "fixed", Keys.kind
-OWN = OwnPlace.kind
-KINDS = (
-    (OWN, "Per character"),
-    (FIXED, "Shared"),
-    (KEYED, "Keyed over time"),
+FIXED_KIND, KEYED_KIND = "fixed", Keys.kind
+OWN_KIND = OwnPlace.kind
+PLACE_KINDS = (
+    (OWN_KIND, "Per character"),
+    (FIXED_KIND, "Shared"),
+    (KEYED_KIND, "Keyed over time"),
     *RULES,
     (FollowBody.kind, "Follow own body"),
     (FollowPerformer.kind, "Follow character"),
@@ -41,9 +41,9 @@ SPOTS = (
     ((0.0, 0.0, 1.0), "Top"),
     ((0.0, 0.0, -1.0), "Bottom"),
 )
-ONLY_PLACES = (KINDS[0], *RULES)
+ONLY_PLACES = (PLACE_KINDS[0], *RULES)
 """What no turn can be."""
-NARROW = 30
+SIGN_BUTTON_PX = 30
 """Pixels of a button with one sign."""
 WRISTS = (BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True), BodyPoint(BodyPart.LEFT_FOREARM, at_end=True))
 
@@ -53,7 +53,7 @@ class TargetRows:
 
     def __init__(self, editor: Editor, section: Section, field: str, turns: bool = False) -> None:
         self._editor, self._field, self._turns = editor, field, turns
-        self._kind = Choice("Target is", [kind for kind in KINDS if not turns or kind not in ONLY_PLACES])
+        self._kind = Choice("Target is", [kind for kind in PLACE_KINDS if not turns or kind not in ONLY_PLACES])
         self._kind.chosen.connect(self._choose)
         self._kind_caption = section.add_row("Target is", self._kind)
         self._thing = Choice("Follows", ())
@@ -107,8 +107,8 @@ class TargetRows:
     def refresh(self) -> None:
         """Show what it is; nothing where the value is no target."""
         target = self.target
-        kind = getattr(target, "kind", FIXED if isinstance(target, tuple) else None)
-        known = kind in dict(KINDS)
+        kind = getattr(target, "kind", FIXED_KIND if isinstance(target, tuple) else None)
+        known = kind in dict(PLACE_KINDS)
         things = self._things(str(kind)) if known else ()
         self._kind.show_value(kind)
         for widget in (self._kind, self._kind_caption):
@@ -172,7 +172,7 @@ class TargetRows:
         return project.captures[project.motions[self._editor.entity.motion_id].capture_id]
 
     def _choose(self, kind: str) -> None:
-        if kind == getattr(self.target, "kind", FIXED):
+        if kind == getattr(self.target, "kind", FIXED_KIND):
             return
         editor, things = self._editor, self._things(kind)
         if kind in (FollowProp.kind, FollowPerformer.kind) and not things:
@@ -181,7 +181,7 @@ class TargetRows:
             )
             self.refresh()
             return
-        text = f"{dict(KINDS)[kind]}: {editor.entity.name}"
+        text = f"{dict(PLACE_KINDS)[kind]}: {editor.entity.name}"
         editor.put(lambda: replace(editor.entity, **{self._field: self._first(kind, things)}), text)
 
     def _first(self, kind: str, things: Sequence[tuple[Any, str]]) -> Any:
@@ -202,9 +202,9 @@ class TargetRows:
                 return FollowTracked(capture.skeleton.names[parts.get(own.part, 0)])
         if now is None:
             raise ValueError("Where the target is now is not known yet. Wait until the body is adapted.")
-        if kind == FIXED:
+        if kind == FIXED_KIND:
             return now
-        if kind == OWN:
+        if kind == OWN_KIND:
             return self._own_place(now, moment)
         if kind in dict(RULES):
             return ruled(kind, _full(now))
@@ -259,7 +259,7 @@ class KeyRow:
         for button, name in zip(self._buttons, ("Key before", "Next key", "Set key", "Delete key"), strict=True):
             button.setAccessibleName(name)
             button.setToolTip(f"{name} at the playhead" if name in ("Set key", "Delete key") else name)
-            button.setFixedWidth(NARROW)
+            button.setFixedWidth(SIGN_BUTTON_PX)
         self._caption = section.add_row("Keys", self._words, *self._buttons)
 
     def refresh(self, known: bool = True) -> None:

@@ -13,14 +13,14 @@ from PySide6.QtWidgets import QHBoxLayout, QTreeWidget, QTreeWidgetItem, QVBoxLa
 from studio.core.markers.force_plates import plate_force, sample_times
 from studio.core.markers.trial import MARKER, VIRTUAL, ForcePlate, Trial, bare_label
 from studio.document import colours
-from studio.panels.fields import SIDE, labelled
+from studio.panels.fields import FIELD_ICON_PX, labelled
 
 FloatArray = NDArray[np.float64]
 Curves = list[tuple[str, FloatArray, FloatArray]]
 """Name, times and values."""
 
 LIST_WIDTH = 210
-AXES = ("x", "y", "z")
+SIGNAL_AXES = ("x", "y", "z")
 
 
 class SignalPlot(QWidget):
@@ -33,7 +33,7 @@ class SignalPlot(QWidget):
         super().__init__()
         self._trial, self._seek = trial, seek
         row = QHBoxLayout(self)
-        row.setContentsMargins(SIDE, SIDE, SIDE, 0)
+        row.setContentsMargins(FIELD_ICON_PX, FIELD_ICON_PX, FIELD_ICON_PX, 0)
         self.list = QTreeWidget()
         self.list.setHeaderHidden(True)
         self.list.setFixedWidth(LIST_WIDTH)
@@ -172,7 +172,7 @@ def _one(name: str, times: FloatArray, values: FloatArray) -> Curves:
 
 
 def _axes(name: str, times: FloatArray, values: FloatArray) -> Curves:
-    return [(f"{name} {axis}", times, values[:, place]) for place, axis in enumerate(AXES)]
+    return [(f"{name} {axis}", times, values[:, place]) for place, axis in enumerate(SIGNAL_AXES)]
 
 
 def _events_words(trial: Trial) -> str:
