@@ -266,7 +266,7 @@ PLAY = (
            checked=lambda bench: bench.document.playhead.loop),
 )  # fmt: skip
 
-LIVE = (
+LIVE_ACTIONS = (
     Action("live_panel", "Play", "Live input and output…", show_live, ("Ctrl+Shift+L",),
            "Bodies and trackers received by VMC, what they drive, and what is sent out"),
     Action("stream", "Play", "Stream bodies as VMC", toggle_streaming, tooltip="To the address set in the Live panel",
@@ -329,7 +329,7 @@ HELP = (
     Action("shortcuts", "Help", "Shortcuts", view.shortcuts, ("?",), "All shortcuts on one sheet"),
 )
 
-SHOWN = tuple(
+SCENE_ACTIONS = tuple(
     Action(
         f"scene_{scene.maker.partition('.')[2]}", "Scenes", scene.title, files.scene_opener(scene), tooltip=scene.text
     )
@@ -337,5 +337,5 @@ SHOWN = tuple(
 )
 
 ACTIONS: tuple[Action, ...] = (
-    *FILE, *SHOWN, *EDIT, *CHARACTER, *CLIP, *CONSTRAINT, *BEHAVIOUR, *PLAY, *LIVE, *VIEW, *HELP
+    *FILE, *SCENE_ACTIONS, *EDIT, *CHARACTER, *CLIP, *CONSTRAINT, *BEHAVIOUR, *PLAY, *LIVE_ACTIONS, *VIEW, *HELP
 )  # fmt: skip

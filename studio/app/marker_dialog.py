@@ -16,7 +16,7 @@ from studio.panels.fields import FIELD_ICON_PX, labelled, press_button
 from studio.panels.markers.assistant import MarkerAssistant
 from studio.panels.markers.steps import StepList
 
-SIZE = (1120, 680)
+MARKER_DIALOG_SIZE = (1120, 680)
 
 
 def open_markers(bench: Workbench, capture_id: str | None = None) -> "MarkerDialog":
@@ -55,7 +55,7 @@ class MarkerDialog(QDialog):
         self.setWindowTitle(f"Markers of {capture.name}")
         self.setObjectName("marker_dialog")
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self.resize(*SIZE)
+        self.resize(*MARKER_DIALOG_SIZE)
         self.assistant = MarkerAssistant(self._take, capture.up_axis)
         self.steps = StepList(self._take.steps)
         from studio.panels.markers.signals import SignalPlot  # late: pyqtgraph is the views', which come later

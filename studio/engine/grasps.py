@@ -14,7 +14,7 @@ from studio.core.stage.prop import Carried, Prop
 from studio.engine.performance import Posed, Results, posed_performers, stage_time
 
 FloatArray = NDArray[np.float64]
-SAMPLES = 16
+GRASP_SAMPLES = 16
 """Moments of a grasp at which the height of the hands is looked at."""
 
 
@@ -54,7 +54,7 @@ def grasp_at(project: Project, results: Results, performer_id: str, now: float) 
 def _grasp(
     project: Project, results: Results, performer_id: str, span: tuple[float, float], seconds: float
 ) -> Grasp | None:
-    moments = (seconds, *np.linspace(*span, SAMPLES).tolist())
+    moments = (seconds, *np.linspace(*span, GRASP_SAMPLES).tolist())
     posed = [posed_performers(project, results, moment).get(performer_id) for moment in moments]
     holders = [each for each in posed if each is not None]
     if len(holders) < len(moments):

@@ -16,7 +16,7 @@ from studio.document.document import Document
 from studio.document.obstacles import obstacles_of, set_obstacle
 from studio.engine.live import Live
 from studio.engine.performance import posed_performers
-from studio.engine.point_names import POINTS, point_words
+from studio.engine.point_names import POINT_NAMES, point_words
 from studio.engine.props import PropPose, between_hands, heading_of, in_hand, moved_prop, prop_at, turned_prop, unheld
 from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled
 from studio.panels.constraint_editors.vector_row import VectorRow
@@ -55,7 +55,7 @@ class PropEditor(Editor):
         self._holder = Choice("By whom", ())
         self._holder.chosen.connect(self._give)
         self._holder_row = section.add_row("By whom", self._holder)
-        self._point = Choice("Point", [(point, name.capitalize()) for point, name in POINTS.items()])
+        self._point = Choice("Point", [(point, name.capitalize()) for point, name in POINT_NAMES.items()])
         self._point.chosen.connect(self._fix)
         self._point_row = section.add_row("Point", self._point)
         self._held, self._always = labelled("", "value"), press_button("always", self._hold_always)

@@ -11,7 +11,7 @@ from studio.core.captures.contacts import ContactInterval
 from studio.core.project import Project
 from studio.core.solver.performers.rows import timing_of
 from studio.core.solver.request import AdaptedMotion
-from studio.engine.measures import LENGTH, Measure, measure_of
+from studio.engine.measures import LENGTH_MEASURE, Measure, measure_of
 from studio.engine.residuals import missed_by
 from studio.timeline.axis import AXIS_MARGIN, TimeAxis
 from studio.timeline.shown import RowContext
@@ -161,7 +161,7 @@ def plotted_constraint(shown: RowContext) -> str | None:
 def error_measure(shown: RowContext) -> Measure:
     """What the error that is plotted is."""
     constraint_id = plotted_constraint(shown)
-    return measure_of(shown.project.constraints[constraint_id]) if constraint_id else LENGTH
+    return measure_of(shown.project.constraints[constraint_id]) if constraint_id else LENGTH_MEASURE
 
 
 def seen_curve(curve: Curve, axis: TimeAxis) -> tuple[FloatArray, FloatArray]:

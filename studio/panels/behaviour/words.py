@@ -14,7 +14,7 @@ from studio.core.stage.conditions import (
 )
 from studio.core.stage.manners import FIST, FOREARM, HEAD, KeepDistance, LeanAway, Manner
 from studio.core.stage.whom import FollowPartner, Whom
-from studio.engine.point_names import POINTS, point_words
+from studio.engine.point_names import POINT_NAMES, point_words
 
 LEFT_FIST = BodyPoint(BodyPart.LEFT_HAND, FIST.offset)
 RIGHT_FOREARM = BodyPoint(BodyPart.RIGHT_FOREARM, FOREARM.offset)
@@ -35,7 +35,7 @@ def point_name(point: BodyPoint) -> str:
 
 def point_choices() -> list[tuple[BodyPoint, str]]:
     """Every point that has a name, those of fights first."""
-    joints = {BodyPoint(part, at_end=at_end): name for (part, at_end), name in POINTS.items()}
+    joints = {BodyPoint(part, at_end=at_end): name for (part, at_end), name in POINT_NAMES.items()}
     return [(point, name.capitalize()) for point, name in {**NAMED, **joints}.items()]
 
 

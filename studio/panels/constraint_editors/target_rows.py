@@ -14,7 +14,7 @@ from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Ke
 from studio.core.constraints.own_place import OwnPlace
 from studio.engine.moments import TargetContext
 from studio.engine.performance import motion_time, stage_time
-from studio.engine.point_names import POINTS, point_words
+from studio.engine.point_names import POINT_NAMES, point_words
 from studio.panels.constraint_editors.present import moment_now
 from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled
 from studio.panels.editor import Editor
@@ -59,7 +59,7 @@ class TargetRows:
         self._thing = Choice("Follows", ())
         self._thing.chosen.connect(self._choose_thing)
         self._thing_caption = section.add_row("Follows", self._thing)
-        self._point = Choice("Point followed", [(point, name.capitalize()) for point, name in POINTS.items()])
+        self._point = Choice("Point followed", [(point, name.capitalize()) for point, name in POINT_NAMES.items()])
         self._point.chosen.connect(self._choose_point)
         self._point_caption = section.add_row("Its point", self._point)
         self._spot = Choice("Place on the prop", SPOTS)
