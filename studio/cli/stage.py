@@ -27,7 +27,7 @@ from studio.startup.kernel_warm_up import compile_first
 
 OF_CAPTURES = ("capture", "character", "constraints", "ground", "place")
 """Arguments that a project answers itself."""
-COLUMNS = ("slide_mm", "float_mm", "penetration_mm", "acceleration_ratio", "speed_ratio")
+STAGE_COLUMNS = ("slide_mm", "float_mm", "penetration_mm", "acceleration_ratio", "speed_ratio")
 
 
 def run_stage(arguments: Namespace) -> int:
@@ -126,7 +126,7 @@ def performer_record(project: Project, key: str, performance: Performance, path:
 
 def print_stage(report: Record) -> None:
     """A line a performer, a line a constraint, and who failed."""
-    rows = [[each["name"], *(f"{each[key]:.2f}" for key in COLUMNS)] for each in report["performers"]]
+    rows = [[each["name"], *(f"{each[key]:.2f}" for key in STAGE_COLUMNS)] for each in report["performers"]]
     print_table(("performer", "slide mm", "float mm", "below ground mm", "acceleration ratio", "speed ratio"), rows)
     lines = [
         [asked["name"], each["name"], f"{asked['frames_held']} of {asked['frames_asked']}"]

@@ -19,7 +19,7 @@ from studio.live.osc import encode_message
 from studio.live.recording import read_recording
 from studio.live.streamer import packets_of
 from studio.live.tracker import Inbox, UdpInput
-from studio.live.vmc import TRACKER, posed
+from studio.live.vmc import TRACKER_ADDRESS, posed
 from studio.viewport.eyes import ONE_EYE
 from tests.builders import make_project
 from tests.core.motions import walk
@@ -51,7 +51,7 @@ def child_packets(frame=13):
 
 def cap(x):
     """Unity's z is forward."""
-    return encode_message(TRACKER, ["Cap", 0.0, 1.5, x, 0.0, 0.0, 0.0, 1.0])
+    return encode_message(TRACKER_ADDRESS, ["Cap", 0.0, 1.5, x, 0.0, 0.0, 0.0, 1.0])
 
 
 def test_a_body_drives_a_performer_and_its_own_clips_play_again_after_it(control, window, qtbot):

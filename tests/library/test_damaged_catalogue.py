@@ -12,7 +12,7 @@ import pytest
 
 from studio.core.errors import StudioError
 from studio.library import catalogue as catalogues
-from studio.library.catalogue import DATABASE, VERSION, Catalogue
+from studio.library.catalogue import CATALOGUE_VERSION, DATABASE, Catalogue
 from studio.library.clips import ClipLabel
 from studio.library.confirmed_labels import CONFIRMED_LABELS
 from studio.library.indexing import corrected, index, whole_library
@@ -68,7 +68,7 @@ def test_every_row_may_hold_anything(folder: Path, label: ClipLabel) -> None:
     use(folder, label)
 
 
-@pytest.mark.parametrize("version", [VERSION + 1, VERSION + 98, 2**31 - 1])
+@pytest.mark.parametrize("version", [CATALOGUE_VERSION + 1, CATALOGUE_VERSION + 98, 2**31 - 1])
 def test_a_catalogue_of_a_newer_version_is_searched_and_never_changed(
     folder: Path, label: ClipLabel, version: int
 ) -> None:
@@ -87,7 +87,7 @@ def test_a_catalogue_of_a_newer_version_is_searched_and_never_changed(
 
 def test_a_catalogue_of_a_newer_version_with_other_tables_is_refused_and_left_alone(folder: Path) -> None:
     put(folder, "ALTER TABLE clips RENAME COLUMN label TO labels")
-    put(folder, f"PRAGMA user_version = {VERSION + 1}")
+    put(folder, f"PRAGMA user_version = {CATALOGUE_VERSION + 1}")
     before = (folder / "catalogue" / DATABASE).read_bytes()
     with pytest.raises(StudioError, match="newer version"):
         Catalogue(folder / "catalogue")
