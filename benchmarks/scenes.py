@@ -22,7 +22,7 @@ from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
-from studio.core.quality.metrics import QUIET, angular_acceleration
+from studio.core.quality.metrics import QUIET_PEAK, angular_acceleration
 from studio.core.solver.adapt import adapt, hold, place_of
 from studio.core.solver.asking.releasing import constraint_activations
 from studio.core.solver.request import AdaptedMotion
@@ -98,7 +98,7 @@ def scene(standing: Standing, before: AdaptedMotion, seed: int) -> tuple[Constra
 def measure(name: str, standing: Standing, seed: int, worst: float, exact: bool = False) -> list[Result]:
     """A scene with its first one, two, four and six constraints; ``worst`` microseconds a frame."""
     before = hold(standing, ())
-    source = max(float(angular_acceleration(before.rotations, before.frame_rate).max()), QUIET)
+    source = max(float(angular_acceleration(before.rotations, before.frame_rate).max()), QUIET_PEAK)
     asked, results, higher = scene(standing, before, seed), [], None
     for count in COUNTS:
         solved, cost = _timed(standing, asked[:count], eased=not exact)

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from studio.app.workbench import Workbench
-from studio.core.mesh.hand_shapes import FIST
+from studio.core.mesh.hand_shapes import FIST_GRIP
 from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.staging import side_by_side, staged
@@ -36,7 +36,7 @@ def capture_file() -> Path:
 def read_sample() -> tuple[Project, dict[str, AdaptedMotion]]:
     """The bundled characters performing one motion, and what becomes of it, by performer."""
     folder = sample_folder()
-    characters = {name: replace(each, grip=FIST) for name, each in bundled_characters().items()}
+    characters = {name: replace(each, grip=FIST_GRIP) for name, each in bundled_characters().items()}
     kept = read_project(folder / SAMPLE_PROJECT).project
     capture = kept.captures[SAMPLE_MOTION_ID]
     bodies = {key: character.morphology for key, character in characters.items()}

@@ -15,7 +15,7 @@ from studio.cli.stage import run_stage
 from studio.core.body.character import Character
 from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
-from studio.core.plausible import PLACE
+from studio.core.plausible import PLACE_RANGE
 from studio.core.solver.request import AdaptRequest
 from studio.core.stage.placement import Placement
 from studio.io.export import take_of_actor, take_of_adapted, write_take
@@ -127,7 +127,7 @@ def placed(said: Sequence[Sequence[str]], characters: Iterable[str]) -> dict[str
             x, y, degrees = map(float, numbers)
         except ValueError:
             x = y = degrees = math.nan
-        if not all(abs(number) <= PLACE.most for number in (x, y, degrees)):
+        if not all(abs(number) <= PLACE_RANGE.most for number in (x, y, degrees)):
             raise StudioError(f"--place {name} {' '.join(numbers)}: say two lengths in metres and degrees.")
         places[key] = Placement((x, y), math.radians(degrees))
     return places

@@ -7,7 +7,7 @@ from pathlib import Path
 import platformdirs
 
 from studio.cli.ranges import LONGEST_SECONDS, key_press, number, size, whole
-from studio.core.plausible import FRAME_RATE, PLACE
+from studio.core.plausible import FRAME_RATE, PLACE_RANGE
 from studio.io.export_choices import REST_POSES, ROOTS
 from studio.io.joint_names import joint_namings
 from studio.library.clips import Kind, Limb
@@ -23,7 +23,7 @@ FILE.json is told in
 """
 MOST_FRAMES_READ = 100_000_000
 
-metres = number(-PLACE.most, PLACE.most, "a number of metres")
+metres = number(-PLACE_RANGE.most, PLACE_RANGE.most, "a number of metres")
 seconds = number(0.0, LONGEST_SECONDS, "a number of seconds")
 frame_rate = number(FRAME_RATE.least, FRAME_RATE.most, "a number of frames a second")
 weight = number(0.0, 1e6, "a weight")

@@ -12,7 +12,7 @@ from studio.core.normalized.compose import Composite
 from studio.core.stage.behaviour import Role, State
 from studio.core.stage.manners import KeepDistance
 from studio.core.stage.placement import Placement
-from studio.core.stage.whom import PELVIS, followed_by
+from studio.core.stage.whom import PELVIS_POINT, followed_by
 from studio.live.acting import Act, StageView
 
 FloatArray = NDArray[np.float64]
@@ -37,7 +37,7 @@ def step_of(seen: StageView, key: str, act: Act, composite: Composite, frame: in
     if found is None or kept is None or seen.seconds < act.clip.start + SETTLING + KEEPING_STEP_SECONDS * act.steps:
         return None
     role, project = found[1], seen.project
-    whom, own = seen.place_of(kept.whom, role), seen.place_of(FollowPerformer(key, PELVIS), role)
+    whom, own = seen.place_of(kept.whom, role), seen.place_of(FollowPerformer(key, PELVIS_POINT), role)
     if whom is None or own is None:
         return None
     placement = Placement.of(project.performers[key])

@@ -9,8 +9,8 @@ from PySide6.QtCore import QSignalBlocker
 from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QWidget
 
 from studio.core.errors import StudioError
-from studio.core.mesh.hand_shapes import AT_EASE, FIST, HALF_CLOSED, OPEN
-from studio.core.stage.clip import FASTEST, MOST_REPEATS, SLOWEST, Clip
+from studio.core.mesh.hand_shapes import FIST_GRIP, HALF_CLOSED_GRIP, OPEN_GRIP, RELAXED_GRIP
+from studio.core.stage.clip import FASTEST_CLIP, MOST_REPEATS, SLOWEST_CLIP, Clip
 from studio.core.stage.clip_row import begun_at, ended_at, players_of
 from studio.document import clips
 from studio.document.document import Document
@@ -23,10 +23,10 @@ CLIP_OFFSET_LIMIT = 1000.0
 CLIP_TIME_LIMIT = 100_000.0
 GRIP_CHOICES = (
     (None, "As the character has them"),
-    (OPEN, "Open"),
-    (AT_EASE, "At ease"),
-    (HALF_CLOSED, "Half closed"),
-    (FIST, "Fists"),
+    (OPEN_GRIP, "Open"),
+    (RELAXED_GRIP, "At ease"),
+    (HALF_CLOSED_GRIP, "Half closed"),
+    (FIST_GRIP, "Fists"),
 )
 
 
@@ -60,7 +60,7 @@ class ClipEditor(Editor):
         self._first = self.bind(NumberField("First frame", "", 0, 1e6, 1, 0), self._set_first)
         self._last = self.bind(NumberField("Last frame", "", 0, 1e6, 1, 0), self._set_last)
         section.add_row("Frames", self._first, self._last)
-        speed = NumberField("Speed", "×", SLOWEST, FASTEST, 0.05)
+        speed = NumberField("Speed", "×", SLOWEST_CLIP, FASTEST_CLIP, 0.05)
         self._speed = self._number(speed, "Change speed of", "", speed=1.0)
         section.add_row("Speed", self._speed)
         self._repeats = self.bind(NumberField("Times", "", 1, MOST_REPEATS, 1, 0), self._set_repeats)

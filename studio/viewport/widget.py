@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QWidget
 
 from studio.core.body.sticks import bone_pairs
 from studio.core.constraints.base import BodyPoint
-from studio.core.constraints.kinds import KINDS
+from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.document import colours
 from studio.document.document import Document
 from studio.engine.empty_stage import empty_words
@@ -200,7 +200,11 @@ class Viewport(Canvas):
         performer_id = picked.performer_id if picked else self._document.active_performer_id or ""
         pose = self.posed.get(performer_id)
         project = self._document.project  # the motion may have gone from it since the last picture
-        if pose is None or pose.motion_id not in project.motions or (picked is None and KINDS[kind].shown.picks):
+        if (
+            pose is None
+            or pose.motion_id not in project.motions
+            or (picked is None and CONSTRAINT_KINDS[kind].shown.picks)
+        ):
             return None
         constraint = constraint_here(
             Here(TargetContext(project, self.posed, pose), picked.joint if picked else None), kind

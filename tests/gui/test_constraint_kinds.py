@@ -14,7 +14,7 @@ from studio.core.constraints.balance import Support
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowProp
 from studio.core.constraints.keyed import KeyedPlace
-from studio.core.constraints.kinds import KINDS
+from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.quality.metrics import centre_of_mass
 from studio.core.stage.prop import Prop
 from studio.document.document import Document
@@ -100,7 +100,7 @@ def choose(inspector, name, text):
     box.activated.emit(box.currentIndex())
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", CONSTRAINT_KINDS)
 def test_each_kind_is_added_at_a_pick_as_one_step_is_selected_and_has_its_form(studio, kind):
     _, document, inspector = studio
     constraint = add(studio, kind)
@@ -114,7 +114,7 @@ def test_each_kind_is_added_at_a_pick_as_one_step_is_selected_and_has_its_form(s
     assert not document.project.constraints
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", CONSTRAINT_KINDS)
 def test_what_needs_a_joint_waits_for_one_and_the_others_take_the_active_body(studio, kind):
     viewport, document, _ = studio
     made = viewport.add_constraint_at_pick(kind)
@@ -240,7 +240,7 @@ def test_dragging_an_arrow_moves_the_place_of_any_kind_in_one_step(studio, kind)
     assert document.undo_stack.count() == 2
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", CONSTRAINT_KINDS)
 def test_a_selected_constraint_is_framed_with_all_that_is_drawn_of_it(studio, kind):
     viewport, _, _ = studio
     constraint = add(studio, kind)
@@ -254,7 +254,7 @@ def test_a_selected_constraint_is_framed_with_all_that_is_drawn_of_it(studio, ki
 
 
 def test_a_place_that_is_written_is_read_again_and_what_has_none_stays_as_it_is(studio):
-    for kind in KINDS:
+    for kind in CONSTRAINT_KINDS:
         constraint = add(studio, kind, "left ankle")
         place = fixed(studio, constraint)
         viewport, document, _ = studio
@@ -280,7 +280,7 @@ def keyed(studio, kind="position"):
     """A constraint whose place has a key at 0.1 s, before the playhead at 0.2 s."""
     viewport, document, _ = studio
     constraint = add(studio, kind)
-    name = KINDS[kind].shown.held_by
+    name = CONSTRAINT_KINDS[kind].shown.held_by
     place = fixed(studio, constraint)
     new = replace(constraint, **{name: KeyedPlace((0.1,), (place,))})
     document.replace("constraints", document.selection.current[1], new, "Key")
@@ -303,9 +303,9 @@ def test_dragging_a_keyed_target_sets_a_key_at_the_playhead_and_escape_takes_it_
     QTest.mouseRelease(viewport, LEFT, Qt.KeyboardModifier.NoModifier, end)
     assert current(document) == before
     drag(viewport, begin, end)
-    target = getattr(current(document), KINDS[kind].shown.held_by)
+    target = getattr(current(document), CONSTRAINT_KINDS[kind].shown.held_by)
     assert target.times == (0.1, 0.2)
-    assert target.values[0] == getattr(before, KINDS[kind].shown.held_by).values[0]
+    assert target.values[0] == getattr(before, CONSTRAINT_KINDS[kind].shown.held_by).values[0]
     assert target.values[1][2] > target.values[0][2] + 0.02
     what = "centre" if kind == "area" else "target"
     assert document.undo_stack.undoText() == f"Key {what} of {before.name}"

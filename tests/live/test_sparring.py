@@ -12,9 +12,9 @@ from studio.core.captures.reaching import farthest_frame
 from studio.core.project import Project
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import place_of
-from studio.core.stage.manners import FIST, FOREARM, HEAD, KeepDistance, LeanAway
+from studio.core.stage.manners import ARM_POINT, FIST_POINT, HEAD_POINT, KeepDistance, LeanAway
 from studio.core.stage.placement import Placement
-from studio.core.stage.whom import PELVIS
+from studio.core.stage.whom import PELVIS_POINT
 from studio.jobs.performances import prepared
 from studio.library.scenes import fight
 from studio.library.scenes.sparring import (
@@ -63,15 +63,15 @@ class Fight:
         placement = Placement.of(self.stage.project.performers[key])
         return placement.to_stage(place_of(point, self.stage.results[key])[0])
 
-    def apart(self, point=PELVIS, other=PELVIS, one_key=ONE, other_key=OTHER):
+    def apart(self, point=PELVIS_POINT, other=PELVIS_POINT, one_key=ONE, other_key=OTHER):
         return float(np.linalg.norm(self.at(one_key, point) - self.at(other_key, other)))
 
     def distance(self):
-        return float(np.linalg.norm((self.at(ONE, PELVIS) - self.at(OTHER, PELVIS))[:2]))
+        return float(np.linalg.norm((self.at(ONE, PELVIS_POINT) - self.at(OTHER, PELVIS_POINT))[:2]))
 
     def facing(self, key, other):
         """Radians by which a fighter's chest is turned away from the other, its stance aside."""
-        away = (self.at(other, PELVIS) - self.at(key, PELVIS))[:2]
+        away = (self.at(other, PELVIS_POINT) - self.at(key, PELVIS_POINT))[:2]
         return np.arctan2(away[1], away[0])
 
     def state(self, key):
@@ -125,7 +125,7 @@ def test_a_forearm_meets_the_fist_of_a_low_punch(one, other):
     fight = Fight(scene())
     for _ in fight.play(3.0):
         pass
-    nearest = [fight.apart(FIST, FOREARM, one, other) for _ in fight.play(2.0 * HIT, PUNCH_KEYS[one][0])]
+    nearest = [fight.apart(FIST_POINT, ARM_POINT, one, other) for _ in fight.play(2.0 * HIT, PUNCH_KEYS[one][0])]
     assert fight.state(other) in ("Ward off", "Guard")
     assert min(nearest) < 5e-3
     assert np.argmin(nearest) * STEP == pytest.approx(HIT, abs=0.1)
@@ -137,7 +137,7 @@ def test_a_head_leans_away_from_a_high_punch_that_would_come_nearer(one, other):
         fight = Fight(project)
         for _ in fight.play(3.0):
             pass
-        return min(fight.apart(FIST, HEAD, one, other) for _ in fight.play(2.0 * HIT, PUNCH_KEYS[one][1]))
+        return min(fight.apart(FIST_POINT, HEAD_POINT, one, other) for _ in fight.play(2.0 * HIT, PUNCH_KEYS[one][1]))
 
     assert nearest(scene()) > HEAD_CLEARANCE - 5e-3
     assert nearest(stiff(scene())) < HEAD_CLEARANCE - 0.05

@@ -11,7 +11,7 @@ from studio.core.project import Project, new_id
 from studio.core.stage import ready_made
 from studio.core.stage.behaviour import Behaviour
 from studio.core.stage.clip import Clip
-from studio.core.stage.manners import WHOLE
+from studio.core.stage.manners import WHOLE_CLIP
 from studio.document.behaviours import add_behaviour, edit_behaviour, let_play, state_key
 
 STRIKE_KEY = "X"
@@ -145,7 +145,7 @@ def _when_hit(bench: Workbench, clip: Clip) -> ActivationCurve:
     behaviour = project.behaviours.get(project.behaviour_of(partner_id) or "")
     blows = [each.clip for each in behaviour.states if each.event == ready_made.ATTACK] if behaviour else []
     if not blows or blows[0] is None:
-        return WHOLE
+        return WHOLE_CLIP
     blow = blows[0]
     capture = project.captures[project.motions[blow.motion_id].capture_id]
     frames = farthest_frame(capture, blow.first, blow.last) - blow.first

@@ -17,7 +17,7 @@ from studio.core.errors import StudioError
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.names import free_name
 from studio.core.project import Performer, Project
-from studio.core.stage.holding import REACHING, THIN, grips, quarters, reaching_time
+from studio.core.stage.holding import HAND_REACH_SECONDS, THIN, grips, quarters, reaching_time
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.document.document import Document
 from studio.engine.grasps import Grasp, captured_grasp, chest_heading, grasp_at, grasp_near
@@ -192,7 +192,7 @@ def _leave(document: Document, prop_id: str, performer_id: str, now: float, text
             if _grips(each, prop_id, performer_id) and each.activation.at(time) > 0.0:
                 curve = each.activation
                 full = min(curve.full, time)
-                left = curve.with_times(min(curve.start, full), full, time, time + REACHING)
+                left = curve.with_times(min(curve.start, full), full, time, time + HAND_REACH_SECONDS)
                 document.replace("constraints", key, replace(each, activation=left), text)
 
 
@@ -217,7 +217,7 @@ def _hold(bench: Workbench, begin: float | None) -> None:
     prop, performer = document.project.props[prop_id], document.project.performers[performer_id]
     posed = posed_performers(document.project, bench.live.result, document.playhead.time)
     holder, giver = posed.get(performer_id), prop.held_at(begin) if begin is not None else None
-    hold, reaching, lower = Carried(performer_id), REACHING, False
+    hold, reaching, lower = Carried(performer_id), HAND_REACH_SECONDS, False
     if holder is not None:
         grasp = grasp_at(document.project, bench.live.result, performer_id, begin) if begin is not None else None
         heading = None

@@ -10,14 +10,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.markers.roles import SIDES
+from studio.core.markers.roles import SIDE_WORDS
 from studio.core.markers.trial import whole
 
 FloatArray = NDArray[np.float64]
 Labels = Mapping[tuple[str, str], Sequence[str]]
 """Labels by side and part."""
 
-NARROW = 0.93
+INNER_PELVIS_PART = 0.93
 """Parts of the pelvis' width within which two points of a joint are no markers on its outer sides."""
 DEEP = {"hip": 1.0, "knee": 0.4, "ankle": 0.27}
 """Parts of the pelvis' width from an outer marker to a joint's centre, at most; an inner marker lies farther away."""
@@ -34,16 +34,16 @@ def told_centres(labels: Labels, tracks: Mapping[str, FloatArray]) -> dict[str, 
             wider = [other for other in pairs if apart[other] > apart[pair]]
             beside = [_nearest(tracks[pair[0]], tracks[other[0]]) for other in wider]
             deep = not wider or min(beside) < DEEP[joint] * width
-            narrow = apart[pair] < NARROW * width if joint != "ankle" or wider else "left_knee" in centres
+            narrow = apart[pair] < INNER_PELVIS_PART * width if joint != "ankle" or wider else "left_knee" in centres
             if narrow and deep and (wider or joint != "hip" or ("left", "front_hip") in labels):
-                centres |= {f"{side}_{joint}": label for side, label in zip(SIDES, pair, strict=True)}
+                centres |= {f"{side}_{joint}": label for side, label in zip(SIDE_WORDS, pair, strict=True)}
     return centres
 
 
 def pelvis_width(labels: Labels, tracks: Mapping[str, FloatArray]) -> float:
     """Metres between the front markers of the pelvis or else its sides; 0, so that nothing is narrower, without any."""
     for part in ("front_hip", "hip"):
-        sides = [labels.get((side, part), ()) for side in SIDES]
+        sides = [labels.get((side, part), ()) for side in SIDE_WORDS]
         if all(sides):
             left, right = (tracks[own[0]] for own in sides)
             return _nearest(left, right)

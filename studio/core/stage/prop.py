@@ -11,7 +11,7 @@ from studio.core.constraints.follow import UNTURNED
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, Quaternion, unit_quaternion
 from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.mesh.triangle_mesh import TriangleMesh
-from studio.core.plausible import TIME, TURN
+from studio.core.plausible import TIME_RANGE, TURN_RANGE
 
 
 class PropShape(StrEnum):
@@ -43,7 +43,7 @@ class Hold:
         spans = [second for second in (self.begin, self.end) if second is not None]
         if not all(map(math.isfinite, spans)) or sorted(spans) != spans:
             raise ValueError(f"A prop is held from one second to a later one, not from {self.begin} to {self.end}.")
-        TIME.check(spans)
+        TIME_RANGE.check(spans)
 
     @property
     def is_always(self) -> bool:
@@ -88,7 +88,7 @@ class Carried(Hold):
         object.__setattr__(self, "offset", finite_vector(self.offset, "An offset from the hands"))
         if not math.isfinite(self.heading):
             raise ValueError("A carried prop needs a finite heading.")
-        TURN.check(self.heading)
+        TURN_RANGE.check(self.heading)
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ class Prop:
             object.__setattr__(self, "position", finite_vector(self.position, f"'{self.name}': a position"))
         if (isinstance(self.heading, float | int) and not math.isfinite(self.heading)) or min(self.size) <= 0.0:
             raise ValueError(f"'{self.name}': a prop needs a finite heading and sides longer than zero.")
-        TURN.check(self.heading.values if isinstance(self.heading, KeyedNumber) else self.heading)
+        TURN_RANGE.check(self.heading.values if isinstance(self.heading, KeyedNumber) else self.heading)
         if self.shape is PropShape.MESH and self.mesh is None:
             raise ValueError(f"'{self.name}': load a mesh first, then it can be the shape.")
         for one, after in zip(self.holds, self.holds[1:], strict=False):

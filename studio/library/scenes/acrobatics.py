@@ -16,7 +16,7 @@ JOINED = 0.4
 def handstand_and_cartwheel() -> Project:
     """Five bodies from the smallest to the largest, each with one handstand and then one cartwheel."""
     stuff = material(handstand=("Handstand", "handstand"), cartwheel=("Cartwheel", "cartwheel"))
-    characters = {key: replace(each, grip=hand_shapes.OPEN) for key, each in bodies(5).items()}
+    characters = {key: replace(each, grip=hand_shapes.OPEN_GRIP) for key, each in bodies(5).items()}
     up, wheel = (stuff.captures[name].frame_count - 1 for name in ("handstand", "cartwheel"))
     clips = (
         Clip("handstand", 0, up, 0.0, "handstand"),

@@ -81,7 +81,7 @@ def _with_fighter(
         captures={**project.captures, motion_id: capture},
         motions={**project.motions, motion_id: Motion(motion_id.replace("_", " ").capitalize(), motion_id)},
         contacts={**project.contacts, **contacts},
-        characters={**project.characters, key: replace(character, grip=hand_shapes.FIST)},
+        characters={**project.characters, key: replace(character, grip=hand_shapes.FIST_GRIP)},
         performers={**project.performers, key: performer},
         props={**project.props, target: ball},
         constraints={**project.constraints, target: aimed(found, clip, FollowProp(target), asked.body)},

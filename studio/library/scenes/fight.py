@@ -67,7 +67,7 @@ def fight_training(pairs: int = 4) -> Project:
     stuff = material(
         rest=("Rest", "straight_punch"), kick=("Kick", "front_kick"), ward_off=("Ward off, punch", "straight_punch")
     )
-    characters = {key: replace(each, grip=hand_shapes.FIST) for key, each in bodies(2 * pairs).items()}
+    characters = {key: replace(each, grip=hand_shapes.FIST_GRIP) for key, each in bodies(2 * pairs).items()}
     keys = sorted(characters, key=lambda key: characters[key].morphology.stature)
     fighters = [Pair(*keys[place : place + 2]) for place in range(0, 2 * pairs, 2)]
     performers: dict[str, Performer] = {}

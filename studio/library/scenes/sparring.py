@@ -14,7 +14,7 @@ from studio.core.stage import behaviour_edits as edits
 from studio.core.stage.behaviour import Behaviour, Role, State, Transition
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import ClipEndCondition, Condition, DistanceCondition, EventCondition, KeyCondition
-from studio.core.stage.manners import FIST, FOREARM, HEAD, KeepDistance, LeanAway, Meet
+from studio.core.stage.manners import ARM_POINT, FIST_POINT, HEAD_POINT, KeepDistance, LeanAway, Meet
 from studio.core.stage.whom import FollowPartner
 from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, bodies, hit_at, material
 
@@ -40,7 +40,7 @@ PUNCH_CHAIN = Chain(trunk=1.0, root=1.0)
 def sparring() -> Project:
     """The scene; StudioError where a bundled file cannot be read."""
     stuff = material(rest=("Guard", "straight_punch"), punch=("Punch", "straight_punch"))
-    people = {key: replace(each, grip=hand_shapes.FIST) for key, each in bodies(5).items() if key in PUNCH_KEYS}
+    people = {key: replace(each, grip=hand_shapes.FIST_GRIP) for key, each in bodies(5).items() if key in PUNCH_KEYS}
     performers, behaviours = {}, {}
     for place, (key, other) in enumerate((tuple(PUNCH_KEYS), tuple(PUNCH_KEYS)[::-1])):
         guard = Clip("rest", GUARD_FROM, GUARD_FROM + 99, id=f"{key} guard")
@@ -66,14 +66,14 @@ def fighter(low: str, high: str, head: BodyPoint) -> Behaviour:
         Clip("rest", GUARD_FROM, GUARD_FROM + 60, id="answer"),
     )
     met = GUARD_FROM + round(HIT * BUNDLED_FRAME_RATE)
-    at_chest = Meet(FollowPartner(CHEST_TARGET), FIST, hit_at(ARM_STRETCHED_FRAME), PUNCH_CHAIN)
-    at_head = Meet(FollowPartner(head), FIST, hit_at(ARM_STRETCHED_FRAME), PUNCH_CHAIN)
+    at_chest = Meet(FollowPartner(CHEST_TARGET), FIST_POINT, hit_at(ARM_STRETCHED_FRAME), PUNCH_CHAIN)
+    at_head = Meet(FollowPartner(head), FIST_POINT, hit_at(ARM_STRETCHED_FRAME), PUNCH_CHAIN)
     behaviour = Behaviour("Fighter", (State("Guard", guard, manners=(KeepDistance(distance=SPARRING_DISTANCE),)),))
-    near = DistanceCondition(distance=PUNCH_DISTANCE)
+    near, fist = DistanceCondition(distance=PUNCH_DISTANCE), FollowPartner(FIST_POINT)
     for state, conditions in (
-        (State("Ward off", answer, False, (Meet(FollowPartner(FIST), FOREARM, hit_at(met, 9)),), "", (288.0, -104.0)),
+        (State("Ward off", answer, False, (Meet(fist, ARM_POINT, hit_at(met, 9)),), "", (288.0, -104.0)),
          (EventCondition(LOW_PUNCH),)),
-        (State("Lean away", answer, False, (LeanAway(FollowPartner(FIST), HEAD, HEAD_CLEARANCE),), "", (288.0, 104.0)),
+        (State("Lean away", answer, False, (LeanAway(fist, HEAD_POINT, HEAD_CLEARANCE),), "", (288.0, 104.0)),
          (EventCondition(HIGH_PUNCH),)),
         (State("Low punch", punch, False, (at_chest,), LOW_PUNCH, (-288.0, -104.0)), (KeyCondition(low), near)),
         (State("High punch", punch, False, (at_head,), HIGH_PUNCH, (-288.0, 104.0)), (KeyCondition(high), near)),

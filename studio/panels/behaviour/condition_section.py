@@ -17,7 +17,7 @@ from studio.core.stage.conditions import (
     KeyCondition,
     TimeCondition,
 )
-from studio.core.stage.whom import PELVIS, Whom
+from studio.core.stage.whom import PELVIS_POINT, Whom
 from studio.panels.behaviour.part_editor import PartEditor, PointChoice, WhomRows
 from studio.panels.fields import Choice, NumberField, Section, press_button
 
@@ -95,7 +95,7 @@ class ConditionSection(Section):
         self._legs.chosen.connect(lambda legs: self._set_gap(legs=legs))
         self.add_row("Counted in", self._legs)
         self._flat = Choice("Measured", [(True, "Over the ground"), (False, "From point to point")])
-        self._flat.chosen.connect(lambda flat: self._set_gap(flat=flat, point=PELVIS if flat else DEFAULT_POINT))
+        self._flat.chosen.connect(lambda flat: self._set_gap(flat=flat, point=PELVIS_POINT if flat else DEFAULT_POINT))
         self.add_row("Measured", self._flat)
         self._point = PointChoice("Own point", lambda point: self._set_gap(point=point))
         self._point_caption = self.add_row("Own point", self._point)

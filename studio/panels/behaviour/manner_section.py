@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QCheckBox
 
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.project import Project
-from studio.core.stage.manners import WHOLE, KeepDistance, LeanAway, Manner, Meet
+from studio.core.stage.manners import WHOLE_CLIP, KeepDistance, LeanAway, Manner, Meet
 from studio.core.stage.whom import Whom
 from studio.panels.behaviour.condition_section import DISTANCE_UNITS
 from studio.panels.behaviour.part_editor import PartEditor, PointChoice, WhomRows
@@ -64,7 +64,7 @@ class MannerSection(Section):
             for field in self._numbers.values():
                 field.setSuffix(f" {manner.gap.unit}")
         if isinstance(manner, Meet):
-            whole = manner.activation == WHOLE
+            whole = manner.activation == WHOLE_CLIP
             with QSignalBlocker(self._always):
                 self._always.setChecked(whole)
             for field, time in zip(self._times, TIMES, strict=True):
@@ -79,7 +79,7 @@ class MannerSection(Section):
     def _add_times(self) -> None:
         self._always = QCheckBox("as long as the clip plays")
         self._always.setAccessibleName("Meets as long as the clip plays")
-        self._always.toggled.connect(lambda on: self._set(activation=WHOLE if on else FIRST_MEETING))
+        self._always.toggled.connect(lambda on: self._set(activation=WHOLE_CLIP if on else FIRST_MEETING))
         self.add_row("When", self._always)
         for label, names in (("Fade in  s", TIMES[:2]), ("Fade out  s", TIMES[2:])):
             fields = [

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QCheckBox, QLineEdit, QVBoxLayout, QWidget
 from studio.core.project import new_id
 from studio.core.stage import behaviour_edits as edits
 from studio.core.stage.behaviour import State
-from studio.core.stage.clip import FASTEST, SLOWEST, Clip
+from studio.core.stage.clip import FASTEST_CLIP, SLOWEST_CLIP, Clip
 from studio.core.stage.clip_row import players_of
 from studio.core.stage.manners import KeepDistance, LeanAway, Manner, Meet
 from studio.document.behaviours import state_key
@@ -69,7 +69,8 @@ class StateEditor(PartEditor):
         self._last = self.bind(NumberField("Last frame", "", 0, 1e6, 1, 0), lambda frame: self._trim(last=frame))
         section.add_row("Frames", self._first, self._last)
         self._speed = self.bind(
-            NumberField("Speed", "×", SLOWEST, FASTEST, 0.05), lambda speed: self._set_clip("Change speed", speed=speed)
+            NumberField("Speed", "×", SLOWEST_CLIP, FASTEST_CLIP, 0.05),
+            lambda speed: self._set_clip("Change speed", speed=speed),
         )
         section.add_row("Speed", self._speed)
         self._loop, self._mirrored = QCheckBox("until the state is left"), QCheckBox("left and right swapped")

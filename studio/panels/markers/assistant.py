@@ -7,7 +7,7 @@ from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QTreeWidget, QTreeWidgetItem, QVBoxLayout, QWidget
 
 from studio.core.markers.marker_map import MarkerMap, seen_labels
-from studio.core.markers.roles import ROLE, ROLES, SIDES
+from studio.core.markers.roles import ROLE, ROLES, SIDE_WORDS
 from studio.core.markers.take import MarkerTake
 from studio.core.markers.trial import bare_label, subject_of, whole
 from studio.document import colours
@@ -181,7 +181,7 @@ class MarkerAssistant(QWidget):
         self.cloud.show_markers(tuple(seen_labels(self._trial, self.subject)), (), ())
         left, right = (
             {label for role, labels in self.marker_map.markers.items() if role.startswith(side) for label in labels}
-            for side in SIDES
+            for side in SIDE_WORDS
         )
         self.cloud.face(left - right, right - left)
 

@@ -11,7 +11,7 @@ from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QHBoxLayout, QTreeWidget, QTreeWidgetItem, QVBoxLayout, QWidget
 
 from studio.core.markers.force_plates import plate_force, sample_times
-from studio.core.markers.trial import MARKER, VIRTUAL, ForcePlate, Trial, bare_label
+from studio.core.markers.trial import MARKER_KIND, VIRTUAL_KIND, ForcePlate, Trial, bare_label
 from studio.document import colours
 from studio.panels.fields import FIELD_ICON_PX, labelled
 
@@ -131,13 +131,15 @@ class SignalPlot(QWidget):
             for column, (label, unit) in enumerate(zip(trial.analog.labels, trial.analog.units, strict=True)):
                 samples = trial.analog.samples[:, column]
                 self._add(analog, label, partial(_one, label, times, samples), unit)
-            points = self._group("Computed by a model", any(kind not in (MARKER, VIRTUAL) for kind in trial.kinds))
+            points = self._group(
+                "Computed by a model", any(kind not in (MARKER_KIND, VIRTUAL_KIND) for kind in trial.kinds)
+            )
             frames = np.arange(trial.frame_count) / trial.frame_rate
             for column, (label, kind) in enumerate(zip(trial.labels, trial.kinds, strict=True)):
                 track = trial.points[:, column]
-                if kind == MARKER and trial.ever_seen[column]:
+                if kind == MARKER_KIND and trial.ever_seen[column]:
                     self._markers[label] = self._add(markers, label, partial(_axes, label, frames, track), trial.unit)
-                elif kind not in (MARKER, VIRTUAL):
+                elif kind not in (MARKER_KIND, VIRTUAL_KIND):
                     self._add(points, label, partial(_axes, label, frames, track), kind)
         for group in (plates, markers, analog, points):
             group.setExpanded(group.childCount() <= 24)

@@ -7,7 +7,7 @@ from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QColor, QPainter, QPolygonF
 
 from studio.core.normalized.compose import Composite
-from studio.core.normalized.joining import FARTHEST
+from studio.core.normalized.joining import FOOT_STEP_LIMIT
 from studio.core.normalized.pieces import Played
 from studio.core.stage.clip import Clip
 from studio.document import colours
@@ -35,8 +35,8 @@ class TakeOver:
         at = f"{clip.start + self.after:.3f} s"
         if self.cut:
             return (
-                f"The body jumps at {at}: this begins more than {FARTHEST:g} leg lengths away, farther than a step. "
-                "Let it begin where the last one ends, or move it nearer"
+                f"The body jumps at {at}: this begins more than {FOOT_STEP_LIMIT:g} leg lengths away, farther than a"
+                " step. Let it begin where the last one ends, or move it nearer"
             )
         if self.fades:
             return f"Fades in from {at} on, as hands, knees or seat stand in the row, or a layer over it has them stand"
