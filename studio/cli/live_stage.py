@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from studio.cli.printing import STOPPED, print_json, print_table
+from studio.core.constraints.activation import FULL_ACTIVATION
 from studio.core.constraints.base import Constraint
 from studio.core.errors import StudioError
 from studio.core.project import Project
@@ -19,7 +20,6 @@ from studio.live.stage import LiveStage
 from studio.startup.kernel_warm_up import compile_first
 
 LIVE_STAGE_STEP = 1.0 / 60.0
-FULLY = 1.0 - 1e-9
 
 
 @dataclass
@@ -132,7 +132,7 @@ def _note(stage: LiveStage, parts: dict[str, PerformerTally]) -> None:
             state = stage.running[key].state
             part.states[state] = part.states.get(state, 0) + 1
         for (name, constraint, share), miss in zip(stage.asked(key), result.residuals[:, 0], strict=True):
-            if name and share >= FULLY and np.isfinite(miss):
+            if name and share >= FULL_ACTIVATION and np.isfinite(miss):
                 part.held.setdefault(name, ConstraintTally(constraint)).add(float(miss))
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactInterval
+from studio.core.constraints.activation import FULL_ACTIVATION
 from studio.core.constraints.base import Constraint
 from studio.core.project import Project
 from studio.core.project_cache import project_cache
@@ -20,8 +21,6 @@ from studio.engine.live import Live
 from studio.engine.measures import LENGTH_MEASURE, Measure, measure_of
 
 FloatArray = NDArray[np.float64]
-
-FULLY = 1.0 - 1e-9
 
 
 @dataclass(frozen=True)
@@ -128,7 +127,7 @@ def worst_residual(
     played = np.any([(frames >= clip.first) & (frames <= clip.last) for clip in clips], axis=0)
     asked = np.where(played, missed.amounts, np.nan)
     contacts = tuple(project.contacts_for(performer_id, clips[0]).values())
-    full = np.where(_activation(contacts, constraint, frames, missed.frame_rate) >= FULLY, asked, np.nan)
+    full = np.where(_activation(contacts, constraint, frames, missed.frame_rate) >= FULL_ACTIVATION, asked, np.nan)
     fully_active = bool(np.isfinite(full).any())
     counted = full if fully_active else asked
     if not np.isfinite(counted).any():

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactPoint
+from studio.core.constraints.activation import FULL_ACTIVATION
 from studio.core.constraints.base import Constraint
 from studio.core.quality.metrics import SLOW, acceleration_ratio, knee_speeds, speed_ratio, worst_of
 from studio.core.solver.adapt import hold
@@ -34,7 +35,6 @@ FloatArray = NDArray[np.float64]
 
 REACHED_MM, REACHED_DEG = 0.2, 0.1
 """Millimetres and degrees within which a target counts as met."""
-FULLY = 1.0 - 1e-9
 OTHERS = {
     BLOCKED_BY_NOTHING: None,
     BLOCKED_BY_CONTACTS: "contacts",
@@ -161,7 +161,9 @@ def residual_record(constraint: Constraint, residual: float | None) -> Record:
 def fully_asked(request: AdaptRequest) -> NDArray[np.bool_]:
     """(C, F) where each constraint is fully active as its curve has it, whatever stands."""
     times = request.motion.times
-    return np.array([each.activation.at(times) >= FULLY for each in request.constraints]).reshape(-1, len(times))
+    return np.array([each.activation.at(times) >= FULL_ACTIVATION for each in request.constraints]).reshape(
+        -1, len(times)
+    )
 
 
 def knee_speed_ratio(speeds: FloatArray, first: int, source: AdaptedMotion) -> float:

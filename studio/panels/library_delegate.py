@@ -10,8 +10,8 @@ from studio.document import colours
 from studio.panels.library_rows import LibraryRow
 from studio.resources_folder import resources_folder
 
-ROW_ROLE = Qt.ItemDataRole.UserRole
-ROW_HEIGHT = 26
+LIBRARY_ROW_ROLE = Qt.ItemDataRole.UserRole
+LIBRARY_ROW_HEIGHT = 26
 HEAD_HEIGHT = 36
 LIBRARY_MARK_PX = 12
 MARK = 8
@@ -33,19 +33,19 @@ class LibraryDelegate(QStyledItemDelegate):
         self._closed_eye = _icon(icons / "eye_closed.svg")
 
     def sizeHint(self, option: QStyleOptionViewItem, index: QModelIndex | QPersistentModelIndex) -> QSize:
-        row: LibraryRow = index.data(ROW_ROLE)
+        row: LibraryRow = index.data(LIBRARY_ROW_ROLE)
         if row.hint:
             width = self._view.viewport().width() - 2 * LIBRARY_MARK_PX
             room = QFontMetrics(_sized(option.font, HINT_PIXELS)).boundingRect(
                 QRect(0, 0, max(width, 1), 0), Qt.TextFlag.TextWordWrap, row.text
             )
-            return QSize(0, max(room.height() + 8, ROW_HEIGHT))
-        return QSize(0, ROW_HEIGHT if row.item is not None else HEAD_HEIGHT)
+            return QSize(0, max(room.height() + 8, LIBRARY_ROW_HEIGHT))
+        return QSize(0, LIBRARY_ROW_HEIGHT if row.item is not None else HEAD_HEIGHT)
 
     def paint(
         self, painter: QPainter, option: QStyleOptionViewItem, index: QModelIndex | QPersistentModelIndex
     ) -> None:
-        row: LibraryRow = index.data(ROW_ROLE)
+        row: LibraryRow = index.data(LIBRARY_ROW_ROLE)
         painter.save()
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         if row.item is None:
@@ -78,7 +78,7 @@ class LibraryDelegate(QStyledItemDelegate):
             painter.fillRect(option.rect, QColor(colours.BAR))
         if option.state & state.State_HasFocus:
             painter.fillRect(
-                QRect(option.rect.left(), option.rect.top(), 2, ROW_HEIGHT), QColor(colours.KINDS["position"])
+                QRect(option.rect.left(), option.rect.top(), 2, LIBRARY_ROW_HEIGHT), QColor(colours.KINDS["position"])
             )
 
     def _paint_row(self, painter: QPainter, rect: QRect, font: QFont, row: LibraryRow) -> None:

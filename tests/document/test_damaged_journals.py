@@ -26,8 +26,8 @@ MUTANTS = 40
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Rests and heals without anyone waiting for it."""
-    monkeypatch.setattr(journals, "RESTS", 0.02)
-    monkeypatch.setattr(journals, "HEALS", 1.0)
+    monkeypatch.setattr(journals, "IDLE_SECONDS", 0.02)
+    monkeypatch.setattr(journals, "RETRY_SECONDS", 1.0)
 
 
 def killed(document: Document, tmp_path: Path) -> Path:

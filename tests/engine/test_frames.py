@@ -212,7 +212,7 @@ def test_a_row_that_is_very_long_keeps_not_even_the_first_picture_waiting(
     """Clips an hour apart hold a pose between them that stands in every frame; one that plays again is joined."""
     document, performer = live.document, live.document.project.performers["performer 0"]
     if repeats == 1:
-        monkeypatch.setattr("studio.engine.frames.MANY", FRAMES - 1 + PIECE_FRAMES)
+        monkeypatch.setattr("studio.engine.frames.MANY_FRAMES", FRAMES - 1 + PIECE_FRAMES)
     row = (replace(performer.clips[0], repeats=repeats),)
     document.replace("performers", "performer 0", replace(performer, clips=row), "Play again")
     assert live.wait(100.0)

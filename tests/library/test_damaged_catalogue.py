@@ -98,7 +98,7 @@ def test_a_catalogue_of_a_newer_version_with_other_tables_is_refused_and_left_al
 def test_a_catalogue_in_use_is_waited_for_and_never_renamed(
     folder: Path, label: ClipLabel, hold: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(catalogues, "PATIENCE", 0.2)
+    monkeypatch.setattr(catalogues, "LOCK_WAIT_SECONDS", 0.2)
     with closing(sqlite3.connect(folder / "catalogue" / DATABASE, isolation_level=None)) as other:
         other.execute(f"BEGIN {hold}")
         with pytest.raises(StudioError, match="in use by another process"), Catalogue(folder / "catalogue") as opened:

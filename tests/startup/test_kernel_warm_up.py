@@ -245,7 +245,7 @@ def test_the_processes_are_as_urgent_as_the_one_that_waits_for_them(cold, monkey
     """Of two processors that two others keep busy they get half, and so end in twice their time."""
     script = "import os, sys; print(os.nice(0), file=open(sys.argv[-1].replace('.', '-'), 'w'))"
     monkeypatch.setattr(kernel_warm_up, "CHILD", (sys.executable, "-c", script))
-    monkeypatch.setattr("studio.io.child_process.ROOT", tmp_path)
+    monkeypatch.setattr("studio.io.child_process.STUDIO_ROOT", tmp_path)
     kernel_warm_up.WarmUp().join()
     told = {
         part[-1]: (tmp_path / part[-1].replace(".", "-")).read_text()
