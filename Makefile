@@ -11,7 +11,7 @@ FAST = tests/architecture tests/document tests/panels tests/timeline
 COMPUTING = tests/core tests/real tests/library tests/live tests/examples
 
 # Lines of jobs that run at once are shown as they come, each with the name of its job.
-shown = ($(1)) 2>&1 | sed -u 's/^/$@: /'
+shown = ($(1)) 2>&1 | awk '{ print "$@: " $$0; fflush() }'
 
 # More arguments for pytest, for example: make test PYTEST="-m captures".
 PYTEST ?=

@@ -21,6 +21,7 @@ from studio.io.export import write_capture
 from studio.io.importing import load_capture
 from studio.library.scenes import SCENES
 from studio.viewport.body_points import body_joints
+from studio.viewport.rotate_gizmo import RotateGizmo
 
 KICK_KEYS = KeyedField("constraints", "kick", "target")
 KEY_TIMES = (2.2, 2.4, 2.55, 2.75, 2.95)
@@ -47,6 +48,34 @@ def constrain() -> QImage:
     QTest.mouseClick(viewport, LEFT, NO_KEY, viewport.widget_point(pose.points[joint.index]).toPoint())
     session.rest(0.2)
     return _taken(session, [viewport])
+
+
+def rotate() -> QImage:
+    """A hand of one body while a ring turns it, beside its form."""
+    session = Session("reach_grasp", (1440, 860))
+    session.document.playhead.set_time(2.2)
+    session.settle()
+    session.look(28, 6, 1.1, among=("tall_man",))
+    viewport = session.bench.viewport
+    pose = viewport.posed["tall_man"]
+    joint = next(one for one in body_joints(pose.motion.morphology.layout) if one.name == "right wrist")
+    QTest.mouseClick(viewport, LEFT, NO_KEY, viewport.widget_point(pose.points[joint.index]).toPoint())
+    viewport.add_constraint_at_pick("orientation")
+    viewport.set_tool("rotate")
+    session.settle()
+    gizmo = viewport.gizmo()
+    assert isinstance(gizmo, RotateGizmo)
+    ring = gizmo.ring("z")
+    begin, *path = (QPoint(*(round(each) for each in ring[place].tolist())) for place in range(42, 49))
+    QTest.mousePress(viewport, LEFT, NO_KEY, begin)
+    for place in path:
+        QTest.mouseMove(viewport, place)
+        session.rest(0.05)
+    session.rest(0.3)
+    image = session.picture(part=_part(session, [viewport, session.window.docks["Inspector"]]))
+    QTest.mouseRelease(viewport, LEFT, NO_KEY, path[-1])
+    session.close()
+    return image
 
 
 def timeline() -> QImage:

@@ -28,7 +28,7 @@ from studio.core.constraints.follow import FollowBody, FollowPerformer, FollowPr
 from studio.core.constraints.keyed import KeyedPlace, KeyedTurn
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
-from studio.core.constraints.own_place import OwnPlace
+from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.upright import UprightConstraint
 from studio.core.errors import StudioError
@@ -71,6 +71,7 @@ __all__ = [
     "FollowTracked",
     "Ground",
     "ImportOptions",
+    "KeyedOwnPlace",
     "KeyedPlace",
     "KeyedTurn",
     "Kind",

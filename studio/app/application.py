@@ -105,12 +105,12 @@ def show_first(window: MainWindow, warm_up: WarmUp | None) -> None:
     show_viewport(window)
 
     def drawn() -> None:
-        window.bench.viewport.start()
         if warm_up is not None:
             warm_up.go_on()
         window.bench.runner.run("Starting the timeline", lambda _: import_timeline(), lambda _: show_last(window))
 
-    QTimer.singleShot(0, window, drawn)
+    window.bench.viewport.started.connect(drawn)
+    QTimer.singleShot(0, window.bench.viewport, window.bench.viewport.start)
 
 
 def show_last(window: MainWindow) -> None:

@@ -21,6 +21,7 @@ from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.panels.behaviour.panel import BehaviourPanel
 from studio.panels.command_palette import CommandPalette, ShortcutSheet
+from studio.panels.console import Console
 from studio.panels.fields import labelled
 from studio.panels.history import History
 from studio.panels.inspector import Inspector
@@ -38,7 +39,7 @@ ABOVE_NOTES = 48
 """Pixels of the view's edges that its chips have, which no sentence covers."""
 
 Area = Qt.DockWidgetArea
-TABBED_PANELS = {"Inspector": ("Strikes", "Live"), "Timeline": ("Behaviour", "Pose map")}
+TABBED_PANELS = {"Inspector": ("Strikes", "Live"), "Timeline": ("Behaviour", "Pose map", "Console")}
 """Panels that stand in the place of another one, when they are asked for."""
 
 
@@ -98,6 +99,11 @@ class MainWindow(QMainWindow):
         """Show a panel, before those that share its place."""
         self.docks[name].show()
         self.docks[name].raise_()
+
+    def show_console(self) -> None:
+        """Show the Python console, ready to be written in."""
+        self.show_dock("Console")
+        self.console.setFocus()
 
     def choose(self, title: str, choices: list[tuple[tuple[str, str], Callable[[], object]]]) -> None:
         """Let the user choose from a list like the palette's: ((text, detail), what it does)."""
@@ -186,6 +192,7 @@ class MainWindow(QMainWindow):
         ready_made = [(key, text, tip) for key, (text, tip, _) in READY_MADE.items()]
         self.behaviour = BehaviourPanel(self.bench.document, ready_made)
         self.behaviour.wanted.connect(lambda key: self.actions_by_id.by_id[key].trigger())
+        self.console = Console(self.bench.document)
         self.docks: dict[str, QDockWidget] = {}
         for name, widget, area in (
             ("Library", self.library, Area.LeftDockWidgetArea),
@@ -196,6 +203,7 @@ class MainWindow(QMainWindow):
             ("Timeline", QWidget(), Area.BottomDockWidgetArea),
             ("Behaviour", self.behaviour, Area.BottomDockWidgetArea),
             ("Pose map", self.striking.mapping.view, Area.BottomDockWidgetArea),
+            ("Console", self.console, Area.BottomDockWidgetArea),
         ):
             dock = QDockWidget(name, self)
             dock.setObjectName(name)
@@ -354,6 +362,7 @@ class MainWindow(QMainWindow):
         if self.bench.timeline is not None:
             self.bench.timeline.close()
         self.live_control.close()
+        self.console.close_session()
         self.hide()  # workers may take a moment to end
         self.bench.close()
         event.accept()

@@ -53,8 +53,6 @@ class LivePlaying(QObject):
         dragging = self._bench.viewport is not None and self._bench.viewport.gesture is not None
         if event.key() == Qt.Key.Key_Escape:
             return None if dragging else self._play.end
-        if event.key() == Qt.Key.Key_R:
-            return self._play.record
         name, project = QKeySequence(event.key()).toString(), self._bench.document.project
         number = event.key() - Qt.Key.Key_1
         started = [

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from studio.cli.printing import STOPPED, print_json, print_table
-from studio.core.constraints.activation import FULL_ACTIVATION
 from studio.core.constraints.base import Constraint
 from studio.core.errors import StudioError
 from studio.core.project import Project
+from studio.core.solver.report import FULLY_ACTIVE
 from studio.jobs.adapt_report import REACHED_DEG, REACHED_MM, Record, residual_record
 from studio.jobs.bundled_scenes import open_project
 from studio.jobs.performances import prepared
@@ -132,7 +132,7 @@ def _note(stage: LiveStage, parts: dict[str, PerformerTally]) -> None:
             state = stage.running[key].state
             part.states[state] = part.states.get(state, 0) + 1
         for (name, constraint, share), miss in zip(stage.asked(key), result.residuals[:, 0], strict=True):
-            if name and share >= FULL_ACTIVATION and np.isfinite(miss):
+            if name and share >= FULLY_ACTIVE and np.isfinite(miss):
                 part.held.setdefault(name, ConstraintTally(constraint)).add(float(miss))
 
 

@@ -12,6 +12,7 @@ from studio.core.body.growth import KeyedProportions
 from studio.core.body.morphology import Proportions
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
+from studio.core.constraints.own_place import KeyedOwnPlace
 from studio.core.constraints.tangents import HEAVIEST, LIGHTEST, Tangent, TangentMode, Tangents, tangents_of
 from studio.core.rotations import from_euler, from_matrix, to_euler
 from studio.document.keyed_fields import Keyed, KeyedField
@@ -56,6 +57,8 @@ def channels_of(field: KeyedField, keyed: Keyed) -> tuple[Channel, ...]:
     match keyed:
         case KeyedPlace():
             return tuple(Channel(field, place, name, "m") for place, name in enumerate(AXIS_NAMES))
+        case KeyedOwnPlace():
+            return tuple(Channel(field, place, name, "leg lengths") for place, name in enumerate(AXIS_NAMES))
         case KeyedTurn():
             return tuple(Channel(field, place, name, "°", DEGREES_PER_RADIAN) for place, name in enumerate(ANGLE_NAMES))
         case KeyedNumber():

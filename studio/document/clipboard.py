@@ -13,6 +13,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.carried_over import MIRROR, Carry, carried_over, mirrored_constraint
 from studio.core.constraints.keyed import Key, KeyedNumber, KeyedPlace, KeyedTurn, Keys
 from studio.core.constraints.objections import objection
+from studio.core.constraints.own_place import KeyedOwnPlace
 from studio.core.errors import StudioError
 from studio.core.names import free_name
 from studio.core.project import Project
@@ -39,6 +40,7 @@ CLIPBOARD_VERSION = 1
 CLIPBOARD_NAME = "Clipboard"
 CLIPBOARD_KEY_KINDS: Mapping[str, type[Keys]] = {
     "places": KeyedPlace,
+    "offsets": KeyedOwnPlace,
     "numbers": KeyedNumber,
     "rotations": KeyedTurn,
     "measures": KeyedProportions,
@@ -319,6 +321,9 @@ def _is_plain(value: Any, keyed: Keys) -> bool:
 def _mirrored(project: Project, field: KeyedField, keyed: Keys) -> Keys:
     """The keys in the mirror image of the motion."""
     match keyed:
+        case KeyedOwnPlace():
+            values = tuple(map(tuple, MIRROR.ways(keyed.values).tolist()))
+            return replace(keyed.with_rates(MIRROR.ways), values=values)
         case KeyedPlace():
             values = tuple(map(tuple, MIRROR.places(keyed.values).tolist()))
             return replace(keyed.with_rates(MIRROR.ways), values=values)

@@ -7,6 +7,7 @@ from typing import Any
 from studio.core.body.growth import KeyedProportions
 from studio.core.body.morphology import Proportions
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
+from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.tangents import Beyond
 from studio.document.editing import EditedProject
 from studio.document.keyed_fields import (
@@ -176,6 +177,8 @@ def time_at_playhead(document: EditedProject, field: KeyedField) -> float:
 
 def _fixed(document: EditedProject, field: KeyedField, value: Keys) -> Any:
     """The value that holds at the playhead as a field has it that is not keyed."""
+    if isinstance(value, KeyedOwnPlace):
+        return value.own_at(time_at_playhead(document, field))
     found = value.value_at(time_at_playhead(document, field))
     return Proportions(*found) if isinstance(found, tuple) and isinstance(value, KeyedProportions) else found
 
@@ -201,6 +204,8 @@ def _first_key(time: float, value: Any) -> Keys | None:
     match value:
         case Proportions():
             return KeyedProportions((time,), (value,))
+        case OwnPlace():
+            return value.keyed(time)
         case (_, _, _):
             return KeyedPlace((time,), (value,))
         case (_, _, _, _):

@@ -30,9 +30,10 @@ Circle = tuple[str, ...]
 
 BUDGET = 0.002
 """Processor seconds before a picture that the bodies nobody works on may take: the rest are solved beside it."""
-LONG_SECONDS = 0.1
-"""Processor seconds before a picture that the bodies worked on may take. With 50 ms of drawing a pose is no older than
-150 ms; solved beside, it would be older by another picture.
+LONG_SECONDS = 0.2
+"""Processor seconds before a picture that the bodies worked on may take: with 50 ms of drawing, a turn of the window
+takes no more than a quarter of a second. Solved beside, a pose would be older by another picture, and by what the
+window computes meanwhile.
 """
 MANY_FRAMES, PIECE_FRAMES = 50_000, 2000
 """Frames of a circle with which even its first one would, for how a body stands is known of all frames together; and

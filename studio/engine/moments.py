@@ -6,15 +6,15 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from studio.core.constraints.balance import Support
 from studio.core.constraints.base import BodyPoint, Constraint, Vector
 from studio.core.constraints.follow import Follow, FollowBody, FollowPerformer, FollowProp, FollowTracked
 from studio.core.constraints.keyed import KeyedPlace, Quaternion
-from studio.core.constraints.own_place import OwnPlace
+from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.procedural import ProceduralPlace
-from studio.core.constraints.target import follows_of, own_places_of
+from studio.core.constraints.target import Place, follows_of, own_place_of, own_places_of, with_own_place
 from studio.core.project import Project
 from studio.core.solver.asking.tracks import Targets, Track, fixed_at, moved_target, turned_target
 from studio.core.solver.performers.rows import carry_of
@@ -40,15 +40,17 @@ class TargetContext:
         tracks = {each: track for each in moving if (track := self.track(each)) is not None}
         if len(tracks) < len(moving):
             return None
-        return fixed_at(constraint, Targets(np.array([self.pose.seconds]), tracks, lambda: np.zeros((1, 3))))
+        now, leg_length = np.array([self.pose.seconds]), self.pose.motion.body.leg_length
+        return fixed_at(constraint, Targets(now, tracks, lambda: np.zeros((1, 3)), leg_length))
 
     def moved(self, constraint: Constraint, place: Vector) -> Constraint:
         """The constraint held at ``place`` now, by a key, centre or offset; the same where no place holds it."""
         name = constraint.shown.held_by
-        target = getattr(constraint, name, None)
+        target: Any = getattr(constraint, name, None)
         held: dict[str, Any]
-        if isinstance(target, OwnPlace):
-            held = {name: self._moved_own(target, place)}
+        if (own := own_place_of(target)) is not None:
+            now = self.fixed(constraint)
+            held = {} if now is None else {name: self._moved_own(target, own, getattr(now, name), place)}
             return replace(constraint, **held)
         if not isinstance(target, tuple | KeyedPlace | ProceduralPlace | Follow):
             return constraint
@@ -67,14 +69,19 @@ class TargetContext:
     def own_place(self, point: BodyPoint, place: Vector, seconds: float) -> OwnPlace | None:
         """``place`` as each body has it by its own ``point`` at ``seconds``; None while how it stands is not known."""
         own = OwnPlace(point, seconds)
-        return None if self.track(own) is None else self._moved_own(own, place)
+        track = self.track(own)
+        return None if track is None else own.moved(self.performer_id, self._in_legs(track.places[0], place))
 
-    def _moved_own(self, target: OwnPlace, place: Vector) -> OwnPlace:
-        track = self.track(target)
-        if track is None:
-            return target
-        x, y, z = ((np.array(place) - track.places[0]) / self.pose.motion.body.leg_length).tolist()
-        return target.moved(self.performer_id, (x, y, z))
+    def _moved_own(self, target: Place, own: OwnPlace, begin: Vector, place: Vector) -> Place:
+        """A per-character target moved from ``begin``, where it is now, to ``place``."""
+        further = self._in_legs(begin, place)
+        if isinstance(target, KeyedOwnPlace):
+            return target.moved_at(self.pose.seconds, self.performer_id, further)
+        return with_own_place(target, own.moved(self.performer_id, further))
+
+    def _in_legs(self, begin: ArrayLike, end: ArrayLike) -> Vector:
+        x, y, z = ((np.array(end) - begin) / self.pose.motion.body.leg_length).tolist()
+        return x, y, z
 
     @cached_property
     def time(self) -> float:

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint, Vector
-from studio.core.constraints.keyed import KeyedNumber, KeyedPlace
+from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.project import Project
-from studio.core.rotations import from_matrix, multiply, to_matrix
+from studio.core.rotations import from_euler, from_matrix, multiply, to_matrix
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.holding import quarters
 from studio.core.stage.prop import Carried, InHand, Prop
@@ -84,24 +84,61 @@ def moved_prop(pose: PropPose, place: FloatArray) -> Prop:
     return replace(prop, position=(x, y, z))
 
 
-def turned_prop(pose: PropPose, angle: float) -> Prop:
-    """The prop turned by ``angle`` radians about Z through its centre."""
+def turned_prop(pose: PropPose, rotation: FloatArray) -> Prop:
+    """The prop rotated further by ``rotation`` (3, 3) of the stage about its centre.
+
+    A rotation about Z changes its heading, so that a keyed heading may go round more than once; any other its tilt.
+    """
+    prop, level = pose.prop, is_about_z(rotation)
+    angle = math.atan2(rotation[1, 0], rotation[0, 0])
+    held = None if prop.lies_at(pose.time) else prop.held_at(pose.time)
+    if isinstance(held, InHand):
+        turn = multiply(np.array(held.turn), from_matrix(pose.axes.T @ rotation @ pose.axes))
+        return prop.with_hold(held, replace(held, turn=tuple(turn.tolist())))
+    headed = pose.axes @ tilt_of(pose).T
+    x, y, z, w = from_matrix(headed.T @ rotation @ pose.axes).tolist()
+    if isinstance(held, Carried) and level:
+        return prop.with_hold(held, replace(held, heading=wrapped(held.heading + angle)))
+    if isinstance(held, Carried):
+        return prop.with_hold(held, replace(held, tilt=(x, y, z, w)))
+    if level:
+        return replace(prop, heading=further_heading(prop.heading, angle, pose.time))
+    if isinstance(prop.tilt, KeyedTurn):
+        return replace(prop, tilt=prop.tilt.with_key(pose.time, (x, y, z, w)))
+    if isinstance(prop.heading, KeyedNumber):
+        return replace(prop, tilt=KeyedTurn((pose.time,), ((x, y, z, w),)))
+    return replace(prop, tilt=(x, y, z, w))
+
+
+def further_heading(heading: float | KeyedNumber, angle: float, time: float) -> float | KeyedNumber:
+    """A heading ``angle`` radians on; keyed, at ``time``."""
+    if isinstance(heading, KeyedNumber):
+        return heading.with_key(time, float(heading.at([time])[0, 0]) + angle)
+    return wrapped(heading + angle)
+
+
+def is_about_z(rotation: FloatArray) -> bool:
+    """True if a rotation (3, 3) leaves Z where it is."""
+    return bool(rotation[2, 2] > 1.0 - 1e-12)
+
+
+def tilt_of(pose: PropPose) -> FloatArray:
+    """Rotation (3, 3) before that about Z by the heading; none for a prop in a hand, which has no heading."""
     prop = pose.prop
     held = None if prop.lies_at(pose.time) else prop.held_at(pose.time)
-    if isinstance(held, Carried):
-        return prop.with_hold(held, replace(held, heading=wrapped(held.heading + angle)))
     if isinstance(held, InHand):
-        about = np.array([0.0, 0.0, math.sin(angle / 2), math.cos(angle / 2)])
-        turn = multiply(np.array(held.turn), from_matrix(pose.axes.T @ to_matrix(about) @ pose.axes))
-        return prop.with_hold(held, replace(held, turn=tuple(turn.tolist())))
-    if isinstance(prop.heading, KeyedNumber):
-        return replace(prop, heading=prop.heading.with_key(pose.time, heading_of(pose) + angle))
-    return replace(prop, heading=wrapped(prop.heading + angle))
+        return np.eye(3)
+    if isinstance(held, Carried):
+        return to_matrix(np.array(held.tilt))
+    if isinstance(prop.tilt, KeyedTurn):
+        return np.asarray(prop.tilt.at([pose.time])[0])
+    return to_matrix(np.array(prop.tilt))
 
 
 def heading_of(pose: PropPose) -> float:
-    """Radians by which it is turned about Z."""
-    return math.atan2(pose.axes[1, 0], pose.axes[0, 0])
+    """Radians by which it is rotated about Z, after its tilt."""
+    headed = pose.axes @ tilt_of(pose).T
+    return math.atan2(headed[1, 0], headed[0, 0])
 
 
 def wrapped(angle: float) -> float:
@@ -113,10 +150,12 @@ def unheld(pose: PropPose, *, keyed: bool) -> Prop:
     """The prop as it is then, by itself: for good, or with a first key."""
     x, y, z = pose.place.tolist()
     position: Vector | KeyedPlace = (x, y, z)
-    heading: float | KeyedNumber = heading_of(pose)
+    around = heading_of(pose)
+    heading: float | KeyedNumber = around
+    tilt = from_matrix(to_matrix(from_euler("Z", np.array([around]))).T @ pose.axes)
     if keyed:
-        position, heading = KeyedPlace((pose.time,), ((x, y, z),)), KeyedNumber((pose.time,), (heading_of(pose),))
-    return replace(pose.prop, position=position, heading=heading, held=None, later=())
+        position, heading = KeyedPlace((pose.time,), ((x, y, z),)), KeyedNumber((pose.time,), (around,))
+    return replace(pose.prop, position=position, heading=heading, tilt=tuple(tilt.tolist()), held=None, later=())
 
 
 def in_hand(pose: PropPose, performer_id: str, point: BodyPoint, holder: Posed) -> InHand:

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactInterval
-from studio.core.constraints.activation import FULL_ACTIVATION
 from studio.core.constraints.base import Constraint
 from studio.core.project import Project
 from studio.core.project_cache import project_cache
 from studio.core.solver.performers.stage import asked_of
+from studio.core.solver.report import FULLY_ACTIVE
 from studio.core.solver.request import AdaptedMotion
 from studio.engine.live import Live
 from studio.engine.measures import LENGTH_MEASURE, Measure, measure_of
@@ -90,8 +90,11 @@ def missed_by(project: Project, performer_id: str, motion: AdaptedMotion | None,
     clip = performer.clips[asked[rows[0]].clip]
     capture = project.captures[project.motions[clip.motion_id].capture_id]
     amounts = np.full(capture.frame_count, np.nan)
+    played = {each.piece.origin: each for each in reversed(composite.played)}
+    if any((asked[row].clip, asked[row].repeat) not in played for row in rows):
+        return None  # the result is of a row of other clips
     for row in rows:
-        each = next(one for one in composite.played if one.piece.origin == (asked[row].clip, asked[row].repeat))
+        each = played[asked[row].clip, asked[row].repeat]
         frames = motion.first_frame + np.flatnonzero(
             np.isfinite(motion.residuals[row])
         )  # on into parts of a split clip
@@ -127,7 +130,7 @@ def worst_residual(
     played = np.any([(frames >= clip.first) & (frames <= clip.last) for clip in clips], axis=0)
     asked = np.where(played, missed.amounts, np.nan)
     contacts = tuple(project.contacts_for(performer_id, clips[0]).values())
-    full = np.where(_activation(contacts, constraint, frames, missed.frame_rate) >= FULL_ACTIVATION, asked, np.nan)
+    full = np.where(_activation(contacts, constraint, frames, missed.frame_rate) >= FULLY_ACTIVE, asked, np.nan)
     fully_active = bool(np.isfinite(full).any())
     counted = full if fully_active else asked
     if not np.isfinite(counted).any():

@@ -8,7 +8,8 @@ from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import ContactInterval, Touch
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.grounds.ground import Ground
-from studio.core.mesh.volume import BodyVolume
+from studio.core.mesh.skin import SkinnedMesh
+from studio.core.mesh.volume import fitted_volume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.project import Performer, Project
 from studio.core.solver.performers.awaiting import awaited
@@ -30,6 +31,8 @@ from studio.core.stage.prop import Prop
 
 Prepare = Callable[[Capture], tuple[NormalizedMotion, Morphology]]
 Results = Callable[[str], AdaptedMotion | None]
+Skin = tuple[SkinnedMesh, Morphology, Morphology]
+"""A mesh, the build that it is bound to, and the measures that it is fitted to."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,8 @@ class Wanted:
     ground: Ground
     followed: tuple[Followed, ...]
     placement: Placement
-    volume: BodyVolume | None = None
+    skin: Skin | None = None
+    """What the body's volume is measured of; None where nothing depends on it."""
     limited: bool = True
     eased: bool = True
     clears: bool = True
@@ -53,9 +57,9 @@ class Wanted:
 
     def stands_as(self, other: "Wanted | None") -> bool:
         """True if a body's grounding equals another one's."""
-        mine = self.motions, self.layers, self.morphology, self.ground, self.volume, self.limited, self.clears
+        mine = self.motions, self.layers, self.morphology, self.ground, self.skin, self.limited, self.clears
         return other is not None and mine == (
-            other.motions, other.layers, other.morphology, other.ground, other.volume, other.limited, other.clears
+            other.motions, other.layers, other.morphology, other.ground, other.skin, other.limited, other.clears
         )  # fmt: skip
 
 
@@ -72,15 +76,14 @@ def wanted_of(project: Project, key: str, circle: tuple[str, ...], result_of: Re
     clips = [replace(clip, start=0.0, first=0) if alone else clip for clip in performer.all_clips]
     stand = [tuple(project.contacts_for(key, clip).values()) for clip in performer.all_clips]
     motions = tuple(zip(map(id, captures), clips, stand, strict=True))
-    # The skin is measured only for who asks: a moved slider would pay for it every time.
     touches = any(isinstance(contact.point, Touch) for _, _, contacts in motions for contact in contacts)
     clears = performer.clears or any(isinstance(each.constraint, ClearConstraint) for each in asked)
     ground = project.ground.seen_from(performer.position, performer.heading)
-    volume = character.volume if clears or touches else None
+    skin = (character.skin, character.build, character.morphology) if clears or touches else None
     timing = timing_of(project, performer)
     body = character.body_over(timing.begin, timing.frame_rate, frame_count_of(project, performer))
     return Wanted(
-        performer, motions, body, asked, ground, followed, Placement.of(performer), volume,
+        performer, motions, body, asked, ground, followed, Placement.of(performer), skin,
         performer.limited, performer.eased, performer.clears, performer.layers, props_of(project, key),
     )  # fmt: skip
 
@@ -95,8 +98,9 @@ def player_of(project: Project, key: str, wanted: Wanted, prepare: Prepare) -> P
     actor = prepared(wanted.performer.clips[0].motion_id)[1]
     constraints = constraints_in(wanted.asked, composite, wanted.morphology.leg_length)
     tracks = awaited(tracks_of(wanted.followed, composite), constraints, composite.timing.frame_rate)
+    volume = None if wanted.skin is None else fitted_volume(*wanted.skin)
     request = AdaptRequest(
-        composite.motion, wanted.morphology, composite.contacts, constraints, wanted.ground, tracks, wanted.volume,
+        composite.motion, wanted.morphology, composite.contacts, constraints, wanted.ground, tracks, volume,
         actor, wanted.limited, wanted.eased, wanted.clears,
     )  # fmt: skip
     return Player(request, composite, wanted.placement, project.props)

@@ -49,6 +49,17 @@ def glued_words(name: str, lines: list[int]) -> list[str]:
     return [f"{name}, line {lines[0]}: numbers stand there without a blank{more}; they were parted before the sign."]
 
 
+def filled_in_time(course: NDArray[np.float64], period: float | None = None) -> NDArray[np.float64]:
+    """``course`` (F,) with NaN replaced by what lies between its neighbours in time; of angles the shorter way round.
+
+    ``period`` is a whole turn in the unit of ``course`` where it is an angle. At least one value must be known.
+    """
+    known = np.isfinite(course)
+    frames = np.arange(len(course))
+    told = course[known] if period is None else np.unwrap(course[known], period=period)
+    return np.where(known, course, np.interp(frames, frames[known], told))
+
+
 def not_a_number(text: str, where: str) -> StudioError:
     """The sentence for a word that should have been a number."""
     if _DECIMAL_COMMA.fullmatch(text):

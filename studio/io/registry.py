@@ -249,6 +249,18 @@ OWN_FORMATS = (
         motion_writer="studio.io.c3d.format:write_take",
     ),
     Format(
+        name="TRC",
+        suffixes=(".trc",),
+        sniff="studio.io.trc.format:is_trc",
+        capture_reader="studio.io.trc.capture:load_trc",
+    ),
+    Format(
+        name="AMC with ASF",
+        suffixes=(".amc",),
+        sniff="studio.io.acclaim.format:is_acclaim",
+        capture_reader="studio.io.acclaim.capture:load_acclaim",
+    ),
+    Format(
         name="Morpho Studio character",
         suffixes=(".json",),
         sniff="studio.io.project.character_file:is_character",

@@ -12,17 +12,21 @@ from numpy.typing import NDArray
 
 from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactPoint
-from studio.core.constraints.activation import FULL_ACTIVATION
 from studio.core.constraints.base import Constraint
 from studio.core.quality.metrics import SLOW, acceleration_ratio, knee_speeds, speed_ratio, worst_of
 from studio.core.solver.adapt import hold
 from studio.core.solver.report import (
+    BLOCKED_BY_CLEARANCE,
     BLOCKED_BY_CONTACTS,
     BLOCKED_BY_LIMITS,
     BLOCKED_BY_NOTHING,
     BLOCKED_BY_REACH,
     BLOCKED_BY_SMOOTHING,
+    BLOCKED_BY_TOLERANCE,
+    BLOCKED_BY_TOUCHES,
+    MET_BY_UNIT,
     Report,
+    fully_active,
     report_of,
 )
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -33,14 +37,17 @@ from studio.core.stage.placement import Placement
 Record = dict[str, Any]
 FloatArray = NDArray[np.float64]
 
-REACHED_MM, REACHED_DEG = 0.2, 0.1
+REACHED_MM, REACHED_DEG = 1000.0 * MET_BY_UNIT["m"], math.degrees(MET_BY_UNIT["rad"])
 """Millimetres and degrees within which a target counts as met."""
 OTHERS = {
     BLOCKED_BY_NOTHING: None,
     BLOCKED_BY_CONTACTS: "contacts",
     BLOCKED_BY_LIMITS: "joint limits",
     BLOCKED_BY_REACH: "reach",
-    BLOCKED_BY_SMOOTHING: "easing",
+    BLOCKED_BY_SMOOTHING: "smoothing",
+    BLOCKED_BY_TOUCHES: "touches",
+    BLOCKED_BY_CLEARANCE: "clearance",
+    BLOCKED_BY_TOLERANCE: "tolerance",
 }
 """Who else than another constraint keeps one from being met."""
 
@@ -113,19 +120,18 @@ def constraint_records(request: AdaptRequest, adapted: AdaptedMotion, report: Re
     """
     records = []
     frames = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
-    for row, asked in enumerate(fully_asked(request)[:, frames]):
+    for row, asked in enumerate(fully_active(request.constraints, request.motion.times[frames])):
         constraint = request.constraints[row]
         factor = math.degrees(1.0) if constraint.unit == "rad" else 1000.0
         misses, kept_by = report.misses[row], [_winner(int(code), request.constraints) for code in report.winners[row]]
-        held = asked & (factor * misses <= (REACHED_DEG if constraint.unit == "rad" else REACHED_MM))
+        missed = asked & ~(misses <= MET_BY_UNIT[constraint.unit])
         worst = np.nanmax(misses[asked], initial=-math.inf)
         record: Record = {"name": constraint.name, "kind": constraint.kind}
         record |= residual_record(constraint, float(worst) if math.isfinite(worst) else None)
-        record |= {"frames_asked": int(asked.sum()), "frames_held": int(held.sum())}
+        record |= {"frames_asked": int(asked.sum()), "frames_held": int(asked.sum() - missed.sum())}
         if asked.any():
-            record["reached"] = bool(held.sum() == asked.sum())
-        missed = Counter(kept_by[frame] or OTHERS[BLOCKED_BY_SMOOTHING] for frame in np.flatnonzero(asked & ~held))
-        record["kept_by"] = dict(missed.most_common())
+            record["reached"] = not missed.any()
+        record["kept_by"] = dict(Counter(kept_by[frame] for frame in np.flatnonzero(missed)).most_common())
         if by_frame:
             told = np.where(asked, misses, adapted.residuals[row])
             record["by_frame"] = {"residual": _numbers(factor * told), "kept_by": kept_by}
@@ -156,14 +162,6 @@ def residual_record(constraint: Constraint, residual: float | None) -> Record:
         "residual_deg": shown if is_angle else None,
         "reached": None if shown is None else shown <= (REACHED_DEG if is_angle else REACHED_MM),
     }
-
-
-def fully_asked(request: AdaptRequest) -> NDArray[np.bool_]:
-    """(C, F) where each constraint is fully active as its curve has it, whatever stands."""
-    times = request.motion.times
-    return np.array([each.activation.at(times) >= FULL_ACTIVATION for each in request.constraints]).reshape(
-        -1, len(times)
-    )
 
 
 def knee_speed_ratio(speeds: FloatArray, first: int, source: AdaptedMotion) -> float:

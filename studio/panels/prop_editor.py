@@ -1,27 +1,29 @@
 """The form of a prop: what it is, how large, and where it stands or with whom it goes."""
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 from PySide6.QtWidgets import QCheckBox, QLineEdit, QWidget
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
-from studio.core.constraints.keyed import KeyedNumber, KeyedPlace
+from studio.core.constraints.keyed import KeyedPlace, Keys
 from studio.core.constraints.procedural import ProceduralPlace
+from studio.core.rotations import from_matrix, to_matrix
 from studio.core.stage.prop import Carried, Hold, InHand, Prop, PropShape
 from studio.document.document import Document
 from studio.document.obstacles import obstacles_of, set_obstacle
 from studio.engine.live import Live
 from studio.engine.performance import posed_performers
 from studio.engine.point_names import POINT_NAMES, point_words
-from studio.engine.props import PropPose, between_hands, heading_of, in_hand, moved_prop, prop_at, turned_prop, unheld
+from studio.engine.props import PropPose, between_hands, in_hand, moved_prop, prop_at, turned_prop, unheld
 from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled
 from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.editor import Editor
-from studio.panels.fields import Choice, NumberField, Section, labelled, press_button
+from studio.panels.fields import Choice, Section, labelled, press_button
+from studio.panels.rotation_row import RotationRow
 
 LEAST_PROP_SIZE = 0.001
 STAYING, KEYED_PLACE = "stays", "keyed"
@@ -61,8 +63,7 @@ class PropEditor(Editor):
         self._held, self._always = labelled("", "value"), press_button("always", self._hold_always)
         self._held_row = section.add_row("Held", self._held, self._always)
         self._position = VectorRow(self, section, "Centre", self._move)
-        self._heading = self.bind(NumberField("Heading", "°", -360.0, 360.0, 1.0, 1), self._turn)
-        section.add_row("Heading", self._heading)
+        self._rotation = RotationRow(self, section, "the stage", self._turn)
         self._rule = ProceduralRows(self, section, "position")
         self._keys = [press_button("Set key", self._set_key), press_button("Delete key", self._delete_key)]
         self._keys_row = section.add_row("Keys", *self._keys)
@@ -137,7 +138,7 @@ class PropEditor(Editor):
         self._refresh_hold()
         pose = self.pose
         self._position.show_values(pose.place.tolist())
-        self._heading.show_value(math.degrees(heading_of(pose)))
+        self._rotation.show_rotation(from_matrix(pose.axes))
 
     def _playhead_moved(self, _: float) -> None:
         if self.entity is not None and where_of(self.entity) != STAYING:
@@ -159,13 +160,11 @@ class PropEditor(Editor):
         self.put(make, f"{verb} {self.entity.name}")
 
     def _move(self, place: tuple[float, ...]) -> None:
-        import numpy as np
-
         self._put_made("Move", lambda: moved_prop(self.pose, np.array(place)))
 
-    def _turn(self, degrees: float) -> None:
+    def _turn(self, rotation: tuple[float, float, float, float]) -> None:
         pose = self.pose
-        self._put_made("Turn", lambda: turned_prop(pose, math.radians(degrees) - heading_of(pose)))
+        self._put_made("Turn", lambda: turned_prop(pose, to_matrix(np.array(rotation)) @ pose.axes.T))
 
     def _place(self, where: str) -> None:
         if where in (STAYING, KEYED_PLACE):
@@ -210,7 +209,7 @@ class PropEditor(Editor):
             self._hold(InHand.kind, hold.performer_id, BodyPoint(choice[0], at_end=choice[1]))
 
     def _set_key(self) -> None:
-        self._put_made("Key", lambda: turned_prop(self._keyed_here(), 0.0))
+        self._put_made("Key", lambda: turned_prop(self._keyed_here(), np.eye(3)))
 
     def _keyed_here(self) -> PropPose:
         pose = self.pose
@@ -219,9 +218,9 @@ class PropEditor(Editor):
     def _delete_key(self) -> None:
         """The key at the playhead, as long as one is left."""
         changes: dict[str, Any] = {}
-        for name in ("position", "heading"):
+        for name in ("position", "heading", "tilt"):
             keyed = getattr(self.entity, name)
-            place = keyed.key_at(self.document.playhead.time) if isinstance(keyed, KeyedPlace | KeyedNumber) else None
+            place = keyed.key_at(self.document.playhead.time) if isinstance(keyed, Keys) else None
             if place is not None and len(keyed.times) > 1:
                 changes[name] = keyed.without_key(place)
         if changes:
@@ -239,4 +238,4 @@ def where_of(prop: Prop) -> str:
         return prop.held.kind
     if isinstance(prop.position, ProceduralPlace):
         return prop.position.kind
-    return KEYED_PLACE if isinstance(prop.position, KeyedPlace) or isinstance(prop.heading, KeyedNumber) else STAYING
+    return KEYED_PLACE if isinstance(prop.position, KeyedPlace) or isinstance(prop.heading, Keys) else STAYING

@@ -47,6 +47,7 @@ def prepare_process() -> None:
     os.environ.setdefault("NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING", "1")
     if not has_display():
         os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+    os.environ.setdefault("ALLOW_PLOTTING", "true")  # else pyvista opens a window to see whether it can
     keep_freed_memory()
     # Hardly one of the many objects that imports make is ever lost: looking among them costs a tenth of a start.
     gc.set_threshold(*COLLECTED_AFTER)
@@ -95,10 +96,10 @@ def temporary_kernel_cache(name: str) -> Path:
     """A folder of this user alone in the temporary one, the same for all processes.
 
     numba runs what it finds in its cache: where somebody else has taken the name, or may write there, the folder is one
-    that is made for this process and removed at its end.
+    that is made for this process and removed at its end. So it is on Windows, which knows no owner by number.
     """
-    shared = Path(tempfile.gettempdir(), f"morpho-studio-kernels-{os.getuid()}")
-    with suppress(OSError):
+    with suppress(OSError, AttributeError):
+        shared = Path(tempfile.gettempdir(), f"morpho-studio-kernels-{os.getuid()}")
         shared.mkdir(mode=0o700, exist_ok=True)
         found = shared.lstat()
         if stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & 0o077:

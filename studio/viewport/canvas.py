@@ -37,6 +37,7 @@ class Canvas(QWidget):
     """Draws a scene with a camera. VTK is loaded and started only after the widget has been shown."""
 
     started = Signal()
+    """The scene has been drawn for the first time with all that is on it."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -47,7 +48,7 @@ class Canvas(QWidget):
         self._image = QImage()
         self._sharp_in_hand, self._sharp_at_play = Sharpness(SLOW_DRAG_SECONDS), Sharpness(SLOW_PLAY_SECONDS)
         self._stale = True
-        self._stopped = False
+        self._has_started, self._stopped = False, False
         self._frame_timer = self._single_shot(0, self._draw)
         self._rest_timer = self._single_shot(SMOOTHING_MILLISECONDS, self._refine)
         self.setMinimumSize(240, 160)
@@ -69,13 +70,16 @@ class Canvas(QWidget):
         return False
 
     def start(self) -> None:
-        """Start VTK, if it is neither running nor stopped for good, and draw."""
+        """Start VTK, if it is neither running nor stopped for good.
+
+        Each of the next two turns of the event loop draws: the empty stage, then all that is on it. At once they, and
+        the shaders that each of them compiles, would hold up the window.
+        """
         if self._scene is None and not self._stopped:
             from studio.viewport.scene import StageScene  # heavy: the window is shown before it
 
             self._scene = StageScene()
-            self._draw()
-            self.started.emit()
+            self._frame_timer.start(0)
 
     def stop(self) -> None:
         """Free VTK; the widget shows nothing from now on. May be called twice."""
@@ -113,6 +117,8 @@ class Canvas(QWidget):
     def grab_image(self) -> QImage:
         """The stage alone as a smooth picture, without handles and chips."""
         self.start()
+        if self._image.isNull():
+            self._draw()
         self._draw()
         while self._still is None or not self._still.complete:
             self._smooth()
@@ -174,12 +180,19 @@ class Canvas(QWidget):
     def _draw(self) -> None:
         if self._scene is None:
             return
+        if self._image.isNull():
+            self._take(self.sight.render(self._scene, self.camera, self._device_size()))
+            self._frame_timer.start(0)
+            return
         if self._stale:
             self._stale = False
             self.bring_up_to_date(self._scene)
         self._still = None
         self._take(self._render(self._scene))
         self._rest_timer.start(SMOOTHING_MILLISECONDS)
+        if not self._has_started:
+            self._has_started = True
+            self.started.emit()
 
     def _render(self, scene: StageScene) -> Pixels:
         """What is seen now, in fewer pixels as long as something moves and drawing takes long."""

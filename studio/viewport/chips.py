@@ -69,9 +69,10 @@ class Chips:
     """The chips of a viewport: what is seen top left, work top right, trouble bottom left."""
 
     def __init__(self, parent: QWidget, clicked: Mapping[str, Callable[[], object]]) -> None:
-        """``clicked``: what view, shading, ghost, trails, follow, markers, problem and constrain do."""
+        """``clicked``: what view, shading, space, ghost, trails, follow, markers, problem and constrain do."""
         self.view = Chip("Perspective", "Perspective or parallel view", clicked["view"], parent)
         self.shading = Chip("Skin", "Skin or bones", clicked["shading"], parent)
+        self.space = Chip("World axes", "Axes of the gizmo: world, local, parent or screen", clicked["space"], parent)
         self.ghost = ToggleChip("Ghost of source", "Ghost of the source", False, clicked["ghost"], parent)
         self.trails = ToggleChip("Trails", "Trails of the constrained point", True, clicked["trails"], parent)
         self.follow = ToggleChip("Follow", "Camera follows the selected character", False, clicked["follow"], parent)
@@ -82,7 +83,7 @@ class Chips:
         self.problem = Chip("", "Most important problem", clicked["problem"], parent, _WARNING)
         self.constrain = Chip("", "Constrain the picked joint", clicked["constrain"], parent, _CALL)
         self._view = parent
-        self._wide, self._recorded = True, False
+        self._wide, self._recorded, self._space_used = True, False, True
         self._arrange(parent)
         for hidden in (self.problem, self.constrain, self.work, self.markers):
             hidden.hide()
@@ -92,7 +93,7 @@ class Chips:
         grid.setContentsMargins(12, 12, 12, 12)
         top, bottom = QHBoxLayout(), QHBoxLayout()
         top.setSpacing(8)
-        for chip in (self.view, self.shading, self.ghost, self.trails, self.follow, self.markers):
+        for chip in (self.view, self.shading, self.space, self.ghost, self.trails, self.follow, self.markers):
             top.addWidget(chip)
         top.addStretch(1)
         top.addWidget(self.work)
@@ -104,10 +105,17 @@ class Chips:
 
     def fit(self, width: int) -> None:
         """Leave out what a narrow view has no room for, the least important first."""
-        for chip, needed in ((self.ghost, 340), (self.trails, 430), (self.follow, 520), (self.markers, 630)):
+        self.space.setVisible(self._space_used and width >= 340)
+        for chip, needed in ((self.ghost, 430), (self.trails, 520), (self.follow, 610), (self.markers, 720)):
             chip.setVisible(width >= needed and (chip is not self.markers or self._recorded))
-        self._wide = width >= 700
+        self._wide = width >= 790
         self.work.setVisible(self._wide and bool(self.work.text()))
+
+    def tell_space(self, space: str, used: bool) -> None:
+        """Show along whose axes the gizmo moves and rotates, while it does."""
+        self.space.say(f"{space.capitalize()} axes")
+        self._space_used = used
+        self.fit(self._view.width())
 
     def tell_recorded(self, recorded: bool) -> None:
         """Offer the markers where there are some."""

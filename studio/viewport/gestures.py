@@ -2,20 +2,35 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from studio.document.document import Document
 from studio.engine.live import Live
-from studio.viewport.camera import OrbitCamera
-from studio.viewport.gizmo import RING_HANDLE, Gizmo, moved_axes
+from studio.viewport.camera import FloatArray, OrbitCamera
+from studio.viewport.gizmo import GIZMO_AXES, Gizmo, moved_axes
 from studio.viewport.movables import Movable
+from studio.viewport.rotate_gizmo import TRACKBALL, RotateGizmo, rotation_about
+from studio.viewport.scale_gizmo import ScaleGizmo
+from studio.viewport.selected_movable import AnyGizmo
 
 FINE_DRAG = 0.2
-SNAP_METRES, SNAP_TURN = 0.01, math.radians(15.0)
 ORBIT_PER_PIXEL = math.radians(0.4)
 ZOOM_PER_PIXEL = 1.006
+
+
+@dataclass(frozen=True)
+class SnapSteps:
+    """Steps to which Ctrl snaps a drag, and by which keys nudge a thing."""
+
+    metres: float = 0.01
+    radians: float = math.radians(15.0)
+    factor: float = 0.1
+
+
+DEFAULT_STEPS = SnapSteps()
 
 
 class ViewportGesture(Protocol):
@@ -65,68 +80,133 @@ class CameraDrag:
         self._show(self._begin)
 
 
-class TurnDrag:
-    """Turns a thing by the gizmo's ring; one undo step, and none at all when cancelled."""
+class EditDrag:
+    """Edits a thing by a part of a gizmo; one undo step, and none at all when cancelled."""
 
-    part = RING_HANDLE
-
-    def __init__(self, document: Document, live: Live, movable: Movable, gizmo: Gizmo, x: float, y: float) -> None:
-        self._live, self._movable, self._gizmo = live, movable, gizmo
+    def __init__(self, document: Document, live: Live, movable: Movable, part: str, steps: SnapSteps) -> None:
+        self._live, self._movable, self.part, self._steps = live, movable, part, steps
         self._number = document.new_gesture()
-        self._seen, self._angle = self._bearing(x, y), 0.0
         live.interactive = True
 
-    def update(self, x: float, y: float, fine: bool, snap: bool) -> None:
-        """Follow the mouse round the middle: ``fine`` a fifth of the way, ``snap`` to fifteen degrees."""
-        seen = self._bearing(x, y)
-        self._angle += math.remainder(seen - self._seen, 2.0 * math.pi) * (FINE_DRAG if fine else 1.0)
-        self._seen = seen
-        self._movable.turn(round(self._angle / SNAP_TURN) * SNAP_TURN if snap else self._angle, self._number)
+    words = ""
+    """What is shown beside the gizmo: by how much the thing has changed."""
 
     def finish(self) -> None:
         """The edit stays."""
         self._live.interactive = False
 
     def cancel(self) -> None:
-        """The thing turns back, and the edit vanishes from the history."""
+        """The thing is as it was, and the edit vanishes from the history."""
         self._movable.put_back(self._number)
         self._live.interactive = False
 
-    def _bearing(self, x: float, y: float) -> float:
-        right, ahead, _ = self._gizmo.axes @ (self._gizmo.grip(RING_HANDLE, x, y) - self._gizmo.origin)
-        return math.atan2(ahead, right)
 
-
-class GizmoDrag:
-    """Moves a thing by a part of the gizmo; one undo step, and none at all when cancelled."""
+class MoveDrag(EditDrag):
+    """Moves a thing along the axes of a gizmo, in a space of which the origin is ``zero`` (3,), stage."""
 
     def __init__(
-        self, document: Document, live: Live, movable: Movable, gizmo: Gizmo, part: str, x: float, y: float
-    ) -> None:
-        self._live, self._movable, self._gizmo, self.part = live, movable, gizmo, part
-        self._number = document.new_gesture()
-        self._begin = movable.place
+        self, document: Document, live: Live, movable: Movable, gizmo: Gizmo, part: str, x: float, y: float,
+        steps: SnapSteps = DEFAULT_STEPS, zero: FloatArray | None = None,
+    ) -> None:  # fmt: skip
+        super().__init__(document, live, movable, part, steps)
+        self._gizmo = gizmo
+        self._begin = movable.placement.to_stage(movable.place)
+        self._zero = self._begin if zero is None else zero
         self._moved = np.zeros(3)
         self._grip = gizmo.grip(part, x, y)
-        live.interactive = True
 
     def update(self, x: float, y: float, fine: bool, snap: bool) -> None:
-        """Follow the mouse along the part's axes: ``fine`` a fifth of the way, ``snap`` to centimetres."""
+        """Follow the mouse along the part's axes: ``fine`` a fifth of the way, ``snap`` to steps of the space."""
+        axes, free = self._gizmo.axes, np.array(moved_axes(self.part))
         grip = self._gizmo.grip(self.part, x, y)
-        step = self._gizmo.axes @ (grip - self._grip)
+        self._moved += np.where(free, axes @ (grip - self._grip) * (FINE_DRAG if fine else 1.0), 0.0)
         self._grip = grip
-        free = np.array(moved_axes(self.part))
-        self._moved += np.where(free, step * (FINE_DRAG if fine else 1.0), 0.0)
-        place = self._begin + self._moved
+        begin = axes @ (self._begin - self._zero)
+        place, step = begin + self._moved, self._steps.metres
         if snap:
-            place = np.where(free, np.round(place / SNAP_METRES) * SNAP_METRES, place)
-        self._movable.move(place, self._number)
+            place = np.where(free, np.round(place / step) * step, place)
+        changes = zip(GIZMO_AXES, (place - begin).tolist(), free, strict=True)
+        self.words = "   ".join(
+            f"{axis.upper()} {100.0 * change:+.1f} cm" for axis, change, is_free in changes if is_free
+        )
+        stage = self._zero + axes.T @ place
+        self._movable.move(self._movable.placement.to_motion(stage), self._number)
 
-    def finish(self) -> None:
-        """The edit stays."""
-        self._live.interactive = False
 
-    def cancel(self) -> None:
-        """The thing goes back, and the edit vanishes from the history."""
-        self._movable.put_back(self._number)
-        self._live.interactive = False
+class RotateDrag(EditDrag):
+    """Rotates a thing by a ring, or freely by the trackball."""
+
+    def __init__(
+        self, document: Document, live: Live, movable: Movable, gizmo: RotateGizmo, part: str, x: float, y: float,
+        steps: SnapSteps = DEFAULT_STEPS,
+    ) -> None:  # fmt: skip
+        super().__init__(document, live, movable, part, steps)
+        self.gizmo, self._grip = gizmo, (x, y)
+        self.begin = 0.0 if part == TRACKBALL else gizmo.bearing(part, x, y, self._grip)
+        self._seen, self._dragged = self.begin, 0.0
+        self._rolled, self._mouse = np.zeros(2), np.array([x, y])
+        self.angle = 0.0
+        """Radians by which the thing is rotated."""
+
+    def update(self, x: float, y: float, fine: bool, snap: bool) -> None:
+        """Follow the mouse round the middle: ``fine`` a fifth of the way, ``snap`` to steps."""
+        pace = FINE_DRAG if fine else 1.0
+        if self.part == TRACKBALL:
+            self._roll(x, y, pace, snap)
+            return
+        seen = self.gizmo.bearing(self.part, x, y, self._grip)
+        self._dragged += math.remainder(seen - self._seen, 2.0 * math.pi) * pace
+        self._seen = seen
+        self.angle = _stepped(self._dragged, self._steps.radians) if snap else self._dragged
+        self.words = f"{self.part.capitalize()} {math.degrees(self.angle):+.1f}°"
+        self._movable.rotate(rotation_about(self.gizmo.axis(self.part), self.angle), self._number)
+
+    def _roll(self, x: float, y: float, pace: float, snap: bool) -> None:
+        """Rotate about the picture's axes as a ball does that is rolled by its front."""
+        self._rolled += (np.array([x, y]) - self._mouse) / self.gizmo.radius * pace
+        self._mouse = np.array([x, y])
+        across, down = (_stepped(each, self._steps.radians) if snap else each for each in self._rolled.tolist())
+        vector = across * self.gizmo.camera.axes[1] + down * self.gizmo.camera.axes[0]
+        self.angle = float(np.linalg.norm(vector))
+        self.words = f"{math.degrees(self.angle):.1f}°"
+        axis = vector / self.angle if self.angle > 0.0 else self.gizmo.camera.axes[1]
+        self._movable.rotate(rotation_about(axis, self.angle), self._number)
+
+
+class ScaleDrag(EditDrag):
+    """Resizes a thing along one of its axes, or all of them."""
+
+    def __init__(
+        self, document: Document, live: Live, movable: Movable, gizmo: ScaleGizmo, part: str, x: float, y: float,
+        steps: SnapSteps = DEFAULT_STEPS,
+    ) -> None:  # fmt: skip
+        super().__init__(document, live, movable, part, steps)
+        self._gizmo, self._grip, self._mouse = gizmo, (x, y), np.array([x, y])
+
+    def update(self, x: float, y: float, fine: bool, snap: bool) -> None:
+        """Follow the mouse: ``fine`` a fifth of the way, ``snap`` to steps of the factor."""
+        factor = self._gizmo.factor(self.part, self._grip, x, y)
+        if fine:
+            factor = 1.0 + FINE_DRAG * (factor - 1.0)
+        if snap:
+            factor = max(_stepped(factor, self._steps.factor), self._steps.factor)
+        self.words = f"× {factor:.2f}"
+        self._movable.scale(np.where(moved_axes(self.part), factor, 1.0), self._number)
+
+
+def nudge(document: Document, movable: Movable, gizmo: AnyGizmo, axis: str, sign: float, steps: SnapSteps) -> None:
+    """Change a thing by one snapping step along or about an ``axis`` of its gizmo, where it can be; one undo step."""
+    number, place = document.new_gesture(), GIZMO_AXES.index(axis)
+    if isinstance(gizmo, RotateGizmo):
+        if axis in gizmo.parts:
+            movable.rotate(rotation_about(gizmo.axis(axis), sign * steps.radians), number)
+    elif isinstance(gizmo, ScaleGizmo):
+        if gizmo.scales[place]:
+            movable.scale(1.0 + sign * steps.factor * np.eye(3)[place], number)
+    elif not (gizmo.flat and axis == "z"):
+        stage = movable.placement.to_stage(movable.place) + sign * steps.metres * gizmo.axes[place]
+        movable.move(movable.placement.to_motion(stage), number)
+
+
+def _stepped(value: float, step: float) -> float:
+    return round(value / step) * step

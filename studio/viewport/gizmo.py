@@ -1,8 +1,8 @@
-"""The gizmo: three arrows, three small planes, a ball and a ring, hit and dragged by numpy alone."""
+"""The gizmo that moves: three arrows, three small planes and a ball, hit and dragged by numpy alone."""
 
 from dataclasses import dataclass
+from enum import StrEnum
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 
@@ -15,10 +15,16 @@ LINE_REACH, BALL_REACH = 8.0, 10.0
 GIZMO_AXES = ("x", "y", "z")
 PLANES = {"yz": 0, "zx": 1, "xy": 2}
 """Each plane handle and the axis it stands across."""
-BALL_HANDLE, RING_HANDLE = "view", "ring"
-GIZMO_RING_RADIUS = 0.8
-"""Of the ring by which a thing is turned about Z, in parts of an arrow."""
-_ROUND = np.linspace(0.0, 2.0 * np.pi, 49)
+BALL_HANDLE = "view"
+
+
+class Space(StrEnum):
+    """Axes along which a gizmo moves and rotates: of the stage, the thing, what carries the thing, or the picture."""
+
+    WORLD = "world"
+    LOCAL = "local"
+    PARENT = "parent"
+    SCREEN = "screen"
 
 
 def arrow_pixels(body_height: float) -> float:
@@ -32,8 +38,8 @@ def moved_axes(part: str) -> list[bool]:
 
 
 @dataclass(frozen=True, eq=False)
-class Gizmo:
-    """A gizmo at ``origin`` (stage) along the rows of ``axes`` (3, 3), as ``camera`` sees it."""
+class GizmoFrame:
+    """What all gizmos have: an ``origin`` (stage), the rows of ``axes`` (3, 3), and the ``camera`` that sees them."""
 
     origin: FloatArray
     axes: FloatArray
@@ -41,10 +47,6 @@ class Gizmo:
     size: tuple[float, float]
     pixels: float = ARROW_PIXELS
     """Of an arrow."""
-    flat: bool = False
-    """Whether what it moves stays on the ground."""
-    turns: bool = False
-    """Whether it can be turned about Z."""
 
     @cached_property
     def length(self) -> float:
@@ -60,12 +62,50 @@ class Gizmo:
     @cached_property
     def centre(self) -> FloatArray:
         """(2,) pixel of the origin."""
-        return self._pixels(np.zeros((1, 3)))[0]
+        return self.pixels_of(np.zeros((1, 3)))[0]
 
     @cached_property
     def tips(self) -> FloatArray:
-        """(3, 2) pixels of the arrows' tips."""
-        return self._pixels(np.eye(3))
+        """(3, 2) pixels of the axes' ends."""
+        return self.pixels_of(np.eye(3))
+
+    @cached_property
+    def sight(self) -> FloatArray:
+        """(3,) unit direction from the eye to the origin, stage space."""
+        sight = -self.camera.axes[2] if self.camera.parallel else self.origin - self.camera.eye
+        return np.asarray(sight / max(float(np.linalg.norm(sight)), 1e-9))
+
+    @cached_property
+    def facing(self) -> FloatArray:
+        """(3,) cosines between the axes and the sight, without sign."""
+        return np.abs(self.axes @ self.sight)
+
+    def along_axis(self, axis: int, x: float, y: float) -> FloatArray:
+        """(3,) stage point of an axis that is nearest to the sight through pixel (x, y)."""
+        begin, sight = self.camera.ray(x, y, self.size)
+        away, direction = self.origin - begin, self.axes[axis]
+        lean = float(direction @ sight)
+        along = (lean * (sight @ away) - direction @ away) / max(1.0 - lean * lean, 1e-6)
+        return np.asarray(self.origin + along * direction)
+
+    def in_plane(self, normal: FloatArray, x: float, y: float) -> FloatArray:
+        """(3,) stage point of the plane through the origin across ``normal`` that is seen at pixel (x, y)."""
+        begin, sight = self.camera.ray(x, y, self.size)
+        slant = float(normal @ sight)
+        slant = np.copysign(max(abs(slant), 1e-3), slant)
+        return np.asarray(begin + (float(normal @ (self.origin - begin)) / slant) * sight)
+
+    def pixels_of(self, steps: FloatArray) -> FloatArray:
+        """(N, 2) pixels of ``steps`` (N, 3) from the origin along the axes, in parts of an arrow."""
+        return self.camera.project(self.origin + self.length * steps @ self.axes, self.size)[0]
+
+
+@dataclass(frozen=True, eq=False)
+class Gizmo(GizmoFrame):
+    """A gizmo that moves a thing."""
+
+    flat: bool = False
+    """Whether what it moves stays on the ground."""
 
     @cached_property
     def squares(self) -> dict[str, FloatArray]:
@@ -79,72 +119,51 @@ class Gizmo:
                 (PLANE_FAR, PLANE_FAR),
                 (PLANE_NEAR, PLANE_FAR),
             )
-            corners[name] = self._pixels(np.array([a * first + b * second for a, b in steps]))
+            corners[name] = self.pixels_of(np.array([a * first + b * second for a, b in steps]))
         return corners
 
-    @cached_property
-    def ring(self) -> FloatArray:
-        """(49, 2) pixels of the ring, closed."""
-        return self._pixels(
-            GIZMO_RING_RADIUS * np.column_stack([np.cos(_ROUND), np.sin(_ROUND), np.zeros(len(_ROUND))])
-        )
-
     def usable(self, part: str) -> bool:
-        """An arrow seen end on, or a plane or the ring seen edge on, cannot be dragged and is not shown."""
+        """An arrow seen end on, or a plane seen edge on, cannot be dragged and is not shown."""
         if part == BALL_HANDLE:
             return True
-        if part == RING_HANDLE:
-            return self.turns and self.usable("xy")
         if self.flat and "z" in part:
             return False
-        sight = self.origin - self.camera.eye if not self.camera.parallel else -self.camera.axes[2]
-        sight = sight / max(float(np.linalg.norm(sight)), 1e-9)
-        facing = np.abs(self.axes @ sight)
-        return bool(facing[GIZMO_AXES.index(part)] < 0.985 if part in GIZMO_AXES else facing[PLANES[part]] > 0.12)
+        if part in GIZMO_AXES:
+            return bool(self.facing[GIZMO_AXES.index(part)] < 0.985)
+        return bool(self.facing[PLANES[part]] > 0.12)
 
     def part_at(self, x: float, y: float) -> str | None:
-        """The part under pixel (x, y): ball before planes before arrows before the ring."""
+        """The part under pixel (x, y): ball before planes before arrows."""
         mouse = np.array([x, y])
         if np.hypot(*(mouse - self.centre)) <= BALL_REACH:
             return BALL_HANDLE
         for name, corners in self.squares.items():
             if self.usable(name) and _inside(mouse, corners):
                 return name
-        away = [
-            _distance(mouse, self.centre, tip) if self.usable(axis) else np.inf
-            for axis, tip in zip(GIZMO_AXES, self.tips, strict=True)
-        ]
-        nearest = int(np.argmin(away))
-        if away[nearest] <= LINE_REACH:
-            return GIZMO_AXES[nearest]
-        on_ring = (
-            self.usable(RING_HANDLE) and min(_distance(mouse, *side) for side in pairwise(self.ring)) <= LINE_REACH
-        )
-        return RING_HANDLE if on_ring else None
+        return nearest_axis(self, mouse, [self.usable(axis) for axis in GIZMO_AXES])
 
     def grip(self, part: str, x: float, y: float) -> FloatArray:
         """(3,) stage point that pixel (x, y) holds when ``part`` is dragged: on its axis or in its plane."""
-        begin, sight = self.camera.ray(x, y, self.size)
-        away = self.origin - begin
         if part in GIZMO_AXES:
-            axis = self.axes[GIZMO_AXES.index(part)]
-            lean = float(axis @ sight)
-            along = (lean * (sight @ away) - axis @ away) / max(1.0 - lean * lean, 1e-6)
-            return self.origin + along * axis
-        level = part == RING_HANDLE or (part == BALL_HANDLE and self.flat)
-        normal = self.axes[2] if level else self.camera.axes[2] if part == BALL_HANDLE else self.axes[PLANES[part]]
-        slant = float(normal @ sight)
-        slant = np.copysign(max(abs(slant), 1e-3), slant)
-        return begin + (float(normal @ away) / slant) * sight
+            return self.along_axis(GIZMO_AXES.index(part), x, y)
+        level = part == BALL_HANDLE and self.flat
+        return self.in_plane(
+            self.axes[2] if level else self.camera.axes[2] if part == BALL_HANDLE else self.axes[PLANES[part]], x, y
+        )
 
-    def _pixels(self, steps: FloatArray) -> FloatArray:
-        return self.camera.project(self.origin + self.length * steps @ self.axes, self.size)[0]
+
+def nearest_axis(frame: GizmoFrame, mouse: FloatArray, usable: list[bool]) -> str | None:
+    """The usable axis whose line is under pixel ``mouse`` (2,)."""
+    away = [_distance(mouse, frame.centre, tip) if use else np.inf for use, tip in zip(usable, frame.tips, strict=True)]
+    nearest = int(np.argmin(away))
+    return GIZMO_AXES[nearest] if away[nearest] <= LINE_REACH else None
 
 
 def _distance(point: FloatArray, begin: FloatArray, end: FloatArray) -> float:
+    """Pixels from ``point`` (2,) to the line between two others."""
     along = end - begin
-    share = np.clip((point - begin) @ along / max(float(along @ along), 1e-9), 0.0, 1.0)
-    return float(np.hypot(*(point - begin - share * along)))
+    part = np.clip((point - begin) @ along / max(float(along @ along), 1e-9), 0.0, 1.0)
+    return float(np.hypot(*(point - begin - part * along)))
 
 
 def _inside(point: FloatArray, corners: FloatArray) -> bool:

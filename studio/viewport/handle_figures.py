@@ -14,8 +14,10 @@ from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.keyed import KeyedPlace
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
+from studio.core.constraints.own_place import KeyedOwnPlace
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.procedural import ProceduralPlace
+from studio.core.constraints.target import own_place_of
 from studio.core.rotations import to_matrix
 from studio.core.stage.placement import Placement
 from studio.engine.measures import measure_of
@@ -73,11 +75,17 @@ def with_outline(figure: HandleShape, outline: FloatArray | None, floor: float) 
     return replace(figure, lines=(*figure.lines, closed))
 
 
-def with_path(figure: HandleShape, target: object, time: float) -> HandleShape:
-    """The figure with the way of a ``target`` that is keyed or moves by a rule, round a ``time`` of its motion."""
-    if not isinstance(target, KeyedPlace | ProceduralPlace):
+def with_path(figure: HandleShape, target: object, time: float, place: FloatArray, leg_length: float) -> HandleShape:
+    """The figure with the path of a ``target`` that is keyed or moves by a rule, round a ``time`` of its motion.
+
+    A per-character path leads through ``place``, where the target is at that time.
+    """
+    if not isinstance(target, KeyedPlace | KeyedOwnPlace | ProceduralPlace):
         return figure
-    return replace(figure, lines=(*figure.lines, target.path(time)))
+    path = target.path(time)
+    if own_place_of(target) is not None:
+        path = place + (leg_length if isinstance(target, KeyedOwnPlace) else 1.0) * (path - target.at([time]))
+    return replace(figure, lines=(*figure.lines, path))
 
 
 def _position(constraint: PositionConstraint, pose: Posed, floor: float) -> HandleShape:

@@ -60,7 +60,9 @@ def constraint_handles(
             figure = figure_of(now, pose, floor)
             if isinstance(getattr(constraint, "place", None), Support):
                 figure = with_outline(figure, moment.outline(), floor)
-            figure = with_path(figure, getattr(constraint, constraint.shown.held_by, None), pose.seconds)
+            if place is not None:
+                held, leg_length = getattr(constraint, constraint.shown.held_by, None), pose.motion.body.leg_length
+                figure = with_path(figure, held, pose.seconds, np.array(place), leg_length)
             handles.append(
                 Handle(
                     constraint_id, performer_id, constraint.kind,

@@ -10,8 +10,10 @@ from PySide6.QtGui import QMouseEvent
 from studio.document.document import Document
 from studio.engine.live import Live
 from studio.viewport import picking
-from studio.viewport.gestures import CameraDrag, GizmoDrag, TurnDrag
-from studio.viewport.gizmo import RING_HANDLE
+from studio.viewport.gestures import CameraDrag, MoveDrag, RotateDrag, ScaleDrag
+from studio.viewport.rotate_gizmo import RotateGizmo
+from studio.viewport.scale_gizmo import ScaleGizmo
+from studio.viewport.selected_movable import zero_of
 
 if TYPE_CHECKING:
     from studio.viewport.widget import Viewport
@@ -51,10 +53,15 @@ def _grab_gizmo(viewport: Viewport, document: Document, live: Live, x: float, y:
     if gizmo is None or movable is None or part is None:
         return False
     viewport.gizmo_part_hovered = part
-    if part == RING_HANDLE:
-        viewport.gesture = TurnDrag(document, live, movable, gizmo, x, y)
-    else:
-        viewport.gesture = GizmoDrag(document, live, movable, gizmo, part, x, y)
+    steps = viewport.snap_steps
+    match gizmo:
+        case RotateGizmo():
+            viewport.gesture = RotateDrag(document, live, movable, gizmo, part, x, y, steps)
+        case ScaleGizmo():
+            viewport.gesture = ScaleDrag(document, live, movable, gizmo, part, x, y, steps)
+        case _:
+            zero = zero_of(movable, viewport.gizmo_space)
+            viewport.gesture = MoveDrag(document, live, movable, gizmo, part, x, y, steps, zero)
     return True
 
 

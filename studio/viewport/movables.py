@@ -3,77 +3,101 @@
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Protocol
+from types import MappingProxyType
 
 import numpy as np
 
+from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.carried_over import mirrored_constraint
+from studio.core.constraints.follow import Follow
 from studio.core.constraints.keyed import KeyedPlace
-from studio.core.constraints.own_place import OwnPlace
+from studio.core.constraints.own_place import KeyedOwnPlace
+from studio.core.constraints.target import own_place_of
 from studio.core.project import Performer
+from studio.core.rotations import to_matrix
 from studio.core.stage.placement import Placement
-from studio.core.stage.prop import Prop
+from studio.core.stage.prop import InHand, Prop
 from studio.document.document import Document
 from studio.document.mirrored import mirrored_change
+from studio.document.obstacles import obstacles_of
 from studio.engine.moments import TargetContext
 from studio.engine.performance import Posed
-from studio.engine.props import moved_prop, prop_at, turned_prop, wrapped
-from studio.viewport.camera import FloatArray, OrbitCamera
-from studio.viewport.gizmo import Gizmo
+from studio.engine.props import moved_prop, prop_at, tilt_of, turned_prop, wrapped
+from studio.viewport.camera import FloatArray
 from studio.viewport.handle_places import handle_place, is_flat
-from studio.viewport.handles import floor_under
+from studio.viewport.rotate_gizmo import rotation_about
+
+LEAST_OBJECT_SIZE = 0.001
+"""Metres of a side of a prop or an area."""
 
 
-class Movable(Protocol):
-    """A thing with a place in its own axes."""
+class Movable:
+    """A thing that a gizmo moves, rotates or resizes; each kind overrides what it can."""
 
     placement: Placement
-
-    @property
-    def flat(self) -> bool:
-        """Whether it stays on the ground."""
-
-    @property
-    def turns(self) -> bool:
-        """Whether it can be turned about Z."""
-
-    @property
-    def yields(self) -> bool:
-        """Whether joints that lie under its handles are taken hold of first."""
+    """Of the space of its ``place`` on the stage."""
+    flat = False
+    """Whether it stays on the ground."""
+    yields = False
+    """Whether joints that lie under its handles are taken hold of first."""
+    moves = True
+    rotates = heading_only = False
+    """Whether it can be rotated, and if so, about Z alone."""
+    scales = (False, False, False)
+    """Along which of its own axes it has a size."""
 
     @property
     def place(self) -> FloatArray:
-        """(3,) where it is, in its own space."""
+        """(3,) position in its own space."""
+        raise NotImplementedError
+
+    @property
+    def pivot(self) -> FloatArray:
+        """(3,) stage point about which it is rotated."""
+        return self.placement.to_stage(self.place)
+
+    @property
+    def own_axes(self) -> FloatArray:
+        """(3, 3) its own axes as columns, stage space."""
+        return self.parent_axes
+
+    @property
+    def parent_axes(self) -> FloatArray:
+        """(3, 3) axes of what carries it as columns, stage space."""
+        return self.placement.rotation
 
     def move(self, place: FloatArray, gesture: int) -> None:
         """Put it at ``place`` (3,), as a part of a gesture."""
 
-    def turn(self, angle: float, gesture: int) -> None:
-        """Turn it by ``angle`` radians from how it was when this was made; where it can be."""
+    def rotate(self, rotation: FloatArray, gesture: int) -> None:
+        """Rotate it by ``rotation`` (3, 3) of the stage from how it was when this was made."""
+
+    def scale(self, factors: FloatArray, gesture: int) -> None:
+        """Make it ``factors`` (3,) times as large along its own axes as when this was made."""
 
     def put_back(self, gesture: int) -> None:
         """Put it as it was when this was made."""
+        raise NotImplementedError
 
 
-class Target:
+class Target(Movable):
     """The place by which a constraint is held, as a performer on a ``floor`` sees it at a moment."""
-
-    turns = yields = False
 
     def __init__(self, document: Document, constraint_id: str, moment: TargetContext, floor: float) -> None:
         self._document, self._id, self._moment, self._floor = document, constraint_id, moment, floor
         self.placement, self._begin = moment.pose.clip_placement, self._constraint
+        self.flat = is_flat(self._begin)
+
+    @staticmethod
+    def is_held(now: Constraint) -> bool:
+        """True if a constraint, as it is at a moment, has a place to be moved."""
+        return handle_place(now) is not None
 
     @property
     def _constraint(self) -> Constraint:
         stored = self._document.project.constraints[self._id]
         return mirrored_constraint(stored) if self._moment.pose.mirrored else stored
-
-    @property
-    def flat(self) -> bool:
-        """Whether it stays on the ground."""
-        return is_flat(self._constraint)
 
     @property
     def place(self) -> FloatArray:
@@ -85,23 +109,39 @@ class Target:
         """Put it at ``place``."""
         old = self._constraint
         x, y, z = place.tolist()
-        text = f"{'Key' if is_keyed(old) else 'Move'} {self._words}"
+        text = f"{'Key' if is_keyed(old) and not self._is_apart else 'Move'} {self._words}"
         self._put(self._moment.moved(self._begin, (x, y, z)), text, gesture)
 
-    def turn(self, angle: float, gesture: int) -> None:
-        """A place has no turn."""
+    @property
+    def own_axes(self) -> FloatArray:
+        """(3, 3) axes of the segment of its point."""
+        pose = self._moment.pose
+        segment = pose.motion.morphology.layout.segment(self._begin.point.part)
+        return np.asarray(pose.placement.rotation @ pose.motion.rotations[pose.row, segment])
+
+    @property
+    def parent_axes(self) -> FloatArray:
+        """(3, 3) axes of what it follows, else of the motion's space."""
+        target = getattr(self._begin, self._begin.shown.held_by or "target", None)
+        track = self._moment.track(target) if isinstance(target, Follow) else None
+        rotation = self.placement.rotation
+        return rotation if track is None else np.asarray(rotation @ track.rotations[0])
 
     @property
     def _words(self) -> str:
         """What is dragged: ``target of Right wrist``, ``centre of Table``; of whom, where that one has its own."""
-        place, whom = getattr(self._begin, self._begin.shown.held_by), self._moment.performer_id
-        own = isinstance(place, OwnPlace) and whom in dict(place.own)
-        what = self._begin.shown.handle
-        return f"{what} of {self._begin.name}" + (f" for {self._moment.pose.performer.name}" if own else "")
+        whom = f" for {self._moment.pose.performer.name}" if self._is_apart else ""
+        return f"{self._begin.shown.handle} of {self._begin.name}{whom}"
+
+    @property
+    def _is_apart(self) -> bool:
+        """True if the performer has an offset of its own from the per-character position."""
+        own = own_place_of(getattr(self._begin, self._begin.shown.held_by))
+        return own is not None and self._moment.performer_id in dict(own.own)
 
     def put_back(self, gesture: int) -> None:
         """As it was: without the key that a drag has set."""
-        self._put(self._begin, f"Move {self._words}", gesture)
+        self._put(self._begin, f"Move {self._begin.name}", gesture)
 
     def _put(self, seen: Constraint, text: str, gesture: int) -> None:
         stored = self._document.project.constraints[self._id]
@@ -109,16 +149,17 @@ class Target:
         self._document.replace("constraints", self._id, new, text, gesture)
 
 
-class PlacedProp:
+class PlacedProp(Movable):
     """A prop where it is now: a drag moves it, sets a key, or gives it another place in the hands that hold it."""
 
-    flat = yields = False
-    turns = True
+    rotates = True
+    scales = (True, True, True)
 
     def __init__(self, document: Document, prop_id: str, posed: Mapping[str, Posed]) -> None:
         self._document, self._id = document, prop_id
         self.placement, self._begin = Placement(), document.project.props[prop_id]
         self._pose = prop_at(document.project, posed, prop_id, document.playhead.time)
+        self._obstacles = obstacles_of(document.project, prop_id)
 
     @property
     def place(self) -> FloatArray:
@@ -132,22 +173,48 @@ class PlacedProp:
         )
         self._put(moved_prop(self._pose, place), verb, gesture)
 
-    def turn(self, angle: float, gesture: int) -> None:
-        """Turn it about its centre."""
-        self._put(turned_prop(self._pose, angle), "Turn", gesture)
+    @property
+    def own_axes(self) -> FloatArray:
+        """(3, 3) its axes."""
+        return self._pose.axes
+
+    @property
+    def parent_axes(self) -> FloatArray:
+        """(3, 3) axes of the segment or chest that carries it, else of the stage."""
+        hold = None if self._begin.lies_at(self._pose.time) else self._begin.held_at(self._pose.time)
+        if hold is None:
+            return np.eye(3)
+        axes = self._pose.axes @ (to_matrix(np.array(hold.turn)) if isinstance(hold, InHand) else tilt_of(self._pose)).T
+        return axes if isinstance(hold, InHand) else axes @ rotation_about(axes[:, 2], -hold.heading)
+
+    def rotate(self, rotation: FloatArray, gesture: int) -> None:
+        """Rotate it about its centre."""
+        self._put(turned_prop(self._pose, rotation), "Turn", gesture)
+
+    def scale(self, factors: FloatArray, gesture: int) -> None:
+        """Make it larger about its centre, and with it what keeps bodies out."""
+        x, y, z = np.maximum(np.array(self._begin.size) * factors, LEAST_OBJECT_SIZE).tolist()
+        obstacles = {key: replace(each, size=(x, y, z)) for key, each in self._obstacles.items()}
+        self._put(replace(self._begin, size=(x, y, z)), "Resize", gesture, obstacles)
 
     def put_back(self, gesture: int) -> None:
         """Where it was."""
-        self._put(self._begin, "Move", gesture)
+        self._put(self._begin, "Move", gesture, self._obstacles)
 
-    def _put(self, prop: Prop, verb: str, gesture: int) -> None:
-        self._document.replace("props", self._id, prop, f"{verb} {prop.name}", gesture)
+    def _put(
+        self, prop: Prop, verb: str, gesture: int, obstacles: Mapping[str, AreaConstraint] = MappingProxyType({})
+    ) -> None:
+        text = f"{verb} {prop.name}"
+        with self._document.group(text, gesture):
+            self._document.replace("props", self._id, prop, text)
+            for key, each in obstacles.items():
+                self._document.replace("constraints", key, each, text)
 
 
-class PlacedPerformer:
+class PlacedPerformer(Movable):
     """A performer, held at the ground under its root: all that it plays goes along."""
 
-    flat = turns = yields = True
+    flat = yields = rotates = heading_only = True
 
     def __init__(self, document: Document, performer_id: str, pose: Posed, floor: float) -> None:
         self._document, self._id, self._pose = document, performer_id, pose
@@ -164,10 +231,15 @@ class PlacedPerformer:
         x, y = (np.array(self._begin.position) + (place - self.place)[:2]).tolist()
         self._put(replace(self._begin, position=(x, y)), "Move", gesture)
 
-    def turn(self, angle: float, gesture: int) -> None:
-        """Turn about where its root is now."""
-        pivot, (c, s) = self.place[:2], (math.cos(angle), math.sin(angle))
-        x, y = (pivot + np.array([[c, -s], [s, c]]) @ (np.array(self._begin.position) - pivot)).tolist()
+    @property
+    def own_axes(self) -> FloatArray:
+        """(3, 3) axes of its heading."""
+        return Placement.of(self._begin).rotation
+
+    def rotate(self, rotation: FloatArray, gesture: int) -> None:
+        """Turn about where its root is now, by what the rotation is about Z."""
+        pivot, angle = self.place[:2], math.atan2(rotation[1, 0], rotation[0, 0])
+        x, y = (pivot + rotation[:2, :2] @ (np.array(self._begin.position) - pivot)).tolist()
         turned = replace(self._begin, position=(x, y), heading=wrapped(self._begin.heading + angle))
         self._put(turned, "Turn", gesture)
 
@@ -179,40 +251,6 @@ class PlacedPerformer:
         self._document.replace("performers", self._id, performer, f"{verb} {performer.name} on the stage", gesture)
 
 
-def selected_movable(document: Document, posed: Mapping[str, Posed], *, picking: bool = False) -> Movable | None:
-    """What the gizmo stands on: the current selection, if it can be moved.
-
-    A body is not while a joint of it is picked, beside which its handle would lie.
-    """
-    project, pose = document.project, posed.get(document.active_performer_id or "")
-    collection, entity_id = document.selection.current or ("", "")
-    if collection == "props" and entity_id in project.props:
-        return PlacedProp(document, entity_id, posed)
-    if pose is None:
-        return None
-    floor = floor_under(project, pose)
-    if collection == "performers":
-        return (
-            None
-            if picking or entity_id not in project.performers
-            else PlacedPerformer(document, entity_id, pose, floor)
-        )
-    moment = TargetContext(project, posed, pose)
-    constraint = project.constraints.get(entity_id) if collection == "constraints" else None
-    if constraint is not None and pose.mirrored:
-        constraint = mirrored_constraint(constraint)
-    now = moment.fixed(constraint) if constraint else None
-    if now is None or handle_place(now) is None:
-        return None
-    return Target(document, entity_id, moment, floor)
-
-
-def gizmo_on(movable: Movable, camera: OrbitCamera, size: tuple[float, float], pixels: float) -> Gizmo:
-    """The gizmo by which a thing is moved, with arrows of so many ``pixels``."""
-    origin, axes = movable.placement.to_stage(movable.place), movable.placement.rotation.T
-    return Gizmo(origin, axes, camera, size, pixels, movable.flat, movable.turns)
-
-
 def is_keyed(constraint: Constraint) -> bool:
     """Whether the place by which it is held is keyed, so that a drag sets a key."""
-    return isinstance(getattr(constraint, constraint.shown.held_by, None), KeyedPlace)
+    return isinstance(getattr(constraint, constraint.shown.held_by, None), KeyedPlace | KeyedOwnPlace)

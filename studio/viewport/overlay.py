@@ -1,28 +1,21 @@
-"""What is painted over the picture: constraint handles, the picked joint and the gizmo."""
+"""What is painted over the picture: constraint handles and joints."""
 
 from collections.abc import Collection, Iterable
 
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QLineF, QPointF, QRectF, QSizeF, Qt
-from PySide6.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
+from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 
 from studio.document import colours
 from studio.viewport.camera import FloatArray, OrbitCamera
-from studio.viewport.gizmo import BALL_HANDLE, GIZMO_AXES, PLANES, RING_HANDLE, Gizmo
 from studio.viewport.handles import Handle
 from studio.viewport.recording import MarkerFrame
+from studio.viewport.strokes import SHADOW, draw_disc, draw_line
 
-AXIS_COLOURS = {"x": "#e8675f", "y": "#7cc47a", "z": "#5f9fe8"}
-HOVERED = "#ffe08a"
-SHADOW = QColor(12, 14, 17, 170)
 GHOST = QColor(196, 204, 214, 215)
-MARKER_COLOUR, OTHER_MARKER_COLOUR, CHOSEN_MARKER_COLOUR = (
-    QColor("#f0f4f8"),
-    QColor(142, 152, 164, 170),
-    QColor(colours.PLAYHEAD),
-)
-ARROW_LENGTH, ARROW_WIDTH = 13.0, 5.5
+MARKER_COLOUR, OTHER_MARKER_COLOUR = QColor("#f0f4f8"), QColor(142, 152, 164, 170)
+CHOSEN_MARKER_COLOUR = QColor(colours.PLAYHEAD)
 
 NOTICE_ABOVE = 150.0
 """Pixels from the lower edge up to what is said while nobody performs: clear of a sentence of two lines."""
@@ -52,7 +45,7 @@ class Overlay:
             colour = QColor(colours.kind_colour(handle.kind))
             if not handle.main:
                 colour.setAlpha(220 if handle.activation > 0 else 90)
-                self._disc(pixels[0], 3.5, colour)
+                draw_disc(self._painter, pixels[0], 3.5, colour)
                 continue
             colour.setAlpha(255 if handle.activation > 0 else 130)
             self._target(pixels[0], colour, chosen)
@@ -81,7 +74,8 @@ class Overlay:
             if ahead <= 0:
                 continue
             chosen = label in marked
-            self._disc(
+            draw_disc(
+                self._painter,
                 pixel,
                 5.5 if chosen else 3.2,
                 CHOSEN_MARKER_COLOUR if chosen else MARKER_COLOUR if used else OTHER_MARKER_COLOUR,
@@ -104,7 +98,7 @@ class Overlay:
         pixels, depth = self._camera.project(places, self._size)
         for pixel, ahead in zip(pixels, depth, strict=True):
             if ahead > 0:
-                self._disc(pixel, 3.0, JOINT_COLOUR)
+                draw_disc(self._painter, pixel, 3.0, JOINT_COLOUR)
 
     def joint(self, place: FloatArray, colour: str, strong: bool) -> None:
         """A ring round a joint: strong for the picked one, thin for the one under the mouse."""
@@ -117,23 +111,7 @@ class Overlay:
             self._painter.setPen(QPen(hue, width))
             self._painter.drawEllipse(centre, 8.0 if strong else 6.0, 8.0 if strong else 6.0)
         if strong:
-            self._disc(pixels[0], 2.5, QColor(colour))
-
-    def gizmo(self, gizmo: Gizmo, hot: str | None) -> None:
-        """Arrows, planes and ball; the hot part stands out."""
-        if not gizmo.in_sight:
-            return
-        for name, across in PLANES.items():
-            if gizmo.usable(name):
-                self._square(gizmo.squares[name], AXIS_COLOURS[GIZMO_AXES[across]], name == hot)
-        if gizmo.usable(RING_HANDLE):
-            self._ring(gizmo.ring, QColor(HOVERED if hot == RING_HANDLE else AXIS_COLOURS["z"]))
-        order = np.argsort(gizmo.axes @ gizmo.camera.axes[2])
-        for index in order:
-            axis = GIZMO_AXES[index]
-            if gizmo.usable(axis):
-                self._arrow(gizmo.centre, gizmo.tips[index], HOVERED if axis == hot else AXIS_COLOURS[axis])
-        self._disc(gizmo.centre, 6.0, QColor(HOVERED if hot == BALL_HANDLE else "#f4f7fb"))
+            draw_disc(self._painter, pixels[0], 2.5, QColor(colour))
 
     def notice(self, words: str, share: float | None) -> None:
         """One line low in the middle, with a bar under it where something is under way."""
@@ -176,13 +154,13 @@ class Overlay:
         if (depth <= 0).any():
             return
         if handle.missed:
-            self._line(pixels[0], pixels[1], colours.NOT_REACHED, 2.0 if handle.main else 1.2)
+            draw_line(self._painter, pixels[0], pixels[1], colours.NOT_REACHED, 2.0 if handle.main else 1.2)
             return
         self._thin(link, colour, strength)
         dot = QColor(colour)
         dot.setAlphaF(strength)
         for pixel in pixels if handle.main else ():
-            self._disc(pixel, 3.0, dot)
+            draw_disc(self._painter, pixel, 3.0, dot)
 
     def _thin(self, points: FloatArray, colour: str, strength: float) -> None:
         """A line over ``points`` (N, 3), as far as they are before the camera."""
@@ -208,7 +186,7 @@ class Overlay:
         self._painter.drawPolygon(QPolygonF([QPointF(*pixel) for pixel in pixels]))
 
     def _target(self, place: FloatArray, colour: QColor, selected: bool) -> None:
-        self._disc(place, 6.0, colour)
+        draw_disc(self._painter, place, 6.0, colour)
         x, y = place
         self._painter.setPen(QPen(QColor(255, 255, 255, 200), 1.2))
         self._painter.drawLine(QPointF(x - 3, y), QPointF(x + 3, y))
@@ -217,40 +195,3 @@ class Overlay:
             self._painter.setBrush(Qt.BrushStyle.NoBrush)
             self._painter.setPen(QPen(QColor("#ffffff"), 2.0))
             self._painter.drawEllipse(QPointF(x, y), 10.0, 10.0)
-
-    def _disc(self, place: FloatArray, radius: float, colour: QColor) -> None:
-        self._painter.setPen(QPen(SHADOW, 1.5))
-        self._painter.setBrush(QBrush(colour))
-        self._painter.drawEllipse(QPointF(*place), radius, radius)
-
-    def _line(self, begin: FloatArray, end: FloatArray, colour: str, width: float) -> None:
-        for hue, extent in ((SHADOW, width + 1.5), (QColor(colour), width)):
-            self._painter.setPen(QPen(hue, extent, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
-            self._painter.drawLine(QPointF(*begin), QPointF(*end))
-
-    def _arrow(self, begin: FloatArray, tip: FloatArray, colour: str) -> None:
-        way = tip - begin
-        length = float(np.hypot(*way))
-        if length < 1.0:
-            return
-        way = way / length
-        across = np.array([-way[1], way[0]])
-        base = tip - way * min(ARROW_LENGTH, length)
-        self._line(begin + way * min(9.0, length), base, colour, 2.6)
-        self._painter.setPen(QPen(SHADOW, 1.0))
-        self._painter.setBrush(QBrush(QColor(colour)))
-        corners = (tip, base + ARROW_WIDTH * across, base - ARROW_WIDTH * across)
-        self._painter.drawPolygon(QPolygonF([QPointF(*corner) for corner in corners]))
-
-    def _ring(self, corners: FloatArray, colour: QColor) -> None:
-        self._painter.setBrush(Qt.BrushStyle.NoBrush)
-        for hue, width in ((SHADOW, 4.0), (colour, 2.2)):
-            self._painter.setPen(QPen(hue, width))
-            self._painter.drawPolyline(QPolygonF([QPointF(*corner) for corner in corners]))
-
-    def _square(self, corners: FloatArray, colour: str, hot: bool) -> None:
-        fill = QColor(HOVERED if hot else colour)
-        fill.setAlpha(190 if hot else 80)
-        self._painter.setPen(QPen(QColor(HOVERED if hot else colour), 1.2))
-        self._painter.setBrush(QBrush(fill))
-        self._painter.drawPolygon(QPolygonF([QPointF(*corner) for corner in corners]))

@@ -29,11 +29,12 @@ from studio.viewport.constraining import Here, constraint_here
 from studio.viewport.dropping import StrikeDrops
 from studio.viewport.following import FollowCamera
 from studio.viewport.framing import selected_points
-from studio.viewport.gestures import ViewportGesture
-from studio.viewport.gizmo import ARROW_PIXELS, Gizmo, arrow_pixels
+from studio.viewport.gestures import DEFAULT_STEPS, ViewportGesture, nudge
+from studio.viewport.gizmo import ARROW_PIXELS, GIZMO_AXES, Space, arrow_pixels
+from studio.viewport.gizmo_painting import GizmoPainter
 from studio.viewport.glide import Glide
 from studio.viewport.handles import Handle, constraint_handles
-from studio.viewport.movables import Movable, gizmo_on, selected_movable
+from studio.viewport.movables import Movable
 from studio.viewport.newcomers import Newcomers
 from studio.viewport.opening import is_another_size, opening_camera
 from studio.viewport.overlay import Overlay
@@ -43,6 +44,7 @@ from studio.viewport.picking import PickedJoint
 from studio.viewport.preview import Preview
 from studio.viewport.problem import Problem, worst_problem
 from studio.viewport.recording import MarkerFrame, RecordingView, recorded_of
+from studio.viewport.selected_movable import AnyGizmo, gizmo_of, selected_movable
 from studio.viewport.shots import View
 
 if TYPE_CHECKING:
@@ -60,6 +62,9 @@ class Viewport(Canvas):
         super().__init__(parent)
         self._document, self._live = document, live
         self.tool = "move"
+        self.gizmo_space = Space.WORLD
+        self.snap_steps = DEFAULT_STEPS
+        self._nudged = "z"
         self.posed: dict[str, Posed] = {}
         self.resting: dict[str, Posed] = {}
         self.props: dict[str, PropPose] = {}
@@ -88,6 +93,7 @@ class Viewport(Canvas):
             {
                 "view": self.toggle_parallel,
                 "shading": self.toggle_bones,
+                "space": self.next_gizmo_space,
                 "ghost": self.show_again,
                 "trails": self.show_again,
                 "follow": self.show_again,
@@ -133,9 +139,28 @@ class Viewport(Canvas):
         self._glide.start(self.camera, replace(self.camera, azimuth=azimuth, elevation=elevation))
 
     def set_tool(self, name: str) -> None:
-        """``select`` hides the gizmo, ``move`` shows it on what is selected."""
+        """``select`` hides the gizmo; ``move``, ``rotate`` and ``scale`` show theirs on what is selected."""
         self.tool = name
+        self._chips.tell_space(self.gizmo_space.value, name in ("move", "rotate"))
         self.update()
+
+    def next_gizmo_space(self) -> None:
+        """Move and rotate along the axes of the next space."""
+        spaces = list(Space)
+        self.gizmo_space = spaces[(spaces.index(self.gizmo_space) + 1) % len(spaces)]
+        self.set_tool(self.tool)
+
+    def choose_nudged_axis(self, axis: str) -> None:
+        """Nudge along or about another axis of the gizmo."""
+        self._nudged = axis
+        self.gizmo_part_hovered = axis
+        self.update()
+
+    def nudge(self, sign: float) -> None:
+        """Move, rotate or resize what is selected by one snapping step, 1 or -1, along the chosen axis."""
+        movable, gizmo = self.movable(), self.gizmo()
+        if movable is not None and gizmo is not None and self.gesture is None:
+            nudge(self._document, movable, gizmo, self._nudged, sign, self.snap_steps)
 
     def toggle_parallel(self) -> None:
         """Perspective or parallel."""
@@ -246,14 +271,14 @@ class Viewport(Canvas):
         """Where a stage point (3,) is on the widget."""
         return QPointF(*self.camera.project(place, self.view_size)[0][0])
 
-    def gizmo(self) -> Gizmo | None:
+    def gizmo(self) -> AnyGizmo | None:
         """The gizmo on what is selected, as seen now."""
         movable = self.movable()
-        if movable is None or self.tool != "move":
+        if movable is None:
             return None
         pose = self.posed.get(self._document.active_performer_id or "")
         pixels = arrow_pixels(self.camera.height(pose.points, self.view_size)) if pose else ARROW_PIXELS
-        return gizmo_on(movable, self.camera, self.view_size, pixels)
+        return gizmo_of(self.tool, movable, self.gizmo_space, self.camera, self.view_size, pixels)
 
     def movable(self) -> Movable | None:
         """What the gizmo moves."""
@@ -335,8 +360,8 @@ class Viewport(Canvas):
             if picked is not None and pose is not None:
                 overlay.joint(pose.points[picked.joint.index], colours.SELECTED_HANDLE, strong)
         gizmo = self.gizmo()
-        if gizmo is not None:
-            overlay.gizmo(gizmo, self.gizmo_part_hovered)
+        if gizmo is not None and gizmo.in_sight:
+            GizmoPainter(painter).paint(gizmo, self.gizmo_part_hovered, self.gesture)
         if self.notice:
             overlay.notice(self.notice, self._progress[1] if self._progress[0] else None)
         self._place_constrain_chip()
@@ -504,6 +529,13 @@ class Viewport(Canvas):
             Qt.Key.Key_C: self.add_constraint_at_pick,
             Qt.Key.Key_Q: partial(self.set_tool, "select"),
             Qt.Key.Key_W: partial(self.set_tool, "move"),
+            Qt.Key.Key_E: partial(self.set_tool, "rotate"),
+            Qt.Key.Key_R: partial(self.set_tool, "scale"),
+            Qt.Key.Key_T: self.next_gizmo_space,
+            **{Qt.Key[f"Key_{axis.upper()}"]: partial(self.choose_nudged_axis, axis) for axis in GIZMO_AXES},
+            Qt.Key.Key_Plus: partial(self.nudge, 1.0),
+            Qt.Key.Key_Equal: partial(self.nudge, 1.0),
+            Qt.Key.Key_Minus: partial(self.nudge, -1.0),
             Qt.Key.Key_1: partial(self.set_view, "front"),
             Qt.Key.Key_3: partial(self.set_view, "side"),
             Qt.Key.Key_7: partial(self.set_view, "top"),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from studio.core.body.body_shape import body_by_shape, knees_bend_backwards
+from studio.core.body.body_shape import body_by_shape, knees_bend_backwards, moving_body_by_shape
 from studio.core.body.canonical import BodyPart
 from studio.core.body.character import Character
 from studio.core.body.character_skeleton import t_pose_rotations
@@ -49,6 +49,14 @@ def test_a_body_without_names_is_found_whichever_way_it_looks(turn: float):
         (BodyPart.HEAD, "head"),
     ):
         assert NAMES[found[part]] == name
+
+
+def test_limbs_that_end_before_their_hands_make_no_body():
+    skeleton, points = figure()
+    ends = np.array([name.endswith("Hand") for name in NAMES])
+    nobody = np.zeros(len(NAMES), dtype=np.int64)
+    assert moving_body_by_shape(skeleton, points, points[None], nobody) is not None
+    assert moving_body_by_shape(replace(skeleton, end_sites=ends), points, points[None], nobody) is None
 
 
 def test_sides_are_told_by_hips_where_the_feet_are_crossed():

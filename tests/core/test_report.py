@@ -1,12 +1,15 @@
 """A report says by how much each constraint is missed in every frame, and who kept it from being met."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from benchmarks.scenes import scene
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
-from studio.core.captures.contacts import ContactPoint
+from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
+from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.orientation import OrientationConstraint
@@ -15,23 +18,32 @@ from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import contact_quality
 from studio.core.solver.adapt import adapt, hold, place_of
 from studio.core.solver.report import (
+    BLOCKED_BY_CLEARANCE,
     BLOCKED_BY_CONTACTS,
     BLOCKED_BY_LIMITS,
     BLOCKED_BY_NOTHING,
     BLOCKED_BY_REACH,
+    BLOCKED_BY_SMOOTHING,
+    BLOCKED_BY_TOUCHES,
+    MET_BY_UNIT,
     Report,
+    fully_active,
     report_of,
     samples,
     winners,
 )
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.solved_window import Bound
 from studio.core.solver.standing.stand import standing_of
+from studio.io.project.character_file import bundled_characters
 from tests.core.test_constraint_kinds import ALL, BODIES, LEFT, RIGHT, ask
 from tests.core.test_targets import CONTACTS as STANDS
 from tests.core.test_targets import WALK, every_body
+from tests.core.test_touching import guard
 
 FIRST, LAST = 25, 40
 PELVIS = BodyPoint(BodyPart.PELVIS)
+ALWAYS = ActivationCurve(-1.0, -1.0, 100.0, 100.0)
 
 
 def reported(body: Morphology, *constraints: Constraint) -> tuple[AdaptedMotion, Report]:
@@ -111,12 +123,79 @@ def test_who_does_not_act_keeps_nobody_from_anything() -> None:
         assert all(acts[named[row, frame], frame] for row, frame in zip(*np.nonzero(named >= 0), strict=True))
 
 
+def punch(body: str, *constraints: Constraint, touch: bool = False, clears: bool = False) -> AdaptRequest:
+    motion, actor, contacts = guard()
+    character = bundled_characters()[body]
+    feet = tuple(each for each in contacts if isinstance(each.point, ContactPoint))
+    touches = (ContactInterval("motion", Touch.HANDS_TOGETHER, 20, 60),) if touch else ()
+    known = motion, character.morphology, (*feet, *touches), constraints
+    return AdaptRequest(*known, volume=character.volume, actor=actor, clears=clears)
+
+
+def blockers(request: AdaptRequest) -> set[int]:
+    """Blockers of what the poses miss where it is asked for fully, in some frames of a punch; none without a name."""
+    standing = standing_of(request)
+    adapted = hold(standing, request.constraints, 20, 60, eased=request.eased)
+    report = report_of(standing, request, adapted)
+    limits = [[MET_BY_UNIT[each.unit]] for each in request.constraints]
+    missed = (report.misses > limits) & fully_active(request.constraints, request.motion.times[20:61])
+    return set(report.winners[missed].tolist())
+
+
+@pytest.mark.parametrize("body", ["child", "giant"])
+def test_hands_that_touch_are_named_where_they_move_the_mass_after_the_solver(body: str) -> None:
+    """Nothing was smoothed, but this was reported as smoothing."""
+    wrist = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True)
+    away = place_of(wrist, adapt(punch(body), 40, 40))[0] + [0.1, 0.2, 0.25]
+    lift = PositionConstraint("motion", "Lift", wrist, Chain(trunk=1.0), 0, ALWAYS, target=tuple(away.tolist()))
+    balance = BalanceConstraint("motion", "Balance", PELVIS, Chain(trunk=1.0, root=1.0), 1, ALWAYS)
+    assert blockers(punch(body, lift, balance, touch=True)) == {BLOCKED_BY_TOUCHES}
+    assert not blockers(punch(body, lift, balance))
+
+
+@pytest.mark.parametrize("body", ["child", "giant"])
+def test_arms_that_stay_out_of_the_body_are_named_where_nobody_misses_without_them(body: str) -> None:
+    standing = standing_of(punch(body))
+    asked = scene(standing, hold(standing, ()), 1)
+    named = []
+    for clears in (True, False):
+        request = punch(body, *asked, clears=clears)
+        posed = standing_of(request)
+        named.append(report_of(posed, request, hold(posed, asked)).winners)
+    assert (named[0] == BLOCKED_BY_CLEARANCE).any()
+    assert not (named[1] == BLOCKED_BY_CLEARANCE).any()
+
+
+def test_smoothing_is_named_only_where_the_frame_solved_by_itself_misses_less() -> None:
+    for seed in range(3):
+        standing = standing_of(punch("child"))
+        request = replace(punch("child", *scene(standing, hold(standing, ()), seed)), eased=True)
+        eased, exact = (hold(standing, request.constraints, eased=eased) for eased in (True, False))
+        found = report_of(standing, request, eased).winners == BLOCKED_BY_SMOOTHING
+        assert (eased.residuals[found] > exact.residuals[found]).all()
+        plain = replace(request, eased=False)
+        assert not (report_of(standing, plain, exact).winners == BLOCKED_BY_SMOOTHING).any()
+
+
+def test_reach_is_named_only_where_a_body_that_is_free_of_all_else_misses_as_well() -> None:
+    """Feet that stand and limits of the spine may each suffice to keep a body off: neither is its reach."""
+    standing = standing_of(AdaptRequest(WALK, BODIES["tall_man"], STANDS))
+    free = Bound(by_contacts=False, by_limits=False)
+    for seed in range(4):
+        asked = scene(standing, hold(standing, ()), seed)
+        found = winners(standing, asked, {}, hold(standing, asked)) == BLOCKED_BY_REACH
+        for row, constraint in enumerate(asked):
+            alone = hold(standing, [constraint], bound=free).residuals[0]
+            missed = alone[found[row]]
+            assert np.count_nonzero(missed > MET_BY_UNIT[constraint.unit]) >= 0.9 * len(missed)
+
+
 def test_a_sample_stands_for_frames_around_it_in_which_the_same_is_active_and_missed() -> None:
     random = np.random.default_rng(0)
     active = np.repeat(random.uniform(size=(3, 20)) < 0.7, 13, axis=1)
     residuals = np.where(active, np.repeat(random.uniform(size=(3, 52)), 5, axis=1), np.nan)
     limits = np.full((3, 1), 0.5)
-    frames, stands_for = samples(residuals, limits, 8)
+    frames, stands_for = samples(np.concatenate([active, residuals > limits]), 8)
     assert (np.abs(frames[stands_for] - np.arange(260)) <= 8).all()
     assert (np.isfinite(residuals[:, frames[stands_for]]) == active).all()
     assert ((residuals > limits) == (residuals[:, frames[stands_for]] > limits)).all()

@@ -21,8 +21,9 @@ from studio.core.constraints.follow import FollowBody, FollowPerformer, FollowPr
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
-from studio.core.constraints.own_place import OwnPlace
+from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.position import PositionConstraint
+from studio.core.constraints.procedural import CirclePlace
 from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.normalize import normalize
@@ -83,11 +84,31 @@ def test_where_a_body_has_its_own_place_nothing_moves_and_an_offset_goes_by_its_
     same(solved(body, asked, frames=(20, 40)), solved(body, asked).frames(20, 40))
 
 
+@every_body
+def test_keys_and_rules_per_character_count_from_each_body_s_own_place(body: Morphology) -> None:
+    own, times = OwnPlace(RIGHT, 30 / RATE), (0.2, 0.7)
+    there = place_of(RIGHT, solved(body))[30]
+    values = ((0.0, 0.0, 0.0), (0.02, 0.03, 0.05))
+    keys = KeyedOwnPlace(times, values, origin=own)
+    shared = KeyedPlace(times, tuple(map(tuple, (there + body.leg_length * np.array(values)).tolist())))
+    same(
+        solved(body, ask(PositionConstraint, RIGHT, target=keys)),
+        solved(body, ask(PositionConstraint, RIGHT, target=shared)),
+    )
+    circle, (x, y, z) = CirclePlace(radius=0.05, centre=(0.0, 0.0, 0.1), origin=own), there.tolist()
+    same(
+        solved(body, ask(PositionConstraint, RIGHT, target=circle)),
+        solved(body, ask(PositionConstraint, RIGHT, target=CirclePlace(radius=0.05, centre=(x, y, z + 0.1)))),
+    )
+
+
 def test_a_performer_s_own_offset_is_its_alone() -> None:
     place = OwnPlace(RIGHT, 0.5, (0.0, 0.0, 0.1), (("tall", (0.0, 0.2, 0.0)),))
     asked = ask(PositionConstraint, RIGHT, target=place)
     assert concerning(asked, "tall", (), {}).target == OwnPlace(RIGHT, 0.5, (0.0, 0.2, 0.1))  # type: ignore[attr-defined]
     assert concerning(asked, "child", (), {}).target == OwnPlace(RIGHT, 0.5, (0.0, 0.0, 0.1))  # type: ignore[attr-defined]
+    keyed = ask(PositionConstraint, RIGHT, target=place.keyed(0.2))
+    assert concerning(keyed, "tall", (), {}).target.origin == OwnPlace(RIGHT, 0.5, (0.0, 0.2, 0.1))  # type: ignore[attr-defined]
     with pytest.raises(ValueError, match="two offsets"):
         OwnPlace(RIGHT, 0.5, own=(("tall", (0.0, 0.0, 0.0)), ("tall", (0.0, 0.0, 0.1))))
 

@@ -18,6 +18,7 @@ from studio.core.body.morphology import Morphology
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
+from studio.core.mesh.volume import BodyVolume, fitted_volume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.project import GROUND_ID
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -112,6 +113,23 @@ def test_every_visible_performer_gets_a_result(make_scene: Any) -> None:
     scene.raise_ground(0.1)
     assert scene.live.wait()
     assert before < scene.live.asked_at("performer 1") < time.monotonic()
+
+
+def test_volumes_of_bodies_are_measured_beside_the_window_as_a_project_opens(
+    make_scene: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    measured = list[threading.Thread]()
+
+    def noted(*skin: Any) -> BodyVolume:
+        measured.append(threading.current_thread())
+        return fitted_volume(*skin)
+
+    monkeypatch.setattr("studio.engine.wanted.fitted_volume", noted)
+    scene = make_scene(characters=2)
+    scene.document.new(make_project(characters=5, frames=FRAMES))
+    assert scene.live.wait()
+    assert len(measured) >= 5
+    assert threading.main_thread() not in measured
 
 
 def test_a_capture_is_normalised_once_for_all_performers_and_edits(make_scene: Any) -> None:

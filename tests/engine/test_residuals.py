@@ -10,7 +10,9 @@ from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint
+from studio.core.solver.performers.rows import composite_of
 from studio.core.solver.request import AdaptedMotion
+from studio.engine.live_adaptation import normalised
 from studio.engine.residuals import missed_by, worst_residual
 from studio.panels.constraint_editors.residuals import residuals_of, words_of
 from studio.viewport.problem import worst_problem
@@ -71,6 +73,23 @@ def test_an_answer_to_an_older_question_is_not_read():
     assert missed_by(project, "performer 0", answer(), "c") is None
     assert missed_by(project, "performer 0", None, "c") is None
     assert worst_residual(project, "performer 0", answer(), "c") is None
+
+
+def test_an_answer_to_a_row_of_other_clips_is_not_read_though_it_asks_as_much():
+    project = project_of(make_constraint(), frames=FRAMES)
+    performer = project.performers["performer 0"]
+    [clip] = performer.clips
+    motion = normalised(next(iter(project.captures.values())))[0]
+
+    def playing(*clips):
+        return project.with_entity("performers", "performer 0", replace(performer, clips=clips))
+
+    twice, after = playing(replace(clip, repeats=2)), playing(clip, replace(clip, start=5.0))
+    composite = composite_of(twice, "performer 0", lambda _: motion)
+    told = replace(answer(peaks(f10=0.04), peaks(f10=0.04)), composite=composite)
+    assert missed_by(twice, "performer 0", told, "c") is not None
+    assert missed_by(after, "performer 0", told, "c") is None
+    assert worst_problem(after, lambda _: told) is None
 
 
 def test_viewport_and_inspector_tell_the_same_number_and_frame():

@@ -333,7 +333,7 @@ def test_a_target_is_made_keyed_and_keys_are_typed_set_gone_to_and_deleted(studi
     place = numbers_of(inspector, "Target")
     choose(inspector, "Target is", "Keyed over time")
     assert current(document).target.times == pytest.approx([0.2])
-    assert current(document).target.values[0] == pytest.approx(place, abs=1e-3)
+    assert numbers_of(inspector, "Target") == pytest.approx(place, abs=1e-3)
     document.playhead.set_time(0.4)
     enter(inspector, "Target Z", "1.5")
     assert current(document).target.times == pytest.approx([0.2, 0.4])
@@ -364,9 +364,48 @@ def test_a_target_moves_by_a_rule_its_way_is_drawn_and_a_drag_moves_it(studio):
     assert current(document).target.reach == (0.25, 0.1, 0.1)
     enter(inspector, "Target Z", "1.5")
     assert field(inspector, "Target Z").value() == pytest.approx(1.5)
-    assert current(document).target.at([0.2])[0, 2] == pytest.approx(1.5)
     choose(inspector, "Target is", "Shared")
     assert len(current(document).target) == len(place)
+
+
+@pytest.mark.parametrize("begin", ["Per character", "Follow own body"])
+@pytest.mark.parametrize("words", ["Keyed over time", "Goes round a circle", "Wanders at random"])
+def test_what_is_each_body_s_own_stays_so_as_keys_and_rules_and_is_shared_when_asked(studio, begin, words):
+    viewport, document, inspector = studio
+    add(studio, "position")
+    choose(inspector, "Target is", begin)
+    if begin == "Follow own body":
+        choose(inspector, "Point followed", "Head")
+    before = targets_of_all(studio)
+    choose(inspector, "Target is", words)
+    if words == "Keyed over time":
+        assert targets_of_all(studio) == pytest.approx(before, abs=1e-3)
+    document.playhead.set_time(0.4)
+    settle(viewport)
+    before = targets_of_all(studio)
+    assert np.linalg.norm(before[1] - before[0]) > 0.01
+    enter(inspector, "Target Z", f"{field(inspector, 'Target Z').value() + 0.2:.2f}")
+    settle(viewport)
+    legs = [viewport.posed[key].motion.body.leg_length for key in ("performer 0", "performer 1")]
+    moved = targets_of_all(studio)[:, 2] - before[:, 2]
+    assert moved[1] == pytest.approx(moved[0] * legs[1] / legs[0], abs=0.002)
+    before = targets_of_all(studio)
+    press(inspector, "Counts per character")
+    settle(viewport)
+    assert targets_of_all(studio)[0] == pytest.approx(before[0], abs=1e-6)
+    assert np.ptp(targets_of_all(studio), axis=0) == pytest.approx(np.zeros(3), abs=1e-9)
+    press(inspector, "Counts per character")
+    settle(viewport)
+    assert targets_of_all(studio)[0] == pytest.approx(before[0], abs=1e-6)
+    assert np.linalg.norm(np.diff(targets_of_all(studio), axis=0)) > 0.01
+
+
+def targets_of_all(studio):
+    """(P, 3) metres of the motion: where each performer has the target now."""
+    viewport, document, _ = studio
+    settle(viewport)
+    moments = [TargetContext(document.project, viewport.posed, pose) for _, pose in sorted(viewport.posed.items())]
+    return np.array([moment.fixed(current(document)).target for moment in moments])
 
 
 def test_a_target_is_made_to_follow_each_kind_of_thing_from_the_form(studio):

@@ -3,12 +3,13 @@
 from dataclasses import replace
 
 import pytest
-from PySide6.QtCore import QEvent, Qt
+from PySide6.QtCore import QEvent, Qt, QTimer
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QPushButton
 
 from studio.document.document import Document
 from studio.engine.empty_stage import HIDDEN
+from studio.viewport.scene import StageScene
 from studio.viewport.widget import Viewport
 from tests.builders import make_project
 from tests.gui.viewport_use import LEFT, chip, settle
@@ -105,6 +106,42 @@ def test_a_viewport_opens_and_closes_many_times_and_leaves_document_and_engine_u
         QTest.qWait(5)
     assert document.playhead.frame == 4
     assert all(live.result(performer) is not None for performer in document.project.performers)
+
+
+def test_a_viewport_starts_vtk_then_draws_the_stage_then_the_bodies_each_in_a_turn_of_its_own(qtbot, monkeypatch):
+    turns, turn = [], [0]
+    beat = QTimer(interval=0)
+    beat.timeout.connect(lambda: turn.__setitem__(0, turn[0] + 1))
+    for owner, name in ((StageScene, "__init__"), (StageScene, "render"), (StageScene, "sync")):
+        real = getattr(owner, name)
+
+        def noted(*known, name=name, real=real, **named):
+            turns.append((name, turn[0]))
+            return real(*known, **named)
+
+        monkeypatch.setattr(owner, name, noted)
+    document = Document(make_project(characters=2))
+    viewport = Viewport(document, StandingLive(document))
+    beat.start()
+    with qtbot.waitSignal(viewport.started):
+        viewport.show()
+    beat.stop()
+    assert [name for name, _ in turns] == ["__init__", "render", "sync", "render"]
+    begun, stage, bodies, drawn = (when for _, when in turns)
+    assert begun < stage < bodies == drawn
+    viewport.close()
+    viewport.deleteLater()
+
+
+def test_a_picture_is_of_the_whole_stage_even_of_a_viewport_that_was_never_shown(qtbot):
+    document = Document(make_project(characters=1))
+    viewport = Viewport(document, StandingLive(document))
+    viewport.resize(300, 200)
+    image = viewport.grab_image()
+    assert viewport.posed
+    assert image.size() == viewport.size()
+    viewport.close()
+    viewport.deleteLater()
 
 
 def test_a_viewport_closed_before_it_has_started_stays_closed(qtbot):

@@ -8,7 +8,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
 from studio.core.stage.prop import Prop
-from studio.viewport.gizmo import GIZMO_AXES, RING_HANDLE
+from studio.viewport.gizmo import GIZMO_AXES
 from tests.gui.viewport_use import (
     LEFT,
     NONE,
@@ -148,8 +148,9 @@ def test_a_selected_body_is_turned_by_the_ring_about_where_it_stands(studio):
     viewport, document, _ = studio
     before = select_performer(viewport, document)
     root = viewport.posed["performer 1"].points[0]
-    begin, end = on_ring(viewport, 29), on_ring(viewport, 31)
-    assert viewport.gizmo().part_at(begin.x(), begin.y()) == RING_HANDLE
+    viewport.set_tool("rotate")
+    begin, end = on_ring(viewport, "z", 220), on_ring(viewport, "z", 235)
+    assert viewport.gizmo().part_at(begin.x(), begin.y()) == "z"
     drag(viewport, begin, end)
     settle(viewport)
     after = document.project.performers["performer 1"]
@@ -163,7 +164,8 @@ def test_a_selected_body_is_turned_by_the_ring_about_where_it_stands(studio):
 def test_esc_while_a_body_is_turned_turns_it_back(studio):
     viewport, document, _ = studio
     before = select_performer(viewport, document)
-    drag(viewport, on_ring(viewport, 29), on_ring(viewport, 33), release=False)
+    viewport.set_tool("rotate")
+    drag(viewport, on_ring(viewport, "z", 220), on_ring(viewport, "z", 250), release=False)
     assert document.project.performers["performer 1"] != before
     viewport.cancel_gesture()
     assert document.project.performers["performer 1"] == before

@@ -73,8 +73,12 @@ def select_performer(viewport, document):
     return document.project.performers["performer 1"]
 
 
-def on_ring(viewport, place):
-    return QPoint(*(round(float(number)) for number in viewport.gizmo().ring[place]))
+def on_ring(viewport, part, degrees):
+    """A pixel of a ring of the rotate tool, so many degrees round its axis."""
+    ring = viewport.gizmo().ring(part)
+    return QPoint(
+        *(round(float(number)) for number in ring[round(degrees / 360.0 * (len(ring) - 1)) % (len(ring) - 1)])
+    )
 
 
 def wrists(viewport):

@@ -9,6 +9,7 @@ from io import BytesIO
 from pathlib import Path
 from random import Random
 
+from studio.io.acclaim.skeleton import read_asf
 from studio.io.c3d.writer import write_c3d
 from studio.io.export import write_capture
 from studio.io.importing import GUESS_ALL
@@ -20,9 +21,11 @@ from studio.io.project.ground_file import read_ground
 from studio.io.project.project_file import read_project, write_project
 from studio.io.registry import format_of
 from tests.builders import make_capture, make_character, make_constraint, make_project
+from tests.io.acclaim_text import amc_text, asf_text, motion
 from tests.io.character_files import Gltf, vrml, x3d
 from tests.io.fbx_skin import skinned_fbx
 from tests.io.test_fuzz import bytes_changed, numbers_changed
+from tests.io.trc_text import trc_text
 from tests.io.trials import make_trial
 
 Write = Callable[[Path], object]
@@ -37,11 +40,20 @@ def _constraints(path: Path) -> None:
     path.write_text(json.dumps(record))
 
 
+def _acclaim(path: Path) -> None:
+    """A motion, and the skeleton that belongs to it beside it."""
+    path.with_suffix(".asf").write_text(asf_text())
+    path.write_text(amc_text(motion(6)))
+
+
 SEEDS: dict[str, Write] = {
     ".bvh": lambda path: write_capture(make_capture(frames=6), path),
     ".fbx": _text(skinned_fbx),
     ".s4d": lambda path: write_capture(make_capture(), path),
     ".c3d": lambda path: write_c3d(path, make_trial()),
+    ".trc": _text(lambda: trc_text(make_trial(("LASI", "RASI", "LKNE")))),
+    ".amc": _acclaim,
+    ".asf": _text(asf_text),
     ".glb": lambda path: path.write_bytes(Gltf().moving().glb()),
     ".gltf": lambda path: path.write_bytes(Gltf().moving().gltf()),
     ".vrm": lambda path: path.write_bytes(Gltf(vrm=1).glb()),
@@ -137,6 +149,8 @@ def read(path: Path) -> None:
             read_skin(path.read_bytes(), path.name)
         case ".obj" | ".stl" | ".ply":
             read_mesh(path)
+        case ".asf":
+            read_asf(path)
         case _:
             found = format_of(path, "capture_reader", "character_reader")
             for reader in ("read_capture", "read_character"):

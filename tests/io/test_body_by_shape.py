@@ -3,8 +3,10 @@
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from studio.core.body.kinematics import joint_positions
 from studio.core.errors import StudioError
 from studio.io.importing import ImportOptions, load_capture
 from studio.resources_folder import example_captures_folder
@@ -61,3 +63,64 @@ def test_limbs_that_the_user_names_are_believed_however_long_their_bones(tmp_pat
     assert found.body_map.to_json(found.skeleton) == names
     with pytest.raises(StudioError, match="must hang below each other"):
         load_capture(path, ImportOptions(body_map=names | {"left_shank": names["right_hand"]}))
+
+
+def _divided(text: str, bones: dict[str, str]) -> str:
+    """The file with a joint in the middle of each bone, from a joint to the one below it, that turns about nothing."""
+    head, motion = text.split("MOTION")
+    lines = motion.strip().splitlines()
+    order = list(JOINTS)
+    for upper, lower in bones.items():
+        block = re.search(rf"JOINT {lower}\s*\{{\s*OFFSET (.+)", head)
+        assert block is not None
+        half = " ".join(str(0.5 * float(number)) for number in block[1].split())
+        begin, end = block.start(), _closing(head, block.start())
+        inner = head[begin:end].replace(f"OFFSET {block[1]}", f"OFFSET {half}", 1)
+        middle = f"JOINT {upper}02 {{ OFFSET {half} CHANNELS 3 Zrotation Xrotation Yrotation\n"
+        head = f"{head[:begin]}{middle}{inner}}}\n{head[end:]}"
+        at = order.index(lower)
+        order.insert(at, f"{upper}02")
+        rows = [line.split() for line in lines[2:]]
+        lines[2:] = [" ".join([*row[: 3 + 3 * at], "0", "0", "0", *row[3 + 3 * at :]]) for row in rows]
+    return f"{head}MOTION\n" + "\n".join(lines) + "\n"
+
+
+def _closing(text: str, start: int) -> int:
+    depth = 0
+    for at in range(text.index("{", start), len(text)):
+        depth += {"{": 1, "}": -1}.get(text[at], 0)
+        if depth == 0:
+            return at + 1
+    raise AssertionError("a brace is open")
+
+
+BONES = {
+    f"{side}{upper}": f"{side}{lower}"
+    for side in ("Left", "Right")
+    for upper, lower in (("Arm", "ForeArm"), ("ForeArm", "Hand"), ("UpLeg", "Leg"), ("Leg", "Foot"))
+}
+
+
+@pytest.mark.parametrize("spelling", ["J{place}", "{name}_part{number}", "{name}.00{number}", "{name}{letter}"])
+def test_joints_that_only_divide_a_bone_are_no_elbows_and_knees(tmp_path: Path, spelling: str) -> None:
+    """By a number behind the name, or by the motion where names say nothing."""
+    plain = load_capture(example_captures_folder() / "walk_turn.bvh")
+    assert plain.body_map is not None
+    limbs = {*BONES, *(f"{upper}02" for upper in BONES)}
+    path = tmp_path / "walk.bvh"
+
+    def spelled(found: re.Match[str]) -> str:
+        name, number = found[2].removesuffix("02"), 2 if found[2].endswith("02") else 1
+        if "{name}" in spelling and found[2] not in limbs:
+            return found[0]
+        place = sum(map(ord, found[2]))
+        return f"{found[1]} {spelling.format(name=name, number=number, letter=' ab'[number], place=place)}"
+
+    path.write_text(re.sub(r"(ROOT|JOINT) (\S+)", spelled, _divided(WALK, BONES)))
+    found = load_capture(path)
+    assert found.body_map is not None
+    for part, joint in plain.body_map.parts.items():
+        if part in found.body_map.parts:
+            here = joint_positions(found.skeleton, found.poses)[:, found.body_map[part]]
+            there = joint_positions(plain.skeleton, plain.poses)[:, joint]
+            assert np.abs(here - there).max() < 1e-3, part

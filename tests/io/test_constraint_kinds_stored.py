@@ -90,6 +90,10 @@ TARGETS: tuple[Constraint, ...] = (
     BalanceConstraint("motion", "Path", HAND, *COMMON, place=KEYED, vertical=True),
     BalanceConstraint("motion", "Support", HAND, *COMMON, place=Support(0.01)),
     AreaConstraint("motion", "Tray", WRIST, *COMMON, centre=FollowProp("box"), heading=KeyedNumber((0.0,), (0.5,))),
+    PositionConstraint("motion", "Own keys", WRIST, *COMMON, target=OwnPlace(WRIST, 0.4, own=APART).keyed(0.5)),
+    PositionConstraint(
+        "motion", "Own circle", WRIST, *COMMON, target=CirclePlace(origin=OwnPlace(WRIST, 0.4, (0.0, 0.1, 0.2), APART))
+    ),
     PositionConstraint("motion", "Circle", WRIST, *COMMON, target=CirclePlace(centre=(0.1, 0.2, 0.3), tilt=0.5)),
     LookAtConstraint("motion", "Swing", EYES, *COMMON, target=PendulumPlace(length=0.7, since=0.3)),
     DistanceConstraint("motion", "Fly", WRIST, *COMMON, other=NoisePlace(reach=(0.1, 0.0, 0.2), seed=5), distance=0.4),
@@ -114,7 +118,10 @@ def test_a_target_in_a_constraint_file_is_written_as_in_a_project_and_misspelt_m
     path.write_text(json.dumps({"constraints": [record]}))
     assert read_constraints(path, "motion").constraints == (TARGETS[3],)
     for change, sentence in (
-        ({"kind": "follow_wind"}, "target: kind: one of keyed, circle, pendulum, noise, own_place, follow_body"),
+        (
+            {"kind": "follow_wind"},
+            "target: kind: one of keyed, keyed_own_place, circle, pendulum, noise, own_place, follow_body",
+        ),
         ({"performer": "x"}, "'target.performer' is not known here"),
         ({"point": {"part": "tail"}}, "target: point: part"),
     ):

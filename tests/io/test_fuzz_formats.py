@@ -16,6 +16,9 @@ MUTATIONS = 2000
 ELSEWHERE = {
     ".fbx": 12,
     ".c3d": 100,
+    ".trc": 300,
+    ".amc": 300,
+    ".asf": 300,
     ".gltf": 100,
     ".vrm": 100,
     ".vrma": 100,

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QCheckBox, QComboBox, QPushButton
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowProp
-from studio.core.constraints.keyed import KeyedNumber, KeyedPlace
+from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.constraints.procedural import PendulumPlace
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.solver.performers.stage import asked_of
@@ -18,10 +18,12 @@ from studio.document.document import Document
 from studio.document.obstacles import obstacles_of
 from studio.engine.performance import posed_performers
 from studio.engine.props import moved_prop, prop_at, turned_prop
+from studio.io.project.entity_json import entity_record
 from studio.io.project.project_file import new_document_id, read_project, write_project
 from studio.panels.fields import NumberField
 from studio.panels.inspector import Inspector
 from studio.viewport.prop_figures import unit_mesh
+from studio.viewport.rotate_gizmo import rotation_about
 from tests.builders import make_constraint, make_project
 from tests.viewport.standing import StandingLive
 
@@ -128,16 +130,54 @@ def test_dragging_a_prop_that_is_held_moves_it_in_the_hand(document, form, live)
         assert at(document, live, 0.2).place == pytest.approx(pose.place + WAY)
 
 
-def test_turning_a_prop_turns_it_about_z_wherever_it_is(document, live):
-    for changes in ({}, {"held": InHand(SECOND, BodyPoint(BodyPart.RIGHT_HAND), (0.1, 0.2, 0.3, 0.9))}):
-        document.replace("props", "box", replace(document.project.props["box"], **changes), "")
-        pose = at(document, live, 0.2)
-        document.replace("props", "box", turned_prop(pose, 0.5), "")
-        turned = at(document, live, 0.2)
-        turn = turned.axes @ pose.axes.T
-        assert turned.place == pytest.approx(pose.place)
-        assert turn[2] == pytest.approx([0.0, 0.0, 1.0], abs=1e-9)
-        assert np.arctan2(turn[1, 0], turn[0, 0]) == pytest.approx(0.5)
+PLACES = {
+    "lying": {},
+    "tilted": {"tilt": (0.1, 0.2, 0.3, 0.9)},
+    "keyed heading": {"heading": KeyedNumber((0.0, 1.0), (0.2, 7.0))},
+    "keyed tilt": {"tilt": KeyedTurn((0.0, 1.0), ((0.0, 0.0, 0.0, 1.0), (0.4, 0.1, 0.2, 0.8)))},
+    "in a hand": {"held": InHand(SECOND, BodyPoint(BodyPart.RIGHT_HAND), (0.1, 0.2, 0.3, 0.9))},
+    "carried": {"held": Carried(SECOND, heading=0.3, tilt=(0.2, 0.0, 0.1, 0.9))},
+}
+
+
+@pytest.mark.parametrize("where", PLACES)
+@pytest.mark.parametrize("axis", [(0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.48, -0.6, 0.64)])
+def test_a_prop_turns_about_any_axis_through_its_centre_wherever_it_is(document, live, where, axis, tmp_path):
+    document.replace("props", "box", replace(document.project.props["box"], **PLACES[where]), "")
+    pose = at(document, live, 0.2)
+    rotation = rotation_about(np.array(axis), 0.5)
+    document.replace("props", "box", turned_prop(pose, rotation), "")
+    turned = at(document, live, 0.2)
+    assert turned.place == pytest.approx(pose.place)
+    assert turned.axes == pytest.approx(rotation @ pose.axes, abs=1e-9)
+    write_project(tmp_path / "turned.studio", document.project, new_document_id())
+    assert read_project(tmp_path / "turned.studio").project.props == document.project.props
+
+
+def test_a_keyed_heading_that_is_turned_keeps_its_whole_turns(document, live):
+    keyed = KeyedNumber((0.0, 1.0), (0.0, 4.0 * np.pi))
+    document.replace("props", "box", replace(document.project.props["box"], heading=keyed), "")
+    turned = turned_prop(at(document, live, 1.0), rotation_about(np.array([0.0, 0.0, 1.0]), 0.5))
+    assert turned.heading.values == pytest.approx((0.0, 4.0 * np.pi + 0.5))
+
+
+def test_a_tilted_prop_is_stored_with_a_schema_of_its_own_and_a_level_one_as_before():
+    level, tilted = Prop("Box"), Prop("Box", tilt=(0.1, 0.0, 0.0, 0.9))
+    records = [entity_record("props", "box", prop, {}) for prop in (level, tilted, replace(level, held=Carried("one")))]
+    assert [record["schema"] for record in records] == [2, 5, 2]
+    assert "tilt" not in records[0]
+    assert "tilt" not in records[2]["held"]
+
+
+def test_a_prop_that_is_let_go_of_stays_as_it_was_in_the_hand(document, live, form):
+    held = InHand(SECOND, BodyPoint(BodyPart.RIGHT_HAND), (0.1, 0.2, 0.3, 0.9))
+    document.replace("props", "box", replace(document.project.props["box"], held=held), "")
+    before = at(document, live, document.playhead.time)
+    choose(form, "Where", "Stays where it is")
+    after = at(document, live, document.playhead.time)
+    assert document.project.props["box"].held is None
+    assert after.place == pytest.approx(before.place)
+    assert after.axes == pytest.approx(before.axes, abs=1e-9)
 
 
 def test_a_target_is_given_a_place_on_the_prop_that_goes_with_its_size(document, live, qtbot):

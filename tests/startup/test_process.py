@@ -62,6 +62,13 @@ def test_a_temporary_cache_that_others_may_write_to_is_not_used(tmp_path, monkey
     assert not any((tmp_path / "elsewhere").glob("*"))
 
 
+def test_where_users_have_no_number_the_temporary_cache_is_of_this_process_alone(monkeypatch) -> None:
+    monkeypatch.delattr(process.os, "getuid")
+    first, second = process.temporary_kernel_cache("kernels"), process.temporary_kernel_cache("kernels")
+    assert first.is_dir()
+    assert first != second
+
+
 def test_a_folder_made_for_one_process_is_gone_with_it(tmp_path):
     (tmp_path / f"morpho-studio-kernels-{os.getuid()}").write_text("a file where a folder should be")
     script = (

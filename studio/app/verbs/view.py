@@ -93,9 +93,29 @@ def move_tool(bench: Workbench) -> None:
     _take_tool(bench, "move")
 
 
+def rotate_tool(bench: Workbench) -> None:
+    """Rotate targets, areas, props and bodies by the gizmo."""
+    _take_tool(bench, "rotate")
+
+
+def scale_tool(bench: Workbench) -> None:
+    """Resize areas and props by the gizmo."""
+    _take_tool(bench, "scale")
+
+
+def next_gizmo_axes(bench: Workbench) -> None:
+    """Move and rotate along the axes of the next space."""
+    bench.viewport.next_gizmo_space()
+
+
 def palette(bench: Workbench) -> None:
     """Find an action by its name."""
     bench.window.palette_panel.open()
+
+
+def console(bench: Workbench) -> None:
+    """The Python console on the open project."""
+    bench.window.show_console()
 
 
 def shortcuts(bench: Workbench) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyPart
-from studio.core.body.humanoid import BodyMap
+from studio.core.body.humanoid import LIMB_PARTS, BodyMap
 from studio.core.body.skeleton import Skeleton
 from studio.core.rotations import normalized
 
@@ -18,6 +18,10 @@ _ALIKE = 0.2
 _SEEN_BEND = 0.1
 """Sum of the mean sines by which two knees bend, from which their direction is known."""
 _MOST_LEAVES = 120
+_STRAIGHT, _PARTS = np.radians(3.0), 2.0
+"""Bend of a joint that divides a bone, and the ratio of the parts, at most."""
+_LEAST_BENT = 3
+"""Joints of a limb that bend, as its root, its middle and its end do, where others may only divide it."""
 _Pair = tuple[list[int], list[int]]
 
 
@@ -49,6 +53,51 @@ def body_by_shape(skeleton: Skeleton, points: FloatArray, sides: IntArray | None
         if shoulder:
             parts[BodyPart[f"{side}_CLAVICLE"]] = arm[0]
     return _with_trunk(skeleton, points, parts)
+
+
+def moving_body_by_shape(skeleton: Skeleton, rest: FloatArray, points: FloatArray, sides: IntArray) -> BodyMap | None:
+    """The body by its shape at rest (J, 3), Z up, and by its motion ``points`` (F, J, 3) in any axes.
+
+    The motion tells joints that only divide a bone, and, where names say no side, the left knee. None where it is no
+    human's, or a limb ends before its hand or foot.
+    """
+    kept = np.flatnonzero(~_dividing(skeleton, points))
+    place = {int(joint): new for new, joint in enumerate(kept)}
+    above = skeleton.parents.tolist()
+    while any(parent >= 0 and parent not in place for parent in above):
+        above = [parent if parent < 0 or parent in place else above[parent] for parent in above]
+    parents = np.array([place.get(above[joint], -1) for joint in kept.tolist()])
+    names = tuple(skeleton.names[joint] for joint in kept.tolist())
+    undivided = Skeleton(names, parents, skeleton.offsets[kept], skeleton.end_sites[kept])
+    found = body_by_shape(undivided, rest[kept], sides[kept])
+    if found is None:
+        return None
+    if not sides.any() and knees_bend_backwards(found, points[:, kept]):
+        found = found.with_sides_exchanged()
+    parts = {part: int(kept[joint]) for part, joint in found.parts.items()}
+    parts = {part: joint for part, joint in parts.items() if not skeleton.end_sites[joint]}
+    if any(part not in parts for limb in LIMB_PARTS.values() for part in limb):
+        return None
+    return BodyMap(parts, skeleton.path(parts[BodyPart.PELVIS], int(kept[found.spine[-1]])))
+
+
+def _dividing(skeleton: Skeleton, points: FloatArray) -> NDArray[np.bool_]:
+    """(J,) true for joints inside the bones of limbs: these stay straight there while others of the limb bend."""
+    dividing = np.zeros(skeleton.joint_count, dtype=bool)
+    for leaf in range(skeleton.joint_count):
+        chain = [leaf]
+        while (parent := int(skeleton.parents[chain[0]])) >= 0 and len(skeleton.children[parent]) == 1:
+            chain.insert(0, parent)
+        if skeleton.children[leaf] or parent < 0 or len(chain) < 3:
+            continue
+        bones = np.diff(points[:, [parent, *chain]], axis=1)
+        lengths = np.linalg.norm(bones, axis=2).mean(axis=0)
+        along = np.einsum("fbi,fbi->fb", normalized(bones[:, :-1]), normalized(bones[:, 1:]))
+        alike = np.maximum(lengths[:-1], lengths[1:]) < _PARTS * np.minimum(lengths[:-1], lengths[1:])
+        straight = along.min(axis=0) > np.cos(_STRAIGHT)
+        if np.count_nonzero(~straight) >= _LEAST_BENT:
+            dividing[np.array(chain[:-2], dtype=int)] = (straight & alike)[:-1]
+    return dividing
 
 
 def _mirrored_chains(skeleton: Skeleton, points: FloatArray) -> list[_Pair]:

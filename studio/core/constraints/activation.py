@@ -21,8 +21,6 @@ class EaseShape(StrEnum):
 
 EASE_PEAK = 1.875
 """Highest slope of a quintic ease."""
-FULL_ACTIVATION = 1.0 - 1e-9
-"""Activation from which on a constraint counts as fully active."""
 
 
 def ease(progress: ArrayLike, shape: EaseShape) -> NDArray[np.float64]:

@@ -15,7 +15,7 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.clear import Arms
 from studio.core.constraints.follow import FOLLOWS, FollowBody, FollowPerformer, FollowProp
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys, Quaternion
-from studio.core.constraints.own_place import OwnPlace
+from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.procedural import CirclePlace, NoisePlace, PendulumPlace
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.rotations import multiply
@@ -138,6 +138,10 @@ def _value(name: str, value: Any, constraint: Constraint, carry: Carry) -> Any:
         case KeyedPlace():
             places = value.with_rates(lambda rate: carry.ways(rate) * carry.speed)
             return replace(places, times=_keys(value, carry), values=_tuples(carry.places(value.values)))
+        case KeyedOwnPlace():
+            offsets = value.with_rates(lambda rate: carry.ways(rate) * carry.speed)
+            origin = _own_place(value.origin, carry)
+            return replace(offsets, times=_keys(value, carry), values=_tuples(carry.ways(value.values)), origin=origin)
         case KeyedTurn():
             quaternions = carry.turns(value.values, constraint.point.part)
             turned = value.with_rates(lambda rate: carry.own_rates(rate, constraint.point.part) * carry.speed)
@@ -150,22 +154,18 @@ def _value(name: str, value: Any, constraint: Constraint, carry: Carry) -> Any:
             return replace(scalars, times=_keys(value, carry), values=numbers)
         case CirclePlace() | PendulumPlace() | NoisePlace():
             (x, y, z), seen = carry.places(value.centre).tolist(), value.mirrored() if carry.mirrored else value
+            if value.origin is not None:
+                x, y, z = carry.ways(value.centre).tolist()
             return replace(
                 seen,
                 centre=(x, y, z),
                 heading=seen.heading + carry.turn,
                 seconds=value.seconds / carry.speed,
                 since=float(carry.times(value.since)),
+                origin=_own_place(value.origin, carry) if value.origin is not None else None,
             )
         case OwnPlace():
-            (x, y, z), own = carry.ways(value.offset).tolist(), value.own
-            return replace(
-                value,
-                point=carry.point(value.point),
-                time=float(carry.times(value.time)),
-                offset=(x, y, z),
-                own=tuple((key, tuple(carry.ways(each).tolist())) for key, each in own),
-            )
+            return _own_place(value, carry)
         case BodyPoint():
             return carry.point(value)
         case FollowBody():
@@ -175,6 +175,17 @@ def _value(name: str, value: Any, constraint: Constraint, carry: Carry) -> Any:
         case TriangleMesh() if carry.mirrored:
             return TriangleMesh(value.vertices * [1.0, -1.0, 1.0], value.triangles[:, ::-1])
     return _plain(name, value, constraint, carry)
+
+
+def _own_place(place: OwnPlace, carry: Carry) -> OwnPlace:
+    x, y, z = carry.ways(place.offset).tolist()
+    return replace(
+        place,
+        point=carry.point(place.point),
+        time=float(carry.times(place.time)),
+        offset=(x, y, z),
+        own=tuple((key, tuple(carry.ways(each).tolist())) for key, each in place.own),
+    )
 
 
 def _plain(name: str, value: Any, constraint: Constraint, carry: Carry) -> Any:

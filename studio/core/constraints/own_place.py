@@ -1,10 +1,11 @@
-"""Per-character position: a point of the grounded body itself at one time, before any constraint."""
+"""Per-character positions: a point of the grounded body at one time, before any constraint; and keys from there."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import ClassVar, Self
 
 from studio.core.constraints.base import BodyPoint, Vector, finite_vector
+from studio.core.constraints.keyed import Line
 from studio.core.plausible import TIME_RANGE
 
 
@@ -48,6 +49,31 @@ class OwnPlace:
         if own is None:
             return replace(self, offset=_sum(self.offset, further))
         return self.with_own(performer_id, _sum(own, further))
+
+    def keyed(self, seconds: float) -> "KeyedOwnPlace":
+        """Key at ``seconds`` that leaves every body its own position."""
+        return KeyedOwnPlace((seconds,), ((0.0, 0.0, 0.0),), origin=self)
+
+
+@dataclass(frozen=True)
+class KeyedOwnPlace(Line):
+    """Keyed offsets (x, y, z) from each body's own ``origin``, in leg lengths of the body."""
+
+    kind: ClassVar[str] = "keyed_own_place"
+    size: ClassVar[int] = 3
+    times: tuple[float, ...]
+    values: tuple[Vector, ...]
+    origin: OwnPlace = field(kw_only=True)
+
+    def own_at(self, seconds: float) -> OwnPlace:
+        """Per-character position that the keys have at ``seconds``."""
+        return replace(self.origin, offset=_sum(self.origin.offset, self.value_at(seconds)))
+
+    def moved_at(self, seconds: float, performer_id: str, further: Vector) -> Self:
+        """``further`` on, in leg lengths: by a key at ``seconds``, or by the own offset of a performer that has one."""
+        if performer_id in dict(self.origin.own):
+            return replace(self, origin=self.origin.moved(performer_id, further))
+        return self.with_key(seconds, _sum(self.value_at(seconds), further))
 
 
 def _sum(first: Vector, second: Vector) -> Vector:

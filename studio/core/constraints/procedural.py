@@ -2,7 +2,7 @@
 
 import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import ClassVar, Self
 
@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from studio.core.constraints.base import Vector, finite_vector
+from studio.core.constraints.own_place import OwnPlace
+from studio.core.constraints.tangents import SPARSE
 from studio.core.plausible import PLACE_RANGE, ROUND, TIME_RANGE, TURN_RANGE
 
 FloatArray = NDArray[np.float64]
@@ -24,7 +26,8 @@ SLOWEST_WAVE = 0.3
 class RuledPlace(ABC):
     """Common part of all: a ``centre`` in metres, one round in ``seconds``, begun at ``since`` seconds.
 
-    ``heading`` turns the whole way about Z, in radians.
+    ``heading`` turns the whole way about Z, in radians. Where there is an ``origin``, the centre counts from it: every
+    body moves about its own position.
     """
 
     kind: ClassVar[str]
@@ -34,6 +37,7 @@ class RuledPlace(ABC):
     heading: float = 0.0
     seconds: float = 2.0
     since: float = 0.0
+    origin: OwnPlace | None = field(default=None, metadata=SPARSE)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "centre", finite_vector(self.centre, "The centre of a place that moves"))

@@ -1,12 +1,14 @@
 """Where a target may be: fixed (plain numbers), keyed, moving by a rule, each body's own, or following what moves."""
 
+from dataclasses import replace
+
 from studio.core.constraints.base import Constraint, Vector, finite_vector
 from studio.core.constraints.follow import FOLLOWS, Follow, FollowBody
 from studio.core.constraints.keyed import KeyedPlace, KeyedTurn, Keys, Quaternion, unit_quaternion
-from studio.core.constraints.own_place import OwnPlace
+from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.procedural import ProceduralPlace
 
-Place = Vector | KeyedPlace | ProceduralPlace | OwnPlace | Follow
+Place = Vector | KeyedPlace | KeyedOwnPlace | ProceduralPlace | OwnPlace | Follow
 """Position in the motion's space, in metres (before a performer's placement)."""
 Turn = Quaternion | KeyedTurn | Follow
 """Rotation in the motion's space."""
@@ -14,7 +16,7 @@ Turn = Quaternion | KeyedTurn | Follow
 
 def checked_place(place: object, constraint: Constraint, what: str) -> Place:
     """``place`` as a value that cannot be wrong; ValueError naming the constraint and ``what`` otherwise."""
-    if isinstance(place, KeyedPlace | ProceduralPlace | OwnPlace | Follow):
+    if isinstance(place, KeyedPlace | KeyedOwnPlace | ProceduralPlace | OwnPlace | Follow):
         if isinstance(place, FollowBody) and place.point == constraint.point:
             raise ValueError(f"'{constraint.name}': a point cannot follow itself. Choose another one to follow.")
         return place
@@ -39,8 +41,20 @@ def follows_of(constraint: Constraint) -> list[Follow]:
 
 
 def own_places_of(constraint: Constraint) -> list[OwnPlace]:
-    """All per-character positions of a constraint."""
-    return [value for value in vars(constraint).values() if isinstance(value, OwnPlace)]
+    """All per-character positions of a constraint, origins of keys and rules among them."""
+    return [own for value in vars(constraint).values() if (own := own_place_of(value)) is not None]
+
+
+def own_place_of(target: object) -> OwnPlace | None:
+    """Per-character position that a target is, or counts from; None where it is one position for all."""
+    if isinstance(target, OwnPlace):
+        return target
+    return target.origin if isinstance(target, KeyedOwnPlace | ProceduralPlace) else None
+
+
+def with_own_place(target: Place, own: OwnPlace) -> Place:
+    """A per-character ``target`` that is, or counts from, another position."""
+    return replace(target, origin=own) if isinstance(target, KeyedOwnPlace | ProceduralPlace) else own
 
 
 def key_times(constraint: Constraint) -> tuple[float, ...]:

@@ -1,6 +1,7 @@
 """Words by which marker sets name places on a body: anatomical Latin, English, French, initials, joint centres."""
 
 import re
+from functools import lru_cache
 
 from studio.core.markers.roles import SIDE_WORDS
 
@@ -12,11 +13,11 @@ _SEGMENT_WORD = r".?4x4"
 PART_WORDS: tuple[tuple[str, str], ...] = (
     (
         "back_hip",
-        r"psis?|bwt|ips|eips|eps|(waist|hip).?back|back.?(waist|hip)|post(erior)?.?(sup(erior)?.?)?iliac.*",
+        r"psi?s?|bwt|ips|eips|eps|(waist|hip).?back|back.?(waist|hip)|post(erior)?.?(sup(erior)?.?)?iliac.*",
     ),
     (
         "front_hip",
-        r"asis?|fwt|ias|eias|eas|(waist|hip).?front|front.?(waist|hip)|ant(erior)?.?(sup(erior)?.?)?iliac.*",
+        r"asi?s?|fwt|ias|eias|eas|(waist|hip).?front|front.?(waist|hip)|ant(erior)?.?(sup(erior)?.?)?iliac.*",
     ),
     ("sacrum", r"v?\.?sacr?(um|al)?|s1"),
     ("pelvis", r"pv\d*|pelv(is)?\d*|waist\d*"),
@@ -30,36 +31,45 @@ PART_WORDS: tuple[tuple[str, str], ...] = (
         "inner_knee",
         rf"fme|mfe|mek|cm|mfc|knm|kne.?m|mknee?|(knee?|k).?{_INNER}|{_INNER}.?(knee?|fem.*)|knee.?med.?epi.*",
     ),
-    ("knee", rf"knee?|fle|lfe|lek|lke|cl|lfc|lk|(knee?|k).?{_OUTER}|{_OUTER}.?(knee?|fem.*)|knee.?lat.?epi.*"),
-    ("inner_ankle", rf"tam|mank(le)?|mm(al)?|med|(ankl?e?|an|a).?{_INNER}|{_INNER}.?(ankle?|mal(l(eolus)?)?)"),
+    ("knee", rf"knee?|fle|lfe|lek|lke|cl|lfc|lk|genou|(knee?|k).?{_OUTER}|{_OUTER}.?(knee?|fem.*)|knee.?lat.?epi.*"),
+    ("inner_ankle", rf"tam|mank(le)?|mma?l?|med|(ankl?e?|an|a).?{_INNER}|{_INNER}.?(ankle?|mal(l(eolus)?)?)"),
     (
         "ankle",
-        rf"ankl?e?|fal|lm(al)?|ml|mall?(eolus)?|(ankl?e?|an|a).?{_OUTER}|{_OUTER}.?(ankle?|mal(l(eolus)?)?)",
+        rf"ankl?e?|fal|lma?l?|ml|mall?(eolus)?|cheville|(ankl?e?|an|a).?{_OUTER}|{_OUTER}.?(ankle?|mal(l(eolus)?)?)",
     ),
-    ("heel", r"hee?l?|heel.?(back|foot)|cal(c(aneus)?)?|fcc|ca|h"),
+    ("heel", r"hee?l?|[pd]he|heel.?(back|foot)|cal(c(aneus|aneum)?)?|fcc|ca|h|talon"),
     (
         "inner_toe",
-        r"f?mth?1|fm1|mh1|mtp1|[1i](st)?.?(met|mt|mh|mtp)|fmh|d1m|fm|(toe|forefoot|foot|ft).?(in|m|med)|first.?met.*",
+        r"f?mth?1|fm1|mh1|mtp1|[1i](st)?.?(met|mt|mh|mtp)|1st|fmh|d1m|fm|(toe|forefoot|foot|ft).?(in|m|med)|first.?met.*",
     ),
     (
         "outer_toe",
-        r"f?mth?5|fm5|mh5|mtp5|5(th)?.?(met|mt|mh|mtp|meta)|vmh|d5m|fl|(toe|forefoot|foot|ft).?(out|l|lat)|fifth.?met.*",
+        r"f?mth?5|fm5|mh5|mtp5|5(th)?.?(met|mt|mh|mtp|meta)|5th|vmh?|d5m|fl|(toe|forefoot|foot|ft).?(out|l|lat)|fifth.?met.*",
     ),
     ("met", r"met\d*|mt"),
     (
         "toe",
-        r"toe|toe.?tip|to|toes|big.?toe|hal(lux)?|hlx|f?mth?[23]|fm[23]|mh[23]|[23](nd|rd)?.?(met|mt|mh|mtp)|smh|foo\d*|second.?met.*",
+        r"toe|toe.?(tip|base)|foot.?index|to|toes|big.?toe|hal(lux)?|hlx|f?mth?[23]|fm[23]|mh[23]|[23](nd|rd)?.?(met|mt|mh|mtp)|2nd|smh?|"
+        r"foo\d*|fore.?foot|ball|second.?met.*|orteil",
     ),
     ("foot", r"ft\d*|foot\d*"),
     ("thigh", r"bar.?1|thi(gh)?\d*|th\d*|femur\d*|uleg\d*|tha[pd]|thia[pd]"),
-    ("shank", r"bar.?2|sha(nk)?\d*|shi?n\d*|tib(ia)?\d*|ttc|fax|sk\d*|lleg\d*|tia[pd]|tiba[pd]"),
-    ("hip", r"hip|gt(ro?)?|ftc|troch(anter)?|greater.?troch.*|gr.?troch.*|tro"),
-    ("shoulder", r"sho(ulder)?|should|saj|acr(omion)?|ac|acrom|shoulder.?top|sho.?top"),
-    ("inner_elbow", rf"elb(ow)?.?{_INNER}|hme|mhe|mee|elm|em|el.?m|melb(ow)?|{_INNER}.?(elb(ow)?|epi.*)"),
-    ("elbow", rf"elb(ow)?|hle|lhe|lee|ell|el|cou(de)?|elb(ow)?.?{_OUTER}|lelb(ow)?|{_OUTER}.?(elb(ow)?|epi.*)"),
-    ("wrist", rf"wra|wrist?.?(a|thumb|rad(ius)?|{_INNER})|rsp|rhe|rad(ial)?(.?sty(loid)?)?|lw|wr[ru]?|wm"),
-    ("outer_wrist", rf"wrb|wrist?.?(b|uln(a)?|{_OUTER})|usp|uhe|uln(ar?)?(.?sty(loid)?)?|mw|wl"),
-    ("wrists", r"wri(st)?\d*|mai"),
+    ("shank", r"bar.?2|sha(nk)?\d*|shi?n\d*|ti?b(ia)?\d*|ttc|fax|sk\d*|lleg\d*|tia[pd]|tiba[pd]"),
+    ("hip", r"hip|gt(ro?)?|ftc|troch(anter)?|greater.?troch.*|gr.?troch.*|tro|hanche"),
+    ("shoulder", r"sho(ulder)?|should|[cs]aj|acr(omi\w*)?|ac|acrom|shoulder.?top|sho.?top|[eé]paule"),
+    ("inner_elbow", rf"elb(ow)?.?{_INNER}|hme|mhe|mee|mel|elm|em|el.?m|melb(ow)?|{_INNER}.?(elb(ow)?|epi.*)"),
+    ("elbow", rf"elb(ow)?|hle|lhe|lee|lel|ell|el|cou(de)?|elb(ow)?.?{_OUTER}|lelb(ow)?|{_OUTER}.?(elb(ow)?|epi.*)"),
+    (
+        "wrist",
+        r"wra|wrist?.?(a|thumb|rad(ius)?|m|in|inner|int|la?t|lateral)|rsp?|rhe|(fa.?)?rad(ius|ial)?(.?sty(loid)?)?|"
+        r"(l|la?t|lateral).?w(rist)?|wrr?|wm",
+    ),
+    (
+        "outer_wrist",
+        r"wrb|wrist?.?(b|uln(a)?|l|out|outer|ext|me?d|medial)|usp?|uhe|(fa.?)?uln(ar?)?(.?sty(loid)?)?|"
+        r"(m|me?d|medial).?w(rist)?|wr?u|wl",
+    ),
+    ("wrists", r"wri(st)?\d*|mai|poignet"),
     ("hand", r"fin(ger)?|hmc?[235]|mc[235]|hand\d*|knu(ckle)?|hand.?(in|out)"),
     ("upper_arm", r"upa|uarm\d*|upper.?arm\d*|arm\d*|uarm.?high"),
     ("forearm", r"fra|frm|farm\d*|fore.?arm\d*"),
@@ -70,18 +80,45 @@ PART_WORDS: tuple[tuple[str, str], ...] = (
 MIDDLE_WORDS: tuple[tuple[str, str], ...] = (
     ("neck_back", r"cv?7|spine.?top|neck|back.?top"),
     ("back", r"tv?h?(8|9|10|12)|spine.?(mid|thoracic\d*)"),
-    ("collar", r"clav(icle)?|ij|sjn|cl|notch|jug(ular)?|collar|ster|incis.*"),
-    ("breastbone", r"strn|stern(um)?|px|sxs|xip(h|hoid)?|chest|xpro|xyph"),
+    (
+        "collar",
+        r"clav(icle)?|ij|sjn|cl|(jug(ular)?|supra.?sternal)?.?notch|ssn|manub?(rium)?|jug(ular)?|collar|ster|incis.*",
+    ),
+    ("breastbone", r"strn|stern(um)?|px|sxs|x[iy]ph?(oid)?(.?proc\w*)?|chest|xpro|xyph"),
     ("sacrum", r"v?\.?sacr?(um|al)?|s1"),
 )
 """The same for labels of the body's middle, which name no side."""
+INITIALS: tuple[tuple[str, str], ...] = (
+    ("knee", r"le|k"),
+    ("inner_knee", r"me"),
+    ("ankle", r"a"),
+    ("elbow", r"e|le"),
+    ("inner_elbow", r"me"),
+    ("shoulder", r"a|s"),
+    ("outer_wrist", r"u"),
+    ("wrist", r"r|w"),
+    ("toe", r"t"),
+)
+"""The same for letters that sets use differently: each stands for the first part that no other label names."""
+_FRENCH = (("left", "gauche"), ("right", "droite"), ("right", "droit"), ("left", "g"), ("right", "d"))
+_SHORTEST_FRENCH = 4
+"""Letters of a word beside which G and D name a side."""
 _NUMBERED = re.compile(r"[_ ]\d+$")
 _TOKENS = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+")
 
 
+@lru_cache(maxsize=4096)
 def part_of(label: str) -> tuple[str, str] | None:
     """(side, part) that a label says, side empty in the middle; None where it says nothing known."""
     return _said(label) or _said(_NUMBERED.sub("", label))
+
+
+def initials_of(label: str) -> tuple[str, list[str]]:
+    """Side, and the parts for which the letters of a label may stand, the likeliest first."""
+    for side, rest in _sides_at_the_ends(label.lower()):
+        if parts := [part for part, words in INITIALS if re.fullmatch(words, rest)]:
+            return side, parts
+    return "", []
 
 
 def _said(label: str) -> tuple[str, str] | None:
@@ -102,7 +139,10 @@ def _sides_at_the_ends(plain: str) -> list[tuple[str, str]]:
     names += [(side, f"{side[0]}t") for side in SIDE_WORDS]
     found = [(side, plain[len(name) :]) for side, name in names if plain.startswith(name)]
     found += [(side, plain[: -len(name)]) for side, name in names if plain.endswith(name)]
-    return [(side, rest.strip(" ._-")) for side, rest in found]
+    stripped = [(side, rest.strip(" ._-")) for side, rest in found]
+    french = [(side, plain[len(name) :].strip(" ._-")) for side, name in _FRENCH if plain.startswith(name)]
+    french += [(side, plain[: -len(name)].strip(" ._-")) for side, name in _FRENCH if plain.endswith(name)]
+    return stripped + [(side, rest) for side, rest in french if len(rest) >= _SHORTEST_FRENCH]
 
 
 def _side_within(label: str) -> list[tuple[str, str]]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.markers.label_words import part_of
+from studio.core.markers.label_words import initials_of, part_of
 from studio.core.markers.marker_map import MarkerMap, seen_labels
 from studio.core.markers.roles import ROLE, SIDE_WORDS
 from studio.core.markers.subjects import shared_beginning
@@ -83,10 +83,18 @@ def _by_words(trial: Trial, subject: str) -> _Found:
     frames = np.union1d(spread, seen.argmax(axis=0))
     beginning = shared_beginning(list(labels.values()))
     found: _Found = {}
+    open_markers: dict[str, _Marker] = {}
     for place, bare in enumerate(labels.values()):
-        said = part_of(bare.removeprefix(beginning))
+        own, marker = bare.removeprefix(beginning), _Marker(bare, trial.metres * points[frames, place])
+        said = part_of(own)
         if said is not None:
-            found.setdefault(said, []).append(_Marker(bare, trial.metres * points[frames, place]))
+            found.setdefault(said, []).append(marker)
+        else:
+            open_markers[own] = marker
+    for own, marker in open_markers.items():
+        side, parts = initials_of(own)
+        if part := next((each for each in parts if (side, each) not in found), None):
+            found[side, part] = [marker]
     return found
 
 

@@ -1,29 +1,47 @@
 """Subjects of a trial by the labels of its points: ``Ann_LASI`` and ``Ben_LASI`` are one marker of two people."""
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
-_SPLIT = re.compile(r"[_.\- ]+")
+from studio.core.markers.label_words import part_of
+
+_SIGN = re.compile(r"[\W_]+")
 _FEWEST = 4
 """Pairs of left and right that the labels of a subject hold at least."""
+_BODY = 8
+"""Places on a body that the labels of a subject say at least, where its name stands in no usual position."""
+_ALIKE = 0.8
+"""Part of such a subject's labels that another one has too."""
+_TOLD = 0.6
+"""Places that labels say with names on them, in parts of the labels that say one without, from which those are none."""
+_CLUSTERS = ("pelvis", "thigh", "shank", "foot", "upper_arm", "forearm", "hand")
+"""Segments whose markers have numbers behind."""
+_Splits = Callable[[str], Iterator[tuple[str, str]]]
+"""Names of a subject that a label may hold, each with what is left of the label."""
+_Owned = dict[str, dict[str, str]]
+"""By subject what is left of each of its labels."""
 
 
 def with_subjects(labels: Sequence[str]) -> tuple[str, ...]:
-    """The labels with each subject before a colon, ``Ann:LASI``, whatever sign the file puts between; else unchanged.
+    """The labels with each subject before a colon, ``Ann:LASI``, wherever the file has its name; else unchanged.
 
-    Two beginnings name subjects when what follows them is largely the same and has sides of its own: ``L.Knee`` and
-    ``R.Knee`` are sides of one body.
+    Two beginnings before a sign name subjects when what follows them is largely the same and has sides of its own:
+    ``L.Knee`` and ``R.Knee`` are sides of one body. Names behind a label, or without any sign between, need a body that
+    is told only without them.
     """
-    if any(":" in label for label in labels):
+    named = {label.partition(":")[::2] for label in labels if ":" in label}
+    if named and len({name for name, _ in named}) <= len({rest for _, rest in named}):
         return tuple(labels)
-    subjects = _subjects(labels)
+    subjects = {} if named else _subjects(_by_name(labels, _before_a_sign))
+    for splits in (_behind_a_sign, _at_the_beginning, _at_the_end):
+        subjects = subjects or _bodies(labels, _by_name(labels, splits))
     owners = {label: (name, subjects[name][label]) for name in sorted(subjects, key=len) for label in subjects[name]}
     return tuple(":".join(owners[label]) if label in owners else label for label in labels)
 
 
 def shared_beginning(labels: Sequence[str]) -> str:
     """The beginning with its sign, ``Skeleton_``, that nine tenths of the labels share; empty where they share none."""
-    found = _by_beginning(labels)
+    found = _by_name(labels, _before_a_sign)
     beginning = max(found, key=lambda each: len(found[each]), default="")
     own = found.get(beginning, {})
     if len(own) < 0.9 * len(labels) or _pairs(own.values()) < _FEWEST:
@@ -31,26 +49,66 @@ def shared_beginning(labels: Sequence[str]) -> str:
     return next(label[: len(label) - len(rest)] for label, rest in own.items())
 
 
-def _subjects(labels: Sequence[str]) -> dict[str, dict[str, str]]:
-    """What follows each subject in its labels: beginnings that are followed alike by markers of both sides."""
-    found = {name: own for name, own in _by_beginning(labels).items() if _pairs(own.values()) >= _FEWEST}
-    alike: dict[str, dict[str, str]] = {}
-    for name, own in found.items():
-        others = [set(rests.values()) for other, rests in found.items() if other != name]
-        if any(2 * len(other.intersection(own.values())) > min(len(own), len(other)) for other in others):
-            alike[name] = own
-    return alike
+def _subjects(found: _Owned) -> _Owned:
+    """Those that are followed alike by markers of both sides."""
+    found = {name: own for name, own in found.items() if _pairs(own.values()) >= _FEWEST}
+    return {name: own for name, own in found.items() if _is_like_another(name, found, 0.5)}
 
 
-def _by_beginning(labels: Sequence[str]) -> dict[str, dict[str, str]]:
-    """By everything that stands before a sign in a label: what follows, by label."""
-    found: dict[str, dict[str, str]] = {}
+def _bodies(labels: Sequence[str], found: _Owned) -> _Owned:
+    """Those whose labels say the places of a whole body, and say them only once their names are taken away."""
+    large = {name: own for name, own in found.items() if len(own) >= _BODY and _pairs(own.values()) >= _FEWEST}
+    bodies = {name: own for name, own in large.items() if len(_places(own.values())) >= _BODY}
+    if len(bodies) > 1:
+        bodies = {name: own for name, own in bodies.items() if _is_like_another(name, bodies, _ALIKE)}
+    owned = {label for own in bodies.values() for label in own}
+    others = _places(label for label in labels if label not in owned)
+    telling = {label for own in bodies.values() for label, rest in own.items() if _places([rest])}
+    if len(_places(owned)) > _TOLD * len(telling) or len(others) > (1.0 - _ALIKE) * len(owned):
+        return {}
+    return bodies
+
+
+def _places(labels: Iterable[str]) -> set[tuple[str, str]]:
+    """Places that the labels say, where a set has one marker each."""
+    return {said for label in labels if (said := part_of(label)) is not None and said[1] not in _CLUSTERS}
+
+
+def _is_like_another(name: str, found: _Owned, share: float) -> bool:
+    """True if more than a ``share`` of the fewer rests are those of another subject too."""
+    own = set(found[name].values())
+    others = [set(rests.values()) for other, rests in found.items() if other != name]
+    return any(len(own & other) > share * min(len(own), len(other)) for other in others)
+
+
+def _by_name(labels: Sequence[str], splits: _Splits) -> _Owned:
+    """By everything in a label that may be a name: what is left, by label."""
+    found: _Owned = {}
     for label in labels:
-        for sign in _SPLIT.finditer(label):
-            name, rest = label[: sign.start()], label[sign.end() :]
+        for name, rest in splits(label):
             if name and rest:
                 found.setdefault(name, {})[label] = rest
     return found
+
+
+def _before_a_sign(label: str) -> Iterator[tuple[str, str]]:
+    for sign in _SIGN.finditer(label):
+        yield label[: sign.start()], label[sign.end() :]
+
+
+def _behind_a_sign(label: str) -> Iterator[tuple[str, str]]:
+    for sign in _SIGN.finditer(label):
+        yield label[sign.end() :], label[: sign.start()]
+
+
+def _at_the_beginning(label: str) -> Iterator[tuple[str, str]]:
+    for place in range(1, len(label)):
+        yield label[:place], label[place:]
+
+
+def _at_the_end(label: str) -> Iterator[tuple[str, str]]:
+    for place in range(1, len(label)):
+        yield label[place:], label[:place]
 
 
 def _pairs(rests: Iterable[str]) -> int:

@@ -19,13 +19,17 @@ Labels = Mapping[tuple[str, str], Sequence[str]]
 
 INNER_PELVIS_PART = 0.93
 """Parts of the pelvis' width within which two points of a joint are no markers on its outer sides."""
+INSIDE, PELVIS_OF_HIPS = 0.3, 1.4
+"""Parts of the leg between two hips within which they are joint centres (0.20 to 0.25; trochanters 0.35 to 0.45), and
+the pelvis' width in parts of that distance."""
 DEEP = {"hip": 1.0, "knee": 0.4, "ankle": 0.27}
 """Parts of the pelvis' width from an outer marker to a joint's centre, at most; an inner marker lies farther away."""
 
 
 def told_centres(labels: Labels, tracks: Mapping[str, FloatArray]) -> dict[str, str]:
     """By joint (``left_knee``) the label of its centre, as far as measures tell; ``tracks`` (F, 3) by label, metres."""
-    width = pelvis_width(labels, tracks)
+    keypoints = _are_keypoints(labels, tracks)
+    width = pelvis_width(labels, tracks) * (PELVIS_OF_HIPS if keypoints else 1.0)
     centres: dict[str, str] = {}
     for joint in ("hip", "knee", "ankle"):
         pairs = _pairs(labels, joint)
@@ -35,9 +39,30 @@ def told_centres(labels: Labels, tracks: Mapping[str, FloatArray]) -> dict[str, 
             beside = [_nearest(tracks[pair[0]], tracks[other[0]]) for other in wider]
             deep = not wider or min(beside) < DEEP[joint] * width
             narrow = apart[pair] < INNER_PELVIS_PART * width if joint != "ankle" or wider else "left_knee" in centres
-            if narrow and deep and (wider or joint != "hip" or ("left", "front_hip") in labels):
+            if narrow and deep and (wider or joint != "hip" or ("left", "front_hip") in labels or keypoints):
+                centres |= {f"{side}_{joint}": label for side, label in zip(SIDE_WORDS, pair, strict=True)}
+    if keypoints and "left_knee" in centres and "left_ankle" in centres:
+        for joint, part in (("shoulder", "shoulder"), ("elbow", "elbow"), ("wrist", "wrists")):
+            for pair in _pairs(labels, part)[:1] if _is_alone(labels, part) else ():
                 centres |= {f"{side}_{joint}": label for side, label in zip(SIDE_WORDS, pair, strict=True)}
     return centres
+
+
+def _are_keypoints(labels: Labels, tracks: Mapping[str, FloatArray]) -> bool:
+    """True if the points are joints that an image or a model shows: one a joint, and hips too near for markers."""
+    if ("left", "front_hip") in labels or not all(_is_alone(labels, part) for part in ("hip", "knee", "ankle")):
+        return False
+    hips, knees, ankles = ([tracks[labels[side, part][0]] for side in SIDE_WORDS] for part in ("hip", "knee", "ankle"))
+    legs = [
+        np.nanmedian(np.linalg.norm(knee - hip, axis=1) + np.linalg.norm(ankle - knee, axis=1))
+        for hip, knee, ankle in zip(hips, knees, ankles, strict=True)
+    ]
+    return bool(_nearest(*hips) < INSIDE * np.mean(legs))
+
+
+def _is_alone(labels: Labels, part: str) -> bool:
+    """True if each side has one point of that part, and none on its inner side."""
+    return all(len(labels.get((s, part), ())) == 1 and (s, f"inner_{part}") not in labels for s in SIDE_WORDS)
 
 
 def pelvis_width(labels: Labels, tracks: Mapping[str, FloatArray]) -> float:

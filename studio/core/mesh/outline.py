@@ -19,12 +19,12 @@ def outline_at(height: float, mesh: SkinnedMesh, vertices: FloatArray, shares: F
     but where ``shares`` (V,) are over a half. Edges are cut, however few vertices a mesh has.
     """
     above = vertices[:, 2] > height
-    a, b, c = (above[corner] for corner in mesh.triangles.T)
-    cut = (a != b) | (b != c)
-    if not cut.any():
+    a, b, c = (np.take(above, corner) for corner in _corners(mesh))
+    cut = np.flatnonzero((a != b) | (b != c))
+    if not len(cut):
         return np.empty((0, 2))
-    triangles, rows = mesh.triangles[cut], np.arange(np.count_nonzero(cut))
-    alone = np.where(a == b, 2, np.where(a == c, 1, 0))[cut]
+    triangles, rows = mesh.triangles[cut], np.arange(len(cut))
+    alone = np.where(a[cut] == b[cut], 2, np.where(a[cut] == c[cut], 1, 0))
     begin = np.tile(triangles[rows, alone], 2)
     end = np.concatenate([triangles[rows, (alone + turn) % 3] for turn in (1, 2)])
     lines = _lines(_welded(mesh)[begin], _welded(mesh)[end], len(triangles))
@@ -37,14 +37,29 @@ def outline_at(height: float, mesh: SkinnedMesh, vertices: FloatArray, shares: F
 
 
 def _lines(begin: NDArray[np.int64], end: NDArray[np.int64], count: int) -> NDArray[np.int64]:
-    """(2 T,) the line that each cut edge of ``count`` triangles T is on: one edge of each, then the other of each."""
-    from scipy.sparse import coo_array  # late: a window opens without
-    from scipy.sparse.csgraph import connected_components
+    """(2 T,) the line that each cut edge of ``count`` triangles T is on: one edge of each, then the other of each.
 
+    Connected components by the least node of each: a graph library takes longer to load than all outlines to find.
+    """
     edges = (np.minimum(begin, end) << 32) + np.maximum(begin, end)
-    nodes = np.unique(edges, return_inverse=True)[1]
-    joined = coo_array((np.ones(count), (nodes[:count], nodes[count:])), shape=(nodes.max() + 1,) * 2)
-    return np.asarray(connected_components(joined, directed=False)[1][nodes], dtype=np.int64)
+    nodes = np.unique(edges, return_inverse=True)[1].ravel()
+    one, other = nodes[:count], nodes[count:]
+    least = np.arange(nodes.max() + 1)
+    while True:
+        lower = np.minimum(least[one], least[other])
+        joined = least.copy()
+        for node in (one, other, least[one], least[other]):
+            np.minimum.at(joined, node, lower)
+        joined = joined[joined]
+        if np.array_equal(joined, least):
+            return np.asarray(least[nodes], dtype=np.int64)
+        least = joined
+
+
+@project_cache(maxsize=64)
+def _corners(mesh: SkinnedMesh) -> NDArray[np.intp]:
+    """(3, T) vertices of all triangles, corner by corner, as they are taken by fastest."""
+    return np.ascontiguousarray(mesh.triangles.T, dtype=np.intp)
 
 
 @project_cache(maxsize=64)

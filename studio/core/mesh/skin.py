@@ -195,8 +195,12 @@ def fit_vertices(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -
 def _forms(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> tuple[FloatArray, FloatArray]:
     """(V, 3, 3) and (V, 3) how each vertex is stretched and turned, then moved, from ``build`` to ``morphology``."""
     forms, shifts = segment_forms(mesh, build, morphology)
-    form = np.einsum("vw,vwij->vij", mesh.weights, forms[mesh.segments])
-    return form, np.einsum("vw,vwi->vi", mesh.weights, shifts[mesh.segments])
+    rows = np.concatenate([forms.reshape(-1, 9), shifts], axis=1)
+    blended = np.zeros((len(mesh.vertices), rows.shape[1]))
+    for weight, segment in zip(mesh.weights.T, mesh.segments.T, strict=True):
+        part = np.take(rows, segment, axis=0)
+        blended += np.multiply(part, weight[:, None], out=part)
+    return blended[:, :9].reshape(-1, 3, 3), blended[:, 9:]
 
 
 def segment_forms(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> tuple[FloatArray, FloatArray]:

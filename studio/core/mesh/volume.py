@@ -157,7 +157,7 @@ class _Measured(_Girths):
         if np.isnan(low).any():
             return _Usual(self.morphology).head()
         radius = 0.25 * float((high - low).sum())
-        own = self._in_bone(BodyPart.HEAD)[self._main(BodyPart.HEAD), 2]
+        own = self._in_bone(BodyPart.HEAD, self._main(BodyPart.HEAD))[:, 2]
         bottom, inset = max(float(own.min()), _LOWEST_HEAD), radius / self.morphology.head
         middle = 0.5 * (bottom + 1.0)
         return radius, 0.5 * float(low[0] + high[0]), min(bottom + inset, middle), max(1.0 - inset, middle)
@@ -172,7 +172,7 @@ class _Measured(_Girths):
 
     def _girth(self, part: BodyPart, band: tuple[float, float], share: float, otherwise: float) -> float:
         """How far from the bone a ``share`` of the vertices in a ``band`` of its length are at most."""
-        own = self._in_bone(part)[self._main(part)]
+        own = self._in_bone(part, self._main(part))
         near = own[(own[:, 2] >= band[0]) & (own[:, 2] <= band[1])]
         return float(np.quantile(np.hypot(near[:, 0], near[:, 1]), share)) if len(near) >= 4 else otherwise
 
@@ -182,19 +182,20 @@ class _Measured(_Girths):
         found = np.concatenate([outline_at(height, self.mesh, own, shares) for height in heights])
         return np.stack([found.min(axis=0), found.max(axis=0)]) if len(found) >= _FEWEST else np.full((2, 2), np.nan)
 
-    def _in_bone(self, part: BodyPart) -> FloatArray:
-        """The vertices in the axes of a segment, z in parts of its length."""
+    def _in_bone(self, part: BodyPart, rows: slice | NDArray[np.intp] = slice(None)) -> FloatArray:
+        """Vertices (N, 3) in the axes of a segment, z in parts of its length."""
         layout = self.morphology.layout
         segment = layout.segment(part)
         begin, end = (self.positions[points[segment]] for points in (layout.proximal_points(), layout.distal_points()))
-        local = (self.vertices - begin) @ self.rotations[segment]
+        local = (self.vertices[rows] - begin) @ self.rotations[segment]
         return np.asarray(local / [1.0, 1.0, float(np.linalg.norm(end - begin))])
 
-    def _main(self, part: BodyPart) -> NDArray[np.bool_]:
-        return np.asarray(self.mesh.segments[:, 0] == self.morphology.layout.segment(part))
+    def _main(self, part: BodyPart) -> NDArray[np.intp]:
+        """Vertices that move with a part more than with any other."""
+        return np.flatnonzero(self.mesh.segments[:, 0] == self.morphology.layout.segment(part))
 
     def _shares(self, counted: NDArray[np.bool_]) -> FloatArray:
-        return np.asarray(np.where(counted, self.mesh.weights, 0.0).sum(axis=1), dtype=np.float64)
+        return np.asarray(np.einsum("vw,vw->v", counted, self.mesh.weights), dtype=np.float64)
 
 
 def _girth_unit(morphology: Morphology) -> float:

@@ -1,13 +1,16 @@
 """Report of every constraint in every frame, and of feet, knees and balance: arrays for plots.
 
 The blocker of a constraint is found by counterfactuals: the frame is solved without each other constraint of the same
-or a higher priority, without contacts, without joint limits, or without smoothing. The one whose absence removes most
-of the residual is named; if none helps, the reach of the body is. Sampled frames stand for the frames around them.
+or a higher priority, without contacts, without joint limits, or without smoothing, and the motion is posed without the
+self-contacts that act after the solver. The one whose absence removes most of the residual is named. Where none helps
+alone, they are removed one after the other; if even that does not help, the reach of the body is named. Sampled frames
+stand for the frames around them.
 """
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +19,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 from studio.core.quality.contact_tracks import contact_tracks
 from studio.core.quality.metrics import centre_of_mass, knee_speeds
+from studio.core.solver.adapt import hold
 from studio.core.solver.asking.measured_residuals import full_residuals
 from studio.core.solver.asking.releasing import constraint_activations, contact_release
 from studio.core.solver.asking.tracks import Tracks
@@ -29,9 +33,13 @@ IntArray = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 BLOCKED_BY_NOTHING, BLOCKED_BY_CONTACTS, BLOCKED_BY_LIMITS, BLOCKED_BY_REACH, BLOCKED_BY_SMOOTHING = -1, -2, -3, -4, -5
-"""Blockers of a constraint other than the row of another one: none (met, or inactive), contacts, joint limits, the
-reach of body and chain, smoothing in time.
+BLOCKED_BY_TOUCHES, BLOCKED_BY_CLEARANCE, BLOCKED_BY_TOLERANCE = -6, -7, -8
+"""Blockers of a constraint other than the row of another one: none (met, or inactive), contacts with the ground, joint
+limits, the reach of body and chain, smoothing in time, hands that touch, arms that stay out of the body, and the
+solver's own tolerance.
 """
+FULLY_ACTIVE = 1.0 - 1e-9
+"""Least activation of a constraint that is asked for fully."""
 MET_BY_UNIT = {"m": PRIORITY_TOLERANCE, "rad": float(np.radians(0.1))}
 """Greatest residual of a constraint that counts as met, by unit."""
 SAMPLE_SECONDS = 0.2
@@ -62,14 +70,16 @@ class Report:
 
 def report_of(standing: Standing, request: AdaptRequest, adapted: AdaptedMotion) -> Report:
     """Report of ``adapted``, the answer to ``request`` on its grounded motion, in any window."""
-    window = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
+    window = _window_of(adapted)
     stands = standing_points(standing.contacts, request.motion.frame_count)[:, window]
     areas = outlines(adapted.positions[:], adapted.rotations[:], stands, adapted.morphology)
     slides, heights = contact_tracks(adapted, standing.contacts, request.ground)
+    problem = _Problem(standing, request.constraints, request.tracks)
+    misses = problem.misses(adapted)
     return Report(
         adapted.residuals,
-        full_residuals(request.constraints, targets_of(standing, request.constraints, window, request.tracks), adapted),
-        winners(standing, request.constraints, request.tracks, adapted, request.eased),
+        misses,
+        _BlockerSearch(problem, adapted, misses, request.eased).winners(),
         slides,
         heights,
         knee_speeds(adapted),
@@ -81,98 +91,180 @@ def winners(
     standing: Standing, constraints: Sequence[Constraint], tracks: Tracks, adapted: AdaptedMotion, eased: bool = False
 ) -> IntArray:
     """Blockers (C, F) of each constraint; see ``Report``."""
-    if not constraints:
-        return np.empty(adapted.residuals.shape, dtype=np.int64)
-    window = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
-    activations = constraint_activations(constraints, standing)
-    limits = np.array([[MET_BY_UNIT[each.unit]] for each in constraints])
-    frames, sample_of = samples(adapted.residuals, limits, round(SAMPLE_SECONDS * standing.motion.frame_rate))
-    search = _BlockerSearch(
-        standing, constraints, activations, tracks, window.start + frames, adapted.residuals[:, frames], limits
-    )
-    found = search.winners(eased)[:, sample_of]
-    target = np.array([each.activation.at(standing.motion.times[window]) for each in constraints])
-    free = contact_release(constraints, standing, window)
-    found[(target > 0.0) & (free < 1.0)] = BLOCKED_BY_CONTACTS  # what is about a limb gives way to that limb's contacts
-    return found
+    problem = _Problem(standing, constraints, tracks)
+    return _BlockerSearch(problem, adapted, problem.misses(adapted), eased).winners()
 
 
-def samples(residuals: FloatArray, limits: FloatArray, apart: int) -> tuple[IntArray, IntArray]:
+def fully_active(constraints: Sequence[Constraint], times: FloatArray) -> Mask:
+    """(C, F) True where the curve of a constraint asks for it fully, with or without contacts."""
+    return np.array([each.activation.at(times) >= FULLY_ACTIVE for each in constraints]).reshape(-1, len(times))
+
+
+def samples(state: Mask, apart: int) -> tuple[IntArray, IntArray]:
     """Sampled frames (n,), at most ``apart`` frames from each other, and the index (F,) of the sample for each frame.
 
-    A sample has the same active and missed constraints as its frames: of ``residuals`` (C, F), NaN where inactive,
-    beyond ``limits`` (C, 1).
+    A sample has the same ``state`` (S, F) as its frames.
     """
-    state = np.concatenate([np.isfinite(residuals), residuals > limits])
     changes = np.flatnonzero((state[:, 1:] != state[:, :-1]).any(axis=0)) + 1
-    runs = np.split(np.arange(residuals.shape[1]), changes)
+    runs = np.split(np.arange(state.shape[1]), changes)
     parts = [part for run in runs for part in np.array_split(run, math.ceil(len(run) / max(apart, 1)))]
     return np.array([part[len(part) // 2] for part in parts]), np.repeat(range(len(parts)), list(map(len, parts)))
+
+
+def _window_of(adapted: AdaptedMotion) -> slice:
+    return slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
+
+
+@dataclass(frozen=True, eq=False)
+class _Problem:
+    """C constraints on a grounded motion, with the tracks of what they follow."""
+
+    standing: Standing
+    constraints: Sequence[Constraint]
+    tracks: Tracks
+
+    @cached_property
+    def activations(self) -> FloatArray:
+        """Activations (C, F) in the whole motion."""
+        return constraint_activations(self.constraints, self.standing)
+
+    def misses(self, adapted: AdaptedMotion) -> FloatArray:
+        """Residuals (C, F) measured on poses, at full activation."""
+        targets = targets_of(self.standing, self.constraints, _window_of(adapted), self.tracks)
+        return full_residuals(self.constraints, targets, adapted)
+
+    def solved_residuals(self, rows: IntArray, frames: IntArray, bound: Bound = BOUND) -> FloatArray:
+        """Residuals (A, m) of the constraints of some ``rows`` (A,), solved without the others and without smoothing
+        in some ``frames`` (m,).
+        """
+        constraints, window = [self.constraints[row] for row in rows], slice(int(frames[0]), int(frames[-1]) + 1)
+        solved = SolvedWindow(self.standing, constraints, self.activations[rows], self.tracks, bound, window)
+        solved.solve(frames - window.start)
+        return solved.residuals[:, frames - window.start]
 
 
 class _BlockerSearch:
     """Search for the blockers of C constraints in n frames: the best candidate so far, and its gain."""
 
-    def __init__(
-        self,
-        standing: Standing,
-        constraints: Sequence[Constraint],
-        activations: FloatArray,
-        tracks: Tracks,
-        frames: IntArray,
-        residuals: FloatArray,
-        limits: FloatArray,
-    ) -> None:
-        """``activations`` (C, F) of the whole motion, ``frames`` (n,) of it, their ``residuals`` (C, n)."""
-        self._standing, self._constraints, self._activations, self._tracks = standing, constraints, activations, tracks
-        self._frames, self._residuals = frames, residuals
-        self._missed = residuals > limits
-        self._found = np.where(self._missed, BLOCKED_BY_REACH, BLOCKED_BY_NOTHING)
-        self._best = np.maximum(limits, RELEVANT_FRACTION * np.nan_to_num(residuals))
+    def __init__(self, problem: _Problem, adapted: AdaptedMotion, misses: FloatArray, eased: bool) -> None:
+        """``misses`` (C, F) measured on the poses of ``adapted``, which was smoothed if ``eased``."""
+        window, constraints = _window_of(adapted), problem.constraints
+        self._problem, self._window, self._eased = problem, window, eased
+        self._ranks = np.array([each.priority for each in constraints], dtype=np.int64)
+        self._limits = np.array([MET_BY_UNIT[each.unit] for each in constraints]).reshape(-1, 1)
+        self._full = fully_active(constraints, problem.standing.motion.times[window])
+        self._residuals, self._misses = adapted.residuals, np.where(self._full, misses, adapted.residuals)
+        missed = np.where(self._full, ~(misses <= self._limits), adapted.residuals > self._limits)
+        self._found = np.where(missed, BLOCKED_BY_TOLERANCE, BLOCKED_BY_NOTHING)
+        relevant = np.minimum(self._limits, self._misses - self._limits)
+        self._best = np.where(missed, np.maximum(relevant, RELEVANT_FRACTION * self._misses), np.inf)
+        self._frames = np.arange(window.start, window.stop)
 
-    def winners(self, eased: bool) -> IntArray:
-        """Blockers (C, n) as in ``Report.winners``; ``eased`` if the motion was smoothed."""
-        ranks, acting = np.array([each.priority for each in self._constraints]), np.isfinite(self._residuals)
-        everybody, always = np.arange(len(ranks)), np.ones(len(self._frames), dtype=np.bool_)
-        if eased:
-            self._weigh(BLOCKED_BY_SMOOTHING, everybody, everybody, always)
-        self._weigh(BLOCKED_BY_CONTACTS, everybody, everybody, always, Bound(by_contacts=False))
-        self._weigh(BLOCKED_BY_LIMITS, everybody, everybody, always, Bound(by_limits=False))
-        for row in everybody.tolist():
-            others = everybody[everybody != row]
-            self._weigh(row, others, others[ranks[others] >= ranks[row]], acting[row])
-        highest_first = np.argsort(ranks, kind="stable")
-        for row in np.flatnonzero((self._found == BLOCKED_BY_REACH).any(axis=1)).tolist():
-            self._weigh_together(row, highest_first[(ranks[highest_first] <= ranks[row]) & (highest_first != row)])
-        return self._found
+    def winners(self) -> IntArray:
+        """Blockers (C, F) as in ``Report.winners``."""
+        every, always = np.arange(len(self._ranks)), np.ones(len(self._frames), dtype=np.bool_)
+        self._weigh_posing()
+        if self._eased:
+            self._weigh(BLOCKED_BY_SMOOTHING, every, every, always)
+        sample_of = self._sample()
+        acting, always = np.isfinite(self._residuals), always[: len(self._frames)]
+        self._weigh(BLOCKED_BY_CONTACTS, every, every, always, Bound(by_contacts=False))
+        self._weigh(BLOCKED_BY_LIMITS, every, every, always, Bound(by_limits=False))
+        for row in every.tolist():
+            others = every[every != row]
+            self._weigh(row, others, others[self._ranks[others] >= self._ranks[row]], acting[row])
+        for row in every.tolist():
+            self._weigh_together(row)
+        found = self._found[:, sample_of]
+        found[self._waiting()] = BLOCKED_BY_CONTACTS
+        return found
+
+    def _waiting(self) -> Mask:
+        """(C, F) True where a limb with constraints gives way to its own contacts."""
+        problem, standing = self._problem, self._problem.standing
+        target = [each.activation.at(standing.motion.times[self._window]) for each in problem.constraints]
+        released = contact_release(problem.constraints, standing, self._window)
+        return np.asarray((np.reshape(target, released.shape) > 0.0) & (released < 1.0))
+
+    def _sample(self) -> IntArray:
+        """Keep sampled frames alone; returns the index (F,) of the sample for each frame."""
+        state = np.concatenate([np.isfinite(self._residuals), self._found])
+        kept, sample_of = samples(state, round(SAMPLE_SECONDS * self._problem.standing.motion.frame_rate))
+        self._frames = self._frames[kept]
+        self._residuals, self._misses = self._residuals[:, kept], self._misses[:, kept]
+        self._found, self._best = self._found[:, kept], self._best[:, kept]
+        return sample_of
+
+    def _weigh_posing(self) -> None:
+        """Name what poses arms after the solver, where the poses miss more than the solver left: of several the one
+        whose absence alone helps most.
+        """
+        standing, apart = self._problem.standing, self._misses - self._residuals
+        absent = _posed_without(standing)
+        if absent and (apart > self._best).any():
+            alone = np.array([self._gain_of(without) for without in absent.values()])
+            names = np.array(list(absent))[alone.argmax(axis=0)]
+            whole = self._gain_of(replace(standing, arms=None, self_contact=None))
+            self._note(names, np.arange(len(self._found)), np.arange(len(self._frames)), whole)
+
+    def _gain_of(self, standing: Standing) -> FloatArray:
+        """What is missed less (C, F) on another grounded motion, where asked for fully."""
+        problem, first, last = self._problem, self._window.start, self._window.stop - 1
+        posed = hold(standing, problem.constraints, first, last, problem.tracks, eased=self._eased)
+        return np.where(self._full, self._misses - problem.misses(posed), 0.0)
 
     def _weigh(self, name: int, asked: IntArray, rows: IntArray, acts: Mask, bound: Bound = BOUND) -> None:
         """Note ``name`` where what it leaves out ``acts`` (n,), and those ``asked`` alone miss less of ``rows`` than in
         any answer so far.
         """
-        numbers = np.flatnonzero(acts & self._missed[rows].any(axis=0))
+        numbers = np.flatnonzero(acts & (self._found[rows] != BLOCKED_BY_NOTHING).any(axis=0))
         if len(numbers):
-            left = self._residuals_at(asked, numbers, bound)[np.isin(asked, rows)]
-            here = np.ix_(rows, numbers)
-            gain = self._residuals[here] - left
-            better = self._missed[here] & (gain > self._best[here])
-            self._found[here] = np.where(better, name, self._found[here])
-            self._best[here] = np.where(better, gain, self._best[here])
+            left = self._problem.solved_residuals(asked, self._frames[numbers], bound)[np.isin(asked, rows)]
+            self._note(name, rows, numbers, self._residuals[np.ix_(rows, numbers)] - left)
 
-    def _weigh_together(self, row: int, above: IntArray) -> None:
-        """Where several stand in the way of one, and none of them alone, the first of them is named."""
-        helped = self._found[row] == BLOCKED_BY_REACH
-        alone = self._residuals_at(np.array([row]), np.flatnonzero(helped), BOUND)[0]
-        helped[helped] = self._residuals[row, helped] - alone > self._best[row, helped]
-        for other in above:
-            here = helped & np.isfinite(self._residuals[other])
-            self._found[row, here] = other
-            helped &= ~here
+    def _note(self, name: int | IntArray, rows: IntArray, numbers: IntArray, gain: FloatArray) -> None:
+        """Note ``name`` where its ``gain`` (R, m) is the best in some ``rows`` (R,) and frames (m,)."""
+        here = np.ix_(rows, numbers)
+        better = gain > self._best[here]
+        self._found[here] = np.where(better, name, self._found[here])
+        self._best[here] = np.where(better, gain, self._best[here])
 
-    def _residuals_at(self, asked: IntArray, numbers: IntArray, bound: Bound) -> FloatArray:
-        """(A, m) what those ``asked`` (A,) are missed by in some of the frames (m,), each solved by itself."""
-        frames, constraints = self._frames[numbers], [self._constraints[row] for row in asked]
-        window = slice(int(frames[0]), int(frames[-1]) + 1)
-        solved = SolvedWindow(self._standing, constraints, self._activations[asked], self._tracks, bound, window)
-        solved.solve(frames - window.start)
-        return solved.residuals[:, frames - window.start]
+    def _weigh_together(self, row: int) -> None:
+        """Where nothing helps alone, name the first that helps when it goes too: other constraints, contacts, limits.
+
+        Where a free body misses the target as well, its reach is named.
+        """
+        for name, bound in (
+            (None, BOUND),
+            (BLOCKED_BY_CONTACTS, Bound(by_contacts=False)),
+            (BLOCKED_BY_LIMITS, Bound(by_contacts=False, by_limits=False)),
+        ):
+            numbers = np.flatnonzero(self._found[row] == BLOCKED_BY_TOLERANCE)
+            if not len(numbers):
+                return
+            left = self._problem.solved_residuals(np.array([row]), self._frames[numbers], bound)[0]
+            helped = numbers[self._residuals[row, numbers] - left > self._best[row, numbers]]
+            if name is None:
+                self._name_highest(row, helped)
+            else:
+                self._found[row, helped] = name
+        unexplained = self._found[row, numbers] == BLOCKED_BY_TOLERANCE
+        self._found[row, numbers[unexplained & (left > self._limits[row])]] = BLOCKED_BY_REACH
+
+    def _name_highest(self, row: int, numbers: IntArray) -> None:
+        """Name the highest other constraint that acts in some frames (m,)."""
+        for other in reversed(np.argsort(self._ranks, kind="stable").tolist()):
+            if other != row:
+                self._found[row, numbers[np.isfinite(self._residuals[other, numbers])]] = other
+
+
+def _posed_without(standing: Standing) -> dict[int, Standing]:
+    """The grounded motion without each of what poses arms after the solver, by its name among the blockers."""
+    absent, contact = dict[int, Standing](), standing.self_contact
+    if standing.arms is not None:
+        absent[BLOCKED_BY_CONTACTS] = replace(standing, arms=None)
+    if contact is not None and contact.touches:
+        absent[BLOCKED_BY_TOUCHES] = replace(standing, self_contact=contact.without_touches)
+    if contact is not None and contact.rooms is not None:
+        absent[BLOCKED_BY_CLEARANCE] = replace(standing, self_contact=replace(contact, rooms=None))
+    return absent

@@ -344,4 +344,5 @@ def targets_of(standing: Standing, constraints: Sequence[Constraint], window: sl
                 motion.frame_rate, constraint.place.margin, window,
             )  # fmt: skip
             known[constraint.place] = Track(path, np.broadcast_to(np.eye(3), (1, 3, 3)))
-    return Targets(motion.times[window], known, partial(mass_path, standing.positions[window], body))
+    masses = partial(mass_path, standing.positions[window], body)
+    return Targets(motion.times[window], known, masses, standing.morphology.leg_length)

@@ -2,14 +2,15 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import ClassVar
 
 from studio.core.constraints.base import BodyPoint, Vector, finite_vector
 from studio.core.constraints.follow import UNTURNED
-from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, Quaternion, unit_quaternion
+from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Quaternion, unit_quaternion
 from studio.core.constraints.procedural import ProceduralPlace
+from studio.core.constraints.tangents import SPARSE
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.plausible import TIME_RANGE, TURN_RANGE
 
@@ -74,18 +75,20 @@ class Carried(Hold):
     """Goes between both hands of a performer where the motion has them, and turns as its chest does.
 
     ``offset`` is from the middle of the hands, ahead, to the left and up of the chest, in leg lengths; ``heading`` is
-    its turn about Z from the chest's heading, radians. Hands that constraints hold on the prop do not move it, so any
-    size is held.
+    its turn about Z from the chest's heading, radians, which acts after its ``tilt``. Hands that constraints hold on
+    the prop do not move it, so any size is held.
     """
 
     kind: ClassVar[str] = "carried"
     performer_id: str
     offset: Vector = (0.0, 0.0, 0.0)
     heading: float = 0.0
+    tilt: Quaternion = field(default=UNTURNED, metadata=SPARSE)
 
     def __post_init__(self) -> None:
         super().__post_init__()
         object.__setattr__(self, "offset", finite_vector(self.offset, "An offset from the hands"))
+        object.__setattr__(self, "tilt", unit_quaternion(self.tilt))
         if not math.isfinite(self.heading):
             raise ValueError("A carried prop needs a finite heading.")
         TURN_RANGE.check(self.heading)
@@ -93,7 +96,7 @@ class Carried(Hold):
 
 @dataclass(frozen=True)
 class Prop:
-    """A thing of ``size`` metres, centred at ``position``, turned by ``heading`` about Z.
+    """A thing of ``size`` metres, centred at ``position``, rotated by ``tilt`` and then by ``heading`` about Z.
 
     Keys and rules count seconds of the stage. While it is ``held``, that says where it is; ``later`` are those who hold
     it after that, one after the other: who begins as another ends takes it out of the other's hands.
@@ -108,9 +111,14 @@ class Prop:
     """Of the shape that is one, fitted into the size."""
     held: InHand | Carried | None = None
     later: tuple[InHand | Carried, ...] = ()
+    tilt: Quaternion | KeyedTurn = field(default=UNTURNED, metadata=SPARSE)
 
     def __post_init__(self) -> None:
+        if not isinstance(self.tilt, KeyedTurn):
+            object.__setattr__(self, "tilt", unit_quaternion(self.tilt))
         object.__setattr__(self, "size", finite_vector(self.size, f"'{self.name}': a size"))
+        if getattr(self.position, "origin", None) is not None:
+            raise ValueError(f"'{self.name}': a prop has no body whose own position its own could count from.")
         if not isinstance(self.position, KeyedPlace | ProceduralPlace):
             object.__setattr__(self, "position", finite_vector(self.position, f"'{self.name}': a position"))
         if (isinstance(self.heading, float | int) and not math.isfinite(self.heading)) or min(self.size) <= 0.0:

@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.body_shape import body_by_shape, knees_bend_backwards
+from studio.core.body.body_shape import moving_body_by_shape
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_positions
 from studio.core.body.moving_offsets import with_seen_offsets
@@ -25,15 +25,7 @@ from studio.io.figure.body_maps import FoundBody, find_body, loose_feet, named_s
 from studio.io.guessing import Scale, find_unit, guess_frame_rate, leg_and_trunk
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress, ReadCapture
-from studio.io.up_axis import (
-    BVH_USE,
-    FILE_AXES,
-    BodyPoints,
-    axis_called,
-    guess_up_axis,
-    said_axis,
-    turn_to_world,
-)
+from studio.io.up_axis import BVH_USE, FILE_AXES, BodyPoints, axis_called, guess_up_axis, said_axis, turn_to_world
 
 FloatArray = NDArray[np.float64]
 
@@ -132,12 +124,9 @@ def _found_by_shape(skeleton: Skeleton, points: FloatArray, options: ImportOptio
     still = PoseSequence(np.tile(IDENTITY_QUATERNION, (1, skeleton.joint_count, 1)), skeleton.offsets[None])
     rest, sides = joint_positions(skeleton, still)[0], named_sides(skeleton)
     for axis in (axis_called(options.up_axis),) if options.up_axis else FILE_AXES:
-        by_shape = body_by_shape(skeleton, rest @ turn_to_world(axis).T, sides)
+        by_shape = moving_body_by_shape(skeleton, rest @ turn_to_world(axis).T, points, sides)
         if by_shape is not None:
-            if not sides.any() and knees_bend_backwards(by_shape, points):
-                by_shape = by_shape.with_sides_exchanged()
-            parts = {part: joint for part, joint in by_shape.parts.items() if not skeleton.end_sites[joint]}
-            return FoundBody(BodyMap(parts, by_shape.spine), "", ())
+            return FoundBody(by_shape, "", ())
     return None
 
 

@@ -16,7 +16,7 @@ from studio.io.beside import read_bytes
 from studio.io.bvh.hierarchy import Hierarchy, read_hierarchy
 from studio.io.bvh.spelling import plainly_spelled
 from studio.io.bvh.writer import write_bvh
-from studio.io.numbers import count_per_line, glued_words, lines_of, parted, table
+from studio.io.numbers import count_per_line, filled_in_time, glued_words, lines_of, parted, table
 
 __all__ = ["BvhFile", "read_bvh", "write_bvh"]
 
@@ -310,17 +310,13 @@ def _fill(name: str, values: FloatArray, lines: NDArray[np.int64], hierarchy: Hi
     if not len(rows):
         return
     channels = [(joint, each) for joint, all_ in enumerate(hierarchy.channels) for each in all_]
-    frames = np.arange(len(values))
     for column in np.flatnonzero(missing.any(axis=0)).tolist():
         joint, channel = channels[column]
-        known = ~missing[:, column]
-        if not known.any():
+        if missing[:, column].all():
             raise StudioError(
                 f"{name}: {channel} of '{hierarchy.names[joint]}' has no number in any row. Export the file again."
             )
-        course = values[known, column]
-        course = np.unwrap(course, period=360.0) if channel.endswith("rotation") else course
-        values[:, column] = np.where(known, values[:, column], np.interp(frames, frames[known], course))
+        values[:, column] = filled_in_time(values[:, column], 360.0 if channel.endswith("rotation") else None)
     count = "1 row lacks" if len(rows) == 1 else f"{len(rows)} rows lack"
     repairs.append(
         f"{name}, line {lines[rows[0]]}: {count} numbers; what is missing was filled from the rows before and after."

@@ -15,13 +15,10 @@ from studio.core.markers.trial import (
     bare_label,
 )
 from studio.io.c3d.parameters import BLOCK_BYTES, Parameters
+from studio.io.markers.unit import named_unit
 
 FloatArray = NDArray[np.float64]
 
-_UNITS = {"m": "m", "me": "m", "met": "m", "mete": "m", "meter": "m", "metre": "m", "meters": "m", "metres": "m"}
-_UNITS |= {"mm": "mm", "mill": "mm", "millimeter": "mm", "millimetre": "mm", "millimeters": "mm", "millimetres": "mm"}
-_UNITS |= {"cm": "cm", "cent": "cm", "centimeter": "cm", "centimetre": "cm", "centimeters": "cm", "centimetres": "cm"}
-_UNITS |= {"in": "inch", "inch": "inch", "inches": "inch"}
 _MODEL_OUTPUTS = {
     "ANGLES": "angle", "FORCES": "force", "MOMENTS": "moment", "POWERS": "power", "SCALARS": "scalar",
     "MODELED_MARKERS": VIRTUAL_KIND, "REACTIONS": "reaction",
@@ -76,15 +73,15 @@ def _kind_by_name(label: str) -> str:
     if label.lower().startswith("centreofmass"):
         return VIRTUAL_KIND
     ending = next((ending for ending in _ENDINGS if label.lower().endswith(ending)), "")
-    return (
-        {"grf": "force"}.get(ending, ending.removesuffix("s")) if len(label) > len(ending) and ending else MARKER_KIND
-    )
+    if not ending or len(label) <= len(ending):
+        return MARKER_KIND
+    return {"grf": "force"}.get(ending, ending.removesuffix("s"))
 
 
 def unit_of(name: str, parameters: Parameters, repairs: list[str]) -> str:
     """The unit of length; millimetres where the file says none that is known."""
     said = (*parameters.words("POINT", "UNITS"), "")[0]
-    unit = _UNITS.get(said.lower().rstrip("."))
+    unit = named_unit(said)
     if unit is None:
         repairs.append(f"{name}: POINT:UNITS is '{said[:20]}', which is not a known unit; taken as mm.")
     elif unit != said.lower():

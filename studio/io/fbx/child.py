@@ -10,6 +10,7 @@ import json
 import os
 import sys
 import traceback
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -112,7 +113,8 @@ def _limit_memory(size: int) -> None:
         import resource
     except ImportError:  # Windows has no such limit; time is limited there as here
         return
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY + 20 * size,) * 2)
+    with suppress(ValueError, OSError):  # macOS has the name, but keeps no such limit
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY + 20 * size,) * 2)
 
 
 def _nodes(scene: Any) -> list[tuple[Any, int]]:

@@ -176,7 +176,7 @@ def _joints_by_name(skeleton: Skeleton) -> dict[str, list[int]]:
         plain = _plain(name), _sided(name)
         for key in {_numberless(name, _plain), _numberless(name, _sided)}.difference(plain):
             above = numbered.setdefault(key, [])
-            if not any(skeleton.path(upper, joint) for upper in above):
+            if not any(skeleton.path(upper, joint) for upper in (*by_name.get(key, ()), *above)):
                 above.append(joint)
     for key, joints in numbered.items():
         by_name[key] = list(dict.fromkeys([*by_name.get(key, []), *joints]))
@@ -185,7 +185,7 @@ def _joints_by_name(skeleton: Skeleton) -> dict[str, list[int]]:
 
 def _numberless(name: str, key: Callable[[str], str]) -> str:
     """The ``key`` of a name without the number that ends it, before or behind its side."""
-    return re.sub(r"\d+$", "", key(name)).rstrip()
+    return re.sub(r"(part|seg|segment|section|piece)?\d+$", "", key(name)).rstrip()
 
 
 def _suffixes(name: str) -> Iterator[str]:

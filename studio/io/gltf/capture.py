@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.body_shape import body_by_shape, knees_bend_backwards
+from studio.core.body.body_shape import moving_body_by_shape
 from studio.core.body.kinematics import joint_positions
 from studio.core.body.pose import PoseSequence
 from studio.core.body.rehanging import over_feet, rehang, rehung
@@ -102,10 +102,9 @@ def _capture(file: GltfFile, options: ImportOptions, progress: Progress) -> Capt
     chosen = {part: figure.names[figure.nodes.index(node)] for part, node in bones.items()}
     found = find_body(skeleton, sample, {**chosen, **(options.body_map or {})} or None)
     sides = named_sides(skeleton)
-    by_shape = body_by_shape(skeleton, rest, sides) if found.body_map is None else None
+    by_shape = moving_body_by_shape(skeleton, rest, sample, sides) if found.body_map is None else None
     if by_shape is not None:
-        turned = not sides.any() and knees_bend_backwards(by_shape, sample)
-        found = FoundBody(by_shape.with_sides_exchanged() if turned else by_shape, "", ())
+        found = FoundBody(by_shape, "", ())
     guesses += body_guesses(skeleton, found, options)
     if found.body_map is not None and options.up_axis is None:
         after = places[np.minimum(looked_at + 1, len(times) - 1)]

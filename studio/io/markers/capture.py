@@ -299,7 +299,8 @@ def _not_shown(take: MarkerTake, used: MarkerMap, resting: Sequence[str]) -> Gue
         lacking = [ROLE[place].words.partition(",")[0].lower() for place in places if place not in there]
         lack = f"The {part} lack markers at {', '.join(lacking)}."
         sentences.append(lack if lacking else f"The {part} cannot be told from the markers at their places.")
-    unused = [bare for bare in seen_labels(take.trial, take.subject).values() if bare not in used.labels]
+    known = used.labels | set(used.centres.values())
+    unused = [bare for bare in seen_labels(take.trial, take.subject).values() if bare not in known]
     more = f" and {len(unused) - _SHOWN} more" if len(unused) > _SHOWN else ""
     beside = f" At no place of the map: {', '.join(unused[:_SHOWN])}{more}." if unused else ""
     words = f"{' '.join(sentences)} What is not shown stays in a plain rest.{beside}"

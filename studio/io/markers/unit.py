@@ -11,12 +11,21 @@ from studio.core.markers.trial import METRES, Trial
 from studio.io.guessing import Scale, find_unit
 from studio.io.markers.maps import find_map
 
+_UNITS = {"m": "m", "me": "m", "met": "m", "mete": "m", "meter": "m", "metre": "m", "meters": "m", "metres": "m"}
+_UNITS |= {"mm": "mm", "mill": "mm", "millimeter": "mm", "millimetre": "mm", "millimeters": "mm", "millimetres": "mm"}
+_UNITS |= {"cm": "cm", "cent": "cm", "centimeter": "cm", "centimetre": "cm", "centimeters": "cm", "centimetres": "cm"}
+_UNITS |= {"in": "inch", "inch": "inch", "inches": "inch"}
 _OVER_SKIN = 1.06
 """The way over the markers of hip, knee and ankle, in lengths of the leg between the joints."""
 _LEG_OF_ARM = 1.5
 _SIZES = (0.5, 3.5)
 """Metres between the two markers of a person that are farthest apart."""
 _LOOKED_AT = 32
+
+
+def named_unit(said: str) -> str | None:
+    """The unit of length that a file calls ``said``, by its name here; None where that is no known one."""
+    return _UNITS.get(said.lower().rstrip("."))
 
 
 def in_believable_unit(

@@ -16,18 +16,19 @@ from studio.core.body.character import Character
 from studio.core.body.morphology import Proportions
 from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.constraints.base import Constraint
+from studio.core.constraints.follow import UNTURNED
 from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.errors import StudioError
 from studio.core.grounds import GROUND_KINDS
 from studio.core.grounds.ground import Ground
 from studio.core.project import CLASSES, COLLECTIONS, Entity, Project
-from studio.core.stage.prop import Prop
+from studio.core.stage.prop import Carried, InHand, Prop
 from studio.io.json_text import json_of
 from studio.io.project.value_json import Array, Json, MemberCodec, UnknownKind, from_json, to_json, unknown_fields
 
 PROJECT_SCHEMA = 2
 ENTITY_SCHEMAS = {
-    **dict.fromkeys(COLLECTIONS, 1), "characters": 3, "performers": 2, "constraints": 4, "contacts": 3, "props": 4,
+    **dict.fromkeys(COLLECTIONS, 1), "characters": 3, "performers": 2, "constraints": 4, "contacts": 3, "props": 5,
 }  # fmt: skip
 """A higher number tells an older version that it would misread what it knows by that name."""
 MEMBER_NAME = re.compile(r"(captures|characters)/[0-9a-f]{64}\.npy")
@@ -87,8 +88,10 @@ def entity_record(collection: str, entity_id: str, entity: Entity, members: Memb
 
 def _schema_of(collection: str, entity: Entity) -> int:
     """A contact with the ground, a body that does not grow, keys without tangents: as they have always been."""
-    if isinstance(entity, Constraint | Character | Prop) and _has_curves(entity):
+    if isinstance(entity, Prop) and (entity.tilt != UNTURNED or any(_is_tilted(hold) for hold in entity.holds)):
         return ENTITY_SCHEMAS[collection]
+    if isinstance(entity, Constraint | Character | Prop) and _has_curves(entity):
+        return 4 if isinstance(entity, Prop) else ENTITY_SCHEMAS[collection]
     if isinstance(entity, Constraint):
         return 3
     if isinstance(entity, ContactInterval) and isinstance(entity.point, ContactPoint):
@@ -98,6 +101,10 @@ def _schema_of(collection: str, entity: Entity) -> int:
     if isinstance(entity, Prop):
         return 3 if entity.later else 2
     return ENTITY_SCHEMAS[collection]
+
+
+def _is_tilted(hold: InHand | Carried) -> bool:
+    return isinstance(hold, Carried) and hold.tilt != UNTURNED
 
 
 def _has_curves(entity: Entity) -> bool:

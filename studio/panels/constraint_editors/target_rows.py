@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 from PySide6.QtWidgets import QCheckBox
 
 from studio.core.body.canonical import BodyPart
@@ -11,7 +12,9 @@ from studio.core.captures.capture import Capture
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import Follow, FollowBody, FollowPerformer, FollowProp, FollowTracked
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
-from studio.core.constraints.own_place import OwnPlace
+from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
+from studio.core.constraints.procedural import ProceduralPlace
+from studio.core.constraints.target import own_place_of, with_own_place
 from studio.engine.moments import TargetContext
 from studio.engine.performance import motion_time, stage_time
 from studio.engine.point_names import POINT_NAMES, point_words
@@ -72,6 +75,11 @@ class TargetRows:
         )
         self._awaits.clicked.connect(lambda on: self._change(replace(self.target, awaits=on), "Anticipate target"))
         self._awaits_caption = section.add_row("Meeting", self._awaits)
+        self._each = QCheckBox("Per character")
+        self._each.setAccessibleName("Counts per character")
+        self._each.setToolTip("Counts from where each character itself has it, instead of being one position for all.")
+        self._each.clicked.connect(self._set_each)
+        self._each_caption = section.add_row("Counts", self._each)
         self._apart = QCheckBox()
         self._apart.setToolTip("Its handle then moves for this character alone.")
         self._apart.clicked.connect(self._set_apart)
@@ -107,7 +115,7 @@ class TargetRows:
     def refresh(self) -> None:
         """Show what it is; nothing where the value is no target."""
         target = self.target
-        kind = getattr(target, "kind", FIXED_KIND if isinstance(target, tuple) else None)
+        kind = _kind_of(target)
         known = kind in dict(PLACE_KINDS)
         things = self._things(str(kind)) if known else ()
         self._kind.show_value(kind)
@@ -131,6 +139,10 @@ class TargetRows:
         self._awaits.setVisible(isinstance(target, FollowPerformer))
         self._awaits_caption.setVisible(isinstance(target, FollowPerformer))
         self._awaits.setChecked(isinstance(target, FollowPerformer) and target.awaits)
+        counts = isinstance(target, KeyedPlace | KeyedOwnPlace | ProceduralPlace)
+        self._each.setVisible(counts)
+        self._each_caption.setVisible(counts)
+        self._each.setChecked(own_place_of(target) is not None)
         self._show_apart(target)
         self._rule.refresh()
         self._keys.refresh(known)
@@ -139,19 +151,44 @@ class TargetRows:
         """Whether the active character has an offset of its own, where each has its own place."""
         document = self._editor.document
         performer = document.project.performers.get(document.active_performer_id or "")
-        shown = isinstance(target, OwnPlace) and performer is not None
+        own = own_place_of(target)
+        shown = own is not None and performer is not None
         for widget in (self._apart, self._apart_caption):
             widget.setVisible(shown)
-        if shown and performer is not None:
+        if own is not None and performer is not None:
             self._apart.setText(f"{short(performer.name, self._apart)} has its own")
             self._apart.setAccessibleName(f"{performer.name} has an offset of its own")
-            self._apart.setChecked(document.active_performer_id in dict(target.own))
+            self._apart.setChecked(document.active_performer_id in dict(own.own))
 
     def _set_apart(self, apart: bool) -> None:
         editor, performer_id = self._editor, self._editor.document.active_performer_id or ""
         name = editor.document.project.performers[performer_id].name
         text = f"{'Own' if apart else 'Common'} offset for {name}"
-        self._change(self.target.with_own(performer_id, (0.0, 0.0, 0.0) if apart else None), text)
+        own = own_place_of(self.target)
+        if own is not None:
+            self._change(with_own_place(self.target, own.with_own(performer_id, (0.0,) * 3 if apart else None)), text)
+
+    def _set_each(self, each: bool) -> None:
+        """Count keys or a rule from each character's own position, or have one position for all."""
+        editor = self._editor
+        text = f"{'Per character' if each else 'Shared'}: {editor.entity.name}"
+        editor.put(lambda: replace(editor.entity, **{self._field: self._counted(each)}), text)
+
+    def _counted(self, each: bool) -> KeyedPlace | KeyedOwnPlace | ProceduralPlace:
+        """The keys or the rule per character or shared, with the active character's position of now kept."""
+        target, now, moment = self.target, self._known_now(), self._known_moment()
+        seconds, leg_length = moment.pose.seconds, moment.pose.motion.body.leg_length
+        here = target.at([seconds])[0]
+        if isinstance(target, ProceduralPlace):
+            if not each:
+                return replace(target, origin=None).passing(now, seconds)
+            x, y, z = (np.array(target.centre) - here).tolist()
+            return replace(target, centre=(x, y, z), origin=self._own_place(now))
+        scale = 1.0 / leg_length if each else leg_length
+        points = (0.0 if each else np.array(now)) + scale * (target.points - here)
+        keys = replace(target.with_rates(lambda rate: scale * rate), values=tuple(map(tuple, points.tolist())))
+        parts = {name: getattr(keys, name) for name in ("times", "values", "tangents", "before", "after")}
+        return KeyedOwnPlace(**parts, origin=self._own_place(now)) if each else KeyedPlace(**parts)
 
     def _things(self, kind: str) -> Sequence[tuple[object, str]]:
         """What there is to follow, by id and name."""
@@ -172,7 +209,7 @@ class TargetRows:
         return project.captures[project.motions[self._editor.entity.motion_id].capture_id]
 
     def _choose(self, kind: str) -> None:
-        if kind == getattr(self.target, "kind", FIXED_KIND):
+        if kind == _kind_of(self.target):
             return
         editor, things = self._editor, self._things(kind)
         if kind in (FollowProp.kind, FollowPerformer.kind) and not things:
@@ -200,23 +237,51 @@ class TargetRows:
                 capture = self._capture()
                 parts = capture.body_map.parts if capture.body_map else {}
                 return FollowTracked(capture.skeleton.names[parts.get(own.part, 0)])
-        if now is None:
-            raise ValueError("Where the target is now is not known yet. Wait until the body is adapted.")
+        now = self._known_now()
         if kind == FIXED_KIND:
             return now
         if kind == OWN_KIND:
-            return self._own_place(now, moment)
+            return self._own_place(now)
+        own = self._own_place(now) if self._is_per_character else None
         if kind in dict(RULES):
-            return ruled(kind, _full(now))
+            return ruled(kind, _full(now)) if own is None else replace(ruled(kind, (0.0, 0.0, 0.0)), origin=own)
+        seconds = self._known_moment().pose.seconds
+        if own is not None:
+            return own.keyed(seconds)
+        return (KeyedTurn if self._turns else KeyedPlace)((seconds,), (_full(now),))
+
+    @property
+    def _is_per_character(self) -> bool:
+        """True if the position is another one on every body, so that what it becomes leaves each its own."""
+        return not self._turns and (own_place_of(self.target) is not None or isinstance(self.target, FollowBody))
+
+    def _known_now(self) -> Any:
+        now = self.now()
+        if now is None:
+            raise ValueError("Where the target is now is not known yet. Wait until the body is adapted.")
+        return now
+
+    def _known_moment(self) -> TargetContext:
+        moment = moment_now(self._editor)
         if moment is None:
             raise ValueError("No body plays anything yet, so there is no time for a key.")
-        return (KeyedTurn if self._turns else KeyedPlace)((moment.pose.seconds,), (_full(now),))
+        return moment
 
-    def _own_place(self, now: Any, moment: TargetContext | None) -> OwnPlace:
-        """By what the body does at the playhead, or nearest to it while the constraint is whole."""
-        entity, curve = self._editor.entity, self._editor.entity.activation
-        seconds = min(max(moment.pose.seconds, curve.full), curve.full_end) if moment else 0.0
-        own = moment.own_place(entity.point, _full(now), seconds) if moment else None
+    def _own_place(self, now: Any) -> OwnPlace:
+        """Per-character position that is at ``now`` on the active character: the old one where there is one.
+
+        A new one counts from the followed point of the body at the playhead; else from the constrained one there, or
+        nearest to it at full activation.
+        """
+        target, moment, curve = self.target, self._known_moment(), self._editor.entity.activation
+        if isinstance(target, OwnPlace):
+            return target
+        if isinstance(target, KeyedOwnPlace):
+            return target.own_at(moment.pose.seconds)
+        point, seconds = self._editor.entity.point, min(max(moment.pose.seconds, curve.full), curve.full_end)
+        if isinstance(target, FollowBody):
+            point, seconds = target.point, moment.pose.seconds
+        own = moment.own_place(point, _full(now), seconds)
         if own is None:
             raise ValueError("Where each body has it is not known yet. Wait until the bodies are adapted.")
         return own
@@ -352,6 +417,13 @@ class NumberRows:
         value = KeyedNumber((self._keys._seconds(),), (self.now,)) if keyed else self.now
         text = f"{'Key' if keyed else 'Fix'} {self._field} of {self._editor.entity.name}"
         self._editor.change(text, **{self._field: value})
+
+
+def _kind_of(target: object) -> str | None:
+    """The kind as ``PLACE_KINDS`` lists it; None where the value is no target."""
+    if isinstance(target, KeyedOwnPlace):
+        return KEYED_KIND
+    return getattr(target, "kind", FIXED_KIND if isinstance(target, tuple) else None)
 
 
 _THINGS = ("performer_id", "prop_id", "joint")

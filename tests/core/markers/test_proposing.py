@@ -62,6 +62,16 @@ def test_of_two_markers_at_a_knee_the_outer_one_is_told_by_where_it_is() -> None
     assert proposed.has_legs()
 
 
+def test_initials_stand_for_the_first_place_that_no_other_label_names() -> None:
+    """``E`` is an elbow in either set; ``LE`` a knee where none is named, ``A`` an ankle or else an acromion."""
+    legs = {f"{side}_front_hip": f"{side[0].upper()}ASI" for side in ("left", "right")}
+    latin = legs | {"left_knee": "LLE", "left_inner_knee": "LME", "left_ankle": "LLM", "left_shoulder": "LA"}
+    plain = legs | {"left_knee": "LK", "left_ankle": "LA", "left_shoulder": "LS"}
+    for names in (latin, plain):
+        proposed = propose_map(_renamed(names)).markers
+        assert {role: own for role, (own, *_) in proposed.items()} == names
+
+
 def test_a_sacrum_marker_is_both_backs_of_the_pelvis() -> None:
     proposed = propose_map(_renamed(LOWER))
     assert proposed.markers["left_back_hip"] == proposed.markers["right_back_hip"] == ("VSAC",)

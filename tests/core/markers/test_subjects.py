@@ -5,6 +5,7 @@ import pytest
 from studio.core.markers.subjects import shared_beginning, with_subjects
 
 MARKERS = ("LASI", "RASI", "L.Knee", "R.Knee", "L_Toe", "R_Toe", "HeadL", "HeadR", "C7")
+BODY = (*MARKERS, "LPSI", "RPSI", "L.Ankle", "R.Ankle", "LHEE", "RHEE", "CLAV")
 
 
 @pytest.mark.parametrize("sign", ["_", ".", "-", " ", "__"])
@@ -14,12 +15,40 @@ def test_each_subject_comes_before_a_colon_with_its_markers_and_no_others(sign: 
     assert with_subjects(labels) == (*(f"{name}:{marker}" for name in names for marker in MARKERS), "Box1")
 
 
+@pytest.mark.parametrize("form", ["{1}_{0}", "{1}.{0}", "{1}:{0}", "{0}{1}", "{1}{0}"])
+@pytest.mark.parametrize("names", [("Ann", "Ben"), ("P1", "P2"), ("Li", "Ri"), ("1", "2"), ("Ann",)])
+def test_a_name_behind_a_label_or_without_a_sign_is_told_by_the_body_it_has(form: str, names: tuple[str, ...]) -> None:
+    labels = [form.format(name, marker) for name in names for marker in BODY] + ["Prop"]
+    assert with_subjects(labels) == (*(f"{name}:{marker}" for name in names for marker in BODY), "Prop")
+
+
 @pytest.mark.parametrize(
     "labels",
     [
         ("L.Knee", "R.Knee", "L.Ankle", "R.Ankle", "L.Lateral", "R.Lateral", "L.Low", "R.Low"),
         tuple(f"Skeleton_{marker}" for marker in MARKERS),
         tuple(f"{bone}_{place}" for bone in ("LThigh", "RThigh", "LShank", "RShank") for place in "1234"),
+        tuple(
+            f"{side}_{joint}_{place}"
+            for side in "LR"
+            for joint in ("Knee", "Ankle", "Elbow", "Wrist", "Toe")
+            for place in ("Out", "In")
+        ),
+        tuple(
+            f"{joint}{place}{side}" for side in "LR" for joint in ("Knee", "Ankle", "Elbow") for place in ("Out", "In")
+        ),
+        tuple(
+            f"{side}{bone}_{place}"
+            for side in "LR"
+            for bone in ("THI", "TIB", "Foot", "UPA", "FRM", "Hand")
+            for place in "123"
+        ),
+        BODY,
+        tuple(
+            f"p{side}{place}"
+            for side in ("Left", "Right")
+            for place in ("ASI", "Toe", "TopOfHand", "Elbow", "Acromion")
+        ),
         ("Ann:LASI", "Ben_LASI"),
         (),
     ],

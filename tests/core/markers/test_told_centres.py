@@ -10,12 +10,13 @@ PELVIS = {"L asis": 0.125, "R asis": -0.125}
 """Where points lie to the left, in metres."""
 
 
-def _told(places: dict[str, float]) -> dict[str, str]:
+def _told(places: dict[str, float], pelvis: dict[str, float] = PELVIS) -> dict[str, str]:
     labels: dict[tuple[str, str], list[str]] = {}
-    for label in PELVIS | places:
+    for label in pelvis | places:
         side, part = part_of(label)
         labels.setdefault((side, part), []).append(label)
-    tracks = {label: np.tile([0.0, y, 0.5], (10, 1)) for label, y in (PELVIS | places).items()}
+    heights = {label: {"hip": 0.9, "ankle": 0.1}.get(label.partition(" ")[2], 0.5) for label in pelvis | places}
+    tracks = {label: np.tile([0.0, y, heights[label]], (10, 1)) for label, y in (pelvis | places).items()}
     return told_centres(labels, tracks)
 
 
@@ -33,6 +34,16 @@ def test_a_centre_lies_half_as_deep_as_a_marker_on_the_inner_side() -> None:
 def test_hip_joints_lie_between_the_markers_of_the_pelvis() -> None:
     assert _told({"L hip": 0.09, "R hip": -0.09}) == {"left_hip": "L hip", "right_hip": "R hip"}
     assert _told({"L hip": 0.17, "R hip": -0.17}) == {}
+
+
+def test_points_that_an_image_shows_at_each_joint_are_centres_where_hips_are_too_near_for_markers() -> None:
+    names = ("hip", "knee", "ankle", "shoulder", "elbow", "wrist")
+
+    def points(hips: float) -> dict[str, float]:
+        return {f"{s} {name}": sign * hips for name in names for s, sign in (("L", 1.0), ("R", -1.0))}
+
+    assert set(_told(points(0.09), {}).values()) == set(points(0.09))
+    assert _told(points(0.17), {}) == {}
 
 
 @pytest.mark.parametrize(
@@ -55,6 +66,13 @@ def test_hip_joints_lie_between_the_markers_of_the_pelvis() -> None:
         ("pRightASI", ("right", "front_hip")), ("pLeftKneeMedEpicondyle", ("left", "inner_knee")),
         ("R.TO", ("right", "toe")), ("LBigToe", ("left", "toe")), ("RMT5", ("right", "outer_toe")),
         ("LKJC", ("left", "knee centre")), ("r_shank_4X4", ("right", "knee centre")),
+        ("LLEL", ("left", "elbow")), ("RFAradius", ("right", "wrist")), ("LFAulna", ("left", "outer_wrist")),
+        ("R.Acromium", ("right", "shoulder")), ("LCAJ", ("left", "shoulder")), ("RLMA", ("right", "ankle")),
+        ("L5TH", ("left", "outer_toe")), ("R1ST", ("right", "inner_toe")), ("RAS", ("right", "front_hip")),
+        ("L.Wrist.Lat", ("left", "wrist")), ("r_mwrist", ("right", "outer_wrist")),
+        ("RWristOut", ("right", "outer_wrist")),
+        ("LRS", ("left", "wrist")), ("RUS", ("right", "outer_wrist")), ("left_foot_index", ("left", "toe")),
+        ("GGENOU", ("left", "knee")), ("Cheville_D", ("right", "ankle")), ("Talon gauche", ("left", "heel")),
     ],
 )  # fmt: skip
 def test_labels_of_known_sets_say_where_their_marker_is(label: str, place: tuple[str, str]) -> None:

@@ -102,6 +102,16 @@ class SelfContact:
             rooms = target, *rooms[1:]
         return replace(self, firm=fractions * self.firm, resting=resting, rooms=rooms)
 
+    @property
+    def touches(self) -> bool:
+        """True if hands touch anything in any frame."""
+        return bool(self.firm.any() or any(firm.any() for firm in self._rests))
+
+    @property
+    def without_touches(self) -> "SelfContact":
+        """The same with arms that stay out of the body alone."""
+        return replace(self, firm=np.zeros_like(self.firm), resting=())
+
     def part(self, frames: slice) -> "SelfContact":
         """The same in some frames."""
         return replace(

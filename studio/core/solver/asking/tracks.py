@@ -13,7 +13,7 @@ from studio.core.constraints.balance import Support
 from studio.core.constraints.base import Constraint, Vector
 from studio.core.constraints.follow import FOLLOWS, Follow, FollowProp, FollowTracked
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Quaternion
-from studio.core.constraints.own_place import OwnPlace
+from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.constraints.target import Place, Turn
 from studio.core.rotations import from_matrix, normalized, shortest_arc, to_matrix
@@ -48,16 +48,21 @@ Tracks = Mapping[Follow | OwnPlace | Support, Track | OwnPath]
 
 @dataclass(frozen=True, eq=False)
 class Targets:
-    """Evaluation of targets: ``times`` (F,) seconds, the ``tracks`` of followed objects, and ``masses()`` (F, 3) the
-    motion's own centre of mass. Every result has F frames, or one for all.
+    """Evaluation of targets: ``times`` (F,) seconds, the ``tracks`` of followed objects, ``masses()`` (F, 3) the
+    motion's own centre of mass, and the body's ``leg_length`` in metres. Every result has F frames, or one for all.
     """
 
     times: FloatArray
     tracks: Mapping[Follow | OwnPlace | Support, Track]
     masses: Callable[[], FloatArray]
+    leg_length: float
 
     def places(self, target: Place | Support) -> FloatArray:
         """Positions (F or 1, 3) in metres."""
+        if isinstance(target, KeyedOwnPlace):
+            return self.tracks[target.origin].places + self.leg_length * target.at(self.times)
+        if isinstance(target, ProceduralPlace) and target.origin is not None:
+            return self.tracks[target.origin].places + target.at(self.times)
         if isinstance(target, KeyedPlace | ProceduralPlace):
             return target.at(self.times)
         if isinstance(target, (*FOLLOWS, OwnPlace, Support)):
@@ -112,7 +117,7 @@ def fixed_at(constraint: Constraint, targets: Targets) -> Constraint:
         value = getattr(constraint, name)
         if isinstance(value, KeyedTurn) or (isinstance(value, FOLLOWS) and constraint.kind == "orientation"):
             changes[name] = tuple(from_matrix(targets.turns(value)[0]).tolist())
-        elif isinstance(value, (KeyedPlace, ProceduralPlace, OwnPlace, *FOLLOWS)):
+        elif isinstance(value, (KeyedPlace, KeyedOwnPlace, ProceduralPlace, OwnPlace, *FOLLOWS)):
             changes[name] = tuple(targets.places(value)[0].tolist())
         elif isinstance(value, KeyedNumber):
             changes[name] = float(targets.numbers(value)[0])

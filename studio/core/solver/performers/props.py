@@ -13,7 +13,7 @@ from studio.core.body.morphology import AnyMorphology
 from studio.core.constraints.activation import EASE_PEAK, EaseShape, ease
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowProp
-from studio.core.constraints.keyed import KeyedNumber
+from studio.core.constraints.keyed import KeyedNumber, KeyedTurn
 from studio.core.rotations import to_matrix
 from studio.core.solver.asking.points import point_indices
 from studio.core.solver.asking.tracks import Track
@@ -167,11 +167,13 @@ def _put(track: Track, chosen: NDArray[np.bool_], other: Track) -> None:
 
 
 def _unheld(prop: Prop, times: FloatArray) -> Track:
-    position, heading = prop.position, prop.heading
+    position, heading, tilt = prop.position, prop.heading, prop.tilt
     places = np.array(position)[None] if isinstance(position, tuple) else position.at(times)
     angles = heading.at(times)[:, 0] if isinstance(heading, KeyedNumber) else np.array([heading])
-    count = max(len(places), len(angles))
-    return Track(np.broadcast_to(places, (count, 3)), np.broadcast_to(turned_by(angles), (count, 3, 3)))
+    tilts = tilt.at(times) if isinstance(tilt, KeyedTurn) else to_matrix(np.array(tilt))[None]
+    rotations = turned_by(angles) @ tilts
+    count = max(len(places), len(rotations))
+    return Track(np.broadcast_to(places, (count, 3)), np.broadcast_to(rotations, (count, 3, 3)))
 
 
 def _part_of(rotations: FloatArray, weights: FloatArray) -> FloatArray:
@@ -204,7 +206,7 @@ def carried_track(held: Carried, positions: FloatArray, rotations: FloatArray, b
     heading = np.arctan2(chest[:, 1], chest[:, 0])
     middle = positions[:, ends].mean(axis=1)
     places = middle + body.leg_length * turned_by(heading) @ np.array(held.offset)
-    return Track(places, turned_by(heading + held.heading))
+    return Track(places, turned_by(heading + held.heading) @ to_matrix(np.array(held.tilt)))
 
 
 def turned_by(angles: FloatArray) -> FloatArray:

@@ -11,10 +11,9 @@ from studio.core.body.morphology import AnyMorphology
 from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import Follow, FollowBody, FollowPerformer, FollowProp, FollowTracked
-from studio.core.constraints.keyed import KeyedNumber
+from studio.core.constraints.keyed import Keys
 from studio.core.constraints.objections import objection
-from studio.core.constraints.own_place import OwnPlace
-from studio.core.constraints.target import follows_of
+from studio.core.constraints.target import follows_of, own_place_of, with_own_place
 from studio.core.normalized.compose import Composite
 from studio.core.project import Performer, Project
 from studio.core.rotations import multiply, to_matrix
@@ -202,7 +201,8 @@ def _prop(follow: FollowProp, project: Project, performer_id: str, results: Mapp
             return OwnPath(among)
         return seen_from(follow, prop, stage_track(prop, seconds, hands), own)
 
-    moving = prop.holds or not isinstance(prop.position, tuple) or isinstance(prop.heading, KeyedNumber)
+    is_keyed = isinstance(prop.heading, Keys) or isinstance(prop.tilt, Keys)
+    moving = prop.holds or not isinstance(prop.position, tuple) or is_keyed
     depends = (*results.values(), *timings.values(), project.performers[performer_id].clips) if moving else ()
     return Followed(follow, (prop, own, *map(Placement.of, leaders.values()), *depends), make)
 
@@ -266,8 +266,8 @@ def concerning(
     """
     changes: dict[str, Any] = {}
     for name, value in vars(constraint).items():
-        if isinstance(value, OwnPlace) and value.own:
-            changes[name] = value.of(performer_id)
+        if (own := own_place_of(value)) is not None and own.own:
+            changes[name] = with_own_place(value, own.of(performer_id))
         if isinstance(value, FollowProp):
             prop = props[value.prop_id]
             if isinstance(prop.held, InHand) and prop.held.is_always and prop.held.performer_id == performer_id:

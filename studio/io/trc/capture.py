@@ -1,0 +1,15 @@
+"""A TRC file as a capture."""
+
+from pathlib import Path
+
+from studio.core.captures.annotations import Annotations
+from studio.io.importing import ImportOptions
+from studio.io.markers.trial_capture import read_of_trial
+from studio.io.registry import Progress, ReadCapture
+from studio.io.trc.reader import read_trc
+
+
+def load_trc(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
+    """The body that moves in the TRC file at ``path``, or its bare markers where nobody knows which is which."""
+    file = read_trc(path, lambda share: progress(0.4 * share, f"Reading {path.name}"))
+    return read_of_trial(file.trial, file.repairs, Annotations(), options, progress)

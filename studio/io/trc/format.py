@@ -1,0 +1,6 @@
+"""TRC as a format of the registry: what such a file begins with."""
+
+
+def is_trc(head: bytes) -> bool:
+    """Whether a file that begins with ``head`` is a TRC file."""
+    return head.lstrip(b"\xef\xbb\xbf \t\r\n")[:12].lower() == b"pathfiletype"

@@ -1,0 +1,53 @@
+"""A rotation as three angles in one row, to type or to drag."""
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from studio.core.rotations import angle_between, from_euler, to_euler
+from studio.panels.editor import Editor
+from studio.panels.fields import NumberField, Section
+
+ORDER = "ZYX"
+"""Intrinsic: as angles about fixed axes, X acts first, then Y, then Z, which so is always the heading."""
+SAME = 1e-3
+"""Radians: the fields are rounded, and angles that mean the same rotation stay as they were typed."""
+
+
+class RotationRow:
+    """Degrees about the X, then the Y, then the Z axis of a ``space``; ``put`` takes the rotation (x, y, z, w)."""
+
+    def __init__(
+        self, editor: Editor, section: Section, space: str, put: Callable[[tuple[float, float, float, float]], None]
+    ) -> None:
+        self._put = put
+        self._fields = [
+            editor.bind(NumberField(f"Turn {axis}", "", -360.0, 360.0, 1.0, 2), partial(self._set, place))
+            for place, axis in enumerate("XYZ")
+        ]
+        words = f"Degrees about X, then Y, then Z of {space} (rotation order XYZ)."
+        for field in self._fields:
+            field.setToolTip(words)
+        section.add_row("Turn XYZ  °", *self._fields).setToolTip(words)
+
+    def show_rotation(self, rotation: ArrayLike) -> None:
+        """Show a rotation (x, y, z, w)."""
+        now = np.asarray(rotation, dtype=np.float64)
+        if angle_between(self._rotation(self._shown()), now) > SAME:
+            for field, angle in zip(self._fields, np.degrees(to_euler(ORDER, now))[::-1], strict=True):
+                field.show_value(float(angle))
+
+    def _shown(self) -> list[float]:
+        return [field.value() for field in self._fields]
+
+    @staticmethod
+    def _rotation(degrees: list[float]) -> NDArray[np.float64]:
+        return from_euler(ORDER, np.radians(degrees[::-1]))
+
+    def _set(self, axis: int, degrees: float) -> None:
+        angles = self._shown()
+        angles[axis] = degrees
+        x, y, z, w = self._rotation(angles).tolist()
+        self._put((x, y, z, w))

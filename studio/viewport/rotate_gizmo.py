@@ -1,0 +1,109 @@
+"""The gizmo that rotates: a ring about each axis, a ring across the sight, and a trackball within them."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.viewport.camera import FloatArray
+from studio.viewport.gizmo import GIZMO_AXES, LINE_REACH, GizmoFrame
+
+RING, SCREEN_RING, TRACKBALL = 0.86, 1.06, "trackball"
+"""Radii of the rings, in parts of an arrow."""
+SCREEN_RING = "screen"
+EDGE_ON = 0.2
+"""Cosine between a ring's axis and the sight below which the ring is dragged along its tangent."""
+SIDES = 72
+_ROUND = np.linspace(0.0, 2.0 * np.pi, SIDES + 1)
+
+
+@dataclass(frozen=True, eq=False)
+class RotateGizmo(GizmoFrame):
+    """A gizmo that rotates a thing about the rows of ``axes``, or about the stage's Z alone while ``heading_only``."""
+
+    heading_only: bool = False
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """The rings that it has."""
+        return ("z",) if self.heading_only else (*GIZMO_AXES, SCREEN_RING)
+
+    def ring(self, part: str) -> FloatArray:
+        """(SIDES + 1, 2) pixels of a ring, closed; angles grow with a positive rotation about its axis."""
+        first, second, _ = self._basis(part)
+        radius = self.length * (SCREEN_RING if part == SCREEN_RING else RING)
+        points = np.outer(np.cos(_ROUND), first) + np.outer(np.sin(_ROUND), second)
+        return self.camera.project(self.origin + radius * points, self.size)[0]
+
+    def in_front(self, part: str) -> NDArray[np.bool_]:
+        """(SIDES,) True for sides on the half towards the viewer; all of a ring that is seen from its axis."""
+        first, second, axis = self._basis(part)
+        if part == SCREEN_RING or self.heading_only or abs(float(axis @ self.sight)) > 0.985:
+            return np.ones(SIDES, dtype=np.bool_)
+        middles = (_ROUND[:-1] + _ROUND[1:]) / 2
+        return np.asarray(np.cos(middles) * (first @ self.sight) + np.sin(middles) * (second @ self.sight) <= 0.0)
+
+    @cached_property
+    def radius(self) -> float:
+        """Pixels of a ring that is seen from its axis."""
+        return RING * self.pixels
+
+    def axis(self, part: str) -> FloatArray:
+        """(3,) unit axis of a ring, stage space."""
+        return self._basis(part)[2]
+
+    def part_at(self, x: float, y: float) -> str | None:
+        """The part under pixel (x, y): the near halves of rings before the outer ring before the trackball."""
+        mouse = np.array([x, y])
+        away = {part: self._distance(part, mouse) for part in self.parts}
+        nearest = min(away, key=lambda part: away[part])
+        if away[nearest] <= LINE_REACH:
+            return nearest
+        inside = not self.heading_only and np.hypot(*(mouse - self.centre)) < self.radius
+        return TRACKBALL if inside else None
+
+    def bearing(self, part: str, x: float, y: float, grip: tuple[float, float]) -> float:
+        """Radians about a ring's axis at which pixel (x, y) is; from ``grip`` where the ring is seen edge on."""
+        first, second, axis = self._basis(part)
+        if abs(float(axis @ self.sight)) >= EDGE_ON:
+            away = self.in_plane(axis, x, y) - self.origin
+            return float(np.arctan2(away @ second, away @ first))
+        sides = self.ring(part)
+        front = np.flatnonzero(self.in_front(part))
+        nearest = front[np.argmin(np.hypot(*(sides[front] - np.array(grip)).T))]
+        tangent = sides[nearest + 1] - sides[nearest]
+        tangent = tangent / max(float(np.hypot(*tangent)), 1e-9)
+        return float((np.array([x, y]) - np.array(grip)) @ tangent / self.radius)
+
+    def sector(self, part: str, begin: float, angle: float) -> FloatArray:
+        """(N, 2) pixels of the sector of a ring from bearing ``begin`` over ``angle`` radians, from the middle on."""
+        first, second, _ = self._basis(part)
+        radius = self.length * (SCREEN_RING if part == SCREEN_RING else RING)
+        angles = begin + np.linspace(0.0, angle, 2 + int(abs(angle) * SIDES / (2.0 * np.pi)))
+        points = np.outer(np.cos(angles), first) + np.outer(np.sin(angles), second)
+        return self.camera.project(self.origin + radius * np.concatenate([np.zeros((1, 3)), points]), self.size)[0]
+
+    def _basis(self, part: str) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Two axes of a ring's plane and the axis that it goes round, stage space."""
+        if part == SCREEN_RING:
+            right, up, back = self.camera.axes
+            return right, up, back
+        axis = GIZMO_AXES.index(part)
+        axes = np.eye(3) if self.heading_only else self.axes
+        return axes[(axis + 1) % 3], axes[(axis + 2) % 3], axes[axis]
+
+    def _distance(self, part: str, mouse: FloatArray) -> float:
+        corners, front = self.ring(part), self.in_front(part)
+        begin, along = corners[:-1][front], np.diff(corners, axis=0)[front]
+        away = mouse - begin
+        parts = np.einsum("nk,nk->n", away, along) / np.maximum(np.einsum("nk,nk->n", along, along), 1e-9)
+        distances = np.linalg.norm(away - np.clip(parts, 0.0, 1.0)[:, None] * along, axis=1)
+        return float(distances.min(initial=np.inf))
+
+
+def rotation_about(axis: FloatArray, angle: float) -> FloatArray:
+    """Rotation (3, 3) about a unit ``axis`` (3,) by ``angle`` radians (Rodrigues)."""
+    x, y, z = axis.tolist()
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross)

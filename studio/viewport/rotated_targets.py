@@ -1,0 +1,199 @@
+"""Constraints that a gizmo rotates or resizes: orientations, look-at targets, directions, areas."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+
+from studio.core.constraints.area import AreaConstraint, AreaShape
+from studio.core.constraints.base import Constraint
+from studio.core.constraints.keyed import KeyedTurn
+from studio.core.constraints.look_at import LookAtConstraint
+from studio.core.constraints.orientation import OrientationConstraint
+from studio.core.constraints.upright import UprightConstraint
+from studio.core.rotations import frame_along, from_matrix, to_matrix
+from studio.document.document import Document
+from studio.engine.moments import TargetContext
+from studio.engine.props import further_heading, is_about_z
+from studio.viewport.body_points import point_path
+from studio.viewport.camera import FloatArray
+from studio.viewport.movables import LEAST_OBJECT_SIZE, Target
+
+SIZED = {
+    AreaShape.BOX: (True, True, True),
+    AreaShape.TABLE: (True, True, True),
+    AreaShape.SPHERE: (True, False, False),
+    AreaShape.CYLINDER: (True, False, True),
+}
+"""The sides of an area that its shape uses."""
+HEADED = (AreaShape.BOX, AreaShape.TABLE, AreaShape.MESH)
+
+
+class RotatedTarget(Target):
+    """A target that is rotated about the point of the body to which it applies."""
+
+    rotates = True
+
+    def __init__(self, document: Document, constraint_id: str, moment: TargetContext, floor: float) -> None:
+        super().__init__(document, constraint_id, moment, floor)
+        pose = moment.pose
+        path = point_path(pose.motion, self._begin.point, slice(pose.row, pose.row + 1))
+        self._point = pose.placement.to_stage(path[0])
+
+    @property
+    def pivot(self) -> FloatArray:
+        """(3,) stage position of the point."""
+        return self._point
+
+    def _here(self, rotation: FloatArray) -> FloatArray:
+        """A rotation (3, 3) of the stage, in the space of the constraint."""
+        axes = self.placement.rotation
+        return np.asarray(axes.T @ rotation @ axes)
+
+    @property
+    def _fixed(self) -> Constraint:
+        """The constraint with what it had at the playhead when the gizmo was made."""
+        fixed = self._moment.fixed(self._begin)
+        assert fixed is not None
+        return fixed
+
+
+class RotatedSegment(RotatedTarget):
+    """The rotation that an orientation constraint gives to a segment."""
+
+    moves = False
+
+    @staticmethod
+    def is_held(now: Constraint) -> bool:
+        """True: it needs no position."""
+        return True
+
+    @property
+    def place(self) -> FloatArray:
+        """(3,) position of its point."""
+        return self.placement.to_motion(self._point)
+
+    @property
+    def _target(self) -> FloatArray:
+        """(3, 3) rotation at the playhead, in the space of the constraint."""
+        fixed = self._fixed
+        assert isinstance(fixed, OrientationConstraint)
+        return to_matrix(np.array(fixed.target))
+
+    @property
+    def own_axes(self) -> FloatArray:
+        """(3, 3) axes of the target as it is now."""
+        now = self._moment.fixed(self._constraint)
+        assert isinstance(now, OrientationConstraint)
+        return np.asarray(self.placement.rotation @ to_matrix(np.array(now.target)))
+
+    def rotate(self, rotation: FloatArray, gesture: int) -> None:
+        """Rotate the target."""
+        x, y, z, w = from_matrix(self._here(rotation) @ self._target).tolist()
+        verb = "Key" if isinstance(getattr(self._begin, "target", None), KeyedTurn) else "Turn"
+        text = f"{verb} target of {self._begin.name}"
+        self._put(self._moment.turned(self._begin, (x, y, z, w)), text, gesture)
+
+
+class RotatedDirection(RotatedTarget):
+    """The direction that an axis of a segment keeps."""
+
+    moves = False
+    is_held = RotatedSegment.is_held
+    place = RotatedSegment.place
+
+    @property
+    def own_axes(self) -> FloatArray:
+        """(3, 3) axes of which the last is the direction."""
+        now = self._constraint
+        assert isinstance(now, UprightConstraint)
+        return np.asarray(self.placement.rotation @ frame_along(np.array(now.direction), np.array([1.0, 0.0, 0.0])))
+
+    def rotate(self, rotation: FloatArray, gesture: int) -> None:
+        """Rotate the direction."""
+        assert isinstance(self._begin, UprightConstraint)
+        x, y, z = (self._here(rotation) @ np.array(self._begin.direction)).tolist()
+        self._put(replace(self._begin, direction=(x, y, z)), f"Turn direction of {self._begin.name}", gesture)
+
+
+class LookedAt(RotatedTarget):
+    """A place that is looked at: it goes round the eyes when rotated."""
+
+    def rotate(self, rotation: FloatArray, gesture: int) -> None:
+        """Take the place round the eyes."""
+        fixed, eyes = self._fixed, self.placement.to_motion(self._point)
+        assert isinstance(fixed, LookAtConstraint)
+        assert isinstance(fixed.target, tuple)
+        self.move(eyes + self._here(rotation) @ (np.array(fixed.target) - eyes), gesture)
+
+
+class RotatedArea(RotatedTarget):
+    """An area: those with a heading go round Z, a half-space tilts every way, and most have a size."""
+
+    def __init__(self, document: Document, constraint_id: str, moment: TargetContext, floor: float) -> None:
+        super().__init__(document, constraint_id, moment, floor)
+        area = self._area
+        self.rotates = area.shape in HEADED or area.shape is AreaShape.HALF_SPACE
+        self.heading_only = area.shape in HEADED
+        self.scales = SIZED.get(area.shape, (False, False, False))
+
+    @property
+    def _area(self) -> AreaConstraint:
+        assert isinstance(self._begin, AreaConstraint)
+        return self._begin
+
+    @property
+    def pivot(self) -> FloatArray:
+        """(3,) stage position of the centre."""
+        return self.placement.to_stage(self.place)
+
+    @property
+    def own_axes(self) -> FloatArray:
+        """(3, 3) axes of its heading; of a half-space the last is its normal."""
+        now = self._moment.fixed(self._constraint)
+        assert isinstance(now, AreaConstraint)
+        if now.shape is AreaShape.HALF_SPACE:
+            normal = np.array(now.size)
+            return np.asarray(self.placement.rotation @ frame_along(normal, np.array([1.0, 0.0, 0.0])))
+        heading = now.heading if isinstance(now.heading, float | int) else 0.0
+        return self.placement.around(type(self.placement)(heading=heading)).rotation
+
+    def rotate(self, rotation: FloatArray, gesture: int) -> None:
+        """Turn it about Z through its centre, or tilt the plane of a half-space."""
+        area = self._area
+        text = f"Turn {area.name}"
+        if area.shape is AreaShape.HALF_SPACE:
+            x, y, z = (self._tilt.T @ self._here(rotation) @ self._tilt @ np.array(area.size)).tolist()
+            self._put(replace(area, size=(x, y, z)), text, gesture)
+        elif is_about_z(rotation):
+            angle = math.atan2(rotation[1, 0], rotation[0, 0])
+            heading = further_heading(area.heading, angle, self._moment.pose.seconds)
+            self._put(replace(area, heading=heading), text, gesture)
+
+    def scale(self, factors: FloatArray, gesture: int) -> None:
+        """Make it larger about its centre."""
+        x, y, z = np.maximum(np.array(self._area.size) * factors, LEAST_OBJECT_SIZE).tolist()
+        self._put(replace(self._area, size=(x, y, z)), f"Resize {self._area.name}", gesture)
+
+    @property
+    def _tilt(self) -> FloatArray:
+        """(3, 3) rotation from the stored normal of a half-space to that of the playhead."""
+        columns = []
+        for x, y, z in np.eye(3).tolist():
+            fixed = self._moment.fixed(replace(self._area, size=(x, y, z)))
+            assert isinstance(fixed, AreaConstraint)
+            columns.append(np.array(fixed.size))
+        return np.stack(columns, axis=1)
+
+
+ROTATED_TARGETS: Mapping[type[Constraint], type[Target]] = MappingProxyType(
+    {
+        OrientationConstraint: RotatedSegment,
+        UprightConstraint: RotatedDirection,
+        LookAtConstraint: LookedAt,
+        AreaConstraint: RotatedArea,
+    }
+)
+"""Targets that are rotated, by kind; those of other kinds are only moved."""

@@ -1,0 +1,40 @@
+"""The gizmo that resizes: a line with a box along each axis, and a box in the middle for all of them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from studio.viewport.gizmo import BALL_HANDLE, BALL_REACH, GIZMO_AXES, GizmoFrame, nearest_axis
+
+EVEN_PIXELS = 120.0
+"""Pixels to the right over which the box in the middle makes a thing 2.7 times larger."""
+SMALLEST = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class ScaleGizmo(GizmoFrame):
+    """A gizmo that makes a thing larger along those of its own axes that have a size."""
+
+    scales: tuple[bool, bool, bool] = (True, True, True)
+
+    def usable(self, part: str) -> bool:
+        """False for an axis without a size or seen end on."""
+        if part == BALL_HANDLE:
+            return True
+        axis = GIZMO_AXES.index(part)
+        return bool(self.scales[axis] and self.facing[axis] < 0.985)
+
+    def part_at(self, x: float, y: float) -> str | None:
+        """The part under pixel (x, y): the middle before the axes."""
+        mouse = np.array([x, y])
+        if np.hypot(*(mouse - self.centre)) <= BALL_REACH:
+            return BALL_HANDLE
+        return nearest_axis(self, mouse, [self.usable(axis) for axis in GIZMO_AXES])
+
+    def factor(self, part: str, grip: tuple[float, float], x: float, y: float) -> float:
+        """How much larger the thing is when ``part``, gripped at one pixel, is dragged to (x, y)."""
+        if part == BALL_HANDLE:
+            return float(np.exp((x - grip[0] - (y - grip[1])) / EVEN_PIXELS))
+        axis = GIZMO_AXES.index(part)
+        begin, end = (float((self.along_axis(axis, *at) - self.origin) @ self.axes[axis]) for at in (grip, (x, y)))
+        return max(end / begin if abs(begin) > 1e-6 else 1.0, SMALLEST)

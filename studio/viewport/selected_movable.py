@@ -1,0 +1,88 @@
+"""What the gizmo stands on, and the gizmo of a tool there."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from studio.core.constraints.carried_over import mirrored_constraint
+from studio.core.stage.placement import Placement
+from studio.document.document import Document
+from studio.engine.moments import TargetContext
+from studio.engine.performance import Posed
+from studio.viewport.camera import FloatArray, OrbitCamera
+from studio.viewport.gizmo import Gizmo, Space
+from studio.viewport.handles import floor_under
+from studio.viewport.movables import Movable, PlacedPerformer, PlacedProp, Target
+from studio.viewport.rotate_gizmo import RotateGizmo
+from studio.viewport.rotated_targets import ROTATED_TARGETS
+from studio.viewport.scale_gizmo import ScaleGizmo
+
+AnyGizmo = Gizmo | RotateGizmo | ScaleGizmo
+
+
+def selected_movable(document: Document, posed: Mapping[str, Posed], *, picking: bool = False) -> Movable | None:
+    """What the gizmo stands on: the current selection, if it can be moved.
+
+    A body is not while a joint of it is picked, beside which its handle would lie.
+    """
+    project, pose = document.project, posed.get(document.active_performer_id or "")
+    collection, entity_id = document.selection.current or ("", "")
+    if collection == "props" and entity_id in project.props:
+        return PlacedProp(document, entity_id, posed)
+    if pose is None:
+        return None
+    floor = floor_under(project, pose)
+    if collection == "performers":
+        return (
+            None
+            if picking or entity_id not in project.performers
+            else PlacedPerformer(document, entity_id, pose, floor)
+        )
+    moment = TargetContext(project, posed, pose)
+    constraint = project.constraints.get(entity_id) if collection == "constraints" else None
+    if constraint is not None and pose.mirrored:
+        constraint = mirrored_constraint(constraint)
+    now = moment.fixed(constraint) if constraint else None
+    if now is None:
+        return None
+    kind = ROTATED_TARGETS.get(type(now), Target)
+    return kind(document, entity_id, moment, floor) if kind.is_held(now) else None
+
+
+def gizmo_of(
+    tool: str, movable: Movable, space: Space, camera: OrbitCamera, size: tuple[float, float], pixels: float
+) -> AnyGizmo | None:
+    """The gizmo of a tool, ``move``, ``rotate`` or ``scale``, with arrows of so many ``pixels``.
+
+    None where the tool does nothing to the thing.
+    """
+    axes = axes_in(movable, space, camera).T
+    if tool == "move" and movable.moves:
+        return Gizmo(movable.placement.to_stage(movable.place), axes, camera, size, pixels, movable.flat)
+    if tool == "rotate" and movable.rotates:
+        return RotateGizmo(movable.pivot, axes, camera, size, pixels, movable.heading_only)
+    if tool == "scale" and any(movable.scales):
+        origin = movable.placement.to_stage(movable.place)
+        return ScaleGizmo(origin, movable.own_axes.T, camera, size, pixels, movable.scales)
+    return None
+
+
+def axes_in(movable: Movable, space: Space, camera: OrbitCamera) -> FloatArray:
+    """(3, 3) axes of a space as columns, stage space; of what stays on the ground, level."""
+    axes = {
+        Space.WORLD: lambda: np.eye(3),
+        Space.LOCAL: lambda: movable.own_axes,
+        Space.PARENT: lambda: movable.parent_axes,
+        Space.SCREEN: lambda: camera.axes.T,
+    }[space]()
+    if not movable.flat:
+        return axes
+    return Placement(heading=float(np.arctan2(axes[1, 0], axes[0, 0]))).rotation
+
+
+def zero_of(movable: Movable, space: Space) -> FloatArray | None:
+    """(3,) stage point from which whole steps of a space count; None: from where the thing is."""
+    if space is Space.WORLD:
+        return np.zeros(3)
+    is_fixed = space is Space.PARENT and np.allclose(movable.parent_axes, movable.placement.rotation)
+    return movable.placement.to_stage(np.zeros(3)) if is_fixed else None
