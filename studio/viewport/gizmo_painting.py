@@ -10,7 +10,7 @@ from studio.document import colours
 from studio.viewport.camera import FloatArray
 from studio.viewport.gestures import EditDrag, RotateDrag, ViewportGesture
 from studio.viewport.gizmo import BALL_HANDLE, GIZMO_AXES, PLANES, Gizmo, GizmoFrame
-from studio.viewport.rotate_gizmo import SCREEN_RING, TRACKBALL, RotateGizmo
+from studio.viewport.rotate_gizmo import SCREEN_PART, TRACKBALL, RotateGizmo
 from studio.viewport.scale_gizmo import ScaleGizmo
 from studio.viewport.strokes import SHADOW, draw_disc, draw_line
 
@@ -71,7 +71,7 @@ class GizmoPainter:
             self._globe(gizmo, hot == TRACKBALL)
         for part in gizmo.parts:
             colour = QColor(HOVERED if part == hot else AXIS_COLOURS.get(part, MIDDLE))
-            self._ring(gizmo, part, colour, 2.4 if part == hot else 1.2 if part == SCREEN_RING else 1.8)
+            self._ring(gizmo, part, colour, 2.4 if part == hot else 1.2 if part == SCREEN_PART else 1.8)
         draw_disc(self._painter, gizmo.centre, 2.5, QColor(MIDDLE))
 
     def _globe(self, gizmo: RotateGizmo, hot: bool) -> None:

@@ -5,12 +5,12 @@ from hypothesis import strategies as st
 
 from studio.viewport.camera import OrbitCamera
 from studio.viewport.gizmo import GIZMO_AXES
-from studio.viewport.rotate_gizmo import SCREEN_RING, SIDES, TRACKBALL, RotateGizmo, rotation_about
+from studio.viewport.rotate_gizmo import SCREEN_PART, SIDES, TRACKBALL, RotateGizmo, rotation_about
 from studio.viewport.scale_gizmo import ScaleGizmo
 
 SIZE = (800.0, 600.0)
 ORIGIN = np.array([0.3, -0.2, 1.1])
-PARTS = (*GIZMO_AXES, SCREEN_RING)
+PARTS = (*GIZMO_AXES, SCREEN_PART)
 angles = st.floats(-np.pi, np.pi)
 cameras = st.builds(
     OrbitCamera, target=st.just(tuple(ORIGIN.tolist())), azimuth=angles, elevation=st.floats(-0.1, 1.5),
@@ -54,7 +54,7 @@ def test_rings_are_found_where_their_near_halves_are_drawn_and_the_trackball_bet
         corners = gizmo.ring(part)
         for side in np.flatnonzero(gizmo.in_front(part))[::6]:
             assert gizmo.part_at(*corners[side]) in PARTS  # another ring may cross there
-    x, y = gizmo.ring(SCREEN_RING)[np.argmin(gizmo.ring(SCREEN_RING)[:, 0])]
+    x, y = gizmo.ring(SCREEN_PART)[np.argmin(gizmo.ring(SCREEN_PART)[:, 0])]
     assert gizmo.part_at(x - 40.0, y) is None
     inside = gizmo.centre + np.stack(np.meshgrid(*[np.linspace(-60, 60, 9)] * 2), axis=-1).reshape(-1, 2)
     assert TRACKBALL in {gizmo.part_at(*pixel) for pixel in inside}
