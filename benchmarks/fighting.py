@@ -15,7 +15,7 @@ from studio.core.body.morphology import Morphology
 from studio.io.project.character_file import bundled_characters
 from studio.library.indexing import bundled_library
 from studio.library.library import Library
-from studio.live.fight import ANY_STRIKE, ORDERS, FightReport, fight, orders_every
+from studio.live.fight import ANY_STRIKE, FIGHT_ORDERS, FightReport, fight, orders_every
 from studio.live.fighter import Fighter
 
 SECONDS, EVERY = 60.0, 1.5
@@ -52,7 +52,7 @@ def fought(library: Library, body: Morphology, seconds: float) -> FightReport:
     fighter = Fighter(library, body, guard_of(None))
     rehearse(fighter)
     stature = fighter.body.stature
-    orders = orders_every(EVERY, [*ORDERS.values(), ANY_STRIKE])
+    orders = orders_every(EVERY, [*FIGHT_ORDERS.values(), ANY_STRIKE])
     return fight(fighter, lambda now: ducking(now, stature), orders, seconds, clock=time.thread_time)
 
 

@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.cli.bench_cases import ALWAYS, LIMB, ROOT, WITH_TRUNK, make_tasks
+from studio.cli.bench_cases import LIMB, ROOT_CHAIN, WHOLE_CASE, WITH_TRUNK, make_tasks
 from studio.cli.bench_timing import BenchJob, time_jobs
 from studio.core.body.canonical import BodyPart
 from studio.core.body.character import Character
@@ -22,7 +22,7 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import from_matrix
 from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.jobs.adaptation import MOTION_ID
+from studio.jobs.adaptation import ADAPTED_MOTION_ID
 
 MOST_CONSTRAINTS = 16
 ORDERS, SEED = 8, 0
@@ -37,7 +37,7 @@ _POINTS = (
     (BodyPart.RIGHT_FOREARM, WITH_TRUNK), (BodyPart.LEFT_FOREARM, WITH_TRUNK), (BodyPart.HEAD, WITH_TRUNK),
     (BodyPart.RIGHT_UPPER_ARM, LIMB), (BodyPart.LEFT_UPPER_ARM, LIMB), (BodyPart.THORAX, WITH_TRUNK),
     (BodyPart.RIGHT_SHANK, LIMB), (BodyPart.LEFT_SHANK, LIMB), (BodyPart.RIGHT_CLAVICLE, Chain(trunk=0.5)),
-    (BodyPart.LEFT_CLAVICLE, Chain(trunk=0.5)), (BodyPart.PELVIS, ROOT),
+    (BodyPart.LEFT_CLAVICLE, Chain(trunk=0.5)), (BodyPart.PELVIS, ROOT_CHAIN),
 )  # fmt: skip
 
 
@@ -97,18 +97,29 @@ def many_wishes(adapted: AdaptedMotion) -> tuple[Constraint, ...]:
     for number, (part, chain) in enumerate(_POINTS):
         point = BodyPoint(part, at_end=True)
         place = np.median(place_of(point, adapted), axis=0) + ASIDE * np.roll([1.0, 0.0, 0.0], number)
-        wishes.append(PositionConstraint(MOTION_ID, part.label, point, chain, number % 4, ALWAYS, target=tuple(place)))
+        wishes.append(
+            PositionConstraint(ADAPTED_MOTION_ID, part.label, point, chain, number % 4, WHOLE_CASE, target=tuple(place))
+        )
     for side, part in enumerate((BodyPart.RIGHT_HAND, BodyPart.LEFT_HAND)):
         turn = from_matrix(adapted.rotations[:1, adapted.morphology.layout.segment(part)])[0]
         wishes.insert(
-            2 + side, OrientationConstraint(MOTION_ID, part.label, BodyPoint(part), LIMB, 1, ALWAYS, target=tuple(turn))
+            2 + side,
+            OrientationConstraint(
+                ADAPTED_MOTION_ID, part.label, BodyPoint(part), LIMB, 1, WHOLE_CASE, target=tuple(turn)
+            ),
         )
     eyes = np.median(place_of(EYES, adapted), axis=0)
-    wishes.insert(4, LookAtConstraint(MOTION_ID, "Look", EYES, LIMB, 2, ALWAYS, target=(eyes[0] + 3.0, eyes[1], 1.0)))
-    wishes.insert(5, BalanceConstraint(MOTION_ID, "Balance", BodyPoint(BodyPart.PELVIS), ROOT, 0, ALWAYS))
+    wishes.insert(
+        4, LookAtConstraint(ADAPTED_MOTION_ID, "Look", EYES, LIMB, 2, WHOLE_CASE, target=(eyes[0] + 3.0, eyes[1], 1.0))
+    )
+    wishes.insert(
+        5, BalanceConstraint(ADAPTED_MOTION_ID, "Balance", BodyPoint(BodyPart.PELVIS), ROOT_CHAIN, 0, WHOLE_CASE)
+    )
     abdomen = BodyPoint(BodyPart.ABDOMEN)
     bend = from_matrix(adapted.rotations[:1, adapted.morphology.layout.segment(BodyPart.ABDOMEN)])[0]
-    wishes.append(OrientationConstraint(MOTION_ID, "Abdomen", abdomen, WITH_TRUNK, 3, ALWAYS, target=tuple(bend)))
+    wishes.append(
+        OrientationConstraint(ADAPTED_MOTION_ID, "Abdomen", abdomen, WITH_TRUNK, 3, WHOLE_CASE, target=tuple(bend))
+    )
     return tuple(wishes)
 
 

@@ -17,7 +17,7 @@ from studio.core.solver.standing.stand import stand
 from studio.io.project.character_file import bundled_characters
 from studio.library.indexing import bundled_library
 from studio.library.library import Library
-from studio.library.scenes.choosing import AHEAD, BODIES, FEW, HEIGHT, target_of
+from studio.library.scenes.choosing import FIGHTER_BODIES, MOST_STRIKES_TRIED, TARGET_AHEAD, TARGET_HEIGHT, target_of
 from studio.library.searching import find
 from studio.library.striking import Blow, make_strike, tried
 
@@ -49,13 +49,16 @@ def draw_hits(folder: Path) -> None:
     bodies = {key: character.morphology for key, character in bundled_characters().items()}
     woman = [_shown(library, guard, bodies["adult_woman"], place) for place in PLACES]
     _draw(woman, folder / "retrieval_adapted.svg")
-    _draw([_shown(library, guard, bodies[key], (AHEAD, HEIGHT)) for key in BODIES], folder / "retrieval_bodies.svg")
+    _draw(
+        [_shown(library, guard, bodies[key], (TARGET_AHEAD, TARGET_HEIGHT)) for key in FIGHTER_BODIES],
+        folder / "retrieval_bodies.svg",
+    )
 
 
 def _shown(library: Library, guard: MotionPiece, body: Morphology, place: tuple[float, float]) -> Shown:
     last = guard.first + round(HELD * guard.motion.frame_rate)
     asked = target_of(guard.motion, last, body, place)
-    found = tried(find(library, asked, FEW), asked)[0].found
+    found = tried(find(library, asked, MOST_STRIKES_TRIED), asked)[0].found
     x, y, z = np.asarray(asked.place).tolist()
     made = make_strike(replace(guard, last=last), last, Blow.of(found), body, (x, y, z))
     standing = stand(made.composite.motion, body, made.composite.contacts, Ground())

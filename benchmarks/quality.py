@@ -12,7 +12,7 @@ from studio.core.body.canonical import BodyLayout
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import Constraint
 from studio.core.grounds.ground import Ground
-from studio.core.quality.metrics import QUIET, angular_acceleration, centre_of_mass, contact_quality
+from studio.core.quality.metrics import QUIET_PEAK, angular_acceleration, centre_of_mass, contact_quality
 from studio.core.solver.adapt import adapt, hold
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.stand import Standing, stand
@@ -94,7 +94,7 @@ def accelerations(adapted: AdaptedMotion, source: AdaptedMotion) -> tuple[float,
         axis=0
     )
     own = np.array([before[k] for k in _matching(adapted.morphology.layout, source.morphology.layout)])
-    return float(now.max() / before.max()), float((now / np.maximum(own, QUIET)).max())
+    return float(now.max() / before.max()), float((now / np.maximum(own, QUIET_PEAK)).max())
 
 
 def _matching(layout: BodyLayout, other: BodyLayout) -> list[int]:

@@ -26,7 +26,7 @@ from studio.core.body.character import Character  # noqa: E402
 from studio.core.errors import StudioError  # noqa: E402
 from studio.core.grounds.ground import Ground  # noqa: E402
 from studio.core.normalized.round_trip import round_trip  # noqa: E402
-from studio.core.quality.motion_quality import PARTS, MotionQuality, motion_quality  # noqa: E402
+from studio.core.quality.motion_quality import PART_SEGMENTS, MotionQuality, motion_quality  # noqa: E402
 from studio.core.solver.adapt import hold  # noqa: E402
 from studio.core.solver.request import AdaptRequest  # noqa: E402
 from studio.core.solver.standing.stand import standing_of  # noqa: E402
@@ -93,7 +93,7 @@ ASKED = {
 """What is beyond is listed as short, by title."""
 PEAK = 2.0
 """The same of the peaks of all segments."""
-RATIOS = "bob", "jump", *(f"peak of {part}" for part in PARTS)
+RATIOS = "bob", "jump", *(f"peak of {part}" for part in PART_SEGMENTS)
 """Figures of which 1 is as in the capture."""
 SEEN = {
     "knees mean": ("knee_mean", degrees(1.0)), "knees most": ("knee_most", degrees(1.0)), "hips mm": ("drop", 1e3),
@@ -103,7 +103,7 @@ SEEN = {
 """Titles of what an animator would see, fields of ``MotionQuality``, and their factors."""
 _KEYS = ("slide_mm", "float_mm", "penetration_mm")
 _FIGURES = "slide mm", "float mm", "below mm", *SEEN
-_TITLES = *_FIGURES, *(f"peak of {part}" for part in PARTS)
+_TITLES = *_FIGURES, *(f"peak of {part}" for part in PART_SEGMENTS)
 
 
 def main() -> int:
@@ -135,7 +135,7 @@ def main() -> int:
         write_quality(qualities, others)
     else:
         print()
-        print_table(("capture", *_FIGURES, *PARTS), [*qualities, worst_row(qualities)])
+        print_table(("capture", *_FIGURES, *PART_SEGMENTS), [*qualities, worst_row(qualities)])
         print("\n" + short_of(qualities))
     return 0
 
@@ -173,7 +173,7 @@ def quality_row(ready: ReadyCapture, characters: Mapping[str, Character], *, own
         seen.append(motion_quality(hold(standing, ()), ready.source, ready.contacts, Ground(), first))
     found = [max(report[key] for report in reports) for key in _KEYS]
     found += [max(factor * getattr(each, name) for each in seen) for name, factor in SEEN.values()]
-    found += [max(each.peaks[part] for each in seen) for part in PARTS]
+    found += [max(each.peaks[part] for each in seen) for part in PART_SEGMENTS]
     return [ready.capture.name, *("-" if isnan(figure) else f"{figure:.2f}" for figure in found)]
 
 
@@ -190,7 +190,7 @@ def write_quality(qualities: Sequence[list[str]], others: Sequence[list[str]]) -
     count = len(_FIGURES)
     tables = [
         table(("capture", *titles), [[row[0], *row[part]] for row in [*qualities, worst_row(qualities)]])
-        for titles, part in ((_FIGURES, slice(1, count + 1)), (tuple(PARTS), slice(count + 1, None)))
+        for titles, part in ((_FIGURES, slice(1, count + 1)), (tuple(PART_SEGMENTS), slice(count + 1, None)))
     ]
     text = QUALITY + "\n## Peaks by segment\n\n".join(tables) + SHORT + short_of(qualities)
     text += OTHERS + short_of(others, 2.0)

@@ -14,7 +14,7 @@ from studio.io.c3d.reader import read_c3d
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.container import read_gltf
 from studio.io.importing import ImportOptions, load_capture
-from studio.io.up_axis import AXES
+from studio.io.up_axis import FILE_AXES
 
 FloatArray = NDArray[np.float64]
 Places = Mapping[str, FloatArray]
@@ -81,7 +81,7 @@ def _of_csv(path: Path) -> Places:
 
 def _of_c3d(path: Path) -> Places:
     trial = read_c3d(path).trial
-    points = trial.points @ AXES["Z"].T / 1000.0
+    points = trial.points @ FILE_AXES["Z"].T / 1000.0
     return {label: points[:, place] for place, label in enumerate(trial.labels)}
 
 

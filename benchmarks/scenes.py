@@ -15,21 +15,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.clips import BUNDLED, REAL
-from studio.cli.bench_cases import ROOT, WHOLE, clip_of, make_tasks
+from studio.cli.bench_cases import ROOT_CHAIN, WHOLE_CHAIN, clip_of, make_tasks
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
-from studio.core.quality.metrics import QUIET, angular_acceleration
+from studio.core.quality.metrics import QUIET_PEAK, angular_acceleration
 from studio.core.solver.adapt import adapt, hold, place_of
 from studio.core.solver.asking.releasing import constraint_activations
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.stand import Standing, stand
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
-from studio.jobs.adaptation import MOTION_ID, ReadyCapture, ready_capture
+from studio.jobs.adaptation import ADAPTED_MOTION_ID, ReadyCapture, ready_capture
 from studio.resources_folder import example_captures_folder
 
 FloatArray = NDArray[np.float64]
@@ -45,7 +45,7 @@ RAMPS, HELD, AWAY = (0.2, 0.3), (0.3, 1.0), (0.1, 0.4)
 _REACH, _TRUNK = Chain(), Chain(trunk=1.0)
 _HEAD = Chain(limb=1.0, end_segment=1.0, clavicle=0.0, trunk=1.0)
 POINTS = (
-    (BodyPart.RIGHT_FOREARM, (_REACH, _TRUNK, WHOLE)), (BodyPart.LEFT_FOREARM, (_REACH, _TRUNK, WHOLE)),
+    (BodyPart.RIGHT_FOREARM, (_REACH, _TRUNK, WHOLE_CHAIN)), (BodyPart.LEFT_FOREARM, (_REACH, _TRUNK, WHOLE_CHAIN)),
     (BodyPart.HEAD, (_HEAD,)), (BodyPart.RIGHT_SHANK, (_REACH,)), (BodyPart.LEFT_SHANK, (_REACH,)),
 )  # fmt: skip
 
@@ -85,16 +85,20 @@ def scene(standing: Standing, before: AdaptedMotion, seed: int) -> tuple[Constra
         frame = min(int((begin + 0.5 * held) * before.frame_rate), before.frame_count - 1)
         place = place_of(point, before)[frame] + random.uniform(*AWAY) * way / np.linalg.norm(way)
         name = f"{priority} {part.label}"
-        made.append(PositionConstraint(MOTION_ID, name, point, chain, priority, times, target=tuple(place.tolist())))
+        made.append(
+            PositionConstraint(ADAPTED_MOTION_ID, name, point, chain, priority, times, target=tuple(place.tolist()))
+        )
         if priority == len(picked) - 1 and random.uniform() < 0.5:
-            made[-1] = BalanceConstraint(MOTION_ID, "Balance", BodyPoint(BodyPart.PELVIS), ROOT, priority, times)
+            made[-1] = BalanceConstraint(
+                ADAPTED_MOTION_ID, "Balance", BodyPoint(BodyPart.PELVIS), ROOT_CHAIN, priority, times
+            )
     return tuple(made)
 
 
 def measure(name: str, standing: Standing, seed: int, worst: float, exact: bool = False) -> list[Result]:
     """A scene with its first one, two, four and six constraints; ``worst`` microseconds a frame."""
     before = hold(standing, ())
-    source = max(float(angular_acceleration(before.rotations, before.frame_rate).max()), QUIET)
+    source = max(float(angular_acceleration(before.rotations, before.frame_rate).max()), QUIET_PEAK)
     asked, results, higher = scene(standing, before, seed), [], None
     for count in COUNTS:
         solved, cost = _timed(standing, asked[:count], eased=not exact)

@@ -23,7 +23,7 @@ from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.clip import Clip
 from studio.jobs.performances import prepared
 from studio.library.scenes.fight import fight_training
-from studio.library.scenes.stagehand import RATE, bodies, material
+from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, bodies, material
 from studio.live.stage import LiveStage
 
 ROW = Clip("walk", 100, 160, 0.0, "before"), Clip("walk", 300, 370, 0.8, "after", mirrored=True)
@@ -74,7 +74,7 @@ def fight_live() -> tuple[float, float, float]:
 
 def _step(live: LiveStage) -> float:
     start = time.process_time()
-    live.step(1.0 / RATE)
+    live.step(1.0 / BUNDLED_FRAME_RATE)
     return time.process_time() - start
 
 

@@ -8,7 +8,7 @@ from benchmarks.listening import run_window
 from studio.app.application import import_views, make_application, make_window, settle, show_views
 from studio.app.main_window import MainWindow
 from studio.app.settings import Settings
-from studio.cli.bench_cases import ROOT
+from studio.cli.bench_cases import ROOT_CHAIN
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.balance import BalanceConstraint
@@ -19,7 +19,7 @@ from studio.core.project import Project
 from studio.core.stage.staging import staged
 from studio.document.document import Document
 from studio.io.importing import GUESS_ALL
-from studio.jobs.adaptation import MOTION_ID, ReadyCapture, ready_capture
+from studio.jobs.adaptation import ADAPTED_MOTION_ID, ReadyCapture, ready_capture
 from studio.library.scenes.stagehand import bodies
 from studio.resources_folder import example_captures_folder
 from studio.startup import first_run
@@ -47,15 +47,17 @@ def long_clip() -> ReadyCapture:
 
 def make_scene(clip: ReadyCapture, count: int) -> Project:
     """``count`` bodies side by side; wrists, head, ankles and balance are asked in the middle of the clip."""
-    project = staged(clip.capture, clip.contacts, bodies(count), MOTION_ID)
+    project = staged(clip.capture, clip.contacts, bodies(count), ADAPTED_MOTION_ID)
     middle = middle_of(clip)
     curve = ActivationCurve(middle - HELD - RAMP, middle - HELD, middle + HELD, middle + HELD + RAMP)
     asked: list[Constraint] = []
     for priority, (name, (part, chain)) in enumerate(POINTS.items()):
         point = BodyPoint(part, at_end=True)
         place = OwnPlace(point, middle, AWAY)
-        asked.append(PositionConstraint(MOTION_ID, name, point, chain, priority, curve, target=place))
-    asked.append(BalanceConstraint(MOTION_ID, "balance", BodyPoint(BodyPart.PELVIS), ROOT, len(asked), curve))
+        asked.append(PositionConstraint(ADAPTED_MOTION_ID, name, point, chain, priority, curve, target=place))
+    asked.append(
+        BalanceConstraint(ADAPTED_MOTION_ID, "balance", BodyPoint(BodyPart.PELVIS), ROOT_CHAIN, len(asked), curve)
+    )
     return replace(project, constraints={each.name: each for each in asked})
 
 

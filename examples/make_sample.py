@@ -25,18 +25,18 @@ def main(arguments: list[str]) -> None:
     """Write the project and the motions into the folder, by default examples/sample."""
     folder = Path(arguments[0]) if arguments else Path(__file__).parent / "sample"
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / sample.PROJECT).unlink(missing_ok=True)  # a project file keeps what it was before
+    (folder / sample.SAMPLE_PROJECT).unlink(missing_ok=True)  # a project file keeps what it was before
     capture = load_capture(sample.capture_file())
-    contacts = detected_contacts(capture, sample.MOTION_ID)
+    contacts = detected_contacts(capture, sample.SAMPLE_MOTION_ID)
     kept = Project(
-        captures={sample.MOTION_ID: capture},
-        motions={sample.MOTION_ID: Motion(capture.name, sample.MOTION_ID)},
+        captures={sample.SAMPLE_MOTION_ID: capture},
+        motions={sample.SAMPLE_MOTION_ID: Motion(capture.name, sample.SAMPLE_MOTION_ID)},
         contacts={f"contact {place}": contact for place, contact in enumerate(contacts)},
     )
-    write_project(folder / sample.PROJECT, kept, sample.MOTION_ID)
-    project = staged(capture, contacts, bundled_characters(), sample.MOTION_ID)
-    write_adapted(folder / sample.MOTIONS, adapted_performers(project))
-    for path in (folder / sample.PROJECT, folder / sample.MOTIONS):
+    write_project(folder / sample.SAMPLE_PROJECT, kept, sample.SAMPLE_MOTION_ID)
+    project = staged(capture, contacts, bundled_characters(), sample.SAMPLE_MOTION_ID)
+    write_adapted(folder / sample.SAMPLE_MOTIONS, adapted_performers(project))
+    for path in (folder / sample.SAMPLE_PROJECT, folder / sample.SAMPLE_MOTIONS):
         print(f"{path.name}: {path.stat().st_size // 1000} kB")
 
 

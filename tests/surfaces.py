@@ -9,7 +9,7 @@ from pathlib import Path
 from random import Random
 
 from studio.core.errors import StudioError
-from studio.live.osc import LARGEST
+from studio.live.osc import LARGEST_PACKET
 from studio.live.recording import read_recording, write_recording
 from tests.io.test_fuzz import bytes_changed
 from tests.library.damaged_catalogue import damage, make_catalogue, use
@@ -43,7 +43,7 @@ def try_recording(seed: int, folder: Path) -> None:
         recording = read_recording(path)
     except StudioError:
         return
-    assert all(seconds >= 0.0 and len(packet) <= LARGEST for seconds, packet in recording)
+    assert all(seconds >= 0.0 and len(packet) <= LARGEST_PACKET for seconds, packet in recording)
     assert recording.problem or len(recording.packets) >= 1 or path.stat().st_size == 8
 
 

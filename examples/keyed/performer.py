@@ -3,7 +3,7 @@
 import numpy as np
 
 from studio.core.body.morphology import FloatArray
-from studio.core.body.rest_pose import FORWARD
+from studio.core.body.rest_pose import REST_FORWARD
 from studio.core.body.skeleton import Skeleton
 from studio.core.mannequin.physique import Physique
 from studio.core.rotations import frame_along
@@ -39,8 +39,8 @@ def t_pose() -> FloatArray:
     axes = np.tile(np.eye(3), (LAYOUT.segment_count, 1, 1))
     for side, outward in enumerate(OUTWARD):
         sideways = np.array([0.0, outward, 0.0])
-        axes[clavicle(side)] = frame_along(BODY.clavicle_rest[side], FORWARD)
-        axes[clavicle(side) + 1 : clavicle(side) + 4] = frame_along(sideways, np.cross(sideways, FORWARD))
+        axes[clavicle(side)] = frame_along(BODY.clavicle_rest[side], REST_FORWARD)
+        axes[clavicle(side) + 1 : clavicle(side) + 4] = frame_along(sideways, np.cross(sideways, REST_FORWARD))
         axes[thigh(side) : thigh(side) + 2] = frame_along(np.array([0.0, 0.0, -1.0]), np.array([0.0, 1.0, 0.0]))
     return axes
 

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
-from studio.core.rotations import IDENTITY, inverse, multiply, rotate
+from studio.core.rotations import IDENTITY_QUATERNION, inverse, multiply, rotate
 from studio.io.bvh.writer import write_bvh
 
 from .box_lift import box_lift
@@ -155,11 +155,11 @@ def _rest_bent(skeleton: Skeleton, poses: PoseSequence) -> tuple[Skeleton, PoseS
         bends[f"{side}UpLeg"] = (0.0, -10.0, 0.0)
         bends[f"{side}Leg"] = (0.0, 18.0, 0.0)
         bends[f"{side}Foot"] = (0.0, -8.0, 0.0)
-    rest = np.tile(IDENTITY, (skeleton.joint_count, 1))
+    rest = np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1))
     for joint, name in enumerate(skeleton.names):
         bend = Rotation.from_euler("xyz", bends.get(name, (0.0, 0.0, 0.0)), degrees=True).as_quat()
         rest[joint] = multiply(rest[skeleton.parents[joint]], bend) if joint else bend
-    carriers = np.concatenate([[IDENTITY], rest[skeleton.parents[1:]]])
+    carriers = np.concatenate([[IDENTITY_QUATERNION], rest[skeleton.parents[1:]]])
     offsets = rotate(carriers, skeleton.offsets)
     translations = np.tile(offsets, (poses.frame_count, 1, 1))
     translations[:, 0] = poses.local_translations[:, 0]

@@ -26,7 +26,7 @@ from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.stand import stand
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
-from studio.jobs.adaptation import MOTION_ID, ready_capture
+from studio.jobs.adaptation import ADAPTED_MOTION_ID, ready_capture
 
 FloatArray = NDArray[np.float64]
 
@@ -56,7 +56,7 @@ def priorities() -> QImage:
     arm = [standing.positions[frame, layout.collar(1) + k] for k in (1, 2, 3)]
     wrist_place = arm[0] + np.array([0.44, -0.06, -0.10])
     wrist = _position(BodyPart.RIGHT_FOREARM, wrist_place, 0)
-    balance = BalanceConstraint(MOTION_ID, "balance", BodyPoint(BodyPart.PELVIS), ROOT, 0, ALWAYS)
+    balance = BalanceConstraint(ADAPTED_MOTION_ID, "balance", BodyPoint(BodyPart.PELVIS), ROOT, 0, ALWAYS)
     alone = hold(standing, (balance, wrist), frame, frame)
     shoulder, elbow, end = (alone.positions[0, layout.collar(1) + k] for k in (1, 2, 3))
     axis = (end - shoulder) / np.linalg.norm(end - shoulder)
@@ -82,7 +82,7 @@ def bodies() -> QImage:
 def _position(part: BodyPart, place: FloatArray, priority: int) -> PositionConstraint:
     target = (float(place[0]), float(place[1]), float(place[2]))
     return PositionConstraint(
-        MOTION_ID, part.label, BodyPoint(part, at_end=True), REACHING, priority, ALWAYS, target=target
+        ADAPTED_MOTION_ID, part.label, BodyPoint(part, at_end=True), REACHING, priority, ALWAYS, target=target
     )
 
 

@@ -23,7 +23,7 @@ from studio.core.solver.adapt import hold
 from studio.core.solver.standing.stand import stand
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
-from studio.jobs.adaptation import MOTION_ID, ReadyCapture, ready_capture
+from studio.jobs.adaptation import ADAPTED_MOTION_ID, ReadyCapture, ready_capture
 
 BLUE, RED, GREEN, GREY, INK = "#2F6FB3", "#C8553D", "#4B8B3B", "#9AA4AE", "#22272E"
 mpl.rcParams.update({"svg.hashsalt": "morpho-studio", "font.size": 9, "svg.fonttype": "path"})
@@ -168,7 +168,7 @@ def _ramp_acceleration(ramp: float, shape: EaseShape) -> float:
     wrist = np.median(before.positions[:, body.layout.wrist(0)], axis=0) + np.array([0.1, 0.0, 0.28])
     curve = ActivationCurve(middle - ramp, middle, middle + 0.3, middle + 0.3 + ramp, shape)
     point, place = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True), (float(wrist[0]), float(wrist[1]), float(wrist[2]))
-    asked = PositionConstraint(MOTION_ID, "wrist", point, Chain(clavicle=0.0), 0, curve, target=place)
+    asked = PositionConstraint(ADAPTED_MOTION_ID, "wrist", point, Chain(clavicle=0.0), 0, curve, target=place)
     after = hold(before, (asked,))
     arm = slice(body.layout.spine_count + 3, body.layout.spine_count + 5)
     return float(angular_acceleration(after.rotations[:, arm], ready.motion.frame_rate).max())

@@ -20,7 +20,7 @@ from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
-from studio.core.mesh.hand_shapes import AT_EASE, FIST
+from studio.core.mesh.hand_shapes import FIST_GRIP, RELAXED_GRIP
 from studio.core.stage.staging import staged
 from studio.document.document import Document
 from studio.io.importing import ImportOptions
@@ -47,7 +47,7 @@ class Session:
         self.window.show()
         read = importing.read_motion(example(capture), ImportOptions(), lambda share, text: None)
         contacts = read.annotations.of_motion(capture).contacts or ()
-        grip = FIST if "kick" in capture or "punch" in capture else AT_EASE
+        grip = FIST_GRIP if "kick" in capture or "punch" in capture else RELAXED_GRIP
         bodies = {name: replace(each, grip=grip) for name, each in bundled_characters().items()}
         self.document.new(staged(read.capture, contacts, bodies, capture))
         application.import_views()

@@ -34,7 +34,7 @@ from studio.library.indexing import bundled_library
 from studio.library.library import Library
 from studio.library.searching import Result, StrikeQuery, find, place_before
 
-UNCHANGED = ExportOptions()
+DEFAULT_EXPORT = ExportOptions()
 
 
 class Scene:
@@ -157,11 +157,13 @@ class Scene:
         chosen = performer_ids or tuple(staged.performances)
         return {key: Adapted(project, key, staged.performances[key]) for key in chosen}
 
-    def export(self, performer_id: str, path: Path | str, options: ExportOptions = UNCHANGED) -> None:
+    def export(self, performer_id: str, path: Path | str, options: ExportOptions = DEFAULT_EXPORT) -> None:
         """Write what a performer plays to a file; its suffix says the format."""
         self._write(self.adapt(performer_id)[performer_id], Path(path), options)
 
-    def export_all(self, folder: Path | str, suffix: str = ".bvh", options: ExportOptions = UNCHANGED) -> list[Path]:
+    def export_all(
+        self, folder: Path | str, suffix: str = ".bvh", options: ExportOptions = DEFAULT_EXPORT
+    ) -> list[Path]:
         """Write a file for every performer that is visible and plays something; the files."""
         make_folder(Path(folder))
         adapted = self.adapt()

@@ -19,7 +19,7 @@ from studio.app.verbs import behaviours, clips, editing, files, playback, props,
 from studio.app.verbs.constraining import adder, choose_joint, load_area_mesh, selected_area, selected_constraint, shift
 from studio.app.workbench import Workbench
 from studio.core.constraints.base import KindInfo
-from studio.core.constraints.kinds import KINDS
+from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.stage.clip_row import players_of
 from studio.library.scenes import SCENES
 from studio.viewport.eyes import Stereo
@@ -207,7 +207,7 @@ def _adding(kind: str, shown: KindInfo) -> Action:
 CONSTRAINT = (
     Action("choose_joint", "Constraint", "Pick joint…", choose_joint, ("Shift+J",),
            "A joint of the active body, from a list that can be searched", _ready, ends_group=True),
-    *(_adding(kind, each.shown) for kind, each in KINDS.items()),
+    *(_adding(kind, each.shown) for kind, each in CONSTRAINT_KINDS.items()),
     Action("area_mesh", "Constraint", "Load mesh for area…", load_area_mesh,
            tooltip="The surface of an OBJ, STL or PLY file becomes the shape of the selected area",
            enabled=lambda bench: selected_area(bench) is not None, ends_group=True),
@@ -291,7 +291,7 @@ PLAY = (
            checked=lambda bench: bench.document.playhead.loop),
 )  # fmt: skip
 
-LIVE = (
+LIVE_ACTIONS = (
     Action("live_panel", "Play", "Live input and output…", show_live, ("Ctrl+Shift+L",),
            "Bodies and trackers received by VMC, what they drive, and what is sent out"),
     Action("stream", "Play", "Stream bodies as VMC", toggle_streaming, tooltip="To the address set in the Live panel",
@@ -372,7 +372,7 @@ HELP = (
     Action("shortcuts", "Help", "Shortcuts", view.shortcuts, ("?",), "All shortcuts on one sheet"),
 )
 
-SHOWN = tuple(
+SCENE_ACTIONS = tuple(
     Action(
         f"scene_{scene.maker.partition('.')[2]}", "Scenes", scene.title, files.scene_opener(scene), tooltip=scene.text
     )
@@ -380,5 +380,17 @@ SHOWN = tuple(
 )
 
 ACTIONS: tuple[Action, ...] = (
-    *FILE, *SHOWN, *EDIT, *CHARACTER, *CLIP, *CONSTRAINT, *PROP, *LIBRARY, *BEHAVIOUR, *PLAY, *LIVE, *VIEW, *HELP
-)  # fmt: skip
+    *FILE,
+    *SCENE_ACTIONS,
+    *EDIT,
+    *CHARACTER,
+    *CLIP,
+    *CONSTRAINT,
+    *PROP,
+    *LIBRARY,
+    *BEHAVIOUR,
+    *PLAY,
+    *LIVE_ACTIONS,
+    *VIEW,
+    *HELP,
+)

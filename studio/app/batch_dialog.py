@@ -20,15 +20,15 @@ from PySide6.QtWidgets import (
 )
 
 from studio.app.batching import run_batch
-from studio.app.file_dialogs import CONSTRAINTS, ask_file, ask_folder
+from studio.app.file_dialogs import CONSTRAINTS_FILTER, ask_file, ask_folder
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.io.project.character_file import bundled_characters
 from studio.io.registry import known_formats
-from studio.panels.fields import SIDE, Choice, Section, labelled, press_button
+from studio.panels.fields import FIELD_ICON_PX, Choice, Section, labelled, press_button
 
-WIDTH = 520
-ACTOR = ("actor", "The body each capture was recorded from")
+BATCH_DIALOG_WIDTH = 520
+ACTOR_CHOICE = ("actor", "The body each capture was recorded from")
 
 
 class BatchDialog(QDialog):
@@ -39,9 +39,9 @@ class BatchDialog(QDialog):
         self._bench, self._task, self._page = bench, -1, ""
         self.setWindowTitle("Adapt a folder of captures")
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self.setMinimumWidth(WIDTH)
+        self.setMinimumWidth(BATCH_DIALOG_WIDTH)
         column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, SIDE)
+        column.setContentsMargins(0, 0, 0, FIELD_ICON_PX)
         column.addWidget(self._make_files())
         column.addWidget(self._make_characters())
         column.addStretch(1)
@@ -60,7 +60,7 @@ class BatchDialog(QDialog):
         self.format = Choice("Written as", [(suffix, suffix.upper()) for suffix in suffixes])
         bench = self._bench
         source = partial(ask_folder, bench, "Folder of captures")
-        constraints = partial(ask_file, bench, "Constraints", CONSTRAINTS)
+        constraints = partial(ask_file, bench, "Constraints", CONSTRAINTS_FILTER)
         out = partial(ask_folder, bench, "Folder for the adapted files")
         for label, field, ask in (
             ("Captures in", self.source, source),
@@ -80,9 +80,9 @@ class BatchDialog(QDialog):
         grid, box = QGridLayout(), QWidget()
         grid.setContentsMargins(0, 0, 0, 0)
         names = [(key, character.name) for key, character in bundled_characters().items()]
-        self.characters = {key: QCheckBox(text) for key, text in (*names, ACTOR)}
+        self.characters = {key: QCheckBox(text) for key, text in (*names, ACTOR_CHOICE)}
         for place, (key, check) in enumerate(self.characters.items()):
-            check.setChecked(key != ACTOR[0])
+            check.setChecked(key != ACTOR_CHOICE[0])
             check.toggled.connect(self._refresh)
             grid.addWidget(check, place // 2, place % 2)
         box.setLayout(grid)
@@ -91,7 +91,7 @@ class BatchDialog(QDialog):
 
     def _make_foot(self) -> QVBoxLayout:
         foot, row = QVBoxLayout(), QHBoxLayout()
-        foot.setContentsMargins(SIDE, SIDE, SIDE, 0)
+        foot.setContentsMargins(FIELD_ICON_PX, FIELD_ICON_PX, FIELD_ICON_PX, 0)
         self.bar = QProgressBar()
         self.bar.setTextVisible(False)
         self.bar.setRange(0, 1000)

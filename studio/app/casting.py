@@ -21,7 +21,7 @@ from studio.io.importing import GUESS_ALL, load_character
 from studio.io.project.character_file import actor_character
 from studio.io.registry import Progress, ReadCharacter, known_formats
 
-APART, ROOM = 1.2, 0.6
+PERFORMER_SPACING, ARM_ROOM = 1.2, 0.6
 """Metres from the outermost performer to a new one, and for the arms between their trunks and heads, at least."""
 
 
@@ -91,7 +91,7 @@ def put_character(document: Document, character: Character, text: str) -> str:
     side = 0.0
     if outermost is not None:
         breadths = _half_breadth(project.characters[outermost.character_id]) + _half_breadth(character)
-        side = outermost.position[1] + max(APART, breadths + ROOM)
+        side = outermost.position[1] + max(PERFORMER_SPACING, breadths + ARM_ROOM)
     with document.group(text):
         character_id = document.add("characters", character, text)
         clips = active.clips if active else ()

@@ -19,7 +19,7 @@ from studio.io.registry import known_formats
 from studio.io.staged_export import file_name, other_joints, safe_name
 from studio.panels.fields import Choice, Section
 
-WIDTH = 420
+EXPORT_DIALOG_WIDTH = 420
 
 
 class What(Enum):
@@ -40,10 +40,10 @@ class ExportKind:
     text: str
 
 
-SIZES = ((1280, 720), (1920, 1080), (2560, 1440), (3840, 2160), (1080, 1080), (1080, 1920))
+PICTURE_SIZES = ((1280, 720), (1920, 1080), (2560, 1440), (3840, 2160), (1080, 1080), (1080, 1920))
 RATES = (24.0, 25.0, 30.0, 60.0)
 MOTION_RATES = (*RATES, 120.0)
-BODIES = (What.ADAPTED, What.STAGE)
+WITH_BODIES = (What.ADAPTED, What.STAGE)
 """What has bodies with skeletons, of which options hold."""
 OWN_NAMES = "Character's own"
 HINTS = {
@@ -110,7 +110,7 @@ class ExportDialog(QDialog):
         )
         self.root = Choice("Root", list(ROOTS.items()))
         self.position = Choice("Position", [("stage", "On the stage"), ("origin", "At the origin")])
-        self.picture_size = Choice("Size", [(size, f"{size[0]} × {size[1]}") for size in SIZES])
+        self.picture_size = Choice("Size", [(size, f"{size[0]} × {size[1]}") for size in PICTURE_SIZES])
         self.rate = Choice("Frame rate", [(rate, f"{rate:g} Hz") for rate in RATES])
         self.hint = QLabel()
         self.hint.setProperty("role", "hint")
@@ -133,7 +133,7 @@ class ExportDialog(QDialog):
         column.setSpacing(16)
         column.addWidget(self._rows)
         column.addWidget(buttons)
-        self.setMinimumWidth(WIDTH)
+        self.setMinimumWidth(EXPORT_DIALOG_WIDTH)
         self.what.chosen.connect(self._show_kinds)
         self.kind.chosen.connect(self._show_options)
         self._show_kinds(self.what.value)
@@ -151,7 +151,7 @@ class ExportDialog(QDialog):
         """What is chosen of the file, for what is shown."""
         chosen = self.kind.value
         assert isinstance(chosen, ExportKind)
-        if chosen.what not in BODIES:
+        if chosen.what not in WITH_BODIES:
             return ExportOptions()
         playhead, rate = self._bench.document.playhead, self.frame_rate.value
         begin, end = playhead.first / playhead.frame_rate, playhead.last / playhead.frame_rate
@@ -189,7 +189,7 @@ class ExportDialog(QDialog):
             self.names: "",
             self.rest: "t",
             self.others: "carry",
-            self.picture_size: SIZES[0],
+            self.picture_size: PICTURE_SIZES[0],
             self.rate: 30.0,
         }
         for choice, value in (
@@ -248,13 +248,13 @@ class ExportDialog(QDialog):
     def _show_options(self, kind: object) -> None:
         assert isinstance(kind, ExportKind)
         shown = {
-            self.range: kind.what in BODIES,
-            self.frame_rate: kind.what in BODIES,
-            self.names: kind.what in BODIES,
-            self.rest: kind.what in BODIES and kind.suffix in SKELETAL,
-            self.root: kind.what in BODIES and kind.suffix != ".s4d",
+            self.range: kind.what in WITH_BODIES,
+            self.frame_rate: kind.what in WITH_BODIES,
+            self.names: kind.what in WITH_BODIES,
+            self.rest: kind.what in WITH_BODIES and kind.suffix in SKELETAL,
+            self.root: kind.what in WITH_BODIES and kind.suffix != ".s4d",
             self.position: kind.what is What.ADAPTED,
-            self.others: kind.what in BODIES and kind.suffix in SKELETAL and bool(self._carried),
+            self.others: kind.what in WITH_BODIES and kind.suffix in SKELETAL and bool(self._carried),
             self.picture_size: kind.what is What.FILM,
             self.rate: kind.what is What.FILM,
         }

@@ -10,7 +10,7 @@ from studio.app.workbench import Workbench
 from studio.io.registry import known_formats
 
 PROJECTS = "Morpho Studio projects (*.studio)"
-CONSTRAINTS = "Constraints (*.json)"
+CONSTRAINTS_FILTER = "Constraints (*.json)"
 EVERYTHING = "All files (*)"
 
 

@@ -25,7 +25,7 @@ from studio.io.importing import GUESS_ALL, ImportOptions, known_of_motion, read_
 from studio.io.registry import Progress, ReadCapture, ReadCharacter
 from studio.io.source_files import SourceMissing
 
-UNCHANGED = "Your project was not changed."
+PROJECT_UNCHANGED = "Your project was not changed."
 READ_SHARE = 0.7
 
 
@@ -95,7 +95,7 @@ def changing_nothing() -> Iterator[None]:
     try:
         yield
     except StudioError as error:
-        raise StudioError(f"{error} {UNCHANGED}") from error
+        raise StudioError(f"{error} {PROJECT_UNCHANGED}") from error
 
 
 def _reading(progress: Progress) -> Progress:

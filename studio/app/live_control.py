@@ -22,7 +22,7 @@ from studio.live.recording import Recorder, Replay
 from studio.live.streamer import Broadcast, StreamedPose
 from studio.live.tracker import LOOPBACK, PORT, Inbox, UdpInput
 from studio.panels.live import InputRow, LivePanel, SenderRow
-from studio.viewport.eyes import MIDDLE, Eye
+from studio.viewport.eyes import CENTRE_EYE, Eye
 
 if TYPE_CHECKING:
     from studio.engine.driven import PoseSource  # loads the solver
@@ -30,9 +30,9 @@ if TYPE_CHECKING:
 FloatArray = NDArray[np.float64]
 
 OUT_PORT = PORT + 1
-TICK, TOLD = 16, 500
+POLL_MILLISECONDS, REPORT_MILLISECONDS = 16, 500
 """Milliseconds from one look at what has come to the next, and from one telling of it to the next."""
-MOVED, RESTING = 0.001, 0.3
+HEAD_MOVE, HEAD_REST_SECONDS = 0.001, 0.3
 """Metres by which a tracked head has moved, and seconds after which it rests: then whole motions are solved."""
 RECORDINGS = "Recorded datagrams (*.osc)"
 
@@ -84,9 +84,9 @@ class LiveControl:
         self.broadcast: Broadcast | None = None
         self._out_port, self._seen, self._told_at = OUT_PORT, 0, time.monotonic()
         self._gesture, self._moved_at = 0, 0.0
-        self._tick = QTimer(self.panel, interval=TICK)
+        self._tick = QTimer(self.panel, interval=POLL_MILLISECONDS)
         self._tick.timeout.connect(self.look)
-        self._telling = QTimer(self.panel, interval=TOLD)
+        self._telling = QTimer(self.panel, interval=REPORT_MILLISECONDS)
         self._telling.timeout.connect(self.tell)
         panel = self.panel
         panel.listen_wanted.connect(self.listen)
@@ -217,7 +217,7 @@ class LiveControl:
             self._move_eye()
             if self.drivers:
                 self._repaint()
-        elif self._moved_at and time.monotonic() - self._moved_at > RESTING:
+        elif self._moved_at and time.monotonic() - self._moved_at > HEAD_REST_SECONDS:
             self._rest()
         if self.broadcast is not None:
             self.broadcast.show([body for _, body in self.outgoing()], time.monotonic())
@@ -243,7 +243,7 @@ class LiveControl:
             return
         x, y, z = place.tolist()
         before = prop.position if isinstance(prop.position, tuple) else (0.0, 0.0, -1e9)
-        if max(abs(new - old) for new, old in zip((x, y, z), before, strict=True)) < MOVED:
+        if max(abs(new - old) for new, old in zip((x, y, z), before, strict=True)) < HEAD_MOVE:
             return
         followed = any(
             follow.prop_id == tracked.prop_id
@@ -266,7 +266,7 @@ class LiveControl:
             return
         self.head_from = place if on else None
         if not on:
-            self._look_from(MIDDLE)
+            self._look_from(CENTRE_EYE)
 
     def _head(self) -> FloatArray | None:
         """(3,) where the tracked head is; of the source and the names in the panel where no prop is moved."""

@@ -34,7 +34,7 @@ from studio.panels.message_strip import MessageStrip, RecoveryBar
 from studio.panels.problem_table import ProblemTable
 from studio.panels.status_line import StatusLine
 
-SIZE = (1680, 1050)
+MAIN_WINDOW_SIZE = (1680, 1050)
 LIBRARY_WIDTH, INSPECTOR_WIDTH = 236, 316
 TIMELINE_SHARE, TIMELINE_MOST = 0.35, 0.45
 HISTORY_HEIGHT, HISTORY_SHARE = 160, 0.24
@@ -44,7 +44,7 @@ ABOVE_NOTES = 48
 """Pixels of the view's edges that its chips have, which no sentence covers."""
 
 Area = Qt.DockWidgetArea
-SHARED = {"Inspector": ("Strikes", "Live"), "Timeline": ("Behaviour", "Pose map", "Console", "Problems")}
+TABBED_PANELS = {"Inspector": ("Strikes", "Live"), "Timeline": ("Behaviour", "Pose map", "Console", "Problems")}
 """Panels that stand in the place of another one, when they are asked for."""
 
 
@@ -75,7 +75,7 @@ class MainWindow(QMainWindow):
         self.palette_panel = CommandPalette(self, list(self.actions_by_id.by_id.values()))
         self.choice_panel = CommandPalette(self, [])
         self._connect()
-        self.resize(*SIZE)
+        self.resize(*MAIN_WINDOW_SIZE)
         self._restore_layout()
         self._stay_on_screen()
         self._show_title()
@@ -233,13 +233,13 @@ class MainWindow(QMainWindow):
             dock = QDockWidget(name, self)
             dock.setObjectName(name)
             dock.setWidget(widget)
-            dock.setHidden(any(name in others for others in SHARED.values()))  # until it is asked for
+            dock.setHidden(any(name in others for others in TABBED_PANELS.values()))  # until it is asked for
             self.addDockWidget(area, dock)
             self.docks[name] = dock
             self._add_dock_action(dock)
         for area in (Area.RightDockWidgetArea, Area.BottomDockWidgetArea):
             self.setTabPosition(area, QTabWidget.TabPosition.North)
-        for first, others in SHARED.items():
+        for first, others in TABBED_PANELS.items():
             for second in others:
                 self.tabifyDockWidget(self.docks[first], self.docks[second])
         self.arrange(False)

@@ -12,11 +12,11 @@ from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.markers.cleaning import StepReport, clean
 from studio.core.markers.take import MarkerTake, mapped_labels
-from studio.panels.fields import SIDE, labelled, press_button
+from studio.panels.fields import FIELD_ICON_PX, labelled, press_button
 from studio.panels.markers.assistant import MarkerAssistant
 from studio.panels.markers.steps import StepList
 
-SIZE = (1120, 680)
+MARKER_DIALOG_SIZE = (1120, 680)
 
 
 def open_markers(bench: Workbench, capture_id: str | None = None) -> "MarkerDialog":
@@ -55,7 +55,7 @@ class MarkerDialog(QDialog):
         self.setWindowTitle(f"Markers of {capture.name}")
         self.setObjectName("marker_dialog")
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self.resize(*SIZE)
+        self.resize(*MARKER_DIALOG_SIZE)
         self.assistant = MarkerAssistant(self._take, capture.up_axis)
         self.steps = StepList(self._take.steps)
         from studio.panels.markers.signals import SignalPlot  # late: pyqtgraph is the views', which come later
@@ -66,7 +66,7 @@ class MarkerDialog(QDialog):
         for widget, title in ((self.assistant, "Map"), (self.steps, "Cleaning"), (self.signals, "Signals")):
             self.tabs.addTab(widget, title)
         column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, SIDE)
+        column.setContentsMargins(0, 0, 0, FIELD_ICON_PX)
         column.addWidget(self.tabs, 1)
         column.addLayout(self._make_foot())
         self.assistant.changed.connect(self._refresh)
@@ -82,7 +82,7 @@ class MarkerDialog(QDialog):
 
     def _make_foot(self) -> QHBoxLayout:
         row = QHBoxLayout()
-        row.setContentsMargins(SIDE, SIDE, SIDE, 0)
+        row.setContentsMargins(FIELD_ICON_PX, FIELD_ICON_PX, FIELD_ICON_PX, 0)
         self.words = labelled("", "hint")
         self.apply = press_button("Apply", self.solve, "main")
         self.apply.setToolTip("Find the body again with this map and these steps")

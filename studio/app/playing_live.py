@@ -16,7 +16,7 @@ from studio.core.stage.conditions import KeyCondition
 from studio.live.take import StageTake, edits_of
 
 TYPING = (QLineEdit, QAbstractSpinBox, QComboBox, QTextEdit, QPlainTextEdit)
-KEYS = (QEvent.Type.ShortcutOverride, QEvent.Type.KeyPress)
+KEY_EVENTS = (QEvent.Type.ShortcutOverride, QEvent.Type.KeyPress)
 
 
 class LivePlaying(QObject):
@@ -33,7 +33,7 @@ class LivePlaying(QObject):
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """While the stage plays live its keys come before all shortcuts, but not before a field that is typed in."""
         if (
-            event.type() not in KEYS
+            event.type() not in KEY_EVENTS
             or not isinstance(event, QKeyEvent)
             or isinstance(QApplication.focusWidget(), TYPING)
         ):

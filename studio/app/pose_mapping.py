@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from studio.library.library import Library, LibraryClip
 
 GROUPS = 24
-HIPS, KNEE = (12, 16), 1
+HIP_JOINTS, KNEE_JOINT = (12, 16), 1
 
 
 class PoseMapping:
@@ -72,7 +72,7 @@ def groups_of(made: "PoseMap", library: "Library") -> "list[PoseGroup]":
     counts = np.bincount(made.clusters, minlength=len(points))
     groups = []
     for number, pose in enumerate(points):
-        across = pose[HIPS[0], :2] - pose[HIPS[1], :2]  # from the right to the left hip
+        across = pose[HIP_JOINTS[0], :2] - pose[HIP_JOINTS[1], :2]  # from the right to the left hip
         clips: list[LibraryClip] = [library.clips[each] for each in made.clips_of(number, library.table)]
         words = f"{counts[number]} poses, {len(clips)} clip{'' if len(clips) == 1 else 's'}"
         forward = np.array([across[1], -across[0]]) / max(float(np.linalg.norm(across)), 1e-9)

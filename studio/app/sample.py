@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from studio.app.workbench import Workbench
-from studio.core.mesh.hand_shapes import FIST
+from studio.core.mesh.hand_shapes import FIST_GRIP
 from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.staging import side_by_side, staged
@@ -18,8 +18,8 @@ from studio.io.project.project_file import read_project
 from studio.library.scenes import BundledScene
 from studio.resources_folder import example_captures_folder, sample_folder
 
-NAME, MOTION_ID = "front_kick", "sample"
-PROJECT, MOTIONS = f"{NAME}.studio", f"{NAME}.npz"
+SAMPLE_NAME, SAMPLE_MOTION_ID = "front_kick", "sample"
+SAMPLE_PROJECT, SAMPLE_MOTIONS = f"{SAMPLE_NAME}.studio", f"{SAMPLE_NAME}.npz"
 
 
 def empty_project() -> Project:
@@ -30,18 +30,18 @@ def empty_project() -> Project:
 
 def capture_file() -> Path:
     """The capture that the sample was made from."""
-    return example_captures_folder() / f"{NAME}.bvh"
+    return example_captures_folder() / f"{SAMPLE_NAME}.bvh"
 
 
 def read_sample() -> tuple[Project, dict[str, AdaptedMotion]]:
     """The bundled characters performing one motion, and what becomes of it, by performer."""
     folder = sample_folder()
-    characters = {name: replace(each, grip=FIST) for name, each in bundled_characters().items()}
-    kept = read_project(folder / PROJECT).project
-    capture = kept.captures[MOTION_ID]
+    characters = {name: replace(each, grip=FIST_GRIP) for name, each in bundled_characters().items()}
+    kept = read_project(folder / SAMPLE_PROJECT).project
+    capture = kept.captures[SAMPLE_MOTION_ID]
     bodies = {key: character.morphology for key, character in characters.items()}
-    project = staged(capture, tuple(kept.contacts.values()), characters, MOTION_ID)
-    return project, read_adapted(folder / MOTIONS, bodies, capture.frame_rate)
+    project = staged(capture, tuple(kept.contacts.values()), characters, SAMPLE_MOTION_ID)
+    return project, read_adapted(folder / SAMPLE_MOTIONS, bodies, capture.frame_rate)
 
 
 def open_sample(bench: Workbench) -> None:
@@ -54,13 +54,13 @@ def open_sample(bench: Workbench) -> None:
         project, motions = read
         bench.document.new(project)
         bench.live.show_until_solved(motions)
-        bench.sources[MOTION_ID] = capture_file()
+        bench.sources[SAMPLE_MOTION_ID] = capture_file()
         bench.document.playhead.play()
 
     def work(_progress: Callable[[float, str], None]) -> tuple[Project, dict[str, AdaptedMotion]]:
         return read_sample()
 
-    bench.runner.run(f"Opening {NAME}", work, show)
+    bench.runner.run(f"Opening {SAMPLE_NAME}", work, show)
 
 
 def open_scene(bench: Workbench, scene: BundledScene) -> None:

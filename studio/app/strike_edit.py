@@ -14,7 +14,7 @@ from studio.app.workbench import Workbench
 from studio.core.captures.capture import Capture
 from studio.core.constraints.target import Place
 from studio.core.errors import StudioError
-from studio.core.mesh.hand_shapes import FIST
+from studio.core.mesh.hand_shapes import FIST_GRIP
 from studio.core.project import Performer, Project, new_id
 from studio.core.stage.clip import Clip
 from studio.core.stage.placement import Placement
@@ -80,7 +80,7 @@ def put_strike(bench: Workbench, wish: Wish, source: ReadMotion | str) -> None:
         performer = document.project.performers[key]
         ease = EASED_IN * found.seconds
         label = found.clip.label
-        grip = FIST if label.kind is Kind.PUNCH else None
+        grip = FIST_GRIP if label.kind is Kind.PUNCH else None
         clip = Clip(motion_id, found.start, label.last, wish.time, id=new_id(), ease=ease, grip=grip)
         rates = {each.motion_id: document.project.frame_rate_of(each) for each in performer.clips}
         clips = (*clips_until(performer, wish.time, rates), clip)

@@ -22,7 +22,16 @@ from studio.engine.performance import row_at
 from studio.engine.tasks import CancelledError
 from studio.io.importing import GUESS_ALL
 from studio.library.clips import Kind, Limb
-from studio.panels.strikes import EMPTY, NO_TARGET, NOTHING, OF_A_POSE, OWN_FACE, READY, UNSOLVED, Strikes
+from studio.panels.strikes import (
+    NO_MATCH_HINT,
+    NO_STRIKES_HINT,
+    NO_TARGET,
+    OF_A_POSE,
+    OWN_FACE,
+    READY,
+    UNSOLVED,
+    Strikes,
+)
 from studio.resources_folder import bundled_strikes_folder
 
 # Here and below: what searches loads the solver, which takes longer than a window.
@@ -225,7 +234,7 @@ class Striking:
         self.found = [] if asked is None else tried(find(library, asked), asked)
         if asked is not None and active is not None:
             self._sought = asked, Placement.of(self.bench.document.project.performers[active])
-        hint = self._unasked(active or "") if asked is None else READY if self.found else NOTHING
+        hint = self._unasked(active or "") if asked is None else READY if self.found else NO_MATCH_HINT
         self._waits = hint == UNSOLVED
         self._show(hint)
 
@@ -239,10 +248,12 @@ class Striking:
     def _show(self, hint: str) -> None:
         self.listed = [each.found.clip for each in self.found]
         texts = [(each.found.clip.name, ", ".join(each.reasons)) for each in self.found]
-        if hint not in (READY, NOTHING) and self.library is not None:
+        if hint not in (READY, NO_MATCH_HINT) and self.library is not None:
             self.listed = [clip for clip in self.library.clips if self._is_wanted(clip)]
             texts = [(clip.name, _state(clip)) for clip in self.listed]
-        self.panel.show_results(texts, hint if self.library and self.library.clips else EMPTY, bool(self.found))
+        self.panel.show_results(
+            texts, hint if self.library and self.library.clips else NO_STRIKES_HINT, bool(self.found)
+        )
 
     def _is_wanted(self, clip: "LibraryClip") -> bool:
         limb, kind = self.panel.limb.value, self.panel.kind.value

@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenuBar, QPushButton, QSizeP
 from studio.app.action_set import ActionSet
 from studio.document.document import Document
 
-HEIGHT = 34
+TOP_BAR_HEIGHT = 34
 SEARCH_WIDTH, LEAST_SEARCH = 232, 64
 KEYS_FROM = 180
 """Pixels of the search beside whose words its keys have room."""
@@ -21,7 +21,7 @@ class TopBar(QWidget):
         super().__init__()
         self.setObjectName("top_bar")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
-        self.setFixedHeight(HEIGHT)
+        self.setFixedHeight(TOP_BAR_HEIGHT)
         self._document = document
         row = self._row = QHBoxLayout(self)
         row.setContentsMargins(12, 0, 8, 0)

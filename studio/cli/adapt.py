@@ -15,7 +15,7 @@ from studio.cli.stage import run_stage
 from studio.core.body.character import Character
 from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
-from studio.core.plausible import PLACE
+from studio.core.plausible import PLACE_RANGE
 from studio.core.solver.request import AdaptRequest
 from studio.core.stage.placement import Placement
 from studio.io.export import take_of_actor, take_of_adapted, write_take
@@ -27,7 +27,7 @@ from studio.io.project.ground_file import read_ground
 from studio.io.registry import known_formats
 from studio.jobs.adapt_report import Record, character_report, place_record
 from studio.jobs.adaptation import (
-    MOTION_ID,
+    ADAPTED_MOTION_ID,
     ReadyCapture,
     chosen_characters,
     cleaning_records,
@@ -37,7 +37,7 @@ from studio.jobs.adaptation import (
 from studio.jobs.following import with_tracks
 from studio.startup.kernel_warm_up import compile_first
 
-ACTOR = "actor"
+ACTOR_WORD = "actor"
 
 
 def run(arguments: Namespace) -> int:
@@ -92,8 +92,8 @@ def asked_by(arguments: Namespace) -> AdaptSettings:
     known = known_formats().suffixes("motion_writer")
     if suffix not in known:
         raise StudioError(f"'{arguments.format}' is not a kind of file for motions: choose {', '.join(known)}.")
-    others = [name for name in arguments.character if name != ACTOR]
-    characters: dict[str, Character | None] = {ACTOR: None} if ACTOR in arguments.character else {}
+    others = [name for name in arguments.character if name != ACTOR_WORD]
+    characters: dict[str, Character | None] = {ACTOR_WORD: None} if ACTOR_WORD in arguments.character else {}
     if others or not characters:
         characters |= chosen_characters(others)
     options = export_options(arguments)
@@ -127,7 +127,7 @@ def placed(said: Sequence[Sequence[str]], characters: Iterable[str]) -> dict[str
             x, y, degrees = map(float, numbers)
         except ValueError:
             x = y = degrees = math.nan
-        if not all(abs(number) <= PLACE.most for number in (x, y, degrees)):
+        if not all(abs(number) <= PLACE_RANGE.most for number in (x, y, degrees)):
             raise StudioError(f"--place {name} {' '.join(numbers)}: say two lengths in metres and degrees.")
         places[key] = Placement((x, y), math.radians(degrees))
     return places
@@ -135,7 +135,7 @@ def placed(said: Sequence[Sequence[str]], characters: Iterable[str]) -> dict[str
 
 def adapt_file(path: Path, options: ImportOptions, asked: AdaptSettings, folder: Path) -> Record:
     """Adapt one capture to all characters asked for, write their files into ``folder``, and report."""
-    own = None if asked.constraints is None else read_constraints(asked.constraints, MOTION_ID)
+    own = None if asked.constraints is None else read_constraints(asked.constraints, ADAPTED_MOTION_ID)
     compile_first()
     ready = ready_capture(path, options, all_frames=asked.all_frames)
     given = own or ConstraintFile(ready.annotations.constraints, None)

@@ -6,25 +6,25 @@ from pathlib import Path
 
 import platformdirs
 
-from studio.cli.ranges import LONGEST, key_press, number, size, whole
-from studio.core.plausible import FRAME_RATE, PLACE
+from studio.cli.ranges import LONGEST_SECONDS, key_press, number, size, whole
+from studio.core.plausible import FRAME_RATE, PLACE_RANGE
 from studio.io.export_choices import REST_POSES, ROOTS
 from studio.io.joint_names import joint_namings
 from studio.library.clips import Kind, Limb
 from studio.live.tracker import LOOPBACK, PORT
 from studio.resources_folder import help_file
 
-LIMBS = {limb.words.replace(" ", "-"): limb for limb in Limb}
-KINDS = {kind.value.replace(" ", "-"): kind for kind in Kind if kind is not Kind.NONE}
+LIMB_WORDS = {limb.words.replace(" ", "-"): limb for limb in Limb}
+STRIKE_KINDS = {kind.value.replace(" ", "-"): kind for kind in Kind if kind is not Kind.NONE}
 SPACE = """
 Targets of constraints are metres in the motion's own space: X forward, Y left, Z up, the origin on the ground
 under the root at the motion's first frame. Times are seconds from the first frame of the file. The format of
 FILE.json is told in
 """
-MOST_FRAMES = 100_000_000
+MOST_FRAMES_READ = 100_000_000
 
-metres = number(-PLACE.most, PLACE.most, "a number of metres")
-seconds = number(0.0, LONGEST, "a number of seconds")
+metres = number(-PLACE_RANGE.most, PLACE_RANGE.most, "a number of metres")
+seconds = number(0.0, LONGEST_SECONDS, "a number of seconds")
 frame_rate = number(FRAME_RATE.least, FRAME_RATE.most, "a number of frames a second")
 weight = number(0.0, 1e6, "a weight")
 port = whole(1, 65_535, "a port")
@@ -86,7 +86,7 @@ def add_search_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("capture", type=Path, metavar="CAPTURE", help="the motion that the character is in")
     parser.add_argument(
         "--frame",
-        type=whole(0, MOST_FRAMES, "a frame"),
+        type=whole(0, MOST_FRAMES_READ, "a frame"),
         default=0,
         metavar="N",
         help="the frame of it from which to go on",
@@ -100,8 +100,8 @@ def add_search_arguments(parser: ArgumentParser) -> None:
         metavar=("X", "Y", "Z"),
         help="metres forward and to the left of the root's place on the ground in that frame, and above the ground",
     )
-    parser.add_argument("--limb", nargs="+", choices=LIMBS, default=[], help="only clips of these limbs")
-    parser.add_argument("--kind", nargs="+", choices=KINDS, default=[], help="only clips of these kinds")
+    parser.add_argument("--limb", nargs="+", choices=LIMB_WORDS, default=[], help="only clips of these limbs")
+    parser.add_argument("--kind", nargs="+", choices=STRIKE_KINDS, default=[], help="only clips of these kinds")
     parser.add_argument("--tag", nargs="+", default=[], metavar="TAG", help="only clips with one of these tags")
     parser.add_argument("--posture-weight", type=weight, default=1.0, metavar="W")
     parser.add_argument("--reach-weight", type=weight, default=1.0, metavar="W")
@@ -141,7 +141,7 @@ def add_live_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--stream-to", default=LOOPBACK, metavar="ADDRESS")
     parser.add_argument(
         "--strike-every",
-        type=number(0.05, LONGEST, "a number of seconds"),
+        type=number(0.05, LONGEST_SECONDS, "a number of seconds"),
         metavar="S",
         help="strike by itself; else type 'left punch'",
     )

@@ -13,7 +13,7 @@ from studio.io.replacing import write_whole
 Record = dict[str, Any]
 Row = dict[str, Any]
 
-COLUMNS = (
+SUMMARY_COLUMNS = (
     *("capture", "character", "file", "frames", "frame_rate", "slide_mm", "skate_mm", "float_mm", "penetration_mm"),
     *("residual_mm", "residual_deg", "targets", "reached", "microseconds_per_frame", "seconds", "error"),
 )
@@ -24,8 +24,8 @@ PLOTS = (
     ("Worst residual of a direction", "°", "residual_deg"),
     ("Time of the solver a frame", "µs", "microseconds_per_frame"),
 )
-COLOURS = ("#4f8fba", "#d98e3f", "#6a9f58", "#b65c7a", "#8a77b5", "#55a9a4", "#a68a5b", "#888888")
-WIDTH, HEIGHT, LEFT, BELOW = 900, 220, 60, 30
+CHART_COLOURS = ("#4f8fba", "#d98e3f", "#6a9f58", "#b65c7a", "#8a77b5", "#55a9a4", "#a68a5b", "#888888")
+CHART_WIDTH, CHART_HEIGHT, CHART_LEFT, CHART_BOTTOM = 900, 220, 60, 30
 SMALLEST_SCALE = 0.1
 """Of an axis: less than that of a millimetre is nothing to look at."""
 STYLE = "body{font:14px sans-serif;margin:2em;color:#222}table{border-collapse:collapse}td{padding:2px 12px 2px 0}"
@@ -46,7 +46,7 @@ def write_summary(folder: Path, records: Sequence[Record]) -> None:
 def write_rows(path: Path, rows: Sequence[Row]) -> None:
     """Rows as CSV with a line of titles. Raises StudioError when they cannot be written."""
     table = StringIO()
-    writer = csv.DictWriter(table, COLUMNS)
+    writer = csv.DictWriter(table, SUMMARY_COLUMNS)
     writer.writeheader()
     writer.writerows(rows)
     write_whole(path, table.getvalue().encode())
@@ -62,7 +62,7 @@ def _rows(record: Record) -> list[Row]:
         row["reached"] = sum(target["reached"] for target in targets)
         for unit in ("residual_mm", "residual_deg"):
             row[unit] = max((target[unit] for target in targets if target[unit] is not None), default=None)
-        rows.append({column: _short(row.get(column, each.get(column))) for column in COLUMNS})
+        rows.append({column: _short(row.get(column, each.get(column))) for column in SUMMARY_COLUMNS})
     return rows
 
 
@@ -73,7 +73,7 @@ def _short(value: Any) -> Any:
 def _page(records: Sequence[Record], rows: Sequence[Row]) -> str:
     failed = [record for record in records if "error" in record]
     names = list(dict.fromkeys(row["character"] for row in rows if row["character"]))
-    colours = {name: COLOURS[place % len(COLOURS)] for place, name in enumerate(names)}
+    colours = {name: CHART_COLOURS[place % len(CHART_COLOURS)] for place, name in enumerate(names)}
     legend = " ".join(f'<b style="color:{colour}">● {escape(name)}</b>' for name, colour in colours.items())
     plots = "".join(_plot(title, unit, column, rows, colours) for title, unit, column in PLOTS)
     errors = "".join(f"<tr><td>{escape(each['name'])}<td>{escape(each['error'])}" for each in failed)
@@ -92,16 +92,17 @@ def _plot(title: str, unit: str, column: str, rows: Sequence[Row], colours: dict
     if not values:
         return ""
     most = max(SMALLEST_SCALE, *(value for _, value in values))
-    wide, high = WIDTH - LEFT - 10, HEIGHT - BELOW - 10
+    wide, high = CHART_WIDTH - CHART_LEFT - 10, CHART_HEIGHT - CHART_BOTTOM - 10
     dots = "".join(
-        f'<circle cx="{LEFT + wide * (captures[row["capture"]] + 0.5) / len(captures):.1f}"'
+        f'<circle cx="{CHART_LEFT + wide * (captures[row["capture"]] + 0.5) / len(captures):.1f}"'
         f' cy="{10 + high * (1.0 - value / most):.1f}" r="3.5" fill="{colours[row["character"]]}" fill-opacity="0.8">'
         f"<title>{escape(row['capture'])}, {escape(row['character'])}: {value:.3g} {unit}</title></circle>"
         for row, value in values
     )
     lines = "".join(
-        f'<path d="M{LEFT} {10 + high * (1 - share):.0f}H{WIDTH - 10}" stroke="#ddd"/><text x="{LEFT - 6}"'
-        f' y="{14 + high * (1 - share):.0f}" text-anchor="end" font-size="11">{most * share:.3g}</text>'
+        f'<path d="M{CHART_LEFT} {10 + high * (1 - share):.0f}H{CHART_WIDTH - 10}" stroke="#ddd"/>'
+        f'<text x="{CHART_LEFT - 6}" y="{14 + high * (1 - share):.0f}" text-anchor="end" font-size="11">'
+        f"{most * share:.3g}</text>"
         for share in (0.0, 0.5, 1.0)
     )
-    return f'<h2>{title}, {unit}</h2><svg width="{WIDTH}" height="{HEIGHT}" role="img">{lines}{dots}</svg>'
+    return f'<h2>{title}, {unit}</h2><svg width="{CHART_WIDTH}" height="{CHART_HEIGHT}" role="img">{lines}{dots}</svg>'

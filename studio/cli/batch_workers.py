@@ -23,7 +23,7 @@ FORK = sys.platform == "linux"
 """Workers are forks: each has all that is imported and every kernel that is loaded; a new process takes seconds."""
 ATTEMPTS = 2
 """Workers that may die of a job before it counts as failed."""
-PATIENCE = 5.0
+WORKER_STOP_SECONDS = 5.0
 """Seconds for a worker that is stopped to take away what it has half written."""
 
 
@@ -47,7 +47,7 @@ class Worker:
     def end(self) -> None:
         """Stop it, whatever it does."""
         self.process.terminate()
-        self.process.join(PATIENCE)
+        self.process.join(WORKER_STOP_SECONDS)
         self.process.kill()
         self.process.join()
         self.pipe.close()

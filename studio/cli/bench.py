@@ -24,7 +24,7 @@ from studio.resources_folder import example_captures_folder
 
 Record = dict[str, Any]
 
-USUAL = "reach_grasp.bvh"
+USUAL_EXAMPLE = "reach_grasp.bvh"
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +54,7 @@ def run(arguments: Namespace) -> int:
 
 def bundled_capture() -> Path:
     """The example to measure on: a body that stands and reaches, or whichever there is."""
-    files = sorted(example_captures_folder().glob("*.bvh"), key=lambda file: (file.name != USUAL, file.name))
+    files = sorted(example_captures_folder().glob("*.bvh"), key=lambda file: (file.name != USUAL_EXAMPLE, file.name))
     if not files:
         raise StudioError("No example capture is bundled. Name one: `bench CAPTURE`.")
     return files[0]

@@ -25,26 +25,26 @@ from studio.core.solver.adapt import hold
 from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import Standing, stand
-from studio.jobs.adaptation import MOTION_ID, ReadyCapture
+from studio.jobs.adaptation import ADAPTED_MOTION_ID, ReadyCapture
 
 FloatArray = NDArray[np.float64]
 
 FRAMES = 1200
 """Length of the clips that are adapted."""
-BEYOND = 0.1
+TARGET_BEYOND_REACH = 0.1
 """Metres by which a target lies beyond the arm's reach: in every frame, as the arm alone is solved."""
-NEAR = 0.8
+NEAR_TARGET = 0.8
 """Arm lengths from the shoulder to what can be reached."""
-FAR = 2.0
+FAR_TARGET = 2.0
 """Arm lengths from the shoulder: out of reach with every limit of the joints lifted, too."""
-ASIDE = 0.15
+ELBOW_OFFSET = 0.15
 """Metres between where an elbow may be once its wrist is held and where it is wanted."""
 
-ALWAYS = ActivationCurve(-1.0, -1.0, 1e6, 1e6)
-LIMB, WITH_TRUNK, WHOLE = Chain(clavicle=0.0), Chain(trunk=1.0), Chain(trunk=1.0, root=1.0)
-ROOT = Chain(0.0, 0.0, 0.0, 0.0, 1.0)
-FOREARMS = BodyPart.LEFT_FOREARM, BodyPart.RIGHT_FOREARM
-UPPER_ARMS = BodyPart.LEFT_UPPER_ARM, BodyPart.RIGHT_UPPER_ARM
+WHOLE_CASE = ActivationCurve(-1.0, -1.0, 1e6, 1e6)
+LIMB, WITH_TRUNK, WHOLE_CHAIN = Chain(clavicle=0.0), Chain(trunk=1.0), Chain(trunk=1.0, root=1.0)
+ROOT_CHAIN = Chain(0.0, 0.0, 0.0, 0.0, 1.0)
+BENCH_FOREARMS = BodyPart.LEFT_FOREARM, BodyPart.RIGHT_FOREARM
+BENCH_UPPER_ARMS = BodyPart.LEFT_UPPER_ARM, BodyPart.RIGHT_UPPER_ARM
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,8 +71,8 @@ def make_tasks(motion: NormalizedMotion, contacts: tuple[ContactInterval, ...], 
     """The rows of the table on one clip and one body, from the easiest to the worst."""
     right, left = 1, 0
     standing = stand(motion, body, contacts, Ground())
-    near, beyond = before_shoulder(standing, right, NEAR), beyond_arm(standing, right)
-    far = [before_shoulder(standing, side, FAR) for side in (left, right)]
+    near, beyond = before_shoulder(standing, right, NEAR_TARGET), beyond_arm(standing, right)
+    far = [before_shoulder(standing, side, FAR_TARGET) for side in (left, right)]
     tracks = {
         _follow("near"): near,
         _follow("beyond"): beyond,
@@ -82,7 +82,7 @@ def make_tasks(motion: NormalizedMotion, contacts: tuple[ContactInterval, ...], 
     followed: Tracks = {follow: _track(places) for follow, places in tracks.items()}
     bare = AdaptRequest(motion, body, tracks=followed, eased=True)
     held = replace(bare, contacts=contacts)
-    balance = BalanceConstraint(MOTION_ID, "Balance", BodyPoint(BodyPart.PELVIS), ROOT, 0, ALWAYS)
+    balance = BalanceConstraint(ADAPTED_MOTION_ID, "Balance", BodyPoint(BodyPart.PELVIS), ROOT_CHAIN, 0, WHOLE_CASE)
     reachable, strict = wrist(right, "near", LIMB), wrist(right, "near", WITH_TRUNK)
     elbow, aside = elbow_aside(hold(standing, (strict,), tracks=bare.tracks), right)
     return (
@@ -102,7 +102,9 @@ def make_tasks(motion: NormalizedMotion, contacts: tuple[ContactInterval, ...], 
         ),
         Task(
             "worst: two unreachable wrists, planted feet, balance",
-            replace(held, constraints=(balance, wrist(left, "left", WHOLE, 1), wrist(right, "right", WHOLE, 1))),
+            replace(
+                held, constraints=(balance, wrist(left, "left", WHOLE_CHAIN, 1), wrist(right, "right", WHOLE_CHAIN, 1))
+            ),
             115.0,
             15.0,
             reachable=False,
@@ -125,7 +127,7 @@ def clip_of(ready: ReadyCapture, longest: int = FRAMES) -> tuple[NormalizedMotio
 
 def wrist(side: int, target: str, chain: Chain, priority: int = 0) -> PositionConstraint:
     """A wrist that is to be at the ``target`` all the time."""
-    return _position(FOREARMS[side], target, chain, priority)
+    return _position(BENCH_FOREARMS[side], target, chain, priority)
 
 
 def before_shoulder(standing: Standing, side: int, reach: float) -> FloatArray:
@@ -135,20 +137,20 @@ def before_shoulder(standing: Standing, side: int, reach: float) -> FloatArray:
 
 
 def beyond_arm(standing: Standing, side: int) -> FloatArray:
-    """(F, 3) places that the arm alone misses by ``BEYOND``, as it is solved."""
-    far = before_shoulder(standing, side, FAR)
+    """(F, 3) places that the arm alone misses by ``TARGET_BEYOND_REACH``, as it is solved."""
+    far = before_shoulder(standing, side, FAR_TARGET)
     missed = hold(standing, (wrist(side, "far", LIMB),), tracks={_follow("far"): _track(far)}).residuals[0]
-    return np.asarray(far - (missed - BEYOND)[:, None] * _ways(standing, side))
+    return np.asarray(far - (missed - TARGET_BEYOND_REACH)[:, None] * _ways(standing, side))
 
 
 def elbow_aside(solved: AdaptedMotion, side: int) -> tuple[PositionConstraint, Track]:
-    """An elbow of lower priority, and where it is wanted: ``ASIDE`` further from the line shoulder-wrist than it is."""
+    """Elbow of lower priority, with its target: ``ELBOW_OFFSET`` further from the line shoulder-wrist than it is."""
     layout = solved.morphology.layout
     shoulder, elbow, end = (solved.positions[:, layout.collar(side) + k] for k in (1, 2, 3))
     axis = normalized(end - shoulder)
     out = elbow - shoulder
     out = normalized(out - np.sum(out * axis, axis=1, keepdims=True) * axis)
-    return _position(UPPER_ARMS[side], "aside", WITH_TRUNK, 1), _track(elbow + ASIDE * out)
+    return _position(BENCH_UPPER_ARMS[side], "aside", WITH_TRUNK, 1), _track(elbow + ELBOW_OFFSET * out)
 
 
 def _shoulder(standing: Standing, side: int) -> FloatArray:
@@ -173,7 +175,7 @@ def _track(places: FloatArray) -> Track:
 
 def _position(part: BodyPart, target: str, chain: Chain, priority: int) -> PositionConstraint:
     point = BodyPoint(part, at_end=True)
-    return PositionConstraint(MOTION_ID, part.label, point, chain, priority, ALWAYS, target=_follow(target))
+    return PositionConstraint(ADAPTED_MOTION_ID, part.label, point, chain, priority, WHOLE_CASE, target=_follow(target))
 
 
 def places_of(task: Task, constraint: PositionConstraint) -> FloatArray:

@@ -16,7 +16,7 @@ from studio.io.export import Take, format_for, take_of_capture, take_of_standing
 from studio.io.importing import ImportOptions, known_of_motion, load_character, read_capture, read_file
 from studio.io.project.character_file import actor_character
 from studio.io.registry import ReadCharacter, format_of, known_formats
-from studio.jobs.adaptation import MOTION_ID, cleaning_records, ready_read
+from studio.jobs.adaptation import ADAPTED_MOTION_ID, cleaning_records, ready_read
 from studio.startup.kernel_warm_up import tell_what_reading_waits_for
 
 
@@ -78,7 +78,7 @@ def _take_of(source: Path, options: ImportOptions) -> Take:
         return replace(standing, capture=replace(standing.capture, guesses=still.guesses, repairs=still.repairs))
     tell_what_reading_waits_for()
     read = read_capture(source, options)
-    return take_of_capture(read.capture, known_of_motion(read.capture, read.annotations, MOTION_ID))
+    return take_of_capture(read.capture, known_of_motion(read.capture, read.annotations, ADAPTED_MOTION_ID))
 
 
 def _writes_characters(target: Path) -> bool:

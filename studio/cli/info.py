@@ -24,7 +24,7 @@ from studio.core.project import COLLECTIONS
 from studio.io.importing import ImportOptions, known_of_motion, read_file
 from studio.io.project.project_file import read_project
 from studio.io.registry import ReadCapture, ReadCharacter
-from studio.jobs.adaptation import MOTION_ID, cleaning_records, spans_by_foot
+from studio.jobs.adaptation import ADAPTED_MOTION_ID, cleaning_records, spans_by_foot
 from studio.startup.kernel_warm_up import tell_what_reading_waits_for
 
 Record = dict[str, Any]
@@ -78,7 +78,7 @@ def _foreign(path: Path, options: ImportOptions) -> Record:
 
 def _capture(read: ReadCapture) -> Record:
     capture, report = read.capture, read.report
-    annotations = known_of_motion(capture, read.annotations, MOTION_ID)
+    annotations = known_of_motion(capture, read.annotations, ADAPTED_MOTION_ID)
     return {
         "kind": "skeleton",
         "frames": capture.frame_count,

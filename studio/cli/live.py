@@ -18,7 +18,7 @@ from studio.core.normalized.pieces import MotionPiece
 from studio.io.importing import GUESS_ALL
 from studio.jobs.adaptation import chosen_characters, ready_capture
 from studio.library.mirroring import with_mirrored
-from studio.live.fight import ANY_STRIKE, ORDERS, Order, fight, orders_every
+from studio.live.fight import ANY_STRIKE, FIGHT_ORDERS, Order, fight, orders_every
 from studio.live.fighter import Fighter
 from studio.live.recording import read_recording
 from studio.live.streamer import Streamer
@@ -27,7 +27,7 @@ from studio.resources_folder import example_captures_folder
 
 FloatArray = NDArray[np.float64]
 
-GUARD, GUARD_SECONDS = "front_kick.bvh", 1.3
+GUARD_EXAMPLE, GUARD_SECONDS = "front_kick.bvh", 1.3
 """The example that begins on guard, and for how long its feet stay in place."""
 CIRCLE, SWAY = 0.5, 0.35
 """Metres and radians a second of the head that moves where none is tracked."""
@@ -71,7 +71,7 @@ def rehearse(fighter: Fighter) -> None:
 
 def guard_of(path: Path | None) -> MotionPiece:
     """What is played between blows: the first moments of a capture."""
-    ready = ready_capture(path or example_captures_folder() / GUARD, GUESS_ALL)
+    ready = ready_capture(path or example_captures_folder() / GUARD_EXAMPLE, GUESS_ALL)
     first = ready.capture.first_frame
     last = min(first + round(GUARD_SECONDS * ready.motion.frame_rate), ready.motion.frame_count - 1)
     return MotionPiece(ready.motion, ready.contacts, first, last)
@@ -112,4 +112,4 @@ def typed_order(_now: float = 0.0) -> Order | None:
     """What was typed since the last frame: ``left punch``, ``right kick``; any other line is any strike."""
     if not sys.stdin.isatty() or not select.select([sys.stdin], [], [], 0.0)[0]:
         return None
-    return ORDERS.get(sys.stdin.readline().strip().lower(), ANY_STRIKE)
+    return FIGHT_ORDERS.get(sys.stdin.readline().strip().lower(), ANY_STRIKE)

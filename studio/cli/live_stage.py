@@ -19,7 +19,7 @@ from studio.jobs.performances import prepared
 from studio.live.stage import LiveStage
 from studio.startup.kernel_warm_up import compile_first
 
-STEP = 1.0 / 60.0
+LIVE_STAGE_STEP = 1.0 / 60.0
 
 
 @dataclass
@@ -98,11 +98,11 @@ def played(project: Project, seconds: float, presses: Iterable[tuple[float, str]
     spent: list[float] = []
     stopped = False
     try:
-        for _ in range(max(round(seconds / STEP), 1)):
+        for _ in range(max(round(seconds / LIVE_STAGE_STEP), 1)):
             while waiting and waiting[0][0] <= stage.seconds:
                 stage.press(waiting.pop(0)[1])
             begun = time.thread_time()
-            stage.step(STEP)
+            stage.step(LIVE_STAGE_STEP)
             spent.append(time.thread_time() - begun)
             _note(stage, parts)
     except KeyboardInterrupt:

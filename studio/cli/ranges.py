@@ -39,12 +39,12 @@ def key_press(text: str) -> tuple[float, str]:
     """Second and key of ``KEY@SECONDS``. Raises ArgumentTypeError."""
     key, _, when = text.rpartition("@")
     seconds = _value(when, float)
-    if not key or not 0.0 <= seconds <= LONGEST:
+    if not key or not 0.0 <= seconds <= LONGEST_SECONDS:
         raise ArgumentTypeError(f"'{text}' is not a key press: say the key and the second, as in K@1.5")
     return seconds, key.upper()
 
 
-LONGEST = 86_400.0
+LONGEST_SECONDS = 86_400.0
 """Seconds that a motion or a session may last."""
 
 

@@ -16,7 +16,7 @@ from studio.core.project import Project
 from studio.core.stage.staging import staged
 from studio.io.film import write_moving
 from studio.io.png import write_png
-from studio.jobs.adaptation import MOTION_ID, chosen_characters, make_folder, ready_capture
+from studio.jobs.adaptation import ADAPTED_MOTION_ID, chosen_characters, make_folder, ready_capture
 from studio.jobs.bundled_scenes import is_project, open_project
 from studio.jobs.performances import performances, stage_duration
 from studio.startup.kernel_warm_up import compile_first
@@ -72,7 +72,7 @@ def staged_project(arguments: Namespace) -> Project:
         return open_project(arguments.source)
     characters = chosen_characters(arguments.character)
     ready = ready_capture(arguments.source, import_options(arguments))
-    return staged(ready.capture, ready.contacts, characters, MOTION_ID)
+    return staged(ready.capture, ready.contacts, characters, ADAPTED_MOTION_ID)
 
 
 def renderer(kind: str) -> Callable[..., Any]:

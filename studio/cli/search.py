@@ -3,7 +3,7 @@
 from argparse import Namespace
 from dataclasses import replace
 
-from studio.cli.arguments import KINDS, LIMBS
+from studio.cli.arguments import LIMB_WORDS, STRIKE_KINDS
 from studio.cli.index import clip_record
 from studio.cli.library_options import library_with_clips
 from studio.cli.printing import print_json, print_table
@@ -39,8 +39,8 @@ def asked_by(arguments: Namespace) -> StrikeQuery:
         pose,
         body,
         place_before(pose, body, arguments.target),
-        limbs=[LIMBS[name] for name in arguments.limb],
-        kinds=[KINDS[name] for name in arguments.kind],
+        limbs=[LIMB_WORDS[name] for name in arguments.limb],
+        kinds=[STRIKE_KINDS[name] for name in arguments.kind],
         tags=arguments.tag,
         posture_weight=arguments.posture_weight,
         reach_weight=arguments.reach_weight,

@@ -31,14 +31,14 @@ class Range:
             raise ValueError(f"{what} of {told} cannot be true: it is at least {self.least:g} {self.unit}.")
 
 
-BONE = Range("A bone", 1e3)
+BONE_RANGE = Range("A bone", 1e3)
 TRAVEL = Range("A way of the root", 1e5)
-MESH = Range("A mesh with a place", 1e5)
-PLACE = Range("A place", 1e5)
+MESH_RANGE = Range("A mesh with a place", 1e5)
+PLACE_RANGE = Range("A place", 1e5)
 SKIN = Range("A place on a skin", 1e3)
-TIME = Range("A time", 1e9, "s")  # also "always", as files write it
+TIME_RANGE = Range("A time", 1e9, "s")  # also "always", as files write it
 ROUND = Range("A round", 1e6, "s", least=1e-3)
 FRAME_RATE = Range("A frame rate", 1e5, "Hz", least=0.01)
-TURN = Range("A turn", 1e4, "rad")
+TURN_RANGE = Range("A turn", 1e4, "rad")
 GROUND = Range("A measure of the ground", 1e4)
 WEIGHT = Range("A weight among equals", 1e6, "times the usual")

@@ -20,7 +20,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import Follow, FollowPerformer, FollowProp
 from studio.core.constraints.target import follows_of
 from studio.core.grounds.ground import Ground
-from studio.core.plausible import PLACE, TURN
+from studio.core.plausible import PLACE_RANGE, TURN_RANGE
 from studio.core.stage.behaviour import Behaviour, State, Transition
 from studio.core.stage.clip import Clip
 from studio.core.stage.layer import Layer
@@ -74,8 +74,8 @@ class Performer:
     def __post_init__(self) -> None:
         if not all(math.isfinite(number) for number in (*self.position, self.heading)):
             raise ValueError(f"'{self.name}': a place on the stage is made of finite numbers.")
-        PLACE.check(self.position)
-        TURN.check(self.heading)
+        PLACE_RANGE.check(self.position)
+        TURN_RANGE.check(self.heading)
 
     @property
     def all_clips(self) -> tuple[Clip, ...]:

@@ -17,9 +17,9 @@ FloatArray = NDArray[np.float64]
 Rows = NDArray[np.float32]
 IntArray = NDArray[np.int64]
 
-BLOCK = 8
+BLOCK_FRAMES = 8
 """Frames that are judged together by the one in their middle."""
-BYTES_A_FRAME = 4 * at.POSE_WIDTH + (4 * at.POSE_WIDTH + 8 * (1 + 4 + 3 + 1)) // BLOCK
+BYTES_A_FRAME = 4 * at.POSE_WIDTH + (4 * at.POSE_WIDTH + 8 * (1 + 4 + 3 + 1)) // BLOCK_FRAMES
 """In the table of poses (on disk, as far as nobody asks for them), and of the blocks (in memory)."""
 
 
@@ -138,9 +138,9 @@ class Blocks:
         counts, begins = table.frame_counts, table.first_rows
         spans = np.array(
             [
-                (clip, begins[clip] + start, min(BLOCK, count - start))
+                (clip, begins[clip] + start, min(BLOCK_FRAMES, count - start))
                 for clip, count in enumerate(counts.tolist())
-                for start in range(0, count, BLOCK)
+                for start in range(0, count, BLOCK_FRAMES)
             ],
             dtype=np.int64,
         ).reshape(-1, 3)

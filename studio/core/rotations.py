@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 
-IDENTITY: FloatArray = np.array([0.0, 0.0, 0.0, 1.0])
-IDENTITY.setflags(write=False)
+IDENTITY_QUATERNION: FloatArray = np.array([0.0, 0.0, 0.0, 1.0])
+IDENTITY_QUATERNION.setflags(write=False)
 _SIX_DIGITS = 1e-6
 _BLOCK = 1 << 14
 """Rotations turned at a time: what stays in the processor's cache."""

@@ -11,14 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 FloatArray = NDArray[np.float64]
 T = TypeVar("T", np.float64, np.bool_)
 
-BEYOND = 4.0
+BELL_DEVIATIONS = 4.0
 """Standard deviations after which a bell ends."""
 
 
 def smoothed(track: ArrayLike, sigma: float) -> FloatArray:
     """(F,) or (F, 3) averaged under a bell of ``sigma`` frames."""
     values = np.asarray(track, dtype=float)
-    reach = int(BEYOND * sigma + 0.5)
+    reach = int(BELL_DEVIATIONS * sigma + 0.5)
     bell = np.exp(-0.5 * (np.arange(-reach, reach + 1) / max(sigma, 1e-9)) ** 2)
     bell /= bell.sum()
     held = _held(values, reach)

@@ -11,9 +11,9 @@ from studio.core.stage.behaviour import Behaviour
 from studio.document.editing import EditedProject
 
 BehaviourEdit = Callable[[Behaviour], Behaviour]
-BESIDE = (48.0, 72.0)
+COPY_OFFSET = (48.0, 72.0)
 """Where a copy stands in the diagram, beside what it is of."""
-PARTS = ("states", "transitions")
+BEHAVIOUR_PARTS = ("states", "transitions")
 """What is selected within a behaviour, by keys of ``Project.states`` and ``Project.transitions``."""
 
 
@@ -49,7 +49,7 @@ def shown_behaviour(document: EditedProject) -> str | None:
     for collection, key in reversed(document.selection.items):
         if collection == "behaviours" and key in project.behaviours:
             return key
-        if collection in PARTS and (found := behaviour_with(project, collection, key)):
+        if collection in BEHAVIOUR_PARTS and (found := behaviour_with(project, collection, key)):
             return found
     return project.behaviour_of(document.active_performer_id or "")
 
@@ -106,7 +106,7 @@ def duplicate_states(document: EditedProject, states: Iterable[str]) -> list[str
         for key, behaviour in document.project.behaviours.items():
             names = {each.name for each in behaviour.states if state_key(key, each.name) in chosen}
             if names:
-                copied = edits.with_copies(behaviour, names, BESIDE)
+                copied = edits.with_copies(behaviour, names, COPY_OFFSET)
                 edit_behaviour(document, key, lambda _, copied=copied: copied, "Duplicate states")  # type: ignore[misc]
                 made += [state_key(key, each.name) for each in copied.states[len(behaviour.states) :]]
     return made

@@ -19,16 +19,16 @@ from studio.document.keyed_fields import Keyed, KeyedField
 
 FloatArray = NDArray[np.float64]
 
-ORDER = "ZYX"
+SHOWN_EULER_ORDER = "ZYX"
 """In which the angles of a rotation are shown: heading, then pitch, then roll."""
-ANGLES = ("heading", "pitch", "roll")
-AXES = ("x", "y", "z")
-DEGREES = 180.0 / np.pi
-STEP = 1e-5
+ANGLE_NAMES = ("heading", "pitch", "roll")
+AXIS_NAMES = ("x", "y", "z")
+DEGREES_PER_RADIAN = 180.0 / np.pi
+RATE_STEP = 1e-5
 """Seconds over which rates of angles are taken."""
-GRID = 24
+ANGLE_SAMPLES = 24
 """Steps from a key to the next in which angles are followed past half a turn."""
-SMALLEST = 0.05
+LEAST_SCALE = 0.05
 """The least factor of a measure."""
 HANDLE = 3.0
 """A tangent of weight 1 has a handle a third of the way to the next key."""
@@ -56,14 +56,14 @@ def channels_of(field: KeyedField, keyed: Keyed) -> tuple[Channel, ...]:
     """The channels of a field; of measures those that change, or else the stature."""
     match keyed:
         case KeyedPlace():
-            return tuple(Channel(field, place, name, "m") for place, name in enumerate(AXES))
+            return tuple(Channel(field, place, name, "m") for place, name in enumerate(AXIS_NAMES))
         case KeyedOwnPlace():
-            return tuple(Channel(field, place, name, "leg lengths") for place, name in enumerate(AXES))
+            return tuple(Channel(field, place, name, "leg lengths") for place, name in enumerate(AXIS_NAMES))
         case KeyedTurn():
-            return tuple(Channel(field, place, name, "°", DEGREES) for place, name in enumerate(ANGLES))
+            return tuple(Channel(field, place, name, "°", DEGREES_PER_RADIAN) for place, name in enumerate(ANGLE_NAMES))
         case KeyedNumber():
             is_angle = field.name == "heading"
-            return (Channel(field, 0, field.name, "°" if is_angle else "m", DEGREES if is_angle else 1.0),)
+            return (Channel(field, 0, field.name, "°" if is_angle else "m", DEGREES_PER_RADIAN if is_angle else 1.0),)
         case KeyedProportions():
             changing = np.flatnonzero(np.ptp(keyed.points, axis=0) > 0.0).tolist() or [0]
             names = [each.name for each in fields(Proportions)]
@@ -192,12 +192,12 @@ def with_even_weights(keyed: Keyed, place: int) -> Keyed:
 def _with_component(keyed: Keys, place: int, component: int, value: float) -> object:
     old = keyed.values[place]
     if isinstance(keyed, KeyedTurn):
-        angles = to_euler(ORDER, np.array(old))
+        angles = to_euler(SHOWN_EULER_ORDER, np.array(old))
         angles[component] = value
-        return tuple(from_euler(ORDER, angles).tolist())
+        return tuple(from_euler(SHOWN_EULER_ORDER, angles).tolist())
     if isinstance(old, Proportions):
         name = fields(Proportions)[component].name
-        return replace(old, **{name: max(value, SMALLEST)})
+        return replace(old, **{name: max(value, LEAST_SCALE)})
     return (*old[:component], value, *old[component + 1 :]) if keyed.size > 1 else value
 
 
@@ -215,20 +215,20 @@ def _stored_rate(channel: Channel, keyed: Keys, place: int, side: Side, rate: fl
     if not isinstance(keyed, KeyedTurn):
         rates[channel.component] = rate
         return tuple(rates.tolist())
-    angles = to_euler(ORDER, np.array(keyed.values[place]))
+    angles = to_euler(SHOWN_EULER_ORDER, np.array(keyed.values[place]))
     turning = _angle_rates(keyed, place, rates)
     turning[channel.component] = rate
-    step = STEP / max(1.0, float(np.abs(turning).max()))
-    later = _rotation(from_euler(ORDER, angles + step * turning))
+    step = RATE_STEP / max(1.0, float(np.abs(turning).max()))
+    later = _rotation(from_euler(SHOWN_EULER_ORDER, angles + step * turning))
     return tuple((_rotation(np.array(keyed.values[place])).inv() * later).as_rotvec() / step)
 
 
 def _angle_rates(keyed: KeyedTurn, place: int, rate: FloatArray) -> FloatArray:
     """(3,) radians a second of heading, pitch and roll of a key that turns at ``rate`` (3,) about its own axes."""
     here = np.array(keyed.values[place])
-    step = STEP / max(1.0, float(np.linalg.norm(rate)))
+    step = RATE_STEP / max(1.0, float(np.linalg.norm(rate)))
     later = (_rotation(here) * type(_rotation(here)).from_rotvec(step * rate)).as_quat()
-    change = to_euler(ORDER, later) - to_euler(ORDER, here)
+    change = to_euler(SHOWN_EULER_ORDER, later) - to_euler(SHOWN_EULER_ORDER, here)
     return np.asarray((np.mod(change + np.pi, 2.0 * np.pi) - np.pi) / step)
 
 
@@ -241,9 +241,9 @@ def _rotation(quaternion: FloatArray) -> Any:
 def _angles(keyed: KeyedTurn, times: FloatArray) -> FloatArray:
     """(N, 3) radians at ``times`` (N,), followed past half a turn from the first key on."""
     keys = keyed.seconds
-    between = np.interp(np.arange(GRID * (len(keys) - 1) + 1) / GRID, np.arange(len(keys)), keys)
+    between = np.interp(np.arange(ANGLE_SAMPLES * (len(keys) - 1) + 1) / ANGLE_SAMPLES, np.arange(len(keys)), keys)
     grid, places = np.unique(np.concatenate([times, between, keys[:1]]), return_inverse=True)
-    angles = np.unwrap(to_euler(ORDER, from_matrix(keyed.at(grid))), axis=0)
+    angles = np.unwrap(to_euler(SHOWN_EULER_ORDER, from_matrix(keyed.at(grid))), axis=0)
     first = places[-1]
-    whole = np.round((angles[first] - to_euler(ORDER, np.array(keyed.values[0]))) / (2.0 * np.pi))
+    whole = np.round((angles[first] - to_euler(SHOWN_EULER_ORDER, np.array(keyed.values[0]))) / (2.0 * np.pi))
     return np.asarray((angles - 2.0 * np.pi * whole)[places[: len(times)]])

@@ -35,24 +35,24 @@ from studio.io.project.constraint_file import constraint_of, constraint_record, 
 from studio.io.project.entity_json import entity_of, entity_record
 from studio.io.project.value_json import Json, MemberCodec, from_json, to_json
 
-FORMAT = "morpho-studio clipboard"
-VERSION = 1
-WHERE = "Clipboard"
-KINDS: Mapping[str, type[Keys]] = {
+CLIPBOARD_FORMAT = "morpho-studio clipboard"
+CLIPBOARD_VERSION = 1
+CLIPBOARD_NAME = "Clipboard"
+CLIPBOARD_KEY_KINDS: Mapping[str, type[Keys]] = {
     "places": KeyedPlace,
     "offsets": KeyedOwnPlace,
     "numbers": KeyedNumber,
     "rotations": KeyedTurn,
     "measures": KeyedProportions,
 }
-NOTHING = "The clipboard holds nothing to paste here. Copy constraints, contacts or keys first."
+NOTHING_TO_PASTE = "The clipboard holds nothing to paste here. Copy constraints, contacts or keys first."
 _NUMBERS = re.compile(r"\[\s+(-?[\d.e+-]+(?:,\s+-?[\d.e+-]+)*)\s+\]")
 
 
 def copied(document: EditedProject) -> str:
     """The selected keys, or else constraints and contacts, as JSON; empty where there are none."""
     keys = _key_records(document)
-    record: dict[str, Json] = {"format": FORMAT, "version": VERSION, "from": _origin(document)}
+    record: dict[str, Json] = {"format": CLIPBOARD_FORMAT, "version": CLIPBOARD_VERSION, "from": _origin(document)}
     if keys:
         record["keys"] = keys
     else:
@@ -90,12 +90,12 @@ def _record_of(text: str) -> dict[str, Any]:
         record = json_of(text.encode())
     except ValueError:
         record = None
-    if not isinstance(record, dict) or record.get("format") != FORMAT:
-        raise StudioError(NOTHING)
-    if record.get("version") != VERSION:
+    if not isinstance(record, dict) or record.get("format") != CLIPBOARD_FORMAT:
+        raise StudioError(NOTHING_TO_PASTE)
+    if record.get("version") != CLIPBOARD_VERSION:
         raise StudioError("The clipboard was filled by a newer version of Morpho Studio. Update this one to paste it.")
     if large := too_large({name: item for name, item in record.items() if name != "from"}):
-        raise StudioError(f"{WHERE}, {large} is too large to be true. Lengths are metres, times seconds.")
+        raise StudioError(f"{CLIPBOARD_NAME}, {large} is too large to be true. Lengths are metres, times seconds.")
     return record
 
 
@@ -119,13 +119,13 @@ def _paste_entities(document: EditedProject, record: Mapping[str, Any], mirrored
     chosen = [key for key in document.selection.of("performers") if key in document.project.performers]
     body = chosen[-1] if chosen and chosen[-1] != origin.get("performer_id") else ""
     constraints = [
-        constraint_of(item, clip.motion_id, f"{WHERE}, constraints[{place}]")
+        constraint_of(item, clip.motion_id, f"{CLIPBOARD_NAME}, constraints[{place}]")
         for place, item in enumerate(_list_of(record, "constraints"))
     ]
     rate = document.project.frame_rate_of(clip)
     contacts = _contacts_of(document, record, clip.motion_id, rate / float(origin.get("frame_rate") or rate))
     if not constraints and not contacts:
-        raise StudioError(NOTHING)
+        raise StudioError(NOTHING_TO_PASTE)
     moves = not (mirrored or body or origin.get("motion_id") != clip.motion_id)
     if moves:
         begins = [each.activation.start for each in constraints] + [each.first / rate for each in contacts]
@@ -149,7 +149,7 @@ def _paste_entities(document: EditedProject, record: Mapping[str, Any], mirrored
 def _list_of(record: Mapping[str, Any], name: str) -> list[Any]:
     found = record.get(name, [])
     if not isinstance(found, list):
-        raise StudioError(f"{WHERE}, {name}: expected a list.")
+        raise StudioError(f"{CLIPBOARD_NAME}, {name}: expected a list.")
     return found
 
 
@@ -162,7 +162,7 @@ def _contacts_of(
         try:
             each = entity_of("contacts", {**item, "motion_id": motion_id}, _no_member)
         except (ValueError, TypeError) as error:
-            raise StudioError(f"{WHERE}, contacts[{place}], {error}") from error
+            raise StudioError(f"{CLIPBOARD_NAME}, contacts[{place}], {error}") from error
         assert isinstance(each, ContactInterval)
         found.append(replace(each, first=round(each.first * frames), last=round(each.last * frames)))
     return found
@@ -225,7 +225,7 @@ def _key_records(document: EditedProject) -> list[Json]:
             "of": getattr(project.get(*field.item), "name", ""),
             "entity": "/".join(field.item),
             "field": field.name,
-            "kind": next(name for name, kind in KINDS.items() if isinstance(value, kind)),
+            "kind": next(name for name, kind in CLIPBOARD_KEY_KINDS.items() if isinstance(value, kind)),
             "keys": _without_kind(to_json(value.moved(-first), _NO_ARRAYS)),
         }
         for field, value in found
@@ -260,11 +260,11 @@ def _paste_keys(document: EditedProject, records: Json, mirrored: bool) -> None:
 
 def _keys_of(record: Json, place: int) -> _CopiedKeys:
     try:
-        kind = KINDS[record["kind"]]
+        kind = CLIPBOARD_KEY_KINDS[record["kind"]]
         keyed: Keys = from_json(record["keys"], kind, _NO_ARRAYS)
         return _CopiedKeys(str(record["entity"]), str(record["field"]), keyed)
     except (KeyError, TypeError, ValueError) as error:
-        raise StudioError(f"{WHERE}, keys[{place}]: {error}") from error
+        raise StudioError(f"{CLIPBOARD_NAME}, keys[{place}]: {error}") from error
 
 
 def _destinations(document: EditedProject, copies: Iterable[_CopiedKeys]) -> Iterable[tuple[_CopiedKeys, KeyedField]]:

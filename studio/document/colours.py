@@ -1,6 +1,6 @@
 """The colours of the studio, shared by every view: one meaning each, ``#RRGGBB``."""
 
-from studio.core.constraints.kinds import KINDS as CONSTRAINTS
+from studio.core.constraints.kinds import CONSTRAINT_KINDS as CONSTRAINTS
 
 WINDOW = "#0f1114"
 WELL = "#16191d"

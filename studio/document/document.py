@@ -25,7 +25,7 @@ from studio.io.project.project_file import (
 
 LOCKS = "locks"
 """The folder, in that of the journals, of what documents are open."""
-REST_MILLISECONDS = 500
+PLAYHEAD_SAVE_MILLISECONDS = 500
 """How often at most it is kept for recovery where the playhead stands."""
 
 
@@ -89,7 +89,7 @@ class Document(EditedProject):
         self.journal: Journal | None = None
         self._lock: FileLock | None = None
         self.opened: OpenedProject | None = None
-        self._rest = QTimer(self, singleShot=True, interval=REST_MILLISECONDS)
+        self._rest = QTimer(self, singleShot=True, interval=PLAYHEAD_SAVE_MILLISECONDS)
         self._rest.timeout.connect(self._keep_playhead)
         for moved in (self.playhead.changed, self.playhead.range_changed, self.playhead.playing_changed):
             moved.connect(self._wait_for_rest)

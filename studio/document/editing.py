@@ -20,10 +20,10 @@ from studio.document.commands.removal import removal
 from studio.document.commands.replace import Edit, ReplaceValue, applied, merged, reverted, same_value
 from studio.document.key_selection import KeySelection
 from studio.document.mirrored import mirrored_change, mirrored_entity, mirrored_project
-from studio.document.playhead import NEW, Playhead
+from studio.document.playhead import INITIAL_PLAYHEAD, Playhead
 from studio.document.selection import Item, Selection
 
-MANY = 100
+MANY_EDITS = 100
 
 
 class EditedProject(QObject):
@@ -236,7 +236,7 @@ class EditedProject(QObject):
         self.selection.clear()  # first: who hears of the others asks what is selected
         self.undo_stack.clear()
         self.undo_stack.setClean()
-        self.playhead.restore(NEW)
+        self.playhead.restore(INITIAL_PLAYHEAD)
         self._fit_playhead()
         self.project_opened.emit()
 
@@ -305,7 +305,7 @@ class EditedProject(QObject):
             self._fit_playhead()
         for collection, ids in groupby(dict.fromkeys(edit.item for edit in edits), key=itemgetter(0)):
             changed = [entity_id for _, entity_id in ids]
-            for entity_id in changed if len(changed) <= MANY else [""]:
+            for entity_id in changed if len(changed) <= MANY_EDITS else [""]:
                 self.entity_changed.emit(collection, entity_id)
 
     def _may_be_seen(self, item: Item) -> bool:

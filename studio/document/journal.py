@@ -29,7 +29,7 @@ from studio.io.project.archive import Stamp
 from studio.io.project.entity_json import Members, entity_record, line, npy_parts, project_json
 
 STEPS_BETWEEN_SNAPSHOTS = 50
-RESTS, HEALS = 2.0, 2.0
+IDLE_SECONDS, RETRY_SECONDS = 2.0, 2.0
 """Seconds without an edit after which the log is worked in, and after which a journal that failed is begun anew."""
 _PIECE = 1 << 20
 """Bytes of an array that are stored at a time."""
@@ -198,7 +198,7 @@ class Journal(QObject):
                         " not kept for recovery until it can be."
                     )
                     self.acknowledged_changed.emit()
-                if self._closing.wait(HEALS):
+                if self._closing.wait(RETRY_SECONDS):
                     return
 
     def _write_session(self) -> None:
@@ -231,7 +231,7 @@ class Journal(QObject):
     def _waiting(self) -> list["_Item"] | None:
         """All that is queued; none when nothing comes for a while, None when the journal is closed."""
         try:
-            items = [self._queue.get(timeout=RESTS)]
+            items = [self._queue.get(timeout=IDLE_SECONDS)]
         except queue.Empty:
             return []
         while not self._queue.empty():

@@ -22,7 +22,7 @@ from studio.document.keyed_fields import (
     with_times,
 )
 
-SLOWEST, FASTEST = 0.01, 100.0
+LEAST_TIME_SCALE, MOST_TIME_SCALE = 0.01, 100.0
 """By what keys may be scaled at once."""
 
 
@@ -72,7 +72,7 @@ class KeyDrag:
 
     def scale(self, factor: float, about: float) -> None:
         """Show the keys ``factor`` times as far from a second of the stage."""
-        factor = min(max(factor, SLOWEST), FASTEST)
+        factor = min(max(factor, LEAST_TIME_SCALE), MOST_TIME_SCALE)
         self._show(lambda time: about + (time - about) * factor, 1.0 / factor, "Scale", {})
 
     def cancel(self) -> None:

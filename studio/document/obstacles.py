@@ -9,7 +9,7 @@ from studio.core.project import Project
 from studio.core.stage.prop import PropShape
 from studio.document.document import Document
 
-SHAPES = {PropShape.TABLE: AreaShape.TABLE, PropShape.BALL: AreaShape.SPHERE, PropShape.STICK: AreaShape.CYLINDER}
+PROP_AREAS = {PropShape.TABLE: AreaShape.TABLE, PropShape.BALL: AreaShape.SPHERE, PropShape.STICK: AreaShape.CYLINDER}
 """Areas of props; others are boxes of their size."""
 FADE = 0.5
 """Seconds before and after a motion in which a body begins, and ceases, to keep out."""
@@ -42,6 +42,6 @@ def set_obstacle(document: Document, prop_id: str, collides: bool) -> None:
             area = AreaConstraint(
                 motion_id, f"Outside {prop.name}", BodyPoint(BodyPart.PELVIS), Chain(root=1.0), 0,
                 ActivationCurve(-FADE, 0.0, last, last + FADE),
-                shape=SHAPES.get(prop.shape, AreaShape.BOX), centre=FollowProp(prop_id), size=prop.size, whole=True,
+                shape=PROP_AREAS.get(prop.shape, AreaShape.BOX), centre=FollowProp(prop_id), size=prop.size, whole=True,
             )  # fmt: skip
             document.add("constraints", area, text)

@@ -19,7 +19,7 @@ class PlayheadState:
     last: int
 
 
-NEW = PlayheadState(0.0, 60.0, 0, 300)
+INITIAL_PLAYHEAD = PlayheadState(0.0, 60.0, 0, 300)
 """Where the user stands in a project in which nothing plays yet."""
 
 
@@ -35,8 +35,8 @@ class Playhead(QObject):
         self._clock = clock
         self._timer: QTimer | None = None
         self._time = 0.0
-        self._frame_rate = NEW.frame_rate
-        self._first, self._last = NEW.first, NEW.last
+        self._frame_rate = INITIAL_PLAYHEAD.frame_rate
+        self._first, self._last = INITIAL_PLAYHEAD.first, INITIAL_PLAYHEAD.last
         self._speed = 1.0
         self._anchor = (0.0, 0.0)
         self.loop = True

@@ -24,7 +24,7 @@ KEPT_WHEN_DECLINED = timedelta(days=30)
 
 _DAMAGE = (sqlite3.Error, StudioError, ValueError, TypeError, KeyError, ArithmeticError, OSError)
 """What comes of reading a journal that is not as it was written."""
-ASIDE = "damaged"
+DAMAGED_FOLDER = "damaged"
 """The folder, in that of the journals, of those of which nothing can be read."""
 
 
@@ -75,7 +75,7 @@ def put_damaged_aside(folder: Path) -> tuple[str, ...]:
 
 def put_aside(session: Session, reason: str) -> str:
     """Move a journal out of the way, where nothing deletes it; returns a sentence that says so."""
-    aside = session.file.parent / ASIDE
+    aside = session.file.parent / DAMAGED_FOLDER
     aside.mkdir(mode=0o700, exist_ok=True)
     for file in files_of(session.file):
         if file.exists():

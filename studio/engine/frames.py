@@ -30,12 +30,12 @@ Circle = tuple[str, ...]
 
 BUDGET = 0.002
 """Processor seconds before a picture that the bodies nobody works on may take: the rest are solved beside it."""
-LONG = 0.2
+LONG_SECONDS = 0.2
 """Processor seconds before a picture that the bodies worked on may take: with 50 ms of drawing, a turn of the window
 takes no more than a quarter of a second. Solved beside, a pose would be older by another picture, and by what the
 window computes meanwhile.
 """
-MANY, PIECE = 50_000, 2000
+MANY_FRAMES, PIECE_FRAMES = 50_000, 2000
 """Frames of a circle with which even its first one would, for how a body stands is known of all frames together; and
 how many frames cost what it costs to join one more clip, or one more time that a clip plays: 4.7 ms beside 2.3 us.
 """
@@ -187,8 +187,8 @@ class Frames:
         """Solve what performers do at ``seconds`` of the stage, leaders before those who follow them.
 
         Those ``driven`` by a live input are not solved here; who follows them is, in every picture. Those who by their
-        last cost have no room, the ``first`` ones in ``LONG``, ``others`` in ``BUDGET``, are left to what is given
-        back: any thread may call it, and ``take`` hears what comes of it.
+        last cost have no room, the ``first`` ones in ``LONG_SECONDS``, ``others`` in ``BUDGET``, are left to what is
+        given back: any thread may call it, and ``take`` hears what comes of it.
         """
         if not self._driven <= driven.keys():
             self._frames.clear()  # who followed somebody that was driven follows its clips again
@@ -205,7 +205,7 @@ class Frames:
             if not (solved or left or follows) and self._is_seen(circle, project, seconds):
                 continue  # nor has anybody moved whom it may follow
             moving |= {*circle} if follows else set()
-            elapsed, limit = time.thread_time() - begun, LONG if whole in first else BUDGET
+            elapsed, limit = time.thread_time() - begun, LONG_SECONDS if whole in first else BUDGET
             has_room = elapsed + self._costs.get(circle, 0.0) <= limit and not _is_long(circle, project)
             waits = bool(left) and any(leaders_of(project, key) & {*chain(*left)} for key in circle)
             if not follows and (waits or not has_room):
@@ -273,7 +273,7 @@ def _is_long(circle: Circle, project: Project) -> bool:
     performers = [project.performers[key] for key in circle]
     frames = sum(frame_count_of(project, each) for each in performers)
     pieces = sum(clip.repeats for each in performers for clip in each.all_clips)
-    return frames + PIECE * pieces > MANY
+    return frames + PIECE_FRAMES * pieces > MANY_FRAMES
 
 
 def _captures_of(project: Project, performer: Performer) -> list[Capture]:

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import Touch
 from studio.core.project import Project
-from studio.core.stage.holding import REACHING
+from studio.core.stage.holding import HAND_REACH_SECONDS
 from studio.core.stage.prop import Carried, Prop
 from studio.engine.performance import Posed, Results, posed_performers, stage_time
 
 FloatArray = NDArray[np.float64]
-SAMPLES = 16
+GRASP_SAMPLES = 16
 """Moments of a grasp at which the height of the hands is looked at."""
 
 
@@ -46,7 +46,7 @@ def grasp_near(project: Project, results: Results, performer_id: str, now: float
 def grasp_at(project: Project, results: Results, performer_id: str, now: float) -> Grasp | None:
     """The grasp of a performer at a second of the stage, or as soon as hands reach a thing from then."""
     for first, last in captured_grasps(project, performer_id):
-        if first - REACHING <= now <= last:
+        if first - HAND_REACH_SECONDS <= now <= last:
             return _grasp(project, results, performer_id, (first, last), max(first, now))
     return None
 
@@ -54,7 +54,7 @@ def grasp_at(project: Project, results: Results, performer_id: str, now: float) 
 def _grasp(
     project: Project, results: Results, performer_id: str, span: tuple[float, float], seconds: float
 ) -> Grasp | None:
-    moments = (seconds, *np.linspace(*span, SAMPLES).tolist())
+    moments = (seconds, *np.linspace(*span, GRASP_SAMPLES).tolist())
     posed = [posed_performers(project, results, moment).get(performer_id) for moment in moments]
     holders = [each for each in posed if each is not None]
     if len(holders) < len(moments):

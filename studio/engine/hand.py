@@ -6,7 +6,7 @@ from PySide6.QtCore import QCoreApplication, QEvent, QObject, Qt, QTimer, Signal
 
 BUSY = 0.1
 """Seconds by which a timer is late when the window was busy."""
-LATE = 1.0
+LATEST_EVENT = 1.0
 """Seconds after which an event comes at most; one that seems later has no time, or that of another clock."""
 
 
@@ -66,4 +66,4 @@ class Rest(QTimer):
 def when(milliseconds: int) -> float:
     """The ``time.monotonic`` of an event, whose own clock begins with the machine; now where that cannot be."""
     now = time.monotonic()
-    return 0.001 * milliseconds if 0.0 <= now - 0.001 * milliseconds < LATE else now
+    return 0.001 * milliseconds if 0.0 <= now - 0.001 * milliseconds < LATEST_EVENT else now

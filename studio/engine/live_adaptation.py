@@ -31,7 +31,7 @@ from studio.engine.wanted import Prepare, Wanted, player_of, wanted_of
 from studio.startup.kernel_warm_up import WarmUp
 
 WINDOW_SECONDS = 0.75
-WINDOW_MILLISECONDS, REST_MILLISECONDS = 120, 150
+WINDOW_MILLISECONDS, IDLE_MILLISECONDS = 120, 150
 """Interval between solved windows during a drag, and idle time before whole motions are solved."""
 TELL_MILLISECONDS = 100
 _SOURCE, _EXPECTED, _FRAMES, _TOGETHER = "source ", "expected ", "frames", "\n"
@@ -116,7 +116,7 @@ class LiveAdaptation(QObject):
         self._turn = QTimer(self, singleShot=True, interval=0)
         self._turn.timeout.connect(lambda: self._refresh(whole=not self._interactive))
         self._kernels.changed.connect(self._kernels_changed)
-        self._rest = Rest(REST_MILLISECONDS, self)
+        self._rest = Rest(IDLE_MILLISECONDS, self)
         self._rest.rested.connect(lambda: self._refresh(whole=True))
         self._telling = QTimer(self, singleShot=True, interval=TELL_MILLISECONDS)
         self._telling.timeout.connect(self._tell_results)

@@ -15,18 +15,18 @@ from studio.core.solver.performers.performing import Prepare
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.clip import Clip
 from studio.document.document import Document
-from studio.engine.tasks import PATIENCE, join_all
+from studio.engine.tasks import CLOSE_WAIT_SECONDS, join_all
 
 if TYPE_CHECKING:
     from studio.live.stage import LiveStage
 
-STEP, UNSEEN = 1.0 / 60.0, 1.0 / 30.0
+STAGE_STEP, UNSEEN_STEP = 1.0 / 60.0, 1.0 / 30.0
 """Seconds from one step to the next where there is time for it; a step that took longer is as long as it took. The next
 one waits for a picture of the last one, but no longer than the other: what nobody sees takes the window's time.
 """
 ANSWERING = 2.0
 """Seconds for which the window waits for an answer at most; a step takes a hundredth of that."""
-LONGEST = 0.1
+LONGEST_STAGE_STEP = 0.1
 """Seconds of the stage in one step at most: what the machine missed is not made up for."""
 
 
@@ -205,7 +205,7 @@ class _Worker:
 
     def stop(self) -> None:
         self._stopped.set()
-        join_all([self._thread], PATIENCE)
+        join_all([self._thread], CLOSE_WAIT_SECONDS)
 
     def take(self) -> StageSnapshot | None:
         """The newest moment."""
@@ -233,11 +233,11 @@ class _Worker:
                 if self._seen:
                     self._seen = False
                     self._made()
-                self._stopped.wait(max(last + STEP - time.monotonic(), 0.0))
-                self.drawn.wait(max(last + UNSEEN - time.monotonic(), 0.0))
+                self._stopped.wait(max(last + STAGE_STEP - time.monotonic(), 0.0))
+                self.drawn.wait(max(last + UNSEEN_STEP - time.monotonic(), 0.0))
                 self.drawn.clear()
                 now = time.monotonic()
-                last, dt = now, min(now - last, LONGEST)
+                last, dt = now, min(now - last, LONGEST_STAGE_STEP)
         except Exception as error:  # noqa: BLE001 - told on the window's thread
             if not self._stopped.is_set():
                 self._broken(error)

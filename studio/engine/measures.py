@@ -24,7 +24,7 @@ class Measure:
     def words(self, amount: float) -> str:
         """``0.4 mm``, ``42 mm``, ``1.20 m``; ``0.4°``, ``42°``."""
         value = amount * self.factor
-        if self is LENGTH and value >= 1000.0:
+        if self is LENGTH_MEASURE and value >= 1000.0:
             return f"{amount:.2f} m"
         return f"{value:.1f}{self.sign}" if value < 9.95 else f"{value:.0f}{self.sign}"
 
@@ -33,7 +33,7 @@ class Measure:
         return amount / self.partly_below
 
 
-LENGTH = Measure(" mm", 1000.0, held_below=0.001, partly_below=0.020, worth_saying=0.005, worst_shown=0.1)
+LENGTH_MEASURE = Measure(" mm", 1000.0, held_below=0.001, partly_below=0.020, worth_saying=0.005, worst_shown=0.1)
 ANGLE = Measure(
     "°",
     math.degrees(1.0),
@@ -44,7 +44,7 @@ ANGLE = Measure(
 )
 PEAK = Measure(" ×", 1.0, held_below=1.5, partly_below=3.0, worth_saying=3.0, worst_shown=8.0)
 """Ratio of an angular acceleration to its highest in the capture."""
-_BY_UNIT = {"m": LENGTH, "rad": ANGLE}
+_BY_UNIT = {"m": LENGTH_MEASURE, "rad": ANGLE}
 
 
 def measure_of(constraint: Constraint) -> Measure:

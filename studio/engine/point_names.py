@@ -22,7 +22,7 @@ _SIDE = {
     ("foot", True): "ball of foot",
     ("toe", True): "toes",
 }
-POINTS: dict[tuple[BodyPart, bool], str] = {
+POINT_NAMES: dict[tuple[BodyPart, bool], str] = {
     **{(BodyPart(part), at_end): name for (part, at_end), name in _CENTRE.items()},
     **{
         (BodyPart(f"{side}_{part}"), at_end): f"{side} {name}"
@@ -36,4 +36,4 @@ POINTS: dict[tuple[BodyPart, bool], str] = {
 def point_words(point: BodyPoint) -> str:
     """``right wrist``; an origin or end without a name of its own goes by its part."""
     plain = point.part.label.lower() + (" end" if point.at_end else "")
-    return POINTS.get((point.part, point.at_end), plain)
+    return POINT_NAMES.get((point.part, point.at_end), plain)

@@ -23,9 +23,9 @@ from studio.engine.performance import Posed
 FloatArray = NDArray[np.float64]
 
 HANDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)
-NEAR = 0.3
+HELD_DISTANCE = 0.3
 """Metres from a point of a body to the surface of a prop that is held beside it, where it is."""
-CLEAR, RAISED = 0.28, 0.2
+CARRIED_AHEAD, CARRIED_HEIGHT = 0.28, 0.2
 """Leg lengths from the root forward to a prop that is carried before the body, and up to its middle, at least."""
 
 
@@ -173,7 +173,7 @@ def in_hand(pose: PropPose, performer_id: str, point: BodyPoint, holder: Posed) 
         offset = (motion.positions[row, far] - motion.positions[row, origin]) / 2
     else:
         offset = holder.placement.to_motion(pose.place) - motion.positions[row, origin]
-        if np.linalg.norm(offset) > NEAR + max(pose.prop.size) / 2:
+        if np.linalg.norm(offset) > HELD_DISTANCE + max(pose.prop.size) / 2:
             offset = np.zeros(3)
     x, y, z = (axes.T @ offset).tolist()
     turn = from_matrix((holder.placement.rotation @ axes).T @ pose.axes)
@@ -199,9 +199,9 @@ def between_hands(
         track = carried_track(held, known.positions[:], known.rotations[:], body)
         ways = np.einsum("fji,fj->fi", track.rotations, track.places - known.positions[:, 0]) / body.leg_length
         ahead, aside, up = ways.mean(axis=0).tolist()
-        needed = CLEAR + prop.size[turned % 2] / 2 / body.leg_length
+        needed = CARRIED_AHEAD + prop.size[turned % 2] / 2 / body.leg_length
         if ahead < needed:
-            held = replace(held, offset=(needed - ahead, -aside, max(RAISED - up, 0.0)))
+            held = replace(held, offset=(needed - ahead, -aside, max(CARRIED_HEIGHT - up, 0.0)))
     return replace(held, heading=wrapped(turned * math.pi / 2))
 
 

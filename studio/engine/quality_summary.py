@@ -15,7 +15,7 @@ from studio.core.project import Project
 from studio.core.solver.performers.rows import timing_of
 from studio.core.solver.performers.stage import asked_of
 from studio.core.solver.request import AdaptedMotion
-from studio.engine.measures import LENGTH, PEAK, Measure
+from studio.engine.measures import LENGTH_MEASURE, PEAK, Measure
 from studio.engine.performance import stage_time
 from studio.engine.residuals import worst_residual
 
@@ -37,7 +37,7 @@ class Finding:
 
     amount: float
     time: float
-    measure: Measure = LENGTH
+    measure: Measure = LENGTH_MEASURE
 
     @property
     def words(self) -> str:
@@ -154,8 +154,8 @@ def _tracks(
     slides, heights = contact_tracks(motion, contacts, ground)
     depths = np.concatenate([-heights, swing_depths(motion, contacts, ground)])
     tracks = {
-        "slide": (np.fmax.reduce(slides, axis=0), LENGTH),
-        "penetration": (np.maximum(np.fmax.reduce(depths, axis=0), 0.0), LENGTH),
+        "slide": (np.fmax.reduce(slides, axis=0), LENGTH_MEASURE),
+        "penetration": (np.maximum(np.fmax.reduce(depths, axis=0), 0.0), LENGTH_MEASURE),
     }
     source = sources.get(performer.clips[0].motion_id)
     if source is not None and (composite is None or composite.is_plain):
@@ -165,7 +165,7 @@ def _tracks(
 
 def _peaks(motion: AdaptedMotion, source: AdaptedMotion) -> FloatArray:
     """(F,) angular acceleration of the limb that turns most abruptly, in parts of its highest in the source."""
-    from studio.core.quality.metrics import LIMB_BONES, QUIET, angular_acceleration, turning_peaks
+    from studio.core.quality.metrics import LIMB_BONES, QUIET_PEAK, angular_acceleration, turning_peaks
 
     peaks = np.full(motion.frame_count, np.nan)
     if motion.frame_count < 3:
@@ -175,5 +175,5 @@ def _peaks(motion: AdaptedMotion, source: AdaptedMotion) -> FloatArray:
     turning = angular_acceleration(np.asarray(motion.rotations[:, segments]), motion.frame_rate)
     first = motion.first_frame
     theirs = turning_peaks(source.frames(first, first + motion.frame_count - 1))[LIMB_BONES, 1]
-    peaks[1:-1] = (turning / np.maximum(theirs, QUIET)).max(axis=1)
+    peaks[1:-1] = (turning / np.maximum(theirs, QUIET_PEAK)).max(axis=1)
     return peaks

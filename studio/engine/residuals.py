@@ -18,7 +18,7 @@ from studio.core.project_cache import project_cache
 from studio.core.solver.performers.stage import asked_of
 from studio.core.solver.request import AdaptedMotion
 from studio.engine.live import Live
-from studio.engine.measures import LENGTH, Measure, measure_of
+from studio.engine.measures import LENGTH_MEASURE, Measure, measure_of
 
 FloatArray = NDArray[np.float64]
 
@@ -31,7 +31,7 @@ class Residual:
     """Metres or radians, as ``measure`` says."""
     frame: int
     fully_active: bool
-    measure: Measure = LENGTH
+    measure: Measure = LENGTH_MEASURE
 
     @property
     def words(self) -> str:

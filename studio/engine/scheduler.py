@@ -8,7 +8,7 @@ from typing import Any
 
 from PySide6.QtCore import QObject, Qt, Signal
 
-from studio.engine.tasks import PATIENCE, join_all
+from studio.engine.tasks import CLOSE_WAIT_SECONDS, join_all
 
 Stage = Callable[[], Any]
 
@@ -81,7 +81,7 @@ class SolveScheduler(QObject):
             self._waiting.pop(key, None)
             self._shown[key] = (self._order, 0)
 
-    def close(self, patience: float = PATIENCE) -> None:
+    def close(self, patience: float = CLOSE_WAIT_SECONDS) -> None:
         """Drop what waits, give what runs ``patience`` seconds to end. Nothing is emitted afterwards."""
         with self._condition:
             self._closed = True

@@ -6,7 +6,7 @@ from PySide6.QtCore import QObject, QTimer, Signal
 
 from studio.core.project import Project
 from studio.core.solver.performers.stage import asked_of
-from studio.engine.tasks import PATIENCE
+from studio.engine.tasks import CLOSE_WAIT_SECONDS
 from studio.startup.kernel_warm_up import WarmUp
 
 LOOKED_AT_MILLISECONDS = 100
@@ -55,7 +55,7 @@ class SolverKernels(QObject):
         """Stop compiling."""
         self._looking.stop()
         if self._warm_up is not None:
-            self._warm_up.stop(PATIENCE)
+            self._warm_up.stop(CLOSE_WAIT_SECONDS)
 
     def _look(self) -> None:
         known = self.grounded, self.ready

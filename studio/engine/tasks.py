@@ -13,7 +13,7 @@ from PySide6.QtCore import QObject, Qt, Signal, SignalInstance
 from studio.core.errors import StudioError
 
 Result = TypeVar("Result")
-PATIENCE = 0.25
+CLOSE_WAIT_SECONDS = 0.25
 """Seconds for which a closing window waits for threads: one inside a library's long call hears nothing, and holds
 nothing but values."""
 _log = logging.getLogger(__name__)
@@ -113,7 +113,7 @@ class TaskRunner(QObject):
         if task_id in self._tasks:
             self._tasks[task_id].progress.cancel()
 
-    def close(self, patience: float = PATIENCE) -> None:
+    def close(self, patience: float = CLOSE_WAIT_SECONDS) -> None:
         """Cancel all jobs and wait ``patience`` seconds for their threads; nothing is emitted afterwards."""
         with self._telling:
             self._closed = True

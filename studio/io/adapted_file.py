@@ -13,7 +13,7 @@ from studio.core.body.morphology import Morphology
 from studio.core.rotations import from_matrix, normalized, sign_continuous, to_matrix
 from studio.core.solver.request import AdaptedMotion, Unasked
 
-PLACES, TURNS = 1e4, 32767.0
+POSITION_STEPS, QUATERNION_STEPS = 1e4, 32767.0
 """Steps a metre, and a unit of a quaternion's part."""
 
 
@@ -21,8 +21,8 @@ def write_adapted(path: Path, motions: Mapping[str, AdaptedMotion]) -> None:
     """Write motions without constraints, by name."""
     arrays: dict[str, NDArray[np.int16]] = {}
     for name, motion in motions.items():
-        arrays[f"{name}.places"] = _differences(PLACES * motion.positions[:])
-        arrays[f"{name}.turns"] = _differences(TURNS * sign_continuous(from_matrix(motion.rotations[:])))
+        arrays[f"{name}.places"] = _differences(POSITION_STEPS * motion.positions[:])
+        arrays[f"{name}.turns"] = _differences(QUATERNION_STEPS * sign_continuous(from_matrix(motion.rotations[:])))
     np.savez_compressed(path, allow_pickle=False, **arrays)
 
 
@@ -36,8 +36,8 @@ def read_adapted(path: Path, bodies: Mapping[str, Morphology], frame_rate: float
         name: _motion(
             bodies[name],
             frame_rate,
-            np.cumsum(places, axis=0, dtype=np.int64) / PLACES,
-            to_matrix(normalized(np.cumsum(turns, axis=0, dtype=np.int64) / TURNS)),
+            np.cumsum(places, axis=0, dtype=np.int64) / POSITION_STEPS,
+            to_matrix(normalized(np.cumsum(turns, axis=0, dtype=np.int64) / QUATERNION_STEPS)),
         )
         for name, (places, turns) in kept.items()
     }

@@ -9,7 +9,7 @@ from urllib.parse import unquote
 
 from studio.core.errors import StudioError
 
-LARGEST = 500_000_000
+LARGEST_REFERENCED_FILE = 500_000_000
 """Bytes of one file; more is refused unread."""
 SNIFFED = 4096
 """Bytes that tell what a file is."""
@@ -46,7 +46,7 @@ def refuse_devices(path: Path) -> None:
         raise StudioError(f"{path.name} could not be read: it is not an ordinary file. Choose another.")
 
 
-def read_bytes(path: Path, largest: int = LARGEST) -> bytes:
+def read_bytes(path: Path, largest: int = LARGEST_REFERENCED_FILE) -> bytes:
     """The content of an ordinary file. Raises StudioError when it is none, is too large or cannot be read."""
     refuse_devices(path)
     try:

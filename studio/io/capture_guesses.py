@@ -16,7 +16,7 @@ from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
-from studio.core.rotations import IDENTITY, normalized
+from studio.core.rotations import IDENTITY_QUATERNION, normalized
 from studio.io.figure.body_maps import FoundBody, similar_joints
 from studio.io.guessing import guess_first_frame, guess_floor
 from studio.io.importing import ImportOptions
@@ -143,7 +143,7 @@ def reference_of(
     if options.reference is not None:
         return chosen_reference(skeleton, poses, body_map, options.reference)
     if body_map is None:
-        zero = np.tile(IDENTITY, (skeleton.joint_count, 1))
+        zero = np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1))
         reason = "Without a human body no other pose is known to be upright."
         reference = ReferencePose(zero, "zero pose", reason, Confidence.DOUBTFUL)
     else:
@@ -156,7 +156,7 @@ def chosen_reference(
     skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap | None, chosen: str | Mapping[str, Sequence[float]]
 ) -> FloatArray:
     """(J, 4) local rotations of the pose that ``ImportOptions.reference`` names; StudioError where there is none."""
-    zero = np.tile(IDENTITY, (skeleton.joint_count, 1))
+    zero = np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1))
     if not isinstance(chosen, str):
         return _pose_by_joint(skeleton, chosen, zero)
     if chosen == "zero":

@@ -9,13 +9,13 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
-ROOT = Path(__file__).resolve().parents[2]
+STUDIO_ROOT = Path(__file__).resolve().parents[2]
 """Where ``python -m studio...`` finds this studio."""
-BEHIND = 5
+CHILD_NICENESS = 5
 """How much nicer than this process a child is by default: of two that want a processor, it gets a quarter."""
 POSIX = os.name == "posix"
 """Process groups and niceness exist; Windows has neither."""
-LEAST = 19
+MOST_NICENESS = 19
 """The nicest that a process can be."""
 POLL = 0.05
 """Seconds between two looks at whether the user wants to stop."""
@@ -29,7 +29,7 @@ def child_process(
     stdin: Streams = None,
     stdout: Streams = None,
     stderr: Streams = None,
-    behind: int = BEHIND,
+    behind: int = CHILD_NICENESS,
 ) -> Iterator["subprocess.Popen[bytes]"]:
     """A process that is gone after the block: killed, unless it has ended by itself.
 
@@ -37,11 +37,11 @@ def child_process(
     ends this one alone, and so both.
     """
     group = 0 if POSIX else None
-    process = subprocess.Popen(command, stdin=stdin, stdout=stdout, stderr=stderr, cwd=ROOT, process_group=group)
+    process = subprocess.Popen(command, stdin=stdin, stdout=stdout, stderr=stderr, cwd=STUDIO_ROOT, process_group=group)
     try:
         if POSIX:
             own = os.getpriority(os.PRIO_PROCESS, 0)  # which only root may go below
-            os.setpriority(os.PRIO_PROCESS, process.pid, min(own + behind, LEAST))
+            os.setpriority(os.PRIO_PROCESS, process.pid, min(own + behind, MOST_NICENESS))
         yield process
     finally:
         process.kill()

@@ -20,7 +20,7 @@ from studio.core.mesh.appearance import Material
 from studio.core.mesh.joint_skin import JointSkin, bone_skin, character_skin
 from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.realize import own_poses
-from studio.core.rotations import IDENTITY
+from studio.core.rotations import IDENTITY_QUATERNION
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.placement import Placement
 from studio.io.registry import Format, Progress, known_formats
@@ -135,7 +135,7 @@ def take_of_adapted(
         poses=poses,
         frame_rate=adapted.frame_rate,
         body_map=character_body_map(adapted.morphology.layout),
-        reference_rotations=np.tile(IDENTITY, (skeleton.joint_count, 1)),
+        reference_rotations=np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1)),
         floor=request.ground.height if request else 0.0,
         unit="m",
         up_axis="Z",

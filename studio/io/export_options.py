@@ -12,7 +12,7 @@ from studio.core.body.root_motion import in_place, with_root_joint
 from studio.core.body.zero_pose import t_pose, with_zero_pose
 from studio.core.captures.annotations import Annotations
 from studio.core.errors import StudioError
-from studio.core.rotations import IDENTITY, from_matrix, multiply
+from studio.core.rotations import IDENTITY_QUATERNION, from_matrix, multiply
 from studio.core.stage.placement import Placement
 from studio.io.export import Take, skin_of
 from studio.io.export_choices import JOINTED, REST_POSES, ROOTS, SKELETAL
@@ -88,7 +88,7 @@ class ExportOptions:
             capture, bound, rest = with_root_joint(take.capture), take.bound, take.rest_rotations
             if capture.skeleton.joint_count > take.skeleton.joint_count:
                 bound = skin_of(take).with_joint_above() if take.character else None
-                rest = None if rest is None else np.concatenate([IDENTITY[None], rest])
+                rest = None if rest is None else np.concatenate([IDENTITY_QUATERNION[None], rest])
             take = replace(take, capture=capture, bound=bound, rest_rotations=rest)
         elif self.root == "in-place":
             take = replace(take, capture=in_place(take.capture))

@@ -16,7 +16,7 @@ from studio.io.numbers import number
 
 FloatArray = NDArray[np.float64]
 
-UNITS = {
+METRES_PER_UNIT = {
     "m": 1.0,
     "dm": 0.1,
     "cm": 0.01,
@@ -104,14 +104,14 @@ def find_unit(
 
 def said_unit(metres: float) -> Scale:
     """The unit of so many metres, by name where it has one."""
-    named = (unit for unit, length in UNITS.items() if abs(length - metres) < _SAME_UNIT * metres)
+    named = (unit for unit, length in METRES_PER_UNIT.items() if abs(length - metres) < _SAME_UNIT * metres)
     return Scale(next(named, f"{metres:.9g}"), metres)
 
 
 def guess_unit(leg: float, trunk: float | None = None) -> tuple[Scale, Guess]:
     """The unit in which a leg of ``leg`` units, under a ``trunk`` of so many, is most like a human's."""
     stout = trunk is not None and leg < _ADULT_SLENDER * trunk
-    units = [name for name in UNITS if _fits(name, leg)]
+    units = [name for name in METRES_PER_UNIT if _fits(name, leg)]
     fits = [name for name in units if not (stout and name in _RARE)]
     if not fits:
         metres = _USUAL_LEG / leg
@@ -120,33 +120,35 @@ def guess_unit(leg: float, trunk: float | None = None) -> tuple[Scale, Guess]:
         return Scale("unknown", metres), Guess("unit", value, reason, Confidence.DOUBTFUL)
 
     def unlike(unit: str) -> float:
-        return abs(float(np.log(leg * UNITS[unit] / _USUAL_LEG)))
+        return abs(float(np.log(leg * METRES_PER_UNIT[unit] / _USUAL_LEG)))
 
     fits.sort(key=unlike)
-    reason = f"The legs are {leg:.4g} units long, in {fits[0]} {leg * UNITS[fits[0]]:.2f} m."
+    reason = f"The legs are {leg:.4g} units long, in {fits[0]} {leg * METRES_PER_UNIT[fits[0]]:.2f} m."
     if len(fits) > 1:
-        reason += f" In {fits[1]} they would be {leg * UNITS[fits[1]]:.2f} m: choose that unit if it is right."
+        reason += (
+            f" In {fits[1]} they would be {leg * METRES_PER_UNIT[fits[1]]:.2f} m: choose that unit if it is right."
+        )
     if len(fits) < len(units):
         reason += " They are as short beside the trunk as a small child's."
     confidence = Confidence.of(unlike(fits[1]) - unlike(fits[0]), *_FARTHER) if len(fits) > 1 else Confidence.SURE
     if confidence is Confidence.SURE and ((fits[0] in _RARE and len(fits) > 1) or len(fits) < len(units)):
         confidence = Confidence.LIKELY
-    return Scale(fits[0], UNITS[fits[0]]), Guess("unit", fits[0], reason, confidence)
+    return Scale(fits[0], METRES_PER_UNIT[fits[0]]), Guess("unit", fits[0], reason, confidence)
 
 
 def _fits(name: str, leg: float) -> bool:
     shortest, longest = _ADULT_LEG if name in _RARE else _ANY_LEG
-    return shortest <= leg * UNITS[name] <= longest
+    return shortest <= leg * METRES_PER_UNIT[name] <= longest
 
 
 def unit_called(text: str, leg: float | None) -> Scale:
-    """The unit the user names: one of ``UNITS``, metres a unit as a number, or ``unknown``."""
+    """The unit the user names: one of ``METRES_PER_UNIT``, metres a unit as a number, or ``unknown``."""
     name = _ALIASES.get(text.lower(), text.lower())
-    if name in UNITS:
-        return Scale(name, UNITS[name])
+    if name in METRES_PER_UNIT:
+        return Scale(name, METRES_PER_UNIT[name])
     if name == "unknown" and leg:
         return Scale(name, _USUAL_LEG / leg)
-    metres = number(text, f"The unit (one of {', '.join(UNITS)}, or metres a unit)")
+    metres = number(text, f"The unit (one of {', '.join(METRES_PER_UNIT)}, or metres a unit)")
     if metres <= 0.0:
         raise StudioError(f"The unit must be longer than {text} m.")
     return Scale(text, metres)

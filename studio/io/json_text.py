@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from studio.core.errors import StudioError
-from studio.io.beside import LARGEST, read_bytes
+from studio.io.beside import LARGEST_REFERENCED_FILE, read_bytes
 from studio.io.replacing import write_whole
 
 Parse = Callable[[str], Any]
 
-DEEPEST = 100
+DEEPEST_RECORD = 100
 """Records within each other."""
 LONGEST_NUMBER = 1000
 """Digits of a whole number."""
@@ -24,7 +24,7 @@ _OPENING, _CLOSING = np.zeros((2, 256), dtype=np.int32)
 _OPENING[list(b"[{")] = _CLOSING[list(b"]}")] = 1
 
 
-def read_json(path: Path, largest: int = LARGEST) -> Any:
+def read_json(path: Path, largest: int = LARGEST_REFERENCED_FILE) -> Any:
     """The JSON in an ordinary file of at most ``largest`` bytes. Raises StudioError naming it."""
     content = read_bytes(path, largest)
     try:
@@ -39,7 +39,7 @@ def json_of(content: bytes, parse_float: Parse | None = None, parse_constant: Pa
     Raises ValueError, also for what is nested too deeply, half characters and whole numbers beyond all bounds.
     """
     kinds = np.frombuffer(_STRING.sub(b"", _ESCAPE.sub(b"", content)), dtype=np.uint8)
-    if np.cumsum(_OPENING[kinds] - _CLOSING[kinds]).max(initial=0) > DEEPEST:
+    if np.cumsum(_OPENING[kinds] - _CLOSING[kinds]).max(initial=0) > DEEPEST_RECORD:
         raise ValueError("its records are nested too deeply")
     try:
         record = json.loads(content, parse_float=parse_float, parse_constant=parse_constant, parse_int=_whole)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
-from studio.io.beside import LARGEST
+from studio.io.beside import LARGEST_REFERENCED_FILE
 from studio.io.registry import Progress, known_formats
 
 MOST_FILES = 2000
@@ -52,7 +52,7 @@ def find_source(capture: Capture, known: Path | None, folders: Iterable[Path], p
     for place, path in enumerate(dict.fromkeys([*called, *alike]) if digest else ()):
         progress(place / (len(called) + len(files)), f"Looking for {name}")
         try:
-            if path.stat().st_size <= LARGEST and digest_of(path) == digest:
+            if path.stat().st_size <= LARGEST_REFERENCED_FILE and digest_of(path) == digest:
                 return SourceFile(path, digest)
         except (OSError, StudioError):
             continue  # what cannot be read is not what is looked for

@@ -19,7 +19,7 @@ _Y = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 _Z = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 _X = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
 _ABOUT_X, _ABOUT_Y = np.diag([1.0, -1.0, -1.0]), np.diag([-1.0, 1.0, -1.0])
-AXES = MappingProxyType({"Y": _Y, "Z": _Z, "X": _X, "-Y": _Y @ _ABOUT_X, "-Z": _Z @ _ABOUT_X, "-X": _X @ _ABOUT_Y})
+FILE_AXES = MappingProxyType({"Y": _Y, "Z": _Z, "X": _X, "-Y": _Y @ _ABOUT_X, "-Z": _Z @ _ABOUT_X, "-X": _X @ _ABOUT_Y})
 """File axes to world axes by the axis that is up; the file's usual front (+Z, -Y, +Y) becomes +X, or lies half a turn
 about a level axis from there."""
 BVH_USE = MappingProxyType({"Y": 0.2, "Z": 0.15, "-Y": -0.1, "-Z": -0.05, "-X": -0.05})
@@ -77,9 +77,9 @@ class BodyPoints:
 
 
 def axis_called(text: str) -> str:
-    """The name of ``AXES``, or the direction ``x y z`` of length 1, that a user means. Raises StudioError."""
+    """The name of ``FILE_AXES``, or the direction ``x y z`` of length 1, that a user means. Raises StudioError."""
     name = text.strip().upper().removeprefix("+")
-    if name in AXES:
+    if name in FILE_AXES:
         return name
     try:
         direction = np.array([float(word) for word in name.replace(",", " ").split()])
@@ -87,19 +87,19 @@ def axis_called(text: str) -> str:
         direction = np.zeros(0)
     if direction.shape != (3,) or not 1e-6 < np.linalg.norm(direction) < 1e6:
         raise StudioError(
-            f"'{text}' is not an up axis. Choose {', '.join(AXES)}, or a direction as three numbers 'x y z'."
+            f"'{text}' is not an up axis. Choose {', '.join(FILE_AXES)}, or a direction as three numbers 'x y z'."
         )
     return _named(direction / np.linalg.norm(direction))
 
 
 def turn_to_world(up_axis: str) -> FloatArray:
-    """(3, 3) from file axes to world axes, by a name of ``AXES`` or a direction ``x y z``. Raises StudioError."""
+    """(3, 3) from file axes to world axes, by a name of ``FILE_AXES`` or a direction ``x y z``. Raises StudioError."""
     name = axis_called(up_axis)
-    if name in AXES:
-        return AXES[name]
+    if name in FILE_AXES:
+        return FILE_AXES[name]
     direction = normalized(np.array([float(word) for word in name.split()]))
-    nearest = max(AXES, key=lambda axis: float(AXES[axis][2] @ direction))
-    return AXES[nearest] @ shortest_arc(direction, AXES[nearest][2])
+    nearest = max(FILE_AXES, key=lambda axis: float(FILE_AXES[axis][2] @ direction))
+    return FILE_AXES[nearest] @ shortest_arc(direction, FILE_AXES[nearest][2])
 
 
 def guess_up_axis(
@@ -110,7 +110,7 @@ def guess_up_axis(
     ``rest`` (3,) is the direction from ankles to shoulders at rest. The highest score of the six axes wins: the body
     stands along it in one line, lies above what rests on the ground, whose level keeps its height, near zero.
     """
-    names, axes = list(AXES), np.array([turn[2] for turn in AXES.values()])
+    names, axes = list(FILE_AXES), np.array([turn[2] for turn in FILE_AXES.values()])
     along, straight = _standing(body)
     support = _supported(body)
     lowest = np.stack([(body.everything[0] @ axis).min(axis=1) for axis in axes])

@@ -23,7 +23,7 @@ from studio.io.importing import ImportOptions, known_of_motion, load_character, 
 from studio.io.project.character_file import bundled_characters
 from studio.io.registry import ReadCapture, known_formats
 
-MOTION_ID = "motion"
+ADAPTED_MOTION_ID = "motion"
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,12 +72,12 @@ def ready_read(read: ReadCapture, path: Path, *, all_frames: bool = False) -> Re
         reason = reasons.get("body map", "")
         raise StudioError(f"{path.name} cannot be adapted. {reason} Say which joints play them with --body-map.")
     capture = capture.with_first_frame(0) if all_frames else capture
-    return made_ready(capture, known_of_motion(capture, read.annotations, MOTION_ID))
+    return made_ready(capture, known_of_motion(capture, read.annotations, ADAPTED_MOTION_ID))
 
 
 def made_ready(capture: Capture, annotations: Annotations | None = None) -> ReadyCapture:
     """Normalise a capture; without ``annotations`` its contacts are detected."""
-    annotations = annotations or Annotations(detected_contacts(capture, MOTION_ID))
+    annotations = annotations or Annotations(detected_contacts(capture, ADAPTED_MOTION_ID))
     return ReadyCapture(capture, *normalize(capture), annotations)
 
 

@@ -19,24 +19,24 @@ from studio.library.clips import ClipLabel, HitSegment, Kind, Limb
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-SWING, AROUND, APART = 0.45, 0.15, 0.4
+LIMB_SWING_SECONDS, HIT_WINDOW, HIT_SPACING = 0.45, 0.15, 0.4
 """Seconds in which a limb goes out, in which a hit is the farthest, and that two hits of a limb lie apart at least."""
 SPAN = 1 / 30
 """Seconds before and after a frame between which a speed is measured."""
-BEFORE, AFTER = 0.6, 0.5
+SECONDS_BEFORE_HIT, SECONDS_AFTER_HIT = 0.6, 0.5
 """Seconds of a clip before and after its hit."""
 KICKING = 0.6
 """Seconds round a raised leg in which arms keep the balance."""
-ARM = {"reach": 0.6, "rise": 0.36, "speed": 6.0, "outward": 3.3, "bent": 0.66}
-LEG = {"reach": 0.75, "rise": 0.3, "speed": 2.8, "outward": 1.5}
+ARM_STRIKE = {"reach": 0.6, "rise": 0.36, "speed": 6.0, "outward": 3.3, "bent": 0.66}
+LEG_STRIKE = {"reach": 0.75, "rise": 0.3, "speed": 2.8, "outward": 1.5}
 """The least reach, how much of it was gained, and how fast, as a whole and outward; an arm was bent at least so far."""
 PUNCH_HEIGHTS, KICK_HEIGHT = (-0.55, 0.5), -0.35
 """Of the wrist about the shoulder, of the ankle about the hip."""
-BEHIND = -0.3
+FIST_BEHIND_SHOULDER = -0.3
 """How far behind its shoulder a fist may hit."""
-STANDING, UPRIGHT = 0.6, {True: 0.45, False: 0.3}
+STANDING_HIPS, UPRIGHT_HEAD = 0.6, {True: 0.45, False: 0.3}
 """Hips above the ground in leg lengths; head above the hips in metres a metre of trunk and neck, for arms and legs."""
-SUPPORT = -0.7
+SUPPORT_ANKLE = -0.7
 """The ankle of the other leg about its hip: farther up, both legs are in the air."""
 RUNNING = 2.0
 """Leg lengths a second."""
@@ -46,7 +46,7 @@ RETRACTED = 0.6
 """Part of its reach below which an arm has come back, and may hit again at once."""
 BURST, FAST = 0.135, 8.5
 """Seconds for which a fist goes out faster than half its best; one as fast as this may take longer, as hooks do."""
-SHOWN, STAYS = 0.3, 0.9
+KICK_RETURN_SECONDS, HELD_REACH = 0.3, 0.9
 """Seconds in which a leg comes back if it kicked, and the part of its reach above which it stays out."""
 BEAT, IN_TURN = 0.7, 4
 """Seconds from one leg's swing to the other's, and how many of those in turn are a dance."""
@@ -136,14 +136,14 @@ def _slope(values: FloatArray, rate: float) -> FloatArray:
 def _peaks(track: BodyTrack, limb: Limb, first_frame: int) -> list[int]:
     """Frames in which a limb is stretched farthest for some time."""
     reach = track.limbs[limb].reach
-    farthest = maximum_filter1d(reach, 2 * max(round(AROUND * track.rate), 1) + 1, mode="nearest")
+    farthest = maximum_filter1d(reach, 2 * max(round(HIT_WINDOW * track.rate), 1) + 1, mode="nearest")
     frames = np.flatnonzero(reach >= farthest)
     return [int(frame) for frame in frames if first_frame + 2 < frame < len(reach) - 1]
 
 
 def _strikes(track: BodyTrack, limb: Limb, frame: int) -> bool:
-    own, least = track.limbs[limb], ARM if limb.is_arm else LEG
-    swing = track.window(frame, SWING)
+    own, least = track.limbs[limb], ARM_STRIKE if limb.is_arm else LEG_STRIKE
+    swing = track.window(frame, LIMB_SWING_SECONDS)
     thrown = slice(swing.start, frame + 2)  # the speed of a hit is seen a frame later
     gained = own.reach[frame] - own.reach[swing].min()
     fast = own.speed[thrown].max() >= least["speed"] and own.outward[thrown].max() >= least["outward"]
@@ -154,26 +154,30 @@ def _strikes(track: BodyTrack, limb: Limb, frame: int) -> bool:
 
 
 def _stands(track: BodyTrack, limb: Limb, frame: int) -> bool:
-    return bool(track.hip_height[frame] > STANDING and track.head_height[frame] > UPRIGHT[limb.is_arm])
+    return bool(track.hip_height[frame] > STANDING_HIPS and track.head_height[frame] > UPRIGHT_HEAD[limb.is_arm])
 
 
 def _kicks(track: BodyTrack, limb: Limb, frame: int) -> bool:
     other = track.limbs[limb ^ 1].from_root[frame, 2]
     raised = track.limbs[limb].from_root[frame, 2] > KICK_HEIGHT
-    return bool(raised and other < SUPPORT) and not _is_shown(track, limb, frame)
+    return bool(raised and other < SUPPORT_ANKLE) and not _is_shown(track, limb, frame)
 
 
 def _is_shown(track: BodyTrack, limb: Limb, frame: int) -> bool:
     """Whether a leg stays where it is; nothing is said of one whose motion ends before that."""
-    reach, after = track.limbs[limb].reach, track.window(frame, 0.0, SHOWN)
-    return bool(after.stop <= len(reach) and reach[after].min() > STAYS * reach[frame])
+    reach, after = track.limbs[limb].reach, track.window(frame, 0.0, KICK_RETURN_SECONDS)
+    return bool(after.stop <= len(reach) and reach[after].min() > HELD_REACH * reach[frame])
 
 
 def _punches(track: BodyTrack, limb: Limb, frame: int, swing: slice, gained: float) -> bool:
     own, other = track.limbs[limb], track.limbs[limb ^ 1]
     low, high = PUNCH_HEIGHTS
     ahead = own.from_root[frame, :2] @ track.heading[frame]
-    if not low < own.from_root[frame, 2] < high or ahead < BEHIND or own.stretch[swing].min() > ARM["bent"]:
+    if (
+        not low < own.from_root[frame, 2] < high
+        or ahead < FIST_BEHIND_SHOULDER
+        or own.stretch[swing].min() > ARM_STRIKE["bent"]
+    ):
         return False
     if track.hip_speed[track.window(frame, 0.5, 0.5)].mean() > RUNNING or _raises_a_leg(track, frame):
         return False
@@ -203,7 +207,8 @@ def _raises_a_leg(track: BodyTrack, frame: int) -> bool:
     around = track.window(frame, KICKING, KICKING)
     legs = (track.limbs[limb] for limb in (Limb.LEFT_LEG, Limb.RIGHT_LEG))
     return any(
-        bool(((leg.reach[around] > LEG["reach"]) & (leg.from_root[around, 2] > KICK_HEIGHT)).any()) for leg in legs
+        bool(((leg.reach[around] > LEG_STRIKE["reach"]) & (leg.from_root[around, 2] > KICK_HEIGHT)).any())
+        for leg in legs
     )
 
 
@@ -226,7 +231,7 @@ def _apart(track: BodyTrack, limb: Limb, frames: list[int]) -> list[int]:
     def one_with(frame: int, other: int) -> bool:
         between = reach[min(frame, other) : max(frame, other) + 1]
         came_back = limb.is_arm and between.min() < RETRACTED * reach[frame]
-        return abs(frame - other) < APART * track.rate and not came_back
+        return abs(frame - other) < HIT_SPACING * track.rate and not came_back
 
     for frame in sorted(frames, key=lambda each: -reach[each]):
         if not any(one_with(frame, other) for other in kept):
@@ -235,6 +240,6 @@ def _apart(track: BodyTrack, limb: Limb, frames: list[int]) -> list[int]:
 
 
 def _clip(track: BodyTrack, frame: int, limb: Limb, first_frame: int, last_frame: int) -> ClipLabel:
-    span = track.window(frame, BEFORE, AFTER)
+    span = track.window(frame, SECONDS_BEFORE_HIT, SECONDS_AFTER_HIT)
     kind, segment = (Kind.PUNCH, HitSegment.FIST) if limb.is_arm else (Kind.KICK, HitSegment.BALL)
     return ClipLabel(max(span.start, first_frame), min(span.stop - 1, last_frame), frame, limb, kind, segment)

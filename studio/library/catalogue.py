@@ -32,9 +32,9 @@ from studio.library.hitting import HitPath
 FloatArray = NDArray[np.float64]
 T = TypeVar("T")
 
-VERSION = 1
+CATALOGUE_VERSION = 1
 DATABASE = "catalogue.sqlite"
-PATIENCE = 60.0
+LOCK_WAIT_SECONDS = 60.0
 """Seconds to wait for another process that reads or writes."""
 _TABLES = (
     "CREATE TABLE files (path TEXT PRIMARY KEY, size INTEGER, changed INTEGER, problem TEXT)",
@@ -47,7 +47,7 @@ _TABLES = (
     id INTEGER PRIMARY KEY, take INTEGER REFERENCES takes (id) ON DELETE CASCADE, label TEXT, confirmed INTEGER,
     path_first INTEGER, path TEXT
 )""",
-    f"PRAGMA user_version = {VERSION}",
+    f"PRAGMA user_version = {CATALOGUE_VERSION}",
 )
 _COLUMNS = {
     "files": "path, size, changed, problem",
@@ -368,13 +368,15 @@ class Catalogue:
         database = _connected(file, "mode=rwc")
         try:
             (version,) = database.execute("PRAGMA user_version").fetchone()
-            if version > VERSION:
-                self._only_read(f"its catalogue is of version {version}, and this studio's of version {VERSION}")
+            if version > CATALOGUE_VERSION:
+                self._only_read(
+                    f"its catalogue is of version {version}, and this studio's of version {CATALOGUE_VERSION}"
+                )
                 database.close()
                 database = _connected(file, "mode=ro")
             elif version == 0 and not database.execute("SELECT 1 FROM sqlite_master").fetchone():
                 _make_tables(database)
-            elif version != VERSION:
+            elif version != CATALOGUE_VERSION:
                 raise _damaged(f"it is of version {version}")
             (state,) = database.execute("PRAGMA integrity_check(1)").fetchone()
             if state != "ok":
@@ -453,7 +455,7 @@ class Catalogue:
 
 
 def _connected(file: Path, options: str) -> sqlite3.Connection:
-    database = sqlite3.connect(f"{file.absolute().as_uri()}?{options}", timeout=PATIENCE, uri=True)
+    database = sqlite3.connect(f"{file.absolute().as_uri()}?{options}", timeout=LOCK_WAIT_SECONDS, uri=True)
     database.text_factory = lambda content: content.decode(errors="replace")
     database.execute("PRAGMA foreign_keys = ON")
     return database

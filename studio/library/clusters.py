@@ -16,8 +16,8 @@ from studio.core.retrieval import SearchTable, pose_distances
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-ROUNDS = 40
-LINKS = 4
+CLUSTER_ROUNDS = 40
+CLUSTER_LINKS = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,13 +69,13 @@ def map_of(table: SearchTable, count: int, seed: int = 0) -> PoseMap:
     starts = features[np.random.default_rng(seed).choice(len(features), count, replace=False)]
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "One of the clusters is empty")  # where poses are alike; it is left out below
-        centroids, found = kmeans2(features, starts, iter=ROUNDS, minit="matrix")
+        centroids, found = kmeans2(features, starts, iter=CLUSTER_ROUNDS, minit="matrix")
     groups = np.unique(found)
     representatives = np.array([_nearest(features, found == group, centroids[group]) for group in groups])
     poses = table.rows[representatives]
     apart = np.array([pose_distances(pose, poses)[0] for pose in poses])
     np.fill_diagonal(apart, np.inf)
-    links = np.argsort(apart, axis=1)[:, : min(LINKS, len(groups) - 1)]
+    links = np.argsort(apart, axis=1)[:, : min(CLUSTER_LINKS, len(groups) - 1)]
     return PoseMap(np.searchsorted(groups, found), centroids[groups], representatives, links)
 
 

@@ -14,7 +14,7 @@ FloatArray = NDArray[np.float64]
 
 NEAR_ITS_REACH = 0.85
 """Part of the reach at the hit from which on a limb can hit."""
-LONGEST = 0.15
+HIT_SEARCH_SECONDS = 0.15
 """Seconds on either side of the hit beyond which it cannot."""
 
 
@@ -39,7 +39,7 @@ def hit_path(positions: FloatArray, rotations: FloatArray, body: Morphology, rat
     places = hit_places(positions, rotations, body, label.limb, label.segment)
     root = positions[:, limb_root(body.layout, label.limb)]
     reach = np.linalg.norm((places - root)[:, :2], axis=1)
-    most = int(np.ceil(LONGEST * rate))
+    most = int(np.ceil(HIT_SEARCH_SECONDS * rate))
     able = reach >= NEAR_ITS_REACH * reach[label.hit]
     first = last = label.hit
     while first - 1 > max(label.first, label.hit - most) and able[first - 1]:

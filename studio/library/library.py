@@ -22,7 +22,7 @@ from studio.library.hitting import HitPath
 
 FloatArray = NDArray[np.float64]
 
-SWING = 0.2
+LEAST_SWING_SECONDS = 0.2
 """Seconds that a limb needs at least until it can hit: played from later on, a blow would come out of nothing."""
 POSES, STAMP = "poses.npy", "poses.json"
 """The table of poses, and which frames of which clips it holds."""
@@ -46,7 +46,7 @@ class LibraryClip:
     @property
     def searched(self) -> range:
         """The frames of the take from which the clip may be played: those that leave time to swing."""
-        swung = self.path.first - round(SWING * self.take.motion.frame_rate)
+        swung = self.path.first - round(LEAST_SWING_SECONDS * self.take.motion.frame_rate)
         return range(self.label.first, max(swung, self.label.first + 1))
 
 

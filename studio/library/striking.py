@@ -28,15 +28,15 @@ from studio.library.searching import Result, StrikeQuery, metres
 
 CHAIN = Chain(limb=1.0, clavicle=1.0, trunk=0.6, root=0.4)
 """What of the body may help a limb to reach: P09 goes on from the limb to the trunk and the root."""
-SEEN = 0.005
+VISIBLE_MISS = 0.005
 """Metres of a miss that nobody sees."""
-HELD = 0.5
+POSE_HOLD_SECONDS = 0.5
 """Seconds for which a pose is held to try what takes over from it."""
 EASED_IN = 0.6
 """Part of the time to the hit in which the clip takes over from what played."""
 SWUNG = 0.25
 """Seconds before and after its hit in which a leg is led to a target: one that is led as it is lifted goes astray."""
-HOLD = 1 / 120
+HIT_HALF_WIDTH = 1 / 120
 """Seconds to each side of a hit for which the target is met whole: a frame of 60 Hz, as a blow touches and goes on."""
 
 
@@ -119,7 +119,7 @@ class Tried:
     @property
     def hits(self) -> bool:
         """Whether the target is met as well as anybody sees."""
-        return self.missed < SEEN
+        return self.missed < VISIBLE_MISS
 
     @property
     def reasons(self) -> tuple[str, ...]:
@@ -138,7 +138,7 @@ def missed_by(found: Result, asked: StrikeQuery) -> float:
     what stands there, and smoothed.
     """
     pose, place = asked.pose, np.asarray(asked.place, dtype=np.float64)
-    held = replace(pose, channels=np.repeat(pose.channels, round(HELD * pose.frame_rate), axis=0))
+    held = replace(pose, channels=np.repeat(pose.channels, round(POSE_HOLD_SECONDS * pose.frame_rate), axis=0))
     x, y, z = place.tolist()
     last = held.frame_count - 1
     stands = tuple(ContactInterval("", point, 0, last) for point in asked.contacts)
@@ -171,6 +171,6 @@ def _met_at(hit: float, start: float, end: float, limb: Limb) -> ActivationCurve
     At once where a blow is begun that late.
     """
     led = hit - start if limb.is_arm else min(hit - start, SWUNG)
-    begin, full_end = hit - led, hit + HOLD
+    begin, full_end = hit - led, hit + HIT_HALF_WIDTH
     gone = max(min(hit + led, end), full_end)
-    return ActivationCurve(begin, max(begin, hit - HOLD), full_end, gone, EaseShape.SMOOTH)
+    return ActivationCurve(begin, max(begin, hit - HIT_HALF_WIDTH), full_end, gone, EaseShape.SMOOTH)

@@ -13,7 +13,7 @@ from studio.core.solver.adapt import place_of
 from studio.core.solver.performers.props import Holder, stage_track
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.behaviour import Behaviour, Role, Running, State
-from studio.core.stage.clip import SLOWEST, Clip
+from studio.core.stage.clip import SLOWEST_CLIP, Clip
 from studio.core.stage.conditions import Senses
 from studio.core.stage.manners import asked_by
 from studio.core.stage.placement import Placement
@@ -89,9 +89,9 @@ def act_of(state: State, role: Role, blend: float, playing: Clip, frame: int, fr
         first = frame if goes_on and state.clip.first <= frame < state.clip.last else state.clip.first
         clip = replace(state.clip, first=first, joined=True, ease=blend)
     else:  # slower and slower, until the last frame is held
-        last = frame + max(round(SLOWEST * SLOWING * frame_rate), 1)
+        last = frame + max(round(SLOWEST_CLIP * SLOWING * frame_rate), 1)
         clip = replace(
-            playing, first=frame, last=last, speed=SLOWEST, repeats=1, turn=0.0, offset=(0.0, 0.0), ease=blend
+            playing, first=frame, last=last, speed=SLOWEST_CLIP, repeats=1, turn=0.0, offset=(0.0, 0.0), ease=blend
         )
     asked = asked_by(state.manners, clip.motion_id, role.partner_id, state.name)
     return Act(clip, tuple(replace(each, scope=Scope(role.performer_id)) for each in asked))

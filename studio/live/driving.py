@@ -18,11 +18,11 @@ from studio.live.tracker import Inbox
 
 FloatArray = NDArray[np.float64]
 
-RATE = 60.0
+POSE_FRAME_RATE = 60.0
 """Frames a second that a pose alone is said to have; nothing depends on it."""
-STILL = 2
+STILL_FRAMES = 2
 """Frames of what stands still: kernels are compiled for motions of more than one."""
-ALWAYS = 1e6
+UNBOUNDED_SECONDS = 1e6
 
 
 class ReceivedPose:
@@ -42,7 +42,9 @@ class ReceivedPose:
 
 
 def _pose_of(positions: FloatArray, rotations: FloatArray, body: Morphology) -> NormalizedMotion | None:
-    pose = encode(np.stack([positions] * STILL), np.stack([rotations] * STILL), body, RATE, "live")
+    pose = encode(
+        np.stack([positions] * STILL_FRAMES), np.stack([rotations] * STILL_FRAMES), body, POSE_FRAME_RATE, "live"
+    )
     return pose if np.isfinite(pose.channels).all() else None
 
 
@@ -51,7 +53,7 @@ def driven(request: AdaptRequest, row: int, pose: NormalizedMotion, planted: Pla
 
     ``planted`` knows how the feet stood before, ``seconds`` by the clock.
     """
-    now = Carry(-row / request.motion.frame_rate, 1.0, 0.0, (0.0, 0.0), False, -ALWAYS, ALWAYS)
+    now = Carry(-row / request.motion.frame_rate, 1.0, 0.0, (0.0, 0.0), False, -UNBOUNDED_SECONDS, UNBOUNDED_SECONDS)
     window = slice(row, row + 1)
     tracks = {
         key: track if isinstance(track, OwnPath) else track.within(window) for key, track in request.tracks.items()

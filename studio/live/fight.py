@@ -14,7 +14,7 @@ from studio.live.fighter import Fighter, StrikeOutcome
 FloatArray = NDArray[np.float64]
 Order = tuple[tuple[Limb, ...], tuple[Kind, ...]]
 
-ORDERS: dict[str, Order] = {
+FIGHT_ORDERS: dict[str, Order] = {
     f"{side} {kind}": ((Limb[f"{side.upper()}_{'ARM' if kind is Kind.PUNCH else 'LEG'}"],), (kind,))
     for side in ("left", "right")
     for kind in (Kind.PUNCH, Kind.KICK)

@@ -32,16 +32,16 @@ from studio.library.hitting import hit_places, limb_root
 from studio.library.library import Library
 from studio.library.searching import Result, StrikeQuery, find
 from studio.library.striking import Blow, Strike, strike_in
-from studio.live.keeping import STEP_SECONDS
-from studio.live.takeover import SEEN, Takeover, take_over
+from studio.live.keeping import KEEPING_STEP_SECONDS
+from studio.live.takeover import SPEED_FRAMES, Takeover, take_over
 
 FloatArray = NDArray[np.float64]
 
-LONGEST_STEP, WIDEST_TURN = 0.4, 0.7
+FIGHTER_STEP, FIGHTER_TURN = 0.4, 0.7
 """Leg lengths and radians of one step."""
-NEAR_ENOUGH, TURNED_ENOUGH = 0.12, 0.25
+FIGHTER_DISTANCE_TOLERANCE, FIGHTER_FACING_TOLERANCE = 0.12, 0.25
 """Leg lengths and radians by which it may stand otherwise than it wants to."""
-OF_LATE = 0.2
+TARGET_SPEED_SECONDS = 0.2
 """Seconds of the target's way by which it is known where it goes."""
 USUAL_BLOW = 0.5
 """Seconds to a hit for which blows are searched; each is tried for its own."""
@@ -167,7 +167,7 @@ class Fighter:
         self.plan = Plan(FighterState.GUARD, stand(cut, self.body, _cut(whole.contacts, *span), Ground()), 0)
         self.rate = cut.frame_rate
         """Frames a second, whatever the rate of what it plays."""
-        self._places = deque(maxlen=1 + round(OF_LATE * self.rate))
+        self._places = deque(maxlen=1 + round(TARGET_SPEED_SECONDS * self.rate))
 
     @property
     def frame(self) -> int:
@@ -204,7 +204,7 @@ class Fighter:
         """The next frame, positions (K+23, 3) and rotations (K+18, 3, 3), with the target where it is now."""
         place = np.array(target, dtype=np.float64)
         self._places.append(place)
-        if self._order is not None and self._wanted is None and self._played_for(STEP_SECONDS):
+        if self._order is not None and self._wanted is None and self._played_for(KEEPING_STEP_SECONDS):
             self._ask(place)
         self._take_plan()
         if self.frame >= self.plan.last or (self.plan.state is FighterState.GUARD and self._stands_wrong(place)):
@@ -224,7 +224,7 @@ class Fighter:
         """Let what was ordered be made, beside the animation where that can be."""
         assert self._order is not None
         begins = Begins(self.plan.standing, self._rows, place, self._speed())
-        order, step = self._order, self._step_up(begins.place_in(STEP_SECONDS)) if self._steps_left else None
+        order, step = self._order, self._step_up(begins.place_in(KEEPING_STEP_SECONDS)) if self._steps_left else None
 
         def work() -> Coming:
             return self._strike(begins, *order, step)
@@ -258,7 +258,7 @@ class Fighter:
 
     def _next(self, place: FloatArray) -> Coming:
         turn, offset = self._correction(place)
-        wrong = abs(turn) > TURNED_ENOUGH or float(np.hypot(*offset)) > NEAR_ENOUGH
+        wrong = abs(turn) > FIGHTER_FACING_TOLERANCE or float(np.hypot(*offset)) > FIGHTER_DISTANCE_TOLERANCE
         state, piece = (
             (FighterState.STEP, self._stepping(turn, offset)) if wrong else (FighterState.GUARD, self._guarding)
         )
@@ -270,12 +270,12 @@ class Fighter:
 
     def _stepping(self, turn: float, offset: FloatArray) -> MotionPiece:
         own = Planar(turn, (float(offset[0]), float(offset[1])))
-        return replace(self.guard, start=0.0, own=own, ease=STEP_SECONDS)
+        return replace(self.guard, start=0.0, own=own, ease=KEEPING_STEP_SECONDS)
 
     def _step_up(self, place: FloatArray) -> MotionPiece | None:
         """What it plays to come nearer to a place; None where it is not too far off."""
         turn, offset = self._correction(place)
-        return self._stepping(turn, offset) if self._apart(place) - self.distance > NEAR_ENOUGH else None
+        return self._stepping(turn, offset) if self._apart(place) - self.distance > FIGHTER_DISTANCE_TOLERANCE else None
 
     def _strike(self, begins: Begins, limbs: Sequence[Limb], kinds: Sequence[Kind], step: MotionPiece | None) -> Coming:
         """The first of the best blows that will meet the target, else the nearest; a ``step`` up where there is one and
@@ -316,7 +316,7 @@ class Fighter:
     def _rows(self) -> NDArray[np.int64]:
         """(SEEN,) the frames of the plan that were shown last."""
         every = self.plan.standing.motion.frame_rate / self.rate
-        shown = self.plan.first + np.rint((self._passed - np.arange(SEEN, 0, -1)) * every).astype(np.int64)
+        shown = self.plan.first + np.rint((self._passed - np.arange(SPEED_FRAMES, 0, -1)) * every).astype(np.int64)
         return np.asarray(shown.clip(max(self.plan.first - 1, 0), self.plan.last))
 
     def _speed(self) -> FloatArray:
@@ -342,8 +342,8 @@ class Fighter:
         facing = math.atan2(forward[1], forward[0]) + self._stance()
         yaw = float(self.plan.standing.motion.channels[self.frame, at.YAW])
         turn = (facing - yaw + math.pi) % (2.0 * math.pi) - math.pi
-        way = float(np.clip(apart - self.distance, -LONGEST_STEP, LONGEST_STEP))
-        return float(np.clip(turn, -WIDEST_TURN, WIDEST_TURN)), way * forward
+        way = float(np.clip(apart - self.distance, -FIGHTER_STEP, FIGHTER_STEP))
+        return float(np.clip(turn, -FIGHTER_TURN, FIGHTER_TURN)), way * forward
 
     def _stance(self) -> float:
         """How the pelvis on guard is turned against where it looks: half sideways, as fighters stand."""
@@ -353,7 +353,7 @@ class Fighter:
         if self._order is not None or not self._played_for(CALMING):
             return False
         turn, offset = self._correction(place)
-        return abs(turn) > TURNED_ENOUGH or float(np.hypot(*offset)) > NEAR_ENOUGH
+        return abs(turn) > FIGHTER_FACING_TOLERANCE or float(np.hypot(*offset)) > FIGHTER_DISTANCE_TOLERANCE
 
     # Blows
 

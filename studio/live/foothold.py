@@ -35,7 +35,7 @@ TORN = 0.15
 """Parts of the leg's length from where its sender has it at which a foot that stands lets go."""
 CLIMBING = 0.1
 """Seconds in which a height follows another one."""
-AHEAD = 0.15
+GROUND_LOOK_AHEAD = 0.15
 """Seconds ahead, as fast as it goes, for which a foot in the air is kept above the ground."""
 STRAIGHT = 3.0
 """How many times faster than its gap at once a gap may close that is not to open again on the other side."""
@@ -125,7 +125,7 @@ class Foothold:
         elif self._printed is not None:
             self.climb.follow(float(self.ground.height_at(self._printed.place)), dt)
         else:
-            way = AHEAD * (own.ankle - self._own[-1].ankle) / max(dt, 1e-3)
+            way = GROUND_LOOK_AHEAD * (own.ankle - self._own[-1].ankle) / max(dt, 1e-3)
             self.climb.follow(float(self.ground.height_at([*points, *(points + way)]).max()), dt)
 
     def _found(self, own: FootPose, low: float, dt: float) -> int:

@@ -12,16 +12,16 @@ from studio.core.normalized.compose import Composite
 from studio.core.stage.behaviour import Role, State
 from studio.core.stage.manners import KeepDistance
 from studio.core.stage.placement import Placement
-from studio.core.stage.whom import PELVIS, followed_by
+from studio.core.stage.whom import PELVIS_POINT, followed_by
 from studio.live.acting import Act, StageView
 
 FloatArray = NDArray[np.float64]
 
-STEP_SECONDS = 0.6
+KEEPING_STEP_SECONDS = 0.6
 """What a step of both feet takes."""
-LONGEST_STEP, WIDEST_TURN = 0.4, 0.7
+KEEPING_STEP, KEEPING_TURN = 0.4, 0.7
 """Metres and radians of one step."""
-TURNED_ENOUGH = 0.25
+KEEPING_FACING_TOLERANCE = 0.25
 """Radians by which it may face elsewhere than it wants to."""
 SETTLING = 0.3
 """Seconds after something has begun, and after a step, in which nobody steps."""
@@ -34,10 +34,10 @@ def step_of(seen: StageView, key: str, act: Act, composite: Composite, frame: in
     """
     found = seen.state_of(key)
     kept = _kept(found[0]) if found else None
-    if found is None or kept is None or seen.seconds < act.clip.start + SETTLING + STEP_SECONDS * act.steps:
+    if found is None or kept is None or seen.seconds < act.clip.start + SETTLING + KEEPING_STEP_SECONDS * act.steps:
         return None
     role, project = found[1], seen.project
-    whom, own = seen.place_of(kept.whom, role), seen.place_of(FollowPerformer(key, PELVIS), role)
+    whom, own = seen.place_of(kept.whom, role), seen.place_of(FollowPerformer(key, PELVIS_POINT), role)
     if whom is None or own is None:
         return None
     placement = Placement.of(project.performers[key])
@@ -47,14 +47,14 @@ def step_of(seen: StageView, key: str, act: Act, composite: Composite, frame: in
     turn = (math.atan2(away[1], away[0]) - looks + math.pi) % (2.0 * math.pi) - math.pi
     unit = seen.unit_of(kept.gap, role)
     wrong = apart - unit * kept.distance
-    if abs(turn) <= TURNED_ENOUGH and abs(wrong) <= unit * kept.room:
+    if abs(turn) <= KEEPING_FACING_TOLERANCE and abs(wrong) <= unit * kept.room:
         return None
     wrong *= 0.5 if _comes_too(seen, key, kept, role) else 1.0
     leg = project.characters[project.performers[key].character_id].morphology.leg_length
-    way = float(np.clip(wrong, -LONGEST_STEP, LONGEST_STEP)) * away / (apart * leg)
+    way = float(np.clip(wrong, -KEEPING_STEP, KEEPING_STEP)) * away / (apart * leg)
     x, y, _ = (placement.rotation.T @ [*way, 0.0]).tolist()
-    turned = float(np.clip(turn, -WIDEST_TURN, WIDEST_TURN))
-    return replace(act, clip=replace(act.clip, turn=turned, offset=(x, y), ease=STEP_SECONDS), steps=True)
+    turned = float(np.clip(turn, -KEEPING_TURN, KEEPING_TURN))
+    return replace(act, clip=replace(act.clip, turn=turned, offset=(x, y), ease=KEEPING_STEP_SECONDS), steps=True)
 
 
 def _kept(state: State) -> KeepDistance | None:

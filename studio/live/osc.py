@@ -7,8 +7,8 @@ from dataclasses import dataclass
 Argument = int | float | str | bytes | bool | None
 
 BUNDLE = b"#bundle\0"
-AT_ONCE = b"\0\0\0\0\0\0\0\1"
-LARGEST, DEEPEST, MOST_MESSAGES, MOST_ARGUMENTS, LONGEST_TEXT = 65_507, 4, 1_024, 64, 256
+IMMEDIATE_TIME = b"\0\0\0\0\0\0\0\1"
+LARGEST_PACKET, DEEPEST_BUNDLE, MOST_MESSAGES, MOST_ARGUMENTS, LONGEST_TEXT = 65_507, 4, 1_024, 64, 256
 """Bytes of a packet, bundles within bundles, messages of a packet, arguments of a message, bytes of a text."""
 _FIXED = {"i": ">i", "f": ">f", "h": ">q", "d": ">d"}
 _ALONE: dict[str, Argument] = {"T": True, "F": False, "N": None}
@@ -28,7 +28,7 @@ class Message:
 
 def decode(packet: bytes) -> list[Message]:
     """The messages of a packet, in order. Raises BadPacket."""
-    if len(packet) > LARGEST:
+    if len(packet) > LARGEST_PACKET:
         raise BadPacket("too long")
     found: list[Message] = []
     for message in _messages(packet, 0):
@@ -58,7 +58,7 @@ def encode_message(address: str, arguments: Sequence[Argument]) -> bytes:
 
 def bundles(messages: Sequence[bytes], largest: int) -> Iterator[bytes]:
     """Encoded messages in as few bundles as their order allows, none longer than ``largest`` bytes."""
-    begin = BUNDLE + AT_ONCE
+    begin = BUNDLE + IMMEDIATE_TIME
     packet = begin
     for message in messages:
         element = struct.pack(">i", len(message)) + message
@@ -74,7 +74,7 @@ def _messages(packet: bytes, depth: int) -> Iterator[Message]:
     if not packet.startswith(BUNDLE):
         yield _message(packet)
         return
-    if depth == DEEPEST:
+    if depth == DEEPEST_BUNDLE:
         raise BadPacket("bundles too deep")
     at = len(BUNDLE) + 8
     if len(packet) < at:

@@ -21,11 +21,11 @@ from studio.core.solver.performers.rows import composite_of, constraints_in, pie
 from studio.core.solver.performers.stage import asked_of
 from studio.core.solver.solved_window import targets_of
 from studio.core.solver.standing.stand import Standing, standing_of
-from studio.live.takeover import HELD, SEEN, take_over
+from studio.live.takeover import LAST_POSE_SECONDS, SPEED_FRAMES, take_over
 
 FloatArray = NDArray[np.float64]
 
-AROUND = 0.5
+SOLVE_MARGIN = 0.5
 """Seconds around what is asked in which it has to do with how a body is solved."""
 
 
@@ -55,7 +55,9 @@ class Playing:
         """
         time = self.time_of(frame)
         every = (*(each for _, each in self.asked), *self.going)
-        return tuple(each for each in every if each.activation.start - AROUND <= time <= each.activation.end + AROUND)
+        return tuple(
+            each for each in every if each.activation.start - SOLVE_MARGIN <= time <= each.activation.end + SOLVE_MARGIN
+        )
 
     @cached_property
     def solvable(self) -> Standing:
@@ -131,7 +133,7 @@ def _last_seen(before: Playing, frame: int, start: float) -> NDArray[np.int64]:
     """(SEEN,) the frames that were seen last before ``start``: the last one again and again where it was held."""
     timing = before.composite.timing
     held = round((start - timing.end) * timing.frame_rate) - 1 if frame == timing.last else 0
-    rows = np.arange(frame - SEEN + 1, frame + 1) + max(held, 0)
+    rows = np.arange(frame - SPEED_FRAMES + 1, frame + 1) + max(held, 0)
     return np.asarray(rows.clip(0, frame))
 
 
@@ -163,4 +165,4 @@ def _falling(curve: ActivationCurve, share: float, begins: float) -> ActivationC
     progress = np.linspace(0.0, 1.0, 257)
     passed = float(np.interp(1.0 - share, ease(progress, curve.shape), progress)) * COMING
     end = begins - passed + COMING
-    return curve.with_times(begins - HELD, begins - HELD, begins - passed, end)
+    return curve.with_times(begins - LAST_POSE_SECONDS, begins - LAST_POSE_SECONDS, begins - passed, end)

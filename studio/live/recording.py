@@ -10,10 +10,10 @@ from pathlib import Path
 
 from studio.core.errors import StudioError
 from studio.io.beside import read_bytes
-from studio.live.osc import LARGEST
+from studio.live.osc import LARGEST_PACKET
 from studio.live.tracker import MOST_A_SLICE, SLICE, Inbox
 
-LATEST = 1e6
+LATEST_DATAGRAM = 1e6
 """Seconds after its beginning at which a datagram can have come."""
 LONGEST_PAUSE, LEAST_PAUSE = 5.0, 0.02
 """Seconds for which a replay is silent at most, and from its end to its beginning."""
@@ -47,7 +47,7 @@ def read_recording(path: Path) -> PacketRecording:
     while at + _RECORD.size <= len(data):
         seconds, size = _RECORD.unpack_from(data, at)
         end = at + _RECORD.size + size
-        if not 0.0 <= seconds <= LATEST or size > LARGEST or end > len(data):
+        if not 0.0 <= seconds <= LATEST_DATAGRAM or size > LARGEST_PACKET or end > len(data):
             break
         packets.append((seconds, data[at + _RECORD.size : end]))
         at = end

@@ -16,7 +16,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowPerformer
 from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
-from studio.core.normalized.transition import SHORTEST
+from studio.core.normalized.transition import LEAST_TRANSITION
 from studio.core.project import Performer, Project
 from studio.core.solver.adapt import hold, place_of
 from studio.core.solver.asking.tracks import Track, Tracks
@@ -274,7 +274,7 @@ class LiveStage:
 
     def _going_on(self, act: Act) -> Act | None:
         """The same from where a body is; None where it is too short to be gone over to."""
-        if act.clip.length(self.project.frame_rate_of(act.clip)) < SHORTEST:
+        if act.clip.length(self.project.frame_rate_of(act.clip)) < LEAST_TRANSITION:
             return None
         return replace(act, clip=replace(act.clip, joined=True, turn=0.0, offset=(0.0, 0.0)))
 

@@ -23,13 +23,13 @@ def packets_of(positions: FloatArray, rotations: FloatArray, body: Morphology, s
     """One frame of a body, (K+23, 3) and (K+18, 3, 3), as datagrams."""
     root = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
     messages = [
-        encode_message(vmc.OK, [1]),
-        encode_message(vmc.TIME, [float(seconds)]),
-        encode_message(vmc.ROOT, ["root", *root]),
+        encode_message(vmc.OK_ADDRESS, [1]),
+        encode_message(vmc.TIME_ADDRESS, [float(seconds)]),
+        encode_message(vmc.ROOT_ADDRESS, ["root", *root]),
     ]
     for name, bone in vmc.bones_of(positions, rotations, body).items():
         place, turn = vmc.to_unity(bone)
-        messages.append(encode_message(vmc.BONE, [name, *place.tolist(), *turn.tolist()]))
+        messages.append(encode_message(vmc.BONE_ADDRESS, [name, *place.tolist(), *turn.tolist()]))
     return list(bundles(messages, LARGEST_BUNDLE))
 
 

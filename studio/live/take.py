@@ -20,7 +20,7 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.scope import Scope
 from studio.core.stage.timing import Timing
 
-STILL = 0.1
+STILL_SECONDS = 0.1
 """Seconds after which a target that is moved again stood still until then."""
 Edit = tuple[str, str, Entity]
 """Collection, id and what is put there."""
@@ -192,8 +192,8 @@ def _moved(take: StageTake, project: Project) -> dict[str, Path]:
         for seconds, given in take.given:
             target = _place(given.constraints.get(key))
             if target is not None and (not path or path[-1][1] != target):
-                if path and seconds - path[-1][0] > STILL:
-                    path.append((seconds - STILL / 2, path[-1][1]))
+                if path and seconds - path[-1][0] > STILL_SECONDS:
+                    path.append((seconds - STILL_SECONDS / 2, path[-1][1]))
                 path.append((seconds, target))
         if len(path) > 1 and _place(project.constraints[key]) is not None:
             paths[key] = path

@@ -20,11 +20,11 @@ from studio.core.normalized.pieces import MotionPiece
 from studio.core.solver.standing.inertialisation import Stance, led_from
 from studio.core.solver.standing.stand import Standing, stand
 
-HELD = 2.0
+LAST_POSE_SECONDS = 2.0
 """Seconds for which the last pose is held before what takes over: feet that stand go on standing there."""
-SEEN = 3
+SPEED_FRAMES = 3
 """Frames of what played before that give its speed."""
-OF_LATE = 1.0
+ACCELERATION_SECONDS = 1.0
 """Seconds of what played by which it is known how its joints accelerate."""
 
 
@@ -48,7 +48,7 @@ class Takeover:
 def take_over(
     before: Standing, rows: NDArray[np.int64], pieces: Sequence[MotionPiece], stood: Callable[[Composite], Standing]
 ) -> Takeover:
-    """What ``pieces`` are that begin behind the frames ``rows`` (``SEEN``,) of ``before``; ``stood`` on the ground."""
+    """Takeover by ``pieces`` after the frames ``rows`` (``SPEED_FRAMES``,) of ``before``; ``stood`` grounds them."""
     begins, ease = pieces[0].start, pieces[0].ease
     shown = _shown(before, rows, begins)
     composite = led_on(shown, pieces)
@@ -72,7 +72,7 @@ def _shown(before: Standing, rows: NDArray[np.int64], start: float) -> MotionPie
     still = body.at(frame) if isinstance(body, AnimatedMorphology) else body
     positions = standing.positions[rows] - [0.0, 0.0, standing.ground.height]
     seen = encode(positions, standing.rotations[rows], still, rate, "before")
-    held = np.concatenate([np.tile(seen.channels[-1], (round(HELD * rate), 1)), seen.channels])
+    held = np.concatenate([np.tile(seen.channels[-1], (round(LAST_POSE_SECONDS * rate), 1)), seen.channels])
     motion = replace(seen, channels=held)
     last = len(held) - 1
     stands = tuple(replace(each, first=0, last=last) for each in standing.contacts if each.first <= frame <= each.last)
@@ -81,5 +81,5 @@ def _shown(before: Standing, rows: NDArray[np.int64], start: float) -> MotionPie
 
 def _played(before: Standing, frame: int) -> NormalizedMotion:
     motion = before.motion
-    first = max(frame - round(OF_LATE * motion.frame_rate), 0)
+    first = max(frame - round(ACCELERATION_SECONDS * motion.frame_rate), 0)
     return replace(motion, channels=motion.channels[first : frame + 1], changes=())

@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.live import vmc
-from studio.live.osc import LARGEST, Argument, BadPacket, Message, decode
+from studio.live.osc import LARGEST_PACKET, Argument, BadPacket, Message, decode
 
 FloatArray = NDArray[np.float64]
 
 PORT, LOOPBACK = 39_539, "127.0.0.1"
-FARTHEST = 100.0
+TRACKED_RANGE = 100.0
 """Metres to which places are clamped."""
 MOST_NAMES = 256
 """Bones and trackers that are kept: more names are refused, so that nobody fills the memory."""
@@ -80,7 +80,11 @@ class Inbox:
         return bone_place(bones, names[0]) if len(names) == 1 else None
 
     def _take(self, message: Message) -> None:
-        into = {vmc.BONE: self._bones, vmc.TRACKER: self._trackers, vmc.HMD: self._trackers}.get(message.address)
+        into = {
+            vmc.BONE_ADDRESS: self._bones,
+            vmc.TRACKER_ADDRESS: self._trackers,
+            vmc.HMD_ADDRESS: self._trackers,
+        }.get(message.address)
         if into is None:
             return
         name, bone = _named_bone(message.arguments)
@@ -107,7 +111,7 @@ def _named_bone(arguments: tuple[Argument, ...]) -> tuple[str, vmc.Bone | None]:
     turn = math.hypot(*numbers[3:])
     if len(numbers) < 7 or not all(math.isfinite(each) for each in numbers) or not 1e-6 < turn < 1e6:
         return arguments[0], None
-    place = [min(max(each, -FARTHEST), FARTHEST) for each in numbers[:3]]
+    place = [min(max(each, -TRACKED_RANGE), TRACKED_RANGE) for each in numbers[:3]]
     return arguments[0], vmc.from_unity(place, [each / turn for each in numbers[3:]])
 
 
@@ -169,7 +173,7 @@ class UdpInput:
                 self._stopped.wait(until - now)
                 continue
             taken += 1
-            packet, sender = self._socket.recvfrom(LARGEST)
+            packet, sender = self._socket.recvfrom(LARGEST_PACKET)
             self._take(packet, sender[0], now)
 
     def _take(self, packet: bytes, address: str, now: float) -> None:

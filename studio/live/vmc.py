@@ -17,7 +17,7 @@ from studio.core.rotations import frame_along, from_matrix, to_matrix
 
 FloatArray = NDArray[np.float64]
 
-BONE, ROOT, TRACKER, HMD, OK, TIME = (
+BONE_ADDRESS, ROOT_ADDRESS, TRACKER_ADDRESS, HMD_ADDRESS, OK_ADDRESS, TIME_ADDRESS = (
     "/VMC/Ext/Bone/Pos",
     "/VMC/Ext/Root/Pos",
     "/VMC/Ext/Tra/Pos",
@@ -25,14 +25,19 @@ BONE, ROOT, TRACKER, HMD, OK, TIME = (
     "/VMC/Ext/OK",
     "/VMC/Ext/T",
 )
-SPINE = ("Spine", "Chest", "UpperChest")
-ARM, LEG = ("Shoulder", "UpperArm", "LowerArm", "Hand"), ("UpperLeg", "LowerLeg", "Foot", "Toes")
+VMC_SPINE_BONES = ("Spine", "Chest", "UpperChest")
+VMC_ARM_BONES, VMC_LEG_BONES = ("Shoulder", "UpperArm", "LowerArm", "Hand"), ("UpperLeg", "LowerLeg", "Foot", "Toes")
 TOES_ABOVE = 0.037
 """Leg lengths from the sole up to the joint of the toes, which no packet tells."""
-SHORTEST = 1e-3
+SHORTEST_VMC_BONE = 1e-3
 """Metres that a received bone has at least; a shorter one has no direction, and the usual one is taken."""
-FORWARD = np.array([1.0, 0.0, 0.0])
-NEEDED = ("Hips", "Spine", "Head", *(f"{side}{bone}" for side in ("Left", "Right") for bone in (*ARM[1:], *LEG[:3])))
+MODEL_FORWARD = np.array([1.0, 0.0, 0.0])
+NEEDED = (
+    "Hips",
+    "Spine",
+    "Head",
+    *(f"{side}{bone}" for side in ("Left", "Right") for bone in (*VMC_ARM_BONES[1:], *VMC_LEG_BONES[:3])),
+)
 """Bones without which there is no body."""
 
 
@@ -69,14 +74,17 @@ def bone_segments(layout: BodyLayout) -> tuple[BoneSegment, ...]:
     """The bones of a body, each after its parent: of a long spine the lowest, the middle and the thorax."""
     count = layout.spine_count
     inner = sorted({1, max(1, count // 2), count - 1})
-    spine = [BoneSegment(name, "", segment) for name, segment in zip(SPINE, inner, strict=False)]
+    spine = [BoneSegment(name, "", segment) for name, segment in zip(VMC_SPINE_BONES, inner, strict=False)]
     chain = [BoneSegment("Hips", "", 0)]
     for each in spine:
         chain.append(BoneSegment(each.name, chain[-1].name, each.segment))
     top = chain[-1].name
     chain += [BoneSegment("Neck", top, count), BoneSegment("Head", "Neck", count + 1)]
     for side, name in enumerate(("Left", "Right")):
-        for bones, carrier, first in ((ARM, top, count + 2 + 4 * side), (LEG, "Hips", count + 10 + 4 * side)):
+        for bones, carrier, first in (
+            (VMC_ARM_BONES, top, count + 2 + 4 * side),
+            (VMC_LEG_BONES, "Hips", count + 10 + 4 * side),
+        ):
             for place, bone in enumerate(bones):
                 parent = f"{name}{bones[place - 1]}" if place else carrier
                 chain.append(BoneSegment(f"{name}{bone}", parent, first + place))
@@ -88,12 +96,12 @@ def t_pose_axes(body: Morphology) -> FloatArray:
     """(S, 3, 3) how the canonical segments stand in the T-pose against which bones are turned."""
     layout = body.layout
     axes = np.tile(np.eye(3), (layout.segment_count, 1, 1))
-    axes[layout.spine_count] = frame_along(body.neck_rest, FORWARD)
+    axes[layout.spine_count] = frame_along(body.neck_rest, MODEL_FORWARD)
     for side, name in enumerate(("left", "right")):
         outward = np.array([0.0, 1.0 - 2.0 * side, 0.0])
         clavicle, thigh = (layout.segment(BodyPart(f"{name}_{part}")) for part in ("clavicle", "thigh"))
-        axes[clavicle] = frame_along(body.clavicle_rest[side], FORWARD)
-        axes[clavicle + 1 : clavicle + 4] = frame_along(outward, np.cross(outward, FORWARD))
+        axes[clavicle] = frame_along(body.clavicle_rest[side], MODEL_FORWARD)
+        axes[clavicle + 1 : clavicle + 4] = frame_along(outward, np.cross(outward, MODEL_FORWARD))
         axes[thigh : thigh + 2] = frame_along(np.array([0.0, 0.0, -1.0]), np.array([0.0, 1.0, 0.0]))
     return axes
 
@@ -120,7 +128,7 @@ def posed(bones: dict[str, Bone]) -> tuple[FloatArray, FloatArray, Morphology] |
     """
     if any(name not in bones for name in NEEDED):
         return None
-    if sum(float(np.linalg.norm(bones[name].place)) for name in SPINE if name in bones) < SHORTEST:
+    if sum(float(np.linalg.norm(bones[name].place)) for name in VMC_SPINE_BONES if name in bones) < SHORTEST_VMC_BONE:
         return None
     # Where a bone is in its parent does not change while somebody moves, but for the hips: it is one body all the time.
     body = _body(tuple((name, *bone.place.tolist()) for name, bone in bones.items() if name != "Hips"))
@@ -144,9 +152,9 @@ def _body(known: tuple[tuple[str, float, float, float], ...]) -> Morphology:
         return bones.get(name, np.array(usual))
 
     def length(name: str) -> float:
-        return max(float(np.linalg.norm(bones[name])), SHORTEST)
+        return max(float(np.linalg.norm(bones[name])), SHORTEST_VMC_BONE)
 
-    spine = [name for name in SPINE if name in bones]
+    spine = [name for name in VMC_SPINE_BONES if name in bones]
     neck = place("Neck", (0.0, 0.0, 0.25))
     sides = "Left", "Right"
     leg = np.array([[length(f"{side}LowerLeg"), length(f"{side}Foot")] for side in sides])
@@ -155,15 +163,15 @@ def _body(known: tuple[tuple[str, float, float, float], ...]) -> Morphology:
     shoulders = [place(f"{side}Shoulder", (0.0, 0.03 * (1 - 2 * k), 0.2)) for k, side in enumerate(sides)]
     outward = np.array([bones[f"{side}UpperArm"] for side in sides])
     clavicle = np.linalg.norm(outward, axis=1)
-    outward[clavicle < SHORTEST] = np.array([[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])[clavicle < SHORTEST]
+    outward[clavicle < SHORTEST_VMC_BONE] = np.array([[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])[clavicle < SHORTEST_VMC_BONE]
     head = bones["Head"]
     foot = np.array([place(f"{side}Toes", (0.16 * size, 0.0, -0.05 * size)) for side in sides])
     return Morphology(
         spine=np.array([*(bones[name] for name in spine), neck]),
-        neck=max(float(np.linalg.norm(head)), SHORTEST),
+        neck=max(float(np.linalg.norm(head)), SHORTEST_VMC_BONE),
         head=0.22 * size,
         collar_base=np.array(shoulders) - neck,
-        clavicle=np.maximum(clavicle, SHORTEST),
+        clavicle=np.maximum(clavicle, SHORTEST_VMC_BONE),
         arm=arm,
         hand=np.stack([[0.0, 0.0, 0.7 * forearm] for forearm in arm[:, 1]]),
         hip_offset=np.array([bones[f"{side}UpperLeg"] for side in sides]),
@@ -173,6 +181,6 @@ def _body(known: tuple[tuple[str, float, float, float], ...]) -> Morphology:
         ankle_height=np.maximum(-foot[:, 2], 0.0) + TOES_ABOVE * size,
         toe_height=np.full(2, TOES_ABOVE * size),
         heel_length=np.full(2, 0.077 * size),
-        neck_rest=head if np.linalg.norm(head) > SHORTEST else np.array([0.0, 0.0, 1.0]),
+        neck_rest=head if np.linalg.norm(head) > SHORTEST_VMC_BONE else np.array([0.0, 0.0, 1.0]),
         clavicle_rest=outward,
     )

@@ -17,12 +17,12 @@ from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section, labelled, press_button
 from studio.panels.reference_figure import ReferenceFigure
 
-UNITS = (
+UNIT_CHOICES = (
     *(("m", "metres"), ("dm", "decimetres"), ("cm", "centimetres"), ("mm", "millimetres")),
     *(("inch", "inches"), ("foot", "feet"), ("cmu", "5.64 cm units")),
 )
 REFERENCES = (("zero", "Zero pose"), ("here", "Frame at the playhead"))
-AXES = tuple((axis, f"{axis} up") for axis in ("X", "Y", "Z", "-X", "-Y", "-Z"))
+UP_AXIS_CHOICES = tuple((axis, f"{axis} up") for axis in ("X", "Y", "Z", "-X", "-Y", "-Z"))
 
 
 class CaptureEditor(Editor):
@@ -61,9 +61,9 @@ class CaptureEditor(Editor):
 
     def _add_options(self) -> None:
         section = Section("Import settings")
-        self._unit = Choice("Unit", UNITS)
+        self._unit = Choice("Unit", UNIT_CHOICES)
         self._unit.chosen.connect(lambda unit: self._ask(unit=unit))
-        self._axis = Choice("Up axis", AXES)
+        self._axis = Choice("Up axis", UP_AXIS_CHOICES)
         self._axis.chosen.connect(lambda axis: self._ask(up_axis=axis))
         self._reference = Choice("Reference pose", REFERENCES)
         self._reference.setPlaceholderText("As guessed")

@@ -17,8 +17,8 @@ from studio.panels.fields import Choice, Section, labelled, press_button
 from studio.panels.growth_row import GrowthRow
 from studio.panels.sliders import ValueSlider
 
-LOW, HIGH = 0.5, 1.6
-CENTIMETRES = 100.0
+LEAST_PROPORTION, MOST_PROPORTION = 0.5, 1.6
+SHOWN_CENTIMETRES = 100.0
 BUILD = Proportions()
 BLENDINGS = ((Blending.LINEAR, "Linear blending"), (Blending.DUAL_QUATERNIONS, "Dual quaternions"))
 PRESETS: dict[str, Proportions] = {
@@ -88,7 +88,7 @@ class BodySection(Section):
 
     def _make_slider(self, name: str) -> ValueSlider:
         words = name.replace("_", " ").capitalize()
-        slider = ValueSlider(words, LOW, HIGH)
+        slider = ValueSlider(words, LEAST_PROPORTION, MOST_PROPORTION)
         slider.begun.connect(self._editor.begin)
         slider.edited.connect(lambda factor: self._set(name, words, factor))
         slider.ended.connect(self._editor.end)
@@ -113,7 +113,7 @@ class BodySection(Section):
         body = held.applied_to(character.build)
         for name, slider in self._sliders.items():
             metres = measure_of(name, body)
-            words = f"{metres:.2f} m" if name == "stature" else f"{metres * CENTIMETRES:.1f} cm"
+            words = f"{metres:.2f} m" if name == "stature" else f"{metres * SHOWN_CENTIMETRES:.1f} cm"
             slider.show_value(getattr(held, name), words)
         self._preset.show_value(held)
         self._growth.refresh()

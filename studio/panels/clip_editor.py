@@ -9,8 +9,8 @@ from PySide6.QtCore import QSignalBlocker
 from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QWidget
 
 from studio.core.errors import StudioError
-from studio.core.mesh.hand_shapes import AT_EASE, FIST, HALF_CLOSED, OPEN
-from studio.core.stage.clip import FASTEST, MOST_REPEATS, SLOWEST, Clip
+from studio.core.mesh.hand_shapes import FIST_GRIP, HALF_CLOSED_GRIP, OPEN_GRIP, RELAXED_GRIP
+from studio.core.stage.clip import FASTEST_CLIP, MOST_REPEATS, SLOWEST_CLIP, Clip
 from studio.core.stage.clip_row import begun_at, ended_at, players_of
 from studio.document import clips
 from studio.document.document import Document
@@ -19,14 +19,14 @@ from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section, labelled, press_button, short
 from studio.panels.layer_section import LayerSection
 
-FAR = 1000.0
-LATE = 100_000.0
-GRIPS = (
+CLIP_OFFSET_LIMIT = 1000.0
+CLIP_TIME_LIMIT = 100_000.0
+GRIP_CHOICES = (
     (None, "As the character has them"),
-    (OPEN, "Open"),
-    (AT_EASE, "At ease"),
-    (HALF_CLOSED, "Half closed"),
-    (FIST, "Fists"),
+    (OPEN_GRIP, "Open"),
+    (RELAXED_GRIP, "At ease"),
+    (HALF_CLOSED_GRIP, "Half closed"),
+    (FIST_GRIP, "Fists"),
 )
 
 
@@ -53,19 +53,21 @@ class ClipEditor(Editor):
             "An edit changes the clip for every body that plays it. A copy of its own is edited separately."
         )
         section.add_wide(self._own)
-        self._start = self._number(NumberField("Start", "s", -LATE, LATE, 0.05, 3), "Move", "in time", start=1.0)
+        self._start = self._number(
+            NumberField("Start", "s", -CLIP_TIME_LIMIT, CLIP_TIME_LIMIT, 0.05, 3), "Move", "in time", start=1.0
+        )
         section.add_row("Start", self._start)
         self._first = self.bind(NumberField("First frame", "", 0, 1e6, 1, 0), self._set_first)
         self._last = self.bind(NumberField("Last frame", "", 0, 1e6, 1, 0), self._set_last)
         section.add_row("Frames", self._first, self._last)
-        speed = NumberField("Speed", "×", SLOWEST, FASTEST, 0.05)
+        speed = NumberField("Speed", "×", SLOWEST_CLIP, FASTEST_CLIP, 0.05)
         self._speed = self._number(speed, "Change speed of", "", speed=1.0)
         section.add_row("Speed", self._speed)
         self._repeats = self.bind(NumberField("Times", "", 1, MOST_REPEATS, 1, 0), self._set_repeats)
         section.add_row("Times", self._repeats)
         self._mirrored = self._box("left and right swapped", lambda on: self._set("Mirror", mirrored=on))
         section.add_row("Mirrored", self._mirrored)
-        self._grip = Choice("Hands", GRIPS)
+        self._grip = Choice("Hands", GRIP_CHOICES)
         self._grip.setToolTip("How the hands of mannequins are held while the clip plays")
         self._grip.chosen.connect(lambda grip: self._set("Hold hands of", grip=grip))
         section.add_row("Hands", self._grip)
@@ -80,7 +82,9 @@ class ClipEditor(Editor):
         self._turn = self._number(turn, "Turn", "", turn=math.radians(1.0))
         section.add_row("Turn", self._turn)
         self._offset = [
-            self.bind(NumberField(f"Offset {axis}", "", -FAR, FAR, 0.01), partial(self._move, k))
+            self.bind(
+                NumberField(f"Offset {axis}", "", -CLIP_OFFSET_LIMIT, CLIP_OFFSET_LIMIT, 0.01), partial(self._move, k)
+            )
             for k, axis in enumerate("XY")
         ]
         for field in self._offset:

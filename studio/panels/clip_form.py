@@ -11,13 +11,13 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QLineEdit, QScrollArea, QVBox
 from studio.document import colours
 from studio.library.clips import SEGMENTS, ClipLabel, Kind, Limb
 from studio.panels.clip_line import ClipLine, ClipMark, with_mark
-from studio.panels.fields import SIDE, Choice, NumberField, Section, labelled, press_button
+from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, labelled, press_button
 from studio.panels.stick_figure import Look, paint_sticks
 
 if TYPE_CHECKING:
     from studio.library.labelling import OpenedClip
 
-FIGURES, CAPTION = 104, 16
+FIGURES_PX, CAPTION_PX = 104, 16
 HINT = "Proposed by the assistant. Drag the marks, choose what it is, and confirm; indexing keeps your label."
 SAID = "Confirmed. Indexing keeps it."
 
@@ -162,7 +162,7 @@ class ClipForm(QScrollArea):
         column.setContentsMargins(0, 8, 0, 8)
         column.setSpacing(8)
         head = QHBoxLayout()
-        head.setContentsMargins(SIDE - 4, 0, SIDE, 0)
+        head.setContentsMargins(FIELD_ICON_PX - 4, 0, FIELD_ICON_PX, 0)
         back = press_button("‹ Strikes", self.left.emit, "link")
         back.setAccessibleName("Back to the strikes that were found")
         head.addWidget(back)
@@ -170,10 +170,10 @@ class ClipForm(QScrollArea):
         head.addWidget(self.undo)
         head.addWidget(self.confirm)
         column.addLayout(head)
-        self.title.setContentsMargins(SIDE, 0, SIDE, 0)
+        self.title.setContentsMargins(FIELD_ICON_PX, 0, FIELD_ICON_PX, 0)
         column.addWidget(self.title)
         drawn = QVBoxLayout()
-        drawn.setContentsMargins(SIDE, 0, SIDE, 0)
+        drawn.setContentsMargins(FIELD_ICON_PX, 0, FIELD_ICON_PX, 0)
         drawn.setSpacing(4)
         drawn.addWidget(self.line)
         drawn.addWidget(self.figures)
@@ -185,7 +185,7 @@ class ClipForm(QScrollArea):
         section.add_row("Tags", self.tags)
         section.add_row("Frames", *self.frames.values())
         column.addWidget(section)
-        self.hint.setContentsMargins(SIDE, 0, SIDE, 0)
+        self.hint.setContentsMargins(FIELD_ICON_PX, 0, FIELD_ICON_PX, 0)
         column.addWidget(self.hint)
         column.addStretch(1)
 
@@ -200,13 +200,13 @@ class Figures(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self.setAccessibleName("Pose at the beginning, at the hit and at the end")
-        self.setFixedHeight(FIGURES + CAPTION)
+        self.setFixedHeight(FIGURES_PX + CAPTION_PX)
         self._opened: OpenedClip | None = None
         self._label: ClipLabel | None = None
         self._stressed: ClipMark | None = None
 
     def sizeHint(self) -> QSize:
-        return QSize(200, FIGURES + CAPTION)
+        return QSize(200, FIGURES_PX + CAPTION_PX)
 
     def show_label(self, opened: "OpenedClip", label: ClipLabel) -> None:
         """Show the poses at the marks of ``label``."""
@@ -230,14 +230,14 @@ class Figures(QWidget):
             look = self._look(opened, label)
             width = self.width() / 3.0
             for column, mark in enumerate(ClipMark):
-                box = QRectF(column * width, 0.0, width, FIGURES)
+                box = QRectF(column * width, 0.0, width, FIGURES_PX)
                 strong = mark is (self._stressed or ClipMark.HIT)
                 colour = colours.TEXT if strong else colours.TEXT_THIRD
                 points = opened.points[getattr(label, mark)]
                 paint_sticks(painter, points, opened.pairs, look, box, colour, 2.0)
                 painter.setPen(QColor(colour))
                 words = f"{(getattr(label, mark) - label.hit) / opened.frame_rate:+.2f} s"
-                caption = QRectF(box.left(), FIGURES, width, CAPTION)
+                caption = QRectF(box.left(), FIGURES_PX, width, CAPTION_PX)
                 painter.drawText(caption, Qt.AlignmentFlag.AlignCenter, "hit" if mark is ClipMark.HIT else words)
 
     @staticmethod

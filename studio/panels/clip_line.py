@@ -12,10 +12,10 @@ from PySide6.QtWidgets import QWidget
 from studio.document import colours
 from studio.library.clips import ClipLabel
 
-HEIGHT, HEAD, FOOT, SIDE = 116, 18, 18, 10
+CLIP_LINE_HEIGHT, CLIP_LINE_HEAD, CLIP_LINE_FOOT, CLIP_LINE_SIDE = 116, 18, 18, 10
 GRAB = 8.0
 """Pixels beside a mark within which it is taken."""
-AROUND = 0.75
+SECONDS_AROUND_CUT = 0.75
 """Seconds that are seen before and after the cut."""
 
 
@@ -37,11 +37,13 @@ class FrameScale:
 
     def x(self, frame: float) -> float:
         """Pixel of a frame."""
-        return SIDE + (frame - self.first) / max(self.last - self.first, 1) * (self.width - 2 * SIDE)
+        return CLIP_LINE_SIDE + (frame - self.first) / max(self.last - self.first, 1) * (
+            self.width - 2 * CLIP_LINE_SIDE
+        )
 
     def frame(self, x: float) -> int:
         """The nearest frame to a pixel, among those that are seen."""
-        share = (x - SIDE) / max(self.width - 2 * SIDE, 1.0)
+        share = (x - CLIP_LINE_SIDE) / max(self.width - 2 * CLIP_LINE_SIDE, 1.0)
         return round(self.first + min(max(share, 0.0), 1.0) * (self.last - self.first))
 
 
@@ -61,7 +63,7 @@ class ClipLine(QWidget):
         self.setToolTip("How fast each hand and foot is. Drag the ends of the cut, and the moment of the hit.")
         self.setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)  # keys are meant for what was dragged last
-        self.setFixedHeight(HEIGHT)
+        self.setFixedHeight(CLIP_LINE_HEIGHT)
         self._speeds: NDArray[np.float64] = np.zeros((4, 2))
         self._rate = 30.0
         self._label: ClipLabel | None = None
@@ -71,7 +73,7 @@ class ClipLine(QWidget):
         self._under: ClipMark | None = None
 
     def sizeHint(self) -> QSize:
-        return QSize(200, HEIGHT)
+        return QSize(200, CLIP_LINE_HEIGHT)
 
     def open(self, speeds: NDArray[np.float64], rate: float, proposed: ClipLabel) -> None:
         """Show another take, (4, F) speeds; what it was labelled until now stays to be seen."""
@@ -88,12 +90,22 @@ class ClipLine(QWidget):
     def place_of(self, mark: ClipMark) -> QPointF:
         """Where a mark can be taken."""
         frame = 0 if self._label is None else getattr(self._label, mark)
-        return QPointF(self._seen.x(frame), HEIGHT - FOOT - 6.0 if mark is ClipMark.HIT else HEAD + 6.0)
+        return QPointF(
+            self._seen.x(frame),
+            CLIP_LINE_HEIGHT - CLIP_LINE_FOOT - 6.0 if mark is ClipMark.HIT else CLIP_LINE_HEAD + 6.0,
+        )
 
     def caption(self, mark: ClipMark, width: float) -> QRectF:
         """Where words of so many pixels stand at a mark: in its middle, and whole within the line at both ends."""
         left = min(max(self.place_of(mark).x() - 0.5 * width, 0.0), self.width() - width)
-        return QRectF(left, *((HEIGHT - FOOT, width, FOOT) if mark is ClipMark.HIT else (0.0, width, HEAD)))
+        return QRectF(
+            left,
+            *(
+                (CLIP_LINE_HEIGHT - CLIP_LINE_FOOT, width, CLIP_LINE_FOOT)
+                if mark is ClipMark.HIT
+                else (0.0, width, CLIP_LINE_HEAD)
+            ),
+        )
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Take the mark under the mouse."""
@@ -147,7 +159,7 @@ class ClipLine(QWidget):
 
     def _look(self) -> None:
         if self._label is not None:
-            beside, end = round(AROUND * self._rate), self._speeds.shape[1] - 1
+            beside, end = round(SECONDS_AROUND_CUT * self._rate), self._speeds.shape[1] - 1
             first, last = max(self._label.first - beside, 0), min(self._label.last + beside, end)
             self._seen = FrameScale(first, last, float(self.width()))
 
@@ -160,7 +172,7 @@ class ClipLine(QWidget):
             font = painter.font()
             font.setPixelSize(11)
             painter.setFont(font)
-            field = QRectF(0.0, HEAD, self.width(), HEIGHT - HEAD - FOOT)
+            field = QRectF(0.0, CLIP_LINE_HEAD, self.width(), CLIP_LINE_HEIGHT - CLIP_LINE_HEAD - CLIP_LINE_FOOT)
             painter.setPen(Qt.PenStyle.NoPen)
             painter.setBrush(QColor(colours.WELL))
             painter.drawRoundedRect(field, 5.0, 5.0)

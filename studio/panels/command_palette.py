@@ -21,11 +21,11 @@ from PySide6.QtWidgets import (
 from studio.document import colours
 from studio.panels.fields import labelled
 
-WIDTH, MOST_ROWS, ROW = 480, 12, 28
+PALETTE_WIDTH, MOST_PALETTE_ROWS, PALETTE_ROW_PX = 480, 12, 28
 SCROLL_BAR = 12
 ACTION = Qt.ItemDataRole.UserRole
-STEPS = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
-KEYS = {*STEPS, Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Escape}
+ROW_STEPS = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
+PALETTE_KEYS = {*ROW_STEPS, Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Escape}
 """Those that the palette hears itself; the others are typed."""
 
 
@@ -102,7 +102,7 @@ class CommandPalette(QFrame):
         """Show it, ready to type."""
         self.field.clear()
         self._find("")
-        self.move((self._window.width() - WIDTH) // 2, 52)
+        self.move((self._window.width() - PALETTE_WIDTH) // 2, 52)
         self.show()
         self.raise_()
         self.field.setFocus()
@@ -122,14 +122,14 @@ class CommandPalette(QFrame):
             self.hide()
         if not isinstance(event, QKeyEvent):
             return False
-        if event.type() == QEvent.Type.ShortcutOverride and event.key() in KEYS:
+        if event.type() == QEvent.Type.ShortcutOverride and event.key() in PALETTE_KEYS:
             event.accept()  # arrows are shortcuts of the timeline everywhere else
             return True
         return event.type() == QEvent.Type.KeyPress and self._key(event.key())
 
     def _key(self, key: int) -> bool:
-        if key in STEPS:
-            self._walk(STEPS[Qt.Key(key)])
+        if key in ROW_STEPS:
+            self._walk(ROW_STEPS[Qt.Key(key)])
         elif key in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
             self._run(self.list.currentItem())
         elif key == Qt.Key.Key_Escape:
@@ -159,8 +159,8 @@ class CommandPalette(QFrame):
             item.setDisabled(not action.isEnabled())
             self.list.addTopLevelItem(item)
         self._go_to(0)
-        rows = min(max(self.list.topLevelItemCount(), 1), MOST_ROWS)
-        self.resize(WIDTH, 48 + rows * ROW)
+        rows = min(max(self.list.topLevelItemCount(), 1), MOST_PALETTE_ROWS)
+        self.resize(PALETTE_WIDTH, 48 + rows * PALETTE_ROW_PX)
 
     def _leave(self) -> None:
         self.hide()

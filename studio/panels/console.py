@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QHBoxLayout, QPlainTextEdit, QPushButton, QVBoxLay
 
 from studio.document.document import Document
 from studio.panels.console_session import ConsoleSession
-from studio.panels.fields import SIDE
+from studio.panels.fields import FIELD_ICON_PX
 
 WELCOME = "scene is the open project, api is studio.api (docs/scripts.md). Every edit is an undo step.\n"
 MOST_LINES = 5000
@@ -102,7 +102,7 @@ class Console(QWidget):
         row.addWidget(self.entry, 1)
         row.addWidget(self.stop_button, 0, Qt.AlignmentFlag.AlignBottom)
         column = QVBoxLayout(self)
-        column.setContentsMargins(SIDE, 8, SIDE, 8)
+        column.setContentsMargins(FIELD_ICON_PX, 8, FIELD_ICON_PX, 8)
         column.addWidget(self.shown, 1)
         column.addLayout(row)
         self.setFocusProxy(self.entry)

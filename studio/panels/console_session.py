@@ -15,7 +15,7 @@ from PySide6.QtCore import QObject, Qt, Signal
 from studio.core.errors import StudioError
 from studio.document.document import Document
 
-FILE = "<console>"
+CONSOLE_FILE = "<console>"
 _WAIT = 0.1
 """Seconds after which a statement that waits for the window looks whether it is still open."""
 
@@ -121,7 +121,7 @@ class ConsoleSession(QObject):
     def is_whole(self, source: str) -> bool:
         """Whether ``source`` can be run as it stands: nothing is open in it, or it is wrong anyway."""
         try:
-            return codeop.compile_command(source, FILE, "exec") is not None
+            return codeop.compile_command(source, CONSOLE_FILE, "exec") is not None
         except (SyntaxError, ValueError, OverflowError):
             return True
 
@@ -159,7 +159,7 @@ class ConsoleSession(QObject):
             output.write(f"{error}\n")
         except BaseException as error:  # noqa: BLE001 - a statement may raise anything; the user reads it
             frames = error.__traceback__
-            while frames is not None and frames.tb_frame.f_code.co_filename != FILE:
+            while frames is not None and frames.tb_frame.f_code.co_filename != CONSOLE_FILE:
                 frames = frames.tb_next
             output.write("".join(traceback.format_exception(type(error), error, frames)))
         finally:
@@ -172,11 +172,11 @@ class ConsoleSession(QObject):
         """Run all statements; the value of a last expression is written and kept as ``_``."""
         if not self.namespace:
             self.namespace.update(self._beginning())
-        tree = ast.parse(source, FILE)
+        tree = ast.parse(source, CONSOLE_FILE)
         last = tree.body.pop() if tree.body and isinstance(tree.body[-1], ast.Expr) else None
-        exec(compile(tree, FILE, "exec"), self.namespace)
+        exec(compile(tree, CONSOLE_FILE, "exec"), self.namespace)
         if isinstance(last, ast.Expr):
-            value = eval(compile(ast.Expression(last.value), FILE, "eval"), self.namespace)
+            value = eval(compile(ast.Expression(last.value), CONSOLE_FILE, "eval"), self.namespace)
             if value is not None:
                 self.namespace["_"] = value
                 print(repr(value))

@@ -14,7 +14,7 @@ from studio.engine.live import Live
 from studio.panels.fields import NumberField, labelled
 from studio.panels.shared_edits import different_fields, with_edit
 
-SHARED = ("constraints", "contacts", "clips", "performers", "props")
+EDITED_TOGETHER = ("constraints", "contacts", "clips", "performers", "props")
 """Collections of which all that are selected are edited together."""
 
 
@@ -45,8 +45,8 @@ class Editor(QWidget):
     def tell_together(self) -> None:
         """Show how many entities an edit changes, and in what they differ."""
         ids = self.together
-        self._together.setVisible(len(ids) > 1 and self.collection in SHARED)
-        if len(ids) > 1 and self.collection in SHARED:
+        self._together.setVisible(len(ids) > 1 and self.collection in EDITED_TOGETHER)
+        if len(ids) > 1 and self.collection in EDITED_TOGETHER:
             entities = [self.document.shown_project.get(self.collection, key) for key in ids]
             mixed = ", ".join(different_fields(entities))
             self._together.setText(
@@ -76,7 +76,7 @@ class Editor(QWidget):
 
     def put(self, make: Callable[[], Any], text: str) -> None:
         """As ``change``, for a new entity that is made in another way."""
-        others = [key for key in self.together if key != self.entity_id] if self.collection in SHARED else []
+        others = [key for key in self.together if key != self.entity_id] if self.collection in EDITED_TOGETHER else []
         before = self.entity
         with self._objections_told(), self.document.group(text, self._gesture):
             after = make()

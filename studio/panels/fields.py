@@ -18,9 +18,9 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-LABEL_WIDTH, LONGEST_NAME = 84, 110
+FIELD_LABEL_WIDTH, LONGEST_NAME = 84, 110
 ROW_HEIGHT = 26
-SIDE = 12
+FIELD_ICON_PX = 12
 SCRUB_START = 3
 
 
@@ -78,7 +78,7 @@ class Section(QWidget):
     def __init__(self, title: str) -> None:
         super().__init__()
         column = QVBoxLayout(self)
-        column.setContentsMargins(SIDE, 12, SIDE, 0)
+        column.setContentsMargins(FIELD_ICON_PX, 12, FIELD_ICON_PX, 0)
         column.setSpacing(4)
         self.head = QHBoxLayout()
         self.head.addWidget(labelled(title, "head"))
@@ -87,7 +87,7 @@ class Section(QWidget):
         self._grid = QGridLayout()
         self._grid.setHorizontalSpacing(8)
         self._grid.setVerticalSpacing(4)
-        self._grid.setColumnMinimumWidth(0, LABEL_WIDTH)
+        self._grid.setColumnMinimumWidth(0, FIELD_LABEL_WIDTH)
         self._grid.setColumnStretch(1, 1)
         column.addLayout(self._grid)
 

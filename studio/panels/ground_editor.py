@@ -11,7 +11,7 @@ from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section, labelled
 from studio.panels.sliders import ValueSlider
 
-KINDS: tuple[tuple[type[Ground], str], ...] = (
+GROUND_CHOICES: tuple[tuple[type[Ground], str], ...] = (
     (Ground, "Flat"),
     (Slope, "Slope"),
     (Steps, "Steps"),
@@ -41,15 +41,18 @@ class GroundSlider:
         return f"{value * self.scale:.{self.decimals}f}{self.unit}"
 
 
-DEGREES = math.degrees(1.0)
-TURN = GroundSlider("direction", "Direction", -math.pi, math.pi, "°", DEGREES, 0)
+SHOWN_DEGREES = math.degrees(1.0)
+DIRECTION_SLIDER = GroundSlider("direction", "Direction", -math.pi, math.pi, "°", SHOWN_DEGREES, 0)
 MEASURES: dict[type[Ground], tuple[GroundSlider, ...]] = {
-    Slope: (GroundSlider("angle", "Angle", -math.radians(30.0), math.radians(30.0), "°", DEGREES, 1), TURN),
+    Slope: (
+        GroundSlider("angle", "Angle", -math.radians(30.0), math.radians(30.0), "°", SHOWN_DEGREES, 1),
+        DIRECTION_SLIDER,
+    ),
     Steps: (
         GroundSlider("rise", "Rise", -0.30, 0.30, " cm", 100.0, 1),
         GroundSlider("tread", "Tread", 0.20, 0.60, " cm", 100.0, 1),
         GroundSlider("count", "Steps", 1, 40, "", decimals=0, whole=True),
-        TURN,
+        DIRECTION_SLIDER,
     ),
     Bumps: (
         GroundSlider("amplitude", "Amplitude", 0.0, 0.30, " cm", 100.0, 1),
@@ -57,7 +60,7 @@ MEASURES: dict[type[Ground], tuple[GroundSlider, ...]] = {
         GroundSlider("seed", "Pattern", 0, 50, "", decimals=0, whole=True),
     ),
 }
-PLACES: dict[type[Ground], tuple[str, str]] = {
+GROUND_PLACES: dict[type[Ground], tuple[str, str]] = {
     Slope: ("foot", "Foot at"),
     Steps: ("start", "First step at"),
     HeightMap: ("origin", "Corner at"),
@@ -70,7 +73,7 @@ class GroundEditor(Editor):
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Ground")
-        self._kind = Choice("Kind of ground", [(kind, words) for kind, words in KINDS if kind in MADE_HERE])
+        self._kind = Choice("Kind of ground", [(kind, words) for kind, words in GROUND_CHOICES if kind in MADE_HERE])
         self._kind.chosen.connect(self._choose)
         section.add_row("Kind", self._kind)
         self._height = self.bind(
@@ -90,7 +93,7 @@ class GroundEditor(Editor):
     def refresh(self) -> None:
         """Fetch kind, height and measures."""
         ground = self.entity
-        kind, words = next(pair for pair in KINDS if pair[0] is type(ground))
+        kind, words = next(pair for pair in GROUND_CHOICES if pair[0] is type(ground))
         if not self._kind.offers(kind):
             self._kind.add(kind, words)
         self._kind.show_value(kind)
@@ -104,7 +107,7 @@ class GroundEditor(Editor):
         """Another kind of ground; what both kinds have in common stays."""
         if kind is type(self.entity):
             return
-        words = dict(KINDS)[kind].lower()
+        words = dict(GROUND_CHOICES)[kind].lower()
         names = {field.name for field in fields(kind)} & {field.name for field in fields(self.entity)}
         kept = {name: getattr(self.entity, name) for name in names}
         if kind in MADE_HERE:
@@ -116,14 +119,14 @@ class _KindSection(Section):
     """Sliders and place of one kind of ground."""
 
     def __init__(self, editor: GroundEditor, kind: type[Ground]) -> None:
-        self._words = dict(KINDS)[kind]
+        self._words = dict(GROUND_CHOICES)[kind]
         super().__init__(self._words)
         self._editor = editor
         self._sliders = {measure: self._make_slider(measure, kind) for measure in MEASURES.get(kind, ())}
         self._place = ""
         self._fields: list[NumberField] = []
-        if kind in PLACES:
-            self._place, words = PLACES[kind]
+        if kind in GROUND_PLACES:
+            self._place, words = GROUND_PLACES[kind]
             self._fields = [self._make_field(words, axis) for axis in range(2)]
             self.add_row(words, *self._fields)
 

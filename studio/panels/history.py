@@ -4,7 +4,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QUndoStack
 from PySide6.QtWidgets import QUndoView, QVBoxLayout, QWidget
 
-from studio.panels.fields import SIDE, labelled
+from studio.panels.fields import FIELD_ICON_PX, labelled
 
 
 class History(QWidget):
@@ -19,7 +19,7 @@ class History(QWidget):
         column.setSpacing(4)
         self.head = labelled("History", "head")
         """Its name, while no title bar says it."""
-        self.head.setContentsMargins(SIDE, 0, SIDE, 0)
+        self.head.setContentsMargins(FIELD_ICON_PX, 0, FIELD_ICON_PX, 0)
         column.addWidget(self.head)
         self.view = QUndoView(undo_stack)
         self.view.setEmptyLabel("As opened")

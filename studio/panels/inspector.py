@@ -22,7 +22,7 @@ from studio.panels.performer_editor import PerformerEditor
 from studio.panels.prop_editor import PropEditor
 from studio.panels.stage_editor import StageEditor
 
-EDITORS: dict[str, Callable[[Document, Live, str, str], Editor]] = {
+ENTITY_EDITORS: dict[str, Callable[[Document, Live, str, str], Editor]] = {
     "captures": CaptureEditor,
     "characters": CharacterEditor,
     "clips": ClipEditor,
@@ -104,7 +104,7 @@ class Inspector(QScrollArea):
         if collection == "constraints":
             kind = self.document.project.constraints[entity_id].kind
             return editor_of_kind(kind)(self.document, self.live, collection, entity_id)
-        return EDITORS.get(collection, PlainEditor)(self.document, self.live, collection, entity_id)
+        return ENTITY_EDITORS.get(collection, PlainEditor)(self.document, self.live, collection, entity_id)
 
     def _entity_changed(self, collection: str, entity_id: str) -> None:
         editor = self.editor

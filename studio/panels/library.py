@@ -23,11 +23,9 @@ from PySide6.QtWidgets import QAbstractItemView, QListView, QVBoxLayout, QWidget
 from studio.core.project import Performer
 from studio.document.document import Document
 from studio.document.dragging import CAPTURE, carried_capture
-from studio.panels.library_delegate import EYE_WIDTH, LibraryDelegate
+from studio.panels.library_delegate import EYE_WIDTH, LIBRARY_ROW_ROLE, LibraryDelegate
 from studio.panels.library_rows import LibraryRow, rows_of
 
-ROW_ROLE = Qt.ItemDataRole.UserRole
-ROW_HEIGHT = 26
 EYE_HINT = "Click the eye to show or hide it, with all that are selected. Alt and click shows it alone."
 Index = QModelIndex | QPersistentModelIndex
 
@@ -63,7 +61,7 @@ class LibraryModel(QAbstractListModel):
             case Qt.ItemDataRole.ToolTipRole if row.item is not None:
                 eye = "" if row.shown is None else f"\n{EYE_HINT}"
                 return f"{row.text}  {row.detail}{eye}"
-        return row if role == ROW_ROLE else None
+        return row if role == LIBRARY_ROW_ROLE else None
 
     def flags(self, index: Index) -> Qt.ItemFlag:
         item = self.rows[index.row()].item if index.isValid() else None
@@ -104,7 +102,7 @@ class LibraryView(QListView):
     def keyPressEvent(self, event: QKeyEvent) -> None:
         index = self.currentIndex()
         if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter) and index.isValid():
-            self.opened.emit(index.data(ROW_ROLE))
+            self.opened.emit(index.data(LIBRARY_ROW_ROLE))
         else:
             super().keyPressEvent(event)
 
@@ -118,7 +116,7 @@ class LibraryView(QListView):
 
     def _row_at(self, event: QMouseEvent) -> LibraryRow | None:
         index = self.indexAt(event.position().toPoint())
-        row: LibraryRow | None = index.data(ROW_ROLE) if index.isValid() else None
+        row: LibraryRow | None = index.data(LIBRARY_ROW_ROLE) if index.isValid() else None
         return row
 
     def _eye(self, event: QMouseEvent) -> QRect:
@@ -202,7 +200,7 @@ class LibraryPanel(QWidget):
         self.view.viewport().update()
 
     def _select(self) -> None:
-        rows = [index.data(ROW_ROLE) for index in self.view.selectionModel().selectedIndexes()]
+        rows = [index.data(LIBRARY_ROW_ROLE) for index in self.view.selectionModel().selectedIndexes()]
         self.document.selection.set(*(row.item for row in rows if row.item is not None))
 
     def _toggle(self, row: LibraryRow) -> None:

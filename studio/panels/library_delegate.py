@@ -10,10 +10,10 @@ from studio.document import colours
 from studio.panels.library_rows import LibraryRow
 from studio.resources_folder import resources_folder
 
-ROW_ROLE = Qt.ItemDataRole.UserRole
-ROW_HEIGHT = 26
+LIBRARY_ROW_ROLE = Qt.ItemDataRole.UserRole
+LIBRARY_ROW_HEIGHT = 26
 HEAD_HEIGHT = 36
-SIDE = 12
+LIBRARY_MARK_PX = 12
 MARK = 8
 EYE = 16
 EYE_WIDTH = 32
@@ -33,19 +33,19 @@ class LibraryDelegate(QStyledItemDelegate):
         self._closed_eye = _icon(icons / "eye_closed.svg")
 
     def sizeHint(self, option: QStyleOptionViewItem, index: QModelIndex | QPersistentModelIndex) -> QSize:
-        row: LibraryRow = index.data(ROW_ROLE)
+        row: LibraryRow = index.data(LIBRARY_ROW_ROLE)
         if row.hint:
-            width = self._view.viewport().width() - 2 * SIDE
+            width = self._view.viewport().width() - 2 * LIBRARY_MARK_PX
             room = QFontMetrics(_sized(option.font, HINT_PIXELS)).boundingRect(
                 QRect(0, 0, max(width, 1), 0), Qt.TextFlag.TextWordWrap, row.text
             )
-            return QSize(0, max(room.height() + 8, ROW_HEIGHT))
-        return QSize(0, ROW_HEIGHT if row.item is not None else HEAD_HEIGHT)
+            return QSize(0, max(room.height() + 8, LIBRARY_ROW_HEIGHT))
+        return QSize(0, LIBRARY_ROW_HEIGHT if row.item is not None else HEAD_HEIGHT)
 
     def paint(
         self, painter: QPainter, option: QStyleOptionViewItem, index: QModelIndex | QPersistentModelIndex
     ) -> None:
-        row: LibraryRow = index.data(ROW_ROLE)
+        row: LibraryRow = index.data(LIBRARY_ROW_ROLE)
         painter.save()
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         if row.item is None:
@@ -57,7 +57,7 @@ class LibraryDelegate(QStyledItemDelegate):
 
     def _paint_head(self, painter: QPainter, rect: QRect, font: QFont, row: LibraryRow) -> None:
         painter.setPen(QColor(colours.TEXT_THIRD))
-        place = rect.adjusted(SIDE, 0, -SIDE, 0)
+        place = rect.adjusted(LIBRARY_MARK_PX, 0, -LIBRARY_MARK_PX, 0)
         if row.hint:
             painter.setFont(_sized(font, HINT_PIXELS))
             flags = Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft | Qt.TextFlag.TextWordWrap
@@ -78,11 +78,11 @@ class LibraryDelegate(QStyledItemDelegate):
             painter.fillRect(option.rect, QColor(colours.BAR))
         if option.state & state.State_HasFocus:
             painter.fillRect(
-                QRect(option.rect.left(), option.rect.top(), 2, ROW_HEIGHT), QColor(colours.KINDS["position"])
+                QRect(option.rect.left(), option.rect.top(), 2, LIBRARY_ROW_HEIGHT), QColor(colours.KINDS["position"])
             )
 
     def _paint_row(self, painter: QPainter, rect: QRect, font: QFont, row: LibraryRow) -> None:
-        left, right = rect.left() + SIDE, rect.right() - SIDE
+        left, right = rect.left() + LIBRARY_MARK_PX, rect.right() - LIBRARY_MARK_PX
         hidden = row.shown is False
         if row.colour is not None:
             left += self._paint_mark(painter, left, rect.center().y(), row, hidden)

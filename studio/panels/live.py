@@ -19,13 +19,13 @@ from PySide6.QtWidgets import (
 )
 
 from studio.document import colours
-from studio.panels.fields import SIDE, Choice, NumberField, Section, labelled, press_button
+from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, labelled, press_button
 
 OWN_CLIPS, NO_INPUT, NO_PROP = "Its own clips", "Nothing", "No prop yet"
 NO_INPUTS = "Not listening. Choose a port and press Listen, or replay a recording."
 LIST_HEIGHT = 98
-MIDDLE = Qt.AlignmentFlag.AlignVCenter
-KEY, SENDER = Qt.ItemDataRole.UserRole, Qt.ItemDataRole.UserRole + 1
+CENTRED = Qt.AlignmentFlag.AlignVCenter
+KEY_ROLE, SENDER_ROLE = Qt.ItemDataRole.UserRole, Qt.ItemDataRole.UserRole + 1
 
 
 @dataclass(frozen=True)
@@ -98,12 +98,12 @@ class LivePanel(QScrollArea):
             for place, row in enumerate(rows):
                 top = self.inputs.topLevelItem(place) or QTreeWidgetItem(self.inputs)
                 _fill(top, row.words, row.rate, None)
-                top.setData(0, KEY, row.key)
+                top.setData(0, KEY_ROLE, row.key)
                 for number, sender in enumerate(row.senders):
                     item = top.child(number) or QTreeWidgetItem(top)
                     _fill(item, sender.address, sender.rate, sender.age)
-                    item.setData(0, KEY, row.key)
-                    item.setData(0, SENDER, sender.address)
+                    item.setData(0, KEY_ROLE, row.key)
+                    item.setData(0, SENDER_ROLE, sender.address)
                     item.setCheckState(0, Qt.CheckState.Checked if sender.on else Qt.CheckState.Unchecked)
                 for number in range(top.childCount() - 1, len(row.senders) - 1, -1):
                     top.takeChild(number)
@@ -153,7 +153,7 @@ class LivePanel(QScrollArea):
         made.setUniformRowHeights(True)
         made.header().setStretchLastSection(False)
         for column in (1, 2):
-            made.headerItem().setTextAlignment(column, MIDDLE | Qt.AlignmentFlag.AlignRight)
+            made.headerItem().setTextAlignment(column, CENTRED | Qt.AlignmentFlag.AlignRight)
         for column, mode in enumerate((QHeaderView.ResizeMode.Stretch, *2 * [QHeaderView.ResizeMode.ResizeToContents])):
             made.header().setSectionResizeMode(column, mode)
         return made
@@ -170,7 +170,7 @@ class LivePanel(QScrollArea):
         coming.add_wide(self.inputs)
         column.addWidget(coming)
         buttons = QHBoxLayout()
-        buttons.setContentsMargins(SIDE, 0, SIDE, 0)
+        buttons.setContentsMargins(FIELD_ICON_PX, 0, FIELD_ICON_PX, 0)
         for button in (
             press_button("Replay…", self.replay_wanted.emit),
             self.record,
@@ -179,7 +179,7 @@ class LivePanel(QScrollArea):
             buttons.addWidget(button, 1)
         column.addLayout(buttons)
         for hint in (self.told, self.out_told):
-            hint.setContentsMargins(SIDE, 0, SIDE, 0)
+            hint.setContentsMargins(FIELD_ICON_PX, 0, FIELD_ICON_PX, 0)
         column.addWidget(self.told)
         drives = Section("Mapping")
         drives.add_row("Body", self.performer)
@@ -215,13 +215,13 @@ class LivePanel(QScrollArea):
     def _close(self) -> None:
         item = self.inputs.currentItem() or self.inputs.topLevelItem(0)
         if item is not None:
-            self.close_wanted.emit(item.data(0, KEY))
+            self.close_wanted.emit(item.data(0, KEY_ROLE))
 
     def _changed(self, item: QTreeWidgetItem, column: int) -> None:
-        sender = item.data(0, SENDER)
+        sender = item.data(0, SENDER_ROLE)
         if column == 0 and sender is not None:
             on = item.checkState(0) == Qt.CheckState.Checked
-            self.sender_switched.emit(item.data(0, KEY), sender, on)
+            self.sender_switched.emit(item.data(0, KEY_ROLE), sender, on)
 
     def _track(self) -> None:
         self.head_tracked.emit(str(self.head.value or ""), self.names.text(), str(self.prop.value or ""))
@@ -238,7 +238,7 @@ def _fill(item: QTreeWidgetItem, name: str, rate: float, age: float | None) -> N
         if item.text(column) != words:
             item.setText(column, words)
             side = Qt.AlignmentFlag.AlignRight if column else Qt.AlignmentFlag.AlignLeft
-            item.setTextAlignment(column, MIDDLE | side)
+            item.setTextAlignment(column, CENTRED | side)
     quiet = colours.TEXT_SECOND if item.parent() is not None else colours.TEXT
     item.setForeground(0, QColor(quiet))
     item.setToolTip(0, name)

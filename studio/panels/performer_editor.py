@@ -12,7 +12,7 @@ from studio.panels.character_editor import BodySection
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section, labelled
 
-FAR = 1000.0
+PLACEMENT_LIMIT = 1000.0
 
 
 class PerformerEditor(Editor):
@@ -33,7 +33,8 @@ class PerformerEditor(Editor):
         self._plays: QLabel = labelled("", "value")
         section.add_row("Plays", self._plays)
         self._x, self._y = (
-            self.bind(NumberField(f"Place {axis}", "", -FAR, FAR, 0.01), self._mover(k)) for k, axis in enumerate("XY")
+            self.bind(NumberField(f"Place {axis}", "", -PLACEMENT_LIMIT, PLACEMENT_LIMIT, 0.01), self._mover(k))
+            for k, axis in enumerate("XY")
         )
         section.add_row("Place  m", self._x, self._y)
         self._heading = self.bind(NumberField("Heading", "°", -360.0, 360.0, 1.0, 1), self._turn)

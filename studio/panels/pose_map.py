@@ -14,9 +14,9 @@ from studio.panels.stick_figure import Look, paint_sticks
 
 FloatArray = NDArray[np.float64]
 
-CELL, CAPTION, MARGIN = 92.0, 16.0, 8.0
+FIGURE_CELL_PX, FIGURE_CAPTION_PX, FIGURE_MARGIN_PX = 92.0, 16.0, 8.0
 """Least pixels of a figure's place across, of the words under it, and round all of them."""
-EMPTY = "The motion library has no clips yet. Add a folder of captures in the Strikes panel."
+NO_CLIPS_HINT = "The motion library has no clips yet. Add a folder of captures in the Strikes panel."
 FACING = (1.0, 0.35)
 """How figures are turned: to the right, a little towards the eye."""
 
@@ -113,8 +113,8 @@ class PoseMapView(QWidget):
         if not count:
             self._cells = []
             return
-        room = QRectF(self.rect()).adjusted(MARGIN, MARGIN, -MARGIN, -MARGIN)
-        columns = min(max(int(room.width() // CELL), 1), count)
+        room = QRectF(self.rect()).adjusted(FIGURE_MARGIN_PX, FIGURE_MARGIN_PX, -FIGURE_MARGIN_PX, -FIGURE_MARGIN_PX)
+        columns = min(max(int(room.width() // FIGURE_CELL_PX), 1), count)
         rows = -(-count // columns)
         columns = -(-count // rows)
         width, height = room.width() / columns, room.height() / rows
@@ -137,7 +137,7 @@ class PoseMapView(QWidget):
         painter.setFont(font)
         if not self._groups:
             painter.setPen(QColor(colours.TEXT_THIRD))
-            painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, EMPTY)
+            painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, NO_CLIPS_HINT)
         looked = self._under if self._under >= 0 else self._clicked
         if looked >= 0:
             painter.setPen(Qt.PenStyle.NoPen)
@@ -163,12 +163,12 @@ class PoseMapView(QWidget):
     ) -> None:
         x, y = group.forward.tolist()
         turned = (FACING[0] * x - FACING[1] * y, FACING[1] * x + FACING[0] * y)
-        figure = cell.adjusted(0.0, 0.0, 0.0, -CAPTION)
+        figure = cell.adjusted(0.0, 0.0, 0.0, -FIGURE_CAPTION_PX)
         colour = colours.TEXT if looked or near else colours.TEXT_SECOND
         paint_sticks(painter, group.points, self._sticks, Look(turned, tallest), figure, colours.PANEL, 5.0)
         for side, hue in ((-1, colour), (1, colours.RIGHT), (0, colours.LEFT)):
             sticks = self._sticks[self._sides == side]
             paint_sticks(painter, group.points, sticks, Look(turned, tallest), figure, hue, 2.0)
         painter.setPen(QColor(colours.TEXT if looked else colours.TEXT_THIRD))
-        words = QRectF(cell.left(), cell.bottom() - CAPTION, cell.width(), CAPTION)
+        words = QRectF(cell.left(), cell.bottom() - FIGURE_CAPTION_PX, cell.width(), FIGURE_CAPTION_PX)
         painter.drawText(words, Qt.AlignmentFlag.AlignCenter, group.words)

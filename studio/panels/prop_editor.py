@@ -17,7 +17,7 @@ from studio.document.document import Document
 from studio.document.obstacles import obstacles_of, set_obstacle
 from studio.engine.live import Live
 from studio.engine.performance import posed_performers
-from studio.engine.point_names import POINTS, point_words
+from studio.engine.point_names import POINT_NAMES, point_words
 from studio.engine.props import PropPose, between_hands, in_hand, moved_prop, prop_at, turned_prop, unheld
 from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled
 from studio.panels.constraint_editors.vector_row import VectorRow
@@ -25,11 +25,11 @@ from studio.panels.editor import Editor
 from studio.panels.fields import Choice, Section, labelled, press_button
 from studio.panels.rotation_row import RotationRow
 
-LEAST = 0.001
-STAYS, KEYED = "stays", "keyed"
-WHERE = (
-    (STAYS, "Stays where it is"),
-    (KEYED, "Keyed over time"),
+LEAST_PROP_SIZE = 0.001
+STAYING, KEYED_PLACE = "stays", "keyed"
+PLACE_CHOICES = (
+    (STAYING, "Stays where it is"),
+    (KEYED_PLACE, "Keyed over time"),
     *RULES,
     (InHand.kind, "In a hand, or on a body"),
     (Carried.kind, "Carried in both hands"),
@@ -50,14 +50,14 @@ class PropEditor(Editor):
         self._shape.chosen.connect(lambda shape: self.change(f"Shape of {self.entity.name}", shape=shape))
         section.add_row("Shape", self._shape)
         self._size = VectorRow(self, section, "Size", self._resize)
-        self._size.set_least(LEAST)
-        self._where = Choice("Where", WHERE)
+        self._size.set_least(LEAST_PROP_SIZE)
+        self._where = Choice("Where", PLACE_CHOICES)
         self._where.chosen.connect(self._place)
         section.add_row("Where", self._where)
         self._holder = Choice("By whom", ())
         self._holder.chosen.connect(self._give)
         self._holder_row = section.add_row("By whom", self._holder)
-        self._point = Choice("Point", [(point, name.capitalize()) for point, name in POINTS.items()])
+        self._point = Choice("Point", [(point, name.capitalize()) for point, name in POINT_NAMES.items()])
         self._point.chosen.connect(self._fix)
         self._point_row = section.add_row("Point", self._point)
         self._held, self._always = labelled("", "value"), press_button("always", self._hold_always)
@@ -95,7 +95,7 @@ class PropEditor(Editor):
         self._holder.offer([(key, each.name) for key, each in self.document.project.performers.items()])
         self._rule.refresh()
         self._collides.setChecked(bool(obstacles_of(self.document.project, self.entity_id)))
-        self._show(where_of(prop) == KEYED, self._keys_row, *self._keys)
+        self._show(where_of(prop) == KEYED_PLACE, self._keys_row, *self._keys)
         self._refresh_moment()
 
     def concerns(self, collection: str, entity_id: str) -> bool:
@@ -141,7 +141,7 @@ class PropEditor(Editor):
         self._rotation.show_rotation(from_matrix(pose.axes))
 
     def _playhead_moved(self, _: float) -> None:
-        if self.entity is not None and where_of(self.entity) != STAYS:
+        if self.entity is not None and where_of(self.entity) != STAYING:
             self._refresh_moment()
 
     def _show(self, shown: bool, *widgets: QWidget) -> None:
@@ -167,8 +167,8 @@ class PropEditor(Editor):
         self._put_made("Turn", lambda: turned_prop(pose, to_matrix(np.array(rotation)) @ pose.axes.T))
 
     def _place(self, where: str) -> None:
-        if where in (STAYS, KEYED):
-            self._put_made("Let go of", lambda: unheld(self.pose, keyed=where == KEYED))
+        if where in (STAYING, KEYED_PLACE):
+            self._put_made("Let go of", lambda: unheld(self.pose, keyed=where == KEYED_PLACE))
         elif where in dict(RULES):
             x, y, z = self.pose.place.tolist()
             self._put_made(
@@ -233,9 +233,9 @@ def _span_words(hold: Hold) -> str:
 
 
 def where_of(prop: Prop) -> str:
-    """Which of ``WHERE`` it is."""
+    """Which of ``PLACE_CHOICES`` it is."""
     if prop.held is not None:
         return prop.held.kind
     if isinstance(prop.position, ProceduralPlace):
         return prop.position.kind
-    return KEYED if isinstance(prop.position, KeyedPlace) or isinstance(prop.heading, Keys) else STAYS
+    return KEYED_PLACE if isinstance(prop.position, KeyedPlace) or isinstance(prop.heading, Keys) else STAYING

@@ -8,7 +8,7 @@ from studio.core.stage.scope import EVERYONE, Scope
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, Section
 
-GONE = "A clip that nobody plays"
+UNPLAYED_CLIP = "A clip that nobody plays"
 
 
 class ScopeRow:
@@ -26,7 +26,7 @@ class ScopeRow:
         entity = self._editor.entity
         scopes = scopes_of(self._editor.document.project, entity.motion_id)
         if entity.scope not in scopes:
-            scopes[entity.scope] = GONE
+            scopes[entity.scope] = UNPLAYED_CLIP
         self._choice.offer(scopes.items())
         self._choice.show_value(entity.scope)
 

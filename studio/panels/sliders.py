@@ -6,7 +6,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QSlider, QWidget
 
 from studio.panels.fields import labelled
 
-STEPS = 1000
+SLIDER_STEPS = 1000
 VALUE_WIDTH = 62
 
 
@@ -17,7 +17,7 @@ class QuietSlider(QSlider):
 
     def __init__(self) -> None:
         super().__init__(Qt.Orientation.Horizontal)
-        self.setRange(0, STEPS)
+        self.setRange(0, SLIDER_STEPS)
         self.setSingleStep(5)
         self.setPageStep(50)
 
@@ -70,10 +70,10 @@ class ValueSlider(QWidget):
         self._value.setText(words)
         if not self.slider.isSliderDown():
             with QSignalBlocker(self.slider):
-                self.slider.setValue(round((value - self._low) / (self._high - self._low) * STEPS))
+                self.slider.setValue(round((value - self._low) / (self._high - self._low) * SLIDER_STEPS))
 
     def _tell(self, step: int) -> None:
-        value = self._low + (self._high - self._low) * step / STEPS
+        value = self._low + (self._high - self._low) * step / SLIDER_STEPS
         down = self.slider.isSliderDown()
         if not down:
             self.begun.emit()

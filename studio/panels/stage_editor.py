@@ -5,7 +5,7 @@ from studio.engine.live import Live
 from studio.panels.editor import Editor
 from studio.panels.fields import Section, labelled
 
-STEPS = (
+FIRST_HINTS = (
     "Select a character to change its body.",
     "Click a joint in the 3D view and press C to give it a target.",
     "Select a bar on the timeline to say when it acts.",
@@ -19,7 +19,7 @@ class StageEditor(Editor):
     def __init__(self, document: Document, live: Live) -> None:
         super().__init__(document, live, "", "")
         section = Section("Nothing selected")
-        for step in STEPS:
+        for step in FIRST_HINTS:
             section.add_wide(labelled(step, "hint"))
         self.column.addWidget(section)
         self.column.addStretch(1)

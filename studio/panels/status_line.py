@@ -6,7 +6,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QSizePolicy, QS
 from studio.document.document import Document
 from studio.panels.fields import press_button
 
-BAR_WIDTH = 120
+STATUS_BAR_WIDTH = 120
 SECONDS_BEFORE_PERCENT = 10
 
 
@@ -25,7 +25,7 @@ class ProgressLine(QWidget):
         self._words = QLabel()
         self._words.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         self._bar = QProgressBar()
-        self._bar.setFixedWidth(BAR_WIDTH)
+        self._bar.setFixedWidth(STATUS_BAR_WIDTH)
         self._bar.setTextVisible(False)
         self._bar.setRange(0, 1000)
         self._cancel = press_button("Cancel", self._ask, "link")

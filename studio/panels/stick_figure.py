@@ -11,7 +11,7 @@ FloatArray = NDArray[np.float64]
 
 ASLANT = 0.35
 """Of what lies across the picture, how much is seen: legs and arms do not hide each other."""
-MARGIN = 4.0
+STICK_FIGURE_MARGIN = 4.0
 
 
 @dataclass(frozen=True)
@@ -27,8 +27,10 @@ class Look:
         across = np.array([-along[1], along[0]])
         middle = points[:, :2].mean(axis=0)
         right = (points[:, :2] - middle) @ (along - ASLANT * across)
-        scale = (box.height() - 2.0 * MARGIN) / self.height
-        return np.column_stack([box.center().x() + scale * right, box.bottom() - MARGIN - scale * points[:, 2]])
+        scale = (box.height() - 2.0 * STICK_FIGURE_MARGIN) / self.height
+        return np.column_stack(
+            [box.center().x() + scale * right, box.bottom() - STICK_FIGURE_MARGIN - scale * points[:, 2]]
+        )
 
 
 def paint_sticks(

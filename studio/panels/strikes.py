@@ -7,13 +7,13 @@ from PySide6.QtGui import QHideEvent
 from PySide6.QtWidgets import QHBoxLayout, QListWidget, QListWidgetItem, QSizePolicy, QVBoxLayout, QWidget
 
 from studio.document.dragging import STRIKE, carried_strike
-from studio.panels.fields import SIDE, Choice, Section, Segments, labelled, press_button
+from studio.panels.fields import FIELD_ICON_PX, Choice, Section, Segments, labelled, press_button
 from studio.panels.two_lines import TwoLines
 
 ALL = "None: list all strikes"
-EMPTY = "No clips yet. Add a folder of captures: strikes are found in them automatically."
+NO_STRIKES_HINT = "No clips yet. Add a folder of captures: strikes are found in them automatically."
 READY = "Point at a strike to see it. Drag it onto a body or a row of the timeline, or use it at the playhead."
-NOTHING = "No clip of the library is of that limb and kind."
+NO_MATCH_HINT = "No clip of the library is of that limb and kind."
 OF_A_POSE = "Clips that pass through the pose chosen on the map, those with most of it first."
 UNSOLVED = "All strikes of the library. They are ranked as soon as this body and its target are solved."
 OWN_FACE = "All strikes of the library. Nobody strikes at its own face: choose another target."
@@ -57,8 +57,8 @@ class Strikes(QWidget):
         section.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)  # rows do not overlap
         column.addWidget(section)
         column.addLayout(self._buttons())
-        self.hint = labelled(EMPTY, "hint")
-        self.hint.setContentsMargins(SIDE, 0, SIDE, 0)
+        self.hint = labelled(NO_STRIKES_HINT, "hint")
+        self.hint.setContentsMargins(FIELD_ICON_PX, 0, FIELD_ICON_PX, 0)
         column.addWidget(self.hint)
         self.results = self._make_results()
         column.addWidget(self.results, 1)
@@ -69,7 +69,7 @@ class Strikes(QWidget):
         self.correct.setToolTip("Confirm or correct its cut, its hit, its limb and its kind")
         self.correct.setEnabled(False)
         below = QHBoxLayout()
-        below.setContentsMargins(SIDE, 4, SIDE, 0)
+        below.setContentsMargins(FIELD_ICON_PX, 4, FIELD_ICON_PX, 0)
         below.addWidget(self.use, 1)
         below.addWidget(self.correct)
         column.addLayout(below)
@@ -134,7 +134,7 @@ class Strikes(QWidget):
 
     def _buttons(self) -> QHBoxLayout:
         row = QHBoxLayout()
-        row.setContentsMargins(SIDE, 4, SIDE, 4)
+        row.setContentsMargins(FIELD_ICON_PX, 4, FIELD_ICON_PX, 4)
         for text, signal in (("Add folder…", self.folder_wanted), ("Find", self.wanted)):
             row.addWidget(press_button(text, signal.emit))
         return row

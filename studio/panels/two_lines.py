@@ -5,9 +5,9 @@ from PySide6.QtGui import QColor, QFont, QFontMetrics, QPainter
 from PySide6.QtWidgets import QStyle, QStyledItemDelegate, QStyleOptionViewItem
 
 from studio.document import colours
-from studio.panels.fields import SIDE
+from studio.panels.fields import FIELD_ICON_PX
 
-ABOVE, BETWEEN, SMALL = 7, 2, 12
+LINE_TOP_PX, LINE_GAP_PX, DETAIL_FONT_PX = 7, 2, 12
 WRAPPED = Qt.TextFlag.TextWordWrap
 Index = QModelIndex | QPersistentModelIndex
 
@@ -17,7 +17,7 @@ class TwoLines(QStyledItemDelegate):
 
     def sizeHint(self, option: QStyleOptionViewItem, index: Index) -> QSize:
         """As high as the words are in the width of the list."""
-        return QSize(0, self._words(option, index, QRect(0, 0, option.rect.width(), 0)).bottom() + ABOVE)
+        return QSize(0, self._words(option, index, QRect(0, 0, option.rect.width(), 0)).bottom() + LINE_TOP_PX)
 
     def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Index) -> None:
         """Ground, name, words."""
@@ -36,15 +36,15 @@ class TwoLines(QStyledItemDelegate):
 
     def _name(self, option: QStyleOptionViewItem, row: QRect) -> QRect:
         height = option.fontMetrics.height()
-        return QRect(row.left() + SIDE, row.top() + ABOVE, row.width() - 2 * SIDE, height)
+        return QRect(row.left() + FIELD_ICON_PX, row.top() + LINE_TOP_PX, row.width() - 2 * FIELD_ICON_PX, height)
 
     def _words(self, option: QStyleOptionViewItem, index: Index, row: QRect) -> QRect:
         above, words = self._name(option, row), str(index.data()).partition("\n")[2]
-        room = QRect(above.left(), above.bottom() + BETWEEN, above.width(), 1000)
+        room = QRect(above.left(), above.bottom() + LINE_GAP_PX, above.width(), 1000)
         return QFontMetrics(_small(option.font)).boundingRect(room, int(WRAPPED), words)
 
 
 def _small(font: QFont) -> QFont:
     small = QFont(font)
-    small.setPixelSize(SMALL)
+    small.setPixelSize(DETAIL_FONT_PX)
     return small

@@ -31,8 +31,8 @@ LOOKED_AT_EVERY, TOLD_EVERY = 0.1, 0.5
 LONGEST_HELD = 10.0
 """Seconds after which what is shown first has failed."""
 PICTURE = ("first_picture.run",)
-STANDING, REST, CONSTRAINTS = "first_run.run_standing", "first_run.run_rest", "first_run.run_constraints"
-SOLVER = ((STANDING, REST), (CONSTRAINTS,))
+WARM_STANDING, WARM_REST, WARM_CONSTRAINTS = "first_run.run_standing", "first_run.run_rest", "first_run.run_constraints"
+SOLVER = ((WARM_STANDING, WARM_REST), (WARM_CONSTRAINTS,))
 """Functions that each process runs in turn."""
 TOLD_FROM = 0.03
 """Share of the work whose time is known when the time that is left is told."""
@@ -143,14 +143,16 @@ class WarmUp:
             self._drawable.set()
             if self.cold:
                 with self._processes(*SOLVER) as running:
-                    self._wait_while(running, lambda: SOLVER[0] in running and self._running[SOLVER[0]] == STANDING)
-                    self._fetch(STANDING, self._grounded)
+                    self._wait_while(
+                        running, lambda: SOLVER[0] in running and self._running[SOLVER[0]] == WARM_STANDING
+                    )
+                    self._fetch(WARM_STANDING, self._grounded)
                     self._wait_while(running, lambda: True)
-            self._fetch(STANDING, self._grounded)  # what a process failed in fails here again, and is told
+            self._fetch(WARM_STANDING, self._grounded)  # what a process failed in fails here again, and is told
             self._fetch("first_run.run", self._ready)
         finally:
             self._end_waiting()
-        self._fetch(REST)
+        self._fetch(WARM_REST)
         if not self._stopped.is_set() and (folder := os.environ.get("NUMBA_CACHE_DIR")):
             Path(folder, COMPLETE).touch()
 
@@ -239,12 +241,12 @@ def main() -> None:
 
 
 def _work_of(functions: Sequence[str]) -> "CompileWork":
-    """What is compiled for ``CONSTRAINTS``, or for the others."""
+    """What is compiled for ``WARM_CONSTRAINTS``, or for the others."""
     from studio.core.kernels.solve_clip import solve_frames
     from studio.startup.compile_work import LINKING, CompileWork, all_kernels, kernels_below
 
     solver = kernels_below([solve_frames])
-    if CONSTRAINTS in functions:
+    if WARM_CONSTRAINTS in functions:
         return CompileWork(solver.values(), LINKING)
     return CompileWork(each for each in all_kernels() if id(each) not in solver)
 

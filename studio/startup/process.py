@@ -19,7 +19,7 @@ from pathlib import Path
 import platformdirs
 
 from studio.core.errors import StudioError
-from studio.startup.system_libraries import DRAWING, WINDOW, missing, sentence_about
+from studio.startup.system_libraries import DRAWING, WINDOW_LIBRARIES, missing, sentence_about
 
 LARGEST_KEPT, MOST_KEPT = 32 << 20, 256 << 20
 """Bytes of the largest piece of memory that is kept when it is freed, and of all that is."""
@@ -153,6 +153,8 @@ def check_libraries(window: bool = False) -> None:
 
     To be asked before Qt and VTK, which would end the process.
     """
-    lacking = missing({**DRAWING, **WINDOW} if window else DRAWING) if sys.platform.startswith("linux") else {}
+    lacking = (
+        missing({**DRAWING, **WINDOW_LIBRARIES} if window else DRAWING) if sys.platform.startswith("linux") else {}
+    )
     if lacking:
         raise StudioError(sentence_about(lacking))

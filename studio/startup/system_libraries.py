@@ -21,7 +21,7 @@ DRAWING = {
     "libxkbcommon.so.0": "libxkbcommon0",
 }
 """Debian's packages by library: what pictures are drawn with. Debian 13 takes ``libglib2.0-0`` for its own name."""
-WINDOW = {
+WINDOW_LIBRARIES = {
     "libxkbcommon-x11.so.0": "libxkbcommon-x11-0",
     "libxcb-cursor.so.0": "libxcb-cursor0",
     "libxcb-icccm.so.4": "libxcb-icccm4",
@@ -47,7 +47,7 @@ def missing(libraries: Mapping[str, str]) -> dict[str, str]:
 def missing_packages() -> list[str]:
     """Debian's packages that lack for pictures and a window."""
     fonts = [] if FONTS.is_dir() and any(FONTS.rglob("*.[to]tf")) else [FONT_PACKAGE]
-    return list(dict.fromkeys([*missing({**DRAWING, **WINDOW, **LIKED}).values(), *fonts]))
+    return list(dict.fromkeys([*missing({**DRAWING, **WINDOW_LIBRARIES, **LIKED}).values(), *fonts]))
 
 
 def sentence_about(libraries: Mapping[str, str]) -> str:

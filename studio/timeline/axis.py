@@ -3,8 +3,8 @@
 from PySide6.QtCore import QObject, Signal
 
 MAX_PIXELS_PER_FRAME = 80.0
-BEYOND = 1e6
-MARGIN = 10
+FAR_PIXELS = 1e6
+AXIS_MARGIN = 10
 """Pixels before the first and after the last moment when everything is shown."""
 
 
@@ -22,9 +22,9 @@ class TimeAxis(QObject):
         self._fitted = True
 
     def x_of_time(self, seconds: float) -> float:
-        """Pixel of a time; painting counts in 32 bits, so what is far off is ``BEYOND`` pixels beyond the view."""
+        """Pixel of a time; painting counts in 32 bits, so what is far off is ``FAR_PIXELS`` pixels beyond the view."""
         x = self.left + (seconds - self.start) * self.scale
-        return min(max(x, self.left - BEYOND), self.right + BEYOND)
+        return min(max(x, self.left - FAR_PIXELS), self.right + FAR_PIXELS)
 
     def time_at(self, x: float) -> float:
         """Seconds at a pixel."""
@@ -96,19 +96,19 @@ class TimeAxis(QObject):
     def reveal(self, seconds: float) -> None:
         """Turn the page when a moment has left the view."""
         if not self.left <= self.x_of_time(seconds) <= self.right:
-            self.start = seconds - MARGIN / self.scale
+            self.start = seconds - AXIS_MARGIN / self.scale
             self._settle()
 
     @property
     def _whole(self) -> float:
         """The scale at which everything fits."""
-        return max(self.width - 2 * MARGIN, 1.0) / (self.end - self.begin)
+        return max(self.width - 2 * AXIS_MARGIN, 1.0) / (self.end - self.begin)
 
     def _settle(self, scale: float | None = None) -> None:
         """Keep the view over what there is: where that is fitted, at the scale that shows all, or another one."""
         if self._fitted:
             self.scale = scale or self._whole
-        margin = MARGIN / self.scale
+        margin = AXIS_MARGIN / self.scale
         latest = self.end + margin - self.width / self.scale
         self.start = max(min(self.start, latest), self.begin - margin)
         self.changed.emit()

@@ -32,7 +32,7 @@ from studio.timeline.hover import hover_text, is_value
 from studio.timeline.keyboard import is_wanted, press_key
 from studio.timeline.menus import menu_at
 from studio.timeline.name_field import NameField
-from studio.timeline.shown import LABEL_WIDTH, Hit, ItemPart
+from studio.timeline.shown import ROW_LABEL_WIDTH, Hit, ItemPart
 from studio.timeline.snapping import snapped
 from studio.timeline.tracks.labels import flag_area
 from studio.timeline.tracks.value_curves import HandleRef, plot_area
@@ -163,7 +163,7 @@ class TrackCanvas(TrackView):
         step = event.angleDelta() / 8
         degrees = step.y() or step.x()
         if event.modifiers() & Modifier.ControlModifier:
-            self.axis.zoom(ZOOM_PER_DEGREE**degrees, max(event.position().x(), LABEL_WIDTH))
+            self.axis.zoom(ZOOM_PER_DEGREE**degrees, max(event.position().x(), ROW_LABEL_WIDTH))
         elif event.modifiers() & Modifier.ShiftModifier or not step.y():
             self.axis.scroll(-degrees * SCROLL_PER_DEGREE)
         elif self.editing and self.sheet is not None and self.sheet.plot.contains(event.position().toPoint()):
@@ -205,7 +205,7 @@ class TrackCanvas(TrackView):
 
     def _clip_row(self, event: QDropEvent) -> str | None:
         """The performer in whose row of clips the mouse is."""
-        if self.sheet is None or event.position().x() < LABEL_WIDTH:
+        if self.sheet is None or event.position().x() < ROW_LABEL_WIDTH:
             return None
         row = self.sheet.row_at(event.position().toPoint())
         return row.id if row is not None and row.kind == "clip" else None
@@ -275,7 +275,11 @@ class TrackCanvas(TrackView):
             )
         if hit.keys and self.document.keys.items.issuperset(hit.keys):
             return DragKeys(shown, hit.keys[0], press, bool(modifiers & Modifier.ShiftModifier))
-        if hit.part == ItemPart.EMPTY and press.x() >= LABEL_WIDTH and self.sheet.viewport.contains(press.toPoint()):
+        if (
+            hit.part == ItemPart.EMPTY
+            and press.x() >= ROW_LABEL_WIDTH
+            and self.sheet.viewport.contains(press.toPoint())
+        ):
             return BoxSelect(self.sheet, press, add)
         return gesture_at(hit, shown, press)
 

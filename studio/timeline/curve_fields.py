@@ -10,8 +10,8 @@ from studio.document.keyed_fields import Keyed, keyed_value
 from studio.timeline.shown import RowContext
 from studio.timeline.tracks.value_curves import ValueCurves, stage_time
 
-FAR = 1e6
-HEIGHT = 56
+VALUE_LIMIT = 1e6
+CURVE_FIELDS_HEIGHT = 56
 
 
 class CurveFields(QWidget):
@@ -86,7 +86,7 @@ class CurveFields(QWidget):
 
 
 def _field(name: str, suffix: str) -> QDoubleSpinBox:
-    field = QDoubleSpinBox(decimals=3, minimum=-FAR, maximum=FAR, singleStep=0.01, suffix=suffix)
+    field = QDoubleSpinBox(decimals=3, minimum=-VALUE_LIMIT, maximum=VALUE_LIMIT, singleStep=0.01, suffix=suffix)
     field.setKeyboardTracking(False)
     field.setAccessibleName(name)
     field.setToolTip(name)

@@ -11,9 +11,9 @@ from studio.core.captures.contacts import ContactInterval
 from studio.core.project import Project
 from studio.core.solver.performers.rows import timing_of
 from studio.core.solver.request import AdaptedMotion
-from studio.engine.measures import LENGTH, Measure, measure_of
+from studio.engine.measures import LENGTH_MEASURE, Measure, measure_of
 from studio.engine.residuals import missed_by
-from studio.timeline.axis import MARGIN, TimeAxis
+from studio.timeline.axis import AXIS_MARGIN, TimeAxis
 from studio.timeline.shown import RowContext
 from studio.timeline.strips import strip_of
 from studio.timeline.subject import Body, Subject
@@ -161,7 +161,7 @@ def plotted_constraint(shown: RowContext) -> str | None:
 def error_measure(shown: RowContext) -> Measure:
     """What the error that is plotted is."""
     constraint_id = plotted_constraint(shown)
-    return measure_of(shown.project.constraints[constraint_id]) if constraint_id else LENGTH
+    return measure_of(shown.project.constraints[constraint_id]) if constraint_id else LENGTH_MEASURE
 
 
 def seen_curve(curve: Curve, axis: TimeAxis) -> tuple[FloatArray, FloatArray]:
@@ -169,7 +169,7 @@ def seen_curve(curve: Curve, axis: TimeAxis) -> tuple[FloatArray, FloatArray]:
 
     Where a pixel has many frames, as in a capture of an hour, the least and the greatest stand for all.
     """
-    first, last = np.searchsorted(curve.times, [axis.time_at(axis.left), axis.time_at(axis.right + MARGIN)])
+    first, last = np.searchsorted(curve.times, [axis.time_at(axis.left), axis.time_at(axis.right + AXIS_MARGIN)])
     seen = slice(max(int(first) - 1, 0), int(last) + 1)
     times, values = curve.times[seen], curve.values[seen]
     size = int(len(times) / (PIECES * axis.width)) if axis.width else 0

@@ -10,7 +10,7 @@ from studio.timeline.figures import moment
 from studio.timeline.gestures.activation import time_of
 from studio.timeline.gestures.begin import name_of
 from studio.timeline.sheet import Sheet
-from studio.timeline.shown import HANDLES, LABEL_WIDTH, Hit, ItemPart
+from studio.timeline.shown import HANDLES, ROW_LABEL_WIDTH, Hit, ItemPart
 from studio.timeline.strips import StripState
 from studio.timeline.tracks import clip, constraint, keys, remarks
 from studio.timeline.tracks.change import take_over
@@ -21,7 +21,7 @@ from studio.timeline.tracks.plot import PlotPicture
 def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
     """Empty where there is nothing to say."""
     hit = sheet.thing_at(position)
-    if position.x() < LABEL_WIDTH:
+    if position.x() < ROW_LABEL_WIDTH:
         return _label_text(sheet, hit)
     if hit.keys:
         return _keys_text(sheet, hit)
@@ -59,7 +59,7 @@ def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
 def is_value(sheet: Sheet, position: QPointF) -> bool:
     """Whether the place shows a measured value, or a mark, which is told at once and not after a rest."""
     hit = sheet.thing_at(position)
-    return position.x() >= LABEL_WIDTH and (
+    return position.x() >= ROW_LABEL_WIDTH and (
         hit.kind in ("plot", "ruler") or (hit.kind == "constraints" and hit.part == ItemPart.EMPTY)
     )
 

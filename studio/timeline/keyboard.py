@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from studio.timeline.canvas import TrackCanvas
 
 Key, Modifier = Qt.Key, Qt.KeyboardModifier
-STEPS = {Key.Key_Left: -1, Key.Key_Right: 1}
+FRAME_STEPS = {Key.Key_Left: -1, Key.Key_Right: 1}
 FRAMING = (Key.Key_A, Key.Key_F)
 """Keys that frame all curves, or the selected keys."""
 JUMPS = {Key.Key_Up: -1, Key.Key_Down: 1}
@@ -28,7 +28,7 @@ def is_wanted(canvas: "TrackCanvas", key: int, modifiers: Qt.KeyboardModifier) -
         return True
     if (key, modifiers) == (Key.Key_A, Modifier.ControlModifier):
         return True
-    return key in STEPS and canvas.handle is not None
+    return key in FRAME_STEPS and canvas.handle is not None
 
 
 def press_key(canvas: "TrackCanvas", key: Qt.Key, modifiers: Qt.KeyboardModifier) -> bool:
@@ -45,8 +45,8 @@ def press_key(canvas: "TrackCanvas", key: Qt.Key, modifiers: Qt.KeyboardModifier
         canvas.frame_curves(key == Key.Key_F)
     elif (key, modifiers) == (Key.Key_A, Modifier.ControlModifier):
         edits.select_all_keys(shown)
-    elif key in STEPS and canvas.handle is not None:
-        edits.nudge(shown, STEPS[key])
+    elif key in FRAME_STEPS and canvas.handle is not None:
+        edits.nudge(shown, FRAME_STEPS[key])
         canvas.setAccessibleName(edits.handle_words(shown))
     elif key in (Key.Key_Delete, Key.Key_Backspace):
         return edits.delete_selected(shown)
@@ -58,7 +58,7 @@ def press_key(canvas: "TrackCanvas", key: Qt.Key, modifiers: Qt.KeyboardModifier
 
 
 def _moves_keys(key: int, modifiers: Qt.KeyboardModifier) -> bool:
-    return bool(modifiers & Modifier.AltModifier) and key in STEPS
+    return bool(modifiers & Modifier.AltModifier) and key in FRAME_STEPS
 
 
 def _jumps_to_key(key: int, modifiers: Qt.KeyboardModifier) -> bool:
@@ -68,9 +68,9 @@ def _jumps_to_key(key: int, modifiers: Qt.KeyboardModifier) -> bool:
 def _move_keys(shown: RowContext, key: Qt.Key, modifiers: Qt.KeyboardModifier) -> None:
     """Move the selected keys by a frame, with Shift by ten; with Ctrl stretch them."""
     if modifiers & Modifier.ControlModifier:
-        stretch_keys(shown.document, STEPS[key])
+        stretch_keys(shown.document, FRAME_STEPS[key])
     else:
-        nudge_keys(shown.document, STEPS[key] * (10 if modifiers & Modifier.ShiftModifier else 1))
+        nudge_keys(shown.document, FRAME_STEPS[key] * (10 if modifiers & Modifier.ShiftModifier else 1))
 
 
 def _escape(canvas: "TrackCanvas") -> bool:
@@ -92,8 +92,8 @@ def _move_playhead(canvas: "TrackCanvas", key: Qt.Key, to_end: bool) -> bool:
         playhead.set_frame(playhead.first)
     elif key == Key.Key_End or (key == Key.Key_Right and to_end):
         playhead.set_frame(playhead.last)
-    elif key in STEPS:
-        playhead.step(STEPS[key])
+    elif key in FRAME_STEPS:
+        playhead.step(FRAME_STEPS[key])
     elif key in JUMPS and canvas.shown is not None:
         edits.go_to_key(canvas.shown, JUMPS[key])
     else:

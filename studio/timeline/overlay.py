@@ -5,12 +5,12 @@ from PySide6.QtGui import QColor, QFontMetrics, QPainter, QPolygonF
 
 from studio.document import colours
 from studio.timeline.gestures.gesture import DragHint
-from studio.timeline.shown import LABEL_WIDTH, RowContext
+from studio.timeline.shown import ROW_LABEL_WIDTH, RowContext
 from studio.timeline.tracks import ruler
 from studio.timeline.tracks.brush import font, hairline, paint_bar, translucent
 
-BAR_WIDTH = 200.0
-HEAD = 6.0
+PROGRESS_BAR_WIDTH = 200.0
+PLAYHEAD_HALF_WIDTH = 6.0
 
 
 def playhead_area(shown: RowContext, height: int) -> QRect:
@@ -22,15 +22,21 @@ def playhead_area(shown: RowContext, height: int) -> QRect:
 def paint_playhead(painter: QPainter, shown: RowContext, height: int) -> None:
     """A thin line under a head that asks to be dragged."""
     x = round(shown.axis.x_of_time(shown.document.playhead.time))
-    if x < LABEL_WIDTH:
+    if x < ROW_LABEL_WIDTH:
         return
     painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
-    painter.fillRect(x, ruler.HEIGHT - 6, 1, height, QColor(colours.PLAYHEAD))
+    painter.fillRect(x, ruler.RULER_HEIGHT - 6, 1, height, QColor(colours.PLAYHEAD))
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     painter.setPen(Qt.PenStyle.NoPen)
     painter.setBrush(QColor(colours.PLAYHEAD))
-    middle, top, tip = x + 0.5, ruler.HEIGHT - 16.0, ruler.HEIGHT - 1.0
-    corners = ((-HEAD, top), (HEAD, top), (HEAD, tip - 6), (0.0, tip), (-HEAD, tip - 6))
+    middle, top, tip = x + 0.5, ruler.RULER_HEIGHT - 16.0, ruler.RULER_HEIGHT - 1.0
+    corners = (
+        (-PLAYHEAD_HALF_WIDTH, top),
+        (PLAYHEAD_HALF_WIDTH, top),
+        (PLAYHEAD_HALF_WIDTH, tip - 6),
+        (0.0, tip),
+        (-PLAYHEAD_HALF_WIDTH, tip - 6),
+    )
     painter.drawPolygon(QPolygonF([QPointF(middle + dx, y) for dx, y in corners]))
 
 
@@ -40,14 +46,14 @@ def paint_mark(painter: QPainter, shown: RowContext, mark: DragHint, mouse: QPoi
     if mark.caught is not None:
         x = round(shown.axis.x_of_time(mark.caught))
         painter.setPen(hairline(colours.SELECTED_HANDLE))
-        painter.drawLine(x, ruler.HEIGHT, x, area.bottom())
+        painter.drawLine(x, ruler.RULER_HEIGHT, x, area.bottom())
     painter.setFont(font(11))
     width = QFontMetrics(painter.font()).horizontalAdvance(mark.text) + 14
     left = shown.axis.x_of_time(mark.time) + 10
     if left + width > area.right():
         left -= width + 20
-    top = mouse.y() - 32 if mouse.y() > ruler.HEIGHT + 32 else mouse.y() + 14
-    chip = QRectF(round(max(left, LABEL_WIDTH + 4.0)) + 0.5, round(top) + 0.5, width, 20)
+    top = mouse.y() - 32 if mouse.y() > ruler.RULER_HEIGHT + 32 else mouse.y() + 14
+    chip = QRectF(round(max(left, ROW_LABEL_WIDTH + 4.0)) + 0.5, round(top) + 0.5, width, 20)
     paint_bar(painter, chip, QColor(colours.WINDOW), 4, colours.EDGE)
     painter.setPen(QColor(colours.TEXT))
     painter.drawText(chip, Qt.AlignmentFlag.AlignCenter, mark.text)
@@ -68,6 +74,11 @@ def paint_prompt(painter: QPainter, area: QRect, text: str, share: float | None 
     painter.setPen(QColor(colours.TEXT_SECOND))
     painter.drawText(area, Qt.AlignmentFlag.AlignCenter, text)
     if share is not None:
-        bar = QRectF(area.center().x() - BAR_WIDTH / 2, area.center().y() + 22.0, BAR_WIDTH, 4.0)
+        bar = QRectF(area.center().x() - PROGRESS_BAR_WIDTH / 2, area.center().y() + 22.0, PROGRESS_BAR_WIDTH, 4.0)
         paint_bar(painter, bar, QColor(colours.CONTROL), 2)
-        paint_bar(painter, QRectF(bar.topLeft(), QSizeF(BAR_WIDTH * share, 4.0)), QColor(colours.KINDS["position"]), 2)
+        paint_bar(
+            painter,
+            QRectF(bar.topLeft(), QSizeF(PROGRESS_BAR_WIDTH * share, 4.0)),
+            QColor(colours.KINDS["position"]),
+            2,
+        )

@@ -6,14 +6,14 @@ from PySide6.QtWidgets import QWidget
 
 from studio.document import colours
 from studio.timeline.sheet import Sheet
-from studio.timeline.shown import LABEL_WIDTH, RowContext, TimelineRow, label_area
+from studio.timeline.shown import ROW_LABEL_WIDTH, RowContext, TimelineRow, label_area
 from studio.timeline.tracks import clip, constraint, contacts, hold, keys, labels, layer, remarks, ruler
 from studio.timeline.tracks.brush import time_area, translucent
-from studio.timeline.tracks.plot import FOLDED, PlotPicture
+from studio.timeline.tracks.plot import FOLDED_PLOT_HEIGHT, PlotPicture
 from studio.timeline.tracks.value_curves import ValueCurves
 
 PLOT = ("plot", "")
-BEHIND = 0.3
+REFERENCE_CURVE_OPACITY = 0.3
 """How strong measured curves are behind those that are edited."""
 RULER = ("ruler", "")
 
@@ -80,8 +80,8 @@ class Picture:
         painter.setClipRect(sheet.plot)
         _paint_ground(painter, sheet.plot, sheet.shown)
         self.plot.fetch(sheet.shown)
-        if sheet.plot.height() > FOLDED:
-            painter.setOpacity(BEHIND if sheet.shown.curves else 1.0)
+        if sheet.plot.height() > FOLDED_PLOT_HEIGHT:
+            painter.setOpacity(REFERENCE_CURVE_OPACITY if sheet.shown.curves else 1.0)
             self.plot.paint(painter, sheet.plot, sheet.shown)
             painter.setOpacity(1.0)
             if sheet.shown.curves:
@@ -117,7 +117,7 @@ def _paint_ground(painter: QPainter, area: QRect, shown: RowContext) -> None:
     line = translucent(colours.EDGE, 0.6)
     for frame in ruler.major_frames(shown.axis):
         x = round(shown.axis.x_of_frame(frame))
-        if x >= LABEL_WIDTH:
+        if x >= ROW_LABEL_WIDTH:
             painter.fillRect(x, area.top(), 1, area.height(), line)
 
 

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 from PySide6.QtCore import QPoint, QPointF, QRect, QSize
 
-from studio.timeline.shown import FOLD_WIDTH, LABEL_WIDTH, Hit, ItemPart, RowContext, TimelineRow
+from studio.timeline.shown import FOLD_WIDTH, ROW_LABEL_WIDTH, Hit, ItemPart, RowContext, TimelineRow
 from studio.timeline.tracks import clip, constraint, contacts, hold, keys, labels, layer, plot, ruler
 
 PLAYHEAD_REACH = 4.0
 RIGHT_MARGIN = 12
-CURVES_SHARE, LEAST_CURVES = 0.55, 150
+CURVE_EDITOR_PART, CURVE_EDITOR_LEAST_PX = 0.55, 150
 """What of the height the curve editor takes at least, and pixels."""
 FOLDING = ("constraints", "lane")
 """Kinds of rows of which each can be folded by itself."""
@@ -36,16 +36,26 @@ def _heights(shown: RowContext) -> list[tuple[str, str, int]]:
     touching = {each.point for each in shown.project.contacts_of(shown.subject.motion_id).values()}
     lanes = contacts.rows_with(touching)
     tall = constraint.height(len(shown.subject.bodies))
-    heights_of = {key: constraint.FOLDED if ("constraints", key) in shown.folded else tall for key in constraints}
+    heights_of = {
+        key: constraint.FOLDED_CONSTRAINT_HEIGHT if ("constraints", key) in shown.folded else tall
+        for key in constraints
+    }
     return [
         *labels.rows_of(shown),
         *(
             each
             for key in players
-            for each in (("clip", key, clip.HEIGHT), *layer.rows_of(shown, key), *keys.growth_rows(shown, key))
+            for each in (("clip", key, clip.CLIP_ROW_HEIGHT), *layer.rows_of(shown, key), *keys.growth_rows(shown, key))
         ),
         *hold.rows_of(shown),
-        *(("lane", row, contacts.FOLDED if ("lane", row) in shown.folded else contacts.HEIGHT) for row in lanes),
+        *(
+            (
+                "lane",
+                row,
+                contacts.FOLDED_CONTACT_HEIGHT if ("lane", row) in shown.folded else contacts.CONTACT_LINE_HEIGHT,
+            )
+            for row in lanes
+        ),
         *(("constraints", key, high) for key, high in heights_of.items()),
     ]
 
@@ -62,7 +72,7 @@ class Sheet:
     @property
     def ruler(self) -> QRect:
         """The ruler, on top."""
-        return QRect(0, 0, self.size.width(), ruler.HEIGHT)
+        return QRect(0, 0, self.size.width(), ruler.RULER_HEIGHT)
 
     @property
     def content_height(self) -> int:
@@ -73,23 +83,23 @@ class Sheet:
     def plot(self) -> QRect:
         """The plot, at the bottom; it takes what the rows leave."""
         if ("plot", "") in self.shown.folded:
-            return QRect(0, self.size.height() - plot.FOLDED, self.size.width(), plot.FOLDED)
+            return QRect(0, self.size.height() - plot.FOLDED_PLOT_HEIGHT, self.size.width(), plot.FOLDED_PLOT_HEIGHT)
         if self.shown.curves:
-            most = self.size.height() - ruler.HEIGHT
-            height = max(round(CURVES_SHARE * most), min(LEAST_CURVES, most), most - self.content_height)
+            most = self.size.height() - ruler.RULER_HEIGHT
+            height = max(round(CURVE_EDITOR_PART * most), min(CURVE_EDITOR_LEAST_PX, most), most - self.content_height)
             return QRect(0, self.size.height() - height, self.size.width(), height)
-        spare = self.size.height() - ruler.HEIGHT - self.content_height
+        spare = self.size.height() - ruler.RULER_HEIGHT - self.content_height
         height = min(max(spare, plot.LEAST_HEIGHT), plot.MOST_HEIGHT)
         return QRect(0, self.size.height() - height, self.size.width(), height)
 
     @property
     def viewport(self) -> QRect:
         """What the rows may fill."""
-        return QRect(0, ruler.HEIGHT, self.size.width(), max(self.plot.top() - ruler.HEIGHT, 0))
+        return QRect(0, ruler.RULER_HEIGHT, self.size.width(), max(self.plot.top() - ruler.RULER_HEIGHT, 0))
 
     def rect(self, row: TimelineRow) -> QRect:
         """Where a row lies now, possibly outside the viewport."""
-        return QRect(0, ruler.HEIGHT + row.y - self.scroll, self.size.width(), row.height)
+        return QRect(0, ruler.RULER_HEIGHT + row.y - self.scroll, self.size.width(), row.height)
 
     def find(self, kind: str, row_id: str) -> TimelineRow | None:
         """The row of that kind and id."""
@@ -105,18 +115,18 @@ class Sheet:
         """What the mouse would take hold of: things first, then the playhead's line, then empty places."""
         hit = self.thing_at(position)
         line = self.shown.axis.x_of_time(self.shown.document.playhead.time)
-        over_line = position.x() >= LABEL_WIDTH and abs(position.x() - line) <= PLAYHEAD_REACH
+        over_line = position.x() >= ROW_LABEL_WIDTH and abs(position.x() - line) <= PLAYHEAD_REACH
         return Hit("playhead", "", ItemPart.TIME) if hit.part == ItemPart.EMPTY and over_line else hit
 
     def thing_at(self, position: QPointF) -> Hit:
         """What lies under the playhead's line, if that is there."""
         point = position.toPoint()
         if self.ruler.contains(point):
-            return Hit("ruler", "", ItemPart.TIME if point.x() >= LABEL_WIDTH else ItemPart.EMPTY)
+            return Hit("ruler", "", ItemPart.TIME if point.x() >= ROW_LABEL_WIDTH else ItemPart.EMPTY)
         if self.plot.contains(point) and point.x() < FOLD_WIDTH:
             return Hit("plot", "", ItemPart.FOLD)
         if self.plot.contains(point):
-            if point.x() < LABEL_WIDTH:
+            if point.x() < ROW_LABEL_WIDTH:
                 return Hit("plot", "", ItemPart.LABEL)
             return Hit("curves", "", ItemPart.EMPTY) if self.shown.curves else Hit("plot", "", ItemPart.TIME)
         row = self.row_at(point)
@@ -125,7 +135,7 @@ class Sheet:
     def _hit_row(self, row: TimelineRow, position: QPointF) -> Hit:
         if position.x() < FOLD_WIDTH and (row.kind in FOLDING or self._folds(row)):
             return Hit(row.kind, row.id, ItemPart.FOLD)
-        if position.x() < LABEL_WIDTH:
+        if position.x() < ROW_LABEL_WIDTH:
             return self._label_hit(row)
         area = self.rect(row)
         under = self._hit_part(row, area, position)

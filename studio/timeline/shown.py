@@ -21,7 +21,7 @@ from studio.timeline.subject import Subject
 
 FloatArray = NDArray[np.float64]
 
-LABEL_WIDTH = 196
+ROW_LABEL_WIDTH = 196
 FOLD_WIDTH = 14
 """Pixels at the left of a label that fold its row."""
 
@@ -165,4 +165,4 @@ def within(point: QPointF, x: float, y: float, reach: float) -> bool:
 
 def label_area(row: QRect) -> QRect:
     """The part of a row that carries its name."""
-    return QRect(0, row.top(), LABEL_WIDTH, row.height())
+    return QRect(0, row.top(), ROW_LABEL_WIDTH, row.height())

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
-from studio.engine.measures import LENGTH, Measure, measure_of
+from studio.engine.measures import LENGTH_MEASURE, Measure, measure_of
 from studio.engine.residuals import missed_by
 
 
@@ -35,7 +35,7 @@ class Strip:
     first_frame: int
     errors: NDArray[np.float64]
     activation: NDArray[np.float64]
-    measure: Measure = LENGTH
+    measure: Measure = LENGTH_MEASURE
 
     def error_at(self, frame: int) -> float:
         """The error at a frame of the motion; NaN outside."""
@@ -87,7 +87,7 @@ def strip_of(project: Project, performer_id: str, result: AdaptedMotion | None, 
     return Strip(missed.first_frame, missed.amounts, constraint.activation.at(times), measure_of(constraint))
 
 
-def strip_heights(errors: NDArray[np.float64], most: int, measure: Measure = LENGTH) -> NDArray[np.int64]:
+def strip_heights(errors: NDArray[np.float64], most: int, measure: Measure = LENGTH_MEASURE) -> NDArray[np.int64]:
     """Pixels for errors: 1 for what is held, growing with the logarithm to ``most``."""
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.log(errors / measure.held_below) / np.log(measure.worst_shown / measure.held_below)

@@ -11,9 +11,9 @@ from PySide6.QtWidgets import QComboBox, QDoubleSpinBox, QHBoxLayout, QLabel, QS
 from studio.document import colours
 from studio.document.document import Document
 from studio.timeline.figures import rate
-from studio.timeline.shown import LABEL_WIDTH
+from studio.timeline.shown import ROW_LABEL_WIDTH
 
-HEIGHT = 32
+TRANSPORT_HEIGHT = 32
 SPEEDS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0)
 LAST_FRAME = 9_999_999
 
@@ -27,7 +27,7 @@ class Transport(QWidget):
         """``play`` as ``Live.play``."""
         super().__init__(parent)
         self.playhead, self._play = document.playhead, play
-        self.setFixedHeight(HEIGHT)
+        self.setFixedHeight(TRANSPORT_HEIGHT)
         self.setObjectName("transport")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self.setStyleSheet(_STYLE)
@@ -90,7 +90,7 @@ class Transport(QWidget):
 
     def _lay_out(self) -> None:
         buttons = QWidget(self)
-        buttons.setFixedWidth(LABEL_WIDTH)
+        buttons.setFixedWidth(ROW_LABEL_WIDTH)
         inner = QHBoxLayout(buttons)
         inner.setContentsMargins(8, 0, 0, 0)
         inner.setSpacing(2)

@@ -14,7 +14,7 @@ from studio.engine.empty_stage import empty_words
 from studio.engine.live import Live
 from studio.timeline import edits, overlay
 from studio.timeline.axis import TimeAxis
-from studio.timeline.curve_fields import HEIGHT as FIELDS_HEIGHT
+from studio.timeline.curve_fields import CURVE_FIELDS_HEIGHT as FIELDS_HEIGHT
 from studio.timeline.curve_fields import CurveFields
 from studio.timeline.curves import Quantity
 from studio.timeline.gestures.gesture import TimelineGesture
@@ -22,14 +22,14 @@ from studio.timeline.gestures.keys import BoxSelect
 from studio.timeline.gestures.value_curves import BoxSelectCurves
 from studio.timeline.picture import PLOT, Picture
 from studio.timeline.sheet import FOLDING, RIGHT_MARGIN, Sheet, rows_of
-from studio.timeline.shown import LABEL_WIDTH, ItemPart, RowContext
+from studio.timeline.shown import ROW_LABEL_WIDTH, ItemPart, RowContext
 from studio.timeline.subject import play_apart, stage_extent, subject_of
 from studio.timeline.tracks.constraint import looks_of
 from studio.timeline.tracks.keys import SHEET, SUMMARY, sheet_id
 
-UNSEEN = ("characters", "grounds", "props")
-"""What rows of ``DRAGGED`` alone show while it is dragged, until it is solved."""
-DRAGGED = ("growth", "props", "summary", "sheet")
+UNSOLVED_ROWS = ("characters", "grounds", "props")
+"""What rows of ``ROWS_WHILE_DRAGGED`` alone show while it is dragged, until it is solved."""
+ROWS_WHILE_DRAGGED = ("growth", "props", "summary", "sheet")
 
 
 class TrackView(QWidget):
@@ -139,10 +139,10 @@ class TrackView(QWidget):
         self.scroll_bar.setGeometry(self.width() - 9, sheet.viewport.top(), 9, sheet.viewport.height())
         self.sheet = Sheet(shown, sheet.rows, self.size(), self.scroll_bar.value())
         with QSignalBlocker(self.axis):
-            self.axis.place(LABEL_WIDTH, self.width() - LABEL_WIDTH - RIGHT_MARGIN)
+            self.axis.place(ROW_LABEL_WIDTH, self.width() - ROW_LABEL_WIDTH - RIGHT_MARGIN)
             if self.gesture is None:  # time does not move under a hand that drags in it
                 self.axis.set_extent(0.0, stage_extent(self.document.project), self.document.playhead.frame_rate)
-        self.fields.setGeometry(0, self.sheet.plot.top() + 44, LABEL_WIDTH, FIELDS_HEIGHT)
+        self.fields.setGeometry(0, self.sheet.plot.top() + 44, ROW_LABEL_WIDTH, FIELDS_HEIGHT)
         self.fields.setVisible(self.editing and self.sheet.plot.height() > 44 + FIELDS_HEIGHT)
         self._redraw_all()
 
@@ -234,9 +234,9 @@ class TrackView(QWidget):
             if own == [(SHEET, sheet_id(field)) for field in fields]:
                 self._redraw((SUMMARY, ""), *own)
                 return
-        if self.live.interactive and collection in UNSEEN:
+        if self.live.interactive and collection in UNSOLVED_ROWS:
             rows = self.sheet.rows if self.sheet else ()
-            self._redraw(*((row.kind, row.id) for row in rows if row.kind in DRAGGED))
+            self._redraw(*((row.kind, row.id) for row in rows if row.kind in ROWS_WHILE_DRAGGED))
         elif (
             self.sheet is None
             or collection not in ("constraints", "contacts")

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.solver.request import AdaptedMotion
-from studio.engine.point_names import POINTS
+from studio.engine.point_names import POINT_NAMES
 
 _ARM = Chain(limb=1.0, clavicle=1.0, trunk=0.4, root=0.2)
 _HAND_END = Chain(limb=1.0, end_segment=0.5, clavicle=1.0, trunk=0.4, root=0.2)
@@ -39,7 +39,7 @@ def body_joints(layout: BodyLayout) -> tuple[BodyJoint, ...]:
     """Every joint of a body that can be constrained; the waist is picked by the chest."""
     near, far = layout.proximal_points(), layout.distal_points()
     joints = []
-    for (part, at_end), name in POINTS.items():
+    for (part, at_end), name in POINT_NAMES.items():
         if part is BodyPart.ABDOMEN:
             continue
         bone = part.value.partition("_")[2] or part.value

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 FloatArray = NDArray[np.float64]
 
 VIEW_ANGLE = math.radians(30.0)
-STEEPEST = math.pi / 2
-CLOSEST, FARTHEST = 0.15, 150.0
+MOST_CAMERA_PITCH = math.pi / 2
+LEAST_CAMERA_DISTANCE, MOST_CAMERA_DISTANCE = 0.15, 150.0
 VIEWS: dict[str, tuple[float, float]] = {
     "perspective": (math.radians(-52.0), math.radians(13.0)),
     "front": (0.0, 0.0),
@@ -46,7 +46,7 @@ class OrbitCamera:
 
     def orbited(self, azimuth: float, elevation: float) -> Self:
         """Turned about its target by angles in radians; it never rolls over the top."""
-        steep = min(max(self.elevation + elevation, -0.12), STEEPEST)
+        steep = min(max(self.elevation + elevation, -0.12), MOST_CAMERA_PITCH)
         return replace(self, azimuth=self.azimuth + azimuth, elevation=steep)
 
     def panned(self, right: float, up: float) -> Self:
@@ -56,7 +56,7 @@ class OrbitCamera:
 
     def zoomed(self, factor: float) -> Self:
         """Brought ``factor`` times nearer to its target."""
-        return replace(self, distance=min(max(self.distance / factor, CLOSEST), FARTHEST))
+        return replace(self, distance=min(max(self.distance / factor, LEAST_CAMERA_DISTANCE), MOST_CAMERA_DISTANCE))
 
     def zoomed_at(self, factor: float, x: float, y: float, size: tuple[float, float]) -> Self:
         """Brought ``factor`` times nearer, what is under pixel (x, y) at the target's depth staying there."""
@@ -109,9 +109,13 @@ class OrbitCamera:
         eye_depth = float(((high - low) / (2 * spread)).max())
         middle = float((local[:, 2].max() + local[:, 2].min()) / 2)
         nearest = float(local[:, 2].max())  # points in one line of sight have no spread to step back for
-        distance = eye_depth if self.parallel else max(eye_depth, nearest + CLOSEST) - middle
+        distance = eye_depth if self.parallel else max(eye_depth, nearest + LEAST_CAMERA_DISTANCE) - middle
         target = np.array([centre[0], centre[1], middle]) @ self.axes
-        return replace(self, target=tuple(target.tolist()), distance=min(max(distance, 4 * CLOSEST), FARTHEST))
+        return replace(
+            self,
+            target=tuple(target.tolist()),
+            distance=min(max(distance, 4 * LEAST_CAMERA_DISTANCE), MOST_CAMERA_DISTANCE),
+        )
 
     def towards(self, other: "OrbitCamera", share: float) -> "OrbitCamera":
         """The camera ``share`` (0 to 1) of the way to ``other``, turning the short way round."""

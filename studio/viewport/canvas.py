@@ -21,14 +21,14 @@ from PySide6.QtWidgets import QWidget
 
 from studio.document import colours
 from studio.viewport.camera import OrbitCamera
-from studio.viewport.eyes import PLAIN, StereoScene, StereoView
-from studio.viewport.sharpness import DRAGGED, PLAYED, Sharpness
+from studio.viewport.eyes import ONE_EYE, StereoScene, StereoView
+from studio.viewport.sharpness import SLOW_DRAG_SECONDS, SLOW_PLAY_SECONDS, Sharpness
 
 if TYPE_CHECKING:
     from studio.viewport.scene import Pixels, StageScene
     from studio.viewport.stills import Still
 
-REST_MILLISECONDS = 160
+SMOOTHING_MILLISECONDS = 160
 """When nothing has moved for so long, the picture is made smooth."""
 GATHER_MILLISECONDS = 5
 
@@ -42,15 +42,15 @@ class Canvas(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.camera = OrbitCamera()
-        self.sight = PLAIN
+        self.sight = ONE_EYE
         self._scene: StageScene | None = None
         self._still: Still | None = None
         self._image = QImage()
-        self._sharp_in_hand, self._sharp_at_play = Sharpness(DRAGGED), Sharpness(PLAYED)
+        self._sharp_in_hand, self._sharp_at_play = Sharpness(SLOW_DRAG_SECONDS), Sharpness(SLOW_PLAY_SECONDS)
         self._stale = True
         self._has_started, self._stopped = False, False
         self._frame_timer = self._single_shot(0, self._draw)
-        self._rest_timer = self._single_shot(REST_MILLISECONDS, self._refine)
+        self._rest_timer = self._single_shot(SMOOTHING_MILLISECONDS, self._refine)
         self.setMinimumSize(240, 160)
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
 
@@ -189,7 +189,7 @@ class Canvas(QWidget):
             self.bring_up_to_date(self._scene)
         self._still = None
         self._take(self._render(self._scene))
-        self._rest_timer.start(REST_MILLISECONDS)
+        self._rest_timer.start(SMOOTHING_MILLISECONDS)
         if not self._has_started:
             self._has_started = True
             self.started.emit()

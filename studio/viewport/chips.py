@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QWi
 
 from studio.document import colours
 
-EDGE = 8
+CHIP_MARGIN = 8
 """Pixels between a chip and the view's edge."""
 PROBLEM_FRAME = 60
 """Pixels of a view's width that the problem's words may not take."""
@@ -40,7 +40,7 @@ class Chip(QPushButton):
         """Move to a place of the view, or as near to it as there is room for all of the chip."""
         view = self.parentWidget()
         assert view is not None
-        room = view.rect().adjusted(EDGE, EDGE, -EDGE - self.width(), -EDGE - self.height())
+        room = view.rect().adjusted(CHIP_MARGIN, CHIP_MARGIN, -CHIP_MARGIN - self.width(), -CHIP_MARGIN - self.height())
         self.move(min(max(place.x(), room.left()), room.right()), min(max(place.y(), room.top()), room.bottom()))
 
     def say(self, text: str) -> None:

@@ -9,9 +9,9 @@ from studio.core.mesh.hand_shapes import HandShapes
 from studio.core.mesh.skin import SkinnedMesh
 from studio.core.project_cache import project_cache
 
-FEW = 2000
+COARSE_TRIANGLES = 2000
 """Triangles of a mesh that is coarse already."""
-CELL = 2.8
+CLUSTER_EDGES = 2.8
 """Edges of a mesh that are as long as a cell, whose vertices become one: a quarter of the triangles is left."""
 
 
@@ -37,11 +37,11 @@ def coarse_triangles(mesh: SkinnedMesh) -> NDArray[np.int32]:
     Vertices of one cell of a grid that move with one segment and face one way become the one nearest to their middle:
     nobody misses the others in a body of a few hundred pixels that moves.
     """
-    if len(mesh.triangles) < FEW:
+    if len(mesh.triangles) < COARSE_TRIANGLES:
         return mesh.triangles
     places, faces = mesh.vertices.astype(np.float64), mesh.triangles
     edges = np.linalg.norm(places[faces[:, 0]] - places[faces[:, 1]], axis=1)
-    cells = np.floor((places - places.min(axis=0)) / (CELL * np.median(edges))).astype(np.int64)
+    cells = np.floor((places - places.min(axis=0)) / (CLUSTER_EDGES * np.median(edges))).astype(np.int64)
     alike = [*cells.T, *(mesh.normals.T > 0.0), mesh.segments[:, 0]]
     numbers = np.ravel_multi_index(alike, [each.max() + 1 for each in alike])
     _, cell_of, sizes = np.unique(numbers, return_inverse=True, return_counts=True)

@@ -30,11 +30,11 @@ from studio.engine.performance import Posed
 from studio.viewport.body_points import BodyJoint, point_path
 from studio.viewport.camera import FloatArray
 
-AHEAD = 2.0
+LOOK_AT_DISTANCE = 2.0
 """Metres from the eyes to what a new look-at looks at."""
-LEANING = math.radians(5.0)
+UPRIGHT_TOLERANCE = math.radians(5.0)
 """Radians that what is kept upright may lean."""
-TABLE = (0.8, 0.8)
+NEW_TABLE_SIZE = (0.8, 0.8)
 """Metres of a new table's top; it stands on the ground and reaches up to the point."""
 LEAST_TABLE = 0.1
 TURNED_BY = {
@@ -168,7 +168,7 @@ def _orientation(here: Here) -> Constraint:
 
 
 def _look_at(here: Here) -> Constraint:
-    target = here.place(EYES) + AHEAD * here.turn(EYES.part)[:, 0]
+    target = here.place(EYES) + LOOK_AT_DISTANCE * here.turn(EYES.part)[:, 0]
     gazes = here.turns(EYES.part)[:, :, 0]
     return LookAtConstraint(**here.common("Look at", EYES, _HEAD, gazes), target=_vector(target))
 
@@ -178,7 +178,7 @@ def _upright(here: Here) -> Constraint:
     part = turned_part(here.picked.point)
     chain = _HEAD if part in (BodyPart.HEAD, BodyPart.NECK) else replace(here.picked.chain, end_segment=1.0)
     common = here.common(f"{part.label.capitalize()} upright", BodyPoint(part), chain)
-    return UprightConstraint(**common, axis=_vector(here.turn(part)[2]), cone=LEANING)
+    return UprightConstraint(**common, axis=_vector(here.turn(part)[2]), cone=UPRIGHT_TOLERANCE)
 
 
 def _distance(here: Here) -> Constraint:
@@ -206,7 +206,7 @@ def _area(here: Here) -> Constraint:
     return AreaConstraint(
         **here.common(f"Table under {joint.name}", joint.point, joint.chain),
         centre=(float(x), float(y), floor + height / 2),
-        size=(*TABLE, height),
+        size=(*NEW_TABLE_SIZE, height),
     )
 
 

@@ -14,7 +14,7 @@ from studio.viewport.camera import OrbitCamera
 
 Pixels = NDArray[np.uint8]
 
-APART = 1 / 30
+EYE_SEPARATION = 1 / 30
 """Of the distance to the screen, by which eyes are apart: more than that tires."""
 SCREEN = 0.34
 """Metres of a usual screen's height: as the head moves before it, so does the eye before the stage's window."""
@@ -40,14 +40,18 @@ class Eye:
     back: float = 0.0
 
 
-MIDDLE = Eye()
+CENTRE_EYE = Eye()
 
 
 class Renders(Protocol):
     """A scene that can be seen from an eye."""
 
     def render(
-        self, camera: OrbitCamera, size: tuple[int, int], offset: tuple[float, float] = (0.0, 0.0), eye: Eye = MIDDLE
+        self,
+        camera: OrbitCamera,
+        size: tuple[int, int],
+        offset: tuple[float, float] = (0.0, 0.0),
+        eye: Eye = CENTRE_EYE,
     ) -> Pixels:
         """(height, width, 4) RGBA; ``offset`` shifts it by parts of a pixel."""
 
@@ -57,12 +61,12 @@ class StereoView:
     """How the stage is looked at: with one eye or two, and from where the ``head`` is, in metres before the screen."""
 
     stereo: Stereo = Stereo.OFF
-    head: Eye = MIDDLE
+    head: Eye = CENTRE_EYE
 
     @property
     def is_plain(self) -> bool:
         """Whether places on the stage are where the camera says."""
-        return self == PLAIN
+        return self == ONE_EYE
 
     def looked(self, camera: OrbitCamera, tall: float) -> Eye:
         """The eye between both, of a head before a window ``tall`` metres high."""
@@ -77,7 +81,7 @@ class StereoView:
         middle = self.looked(camera, camera.metres_per_pixel(1.0))
         if self.stereo is Stereo.OFF:
             return scene.render(camera, size, offset, middle)
-        half = 0.5 * APART * (camera.distance + middle.back)
+        half = 0.5 * EYE_SEPARATION * (camera.distance + middle.back)
         own = (max(size[0] // 2, 1), max(size[1] // 2, 1)) if self.stereo is Stereo.SIDE_BY_SIDE else size
         left, right = (
             np.array(scene.render(camera, own, offset, replace(middle, right=middle.right + way)))
@@ -86,7 +90,7 @@ class StereoView:
         return side_by_side(left, right, size) if self.stereo is Stereo.SIDE_BY_SIDE else anaglyph(left, right)
 
 
-PLAIN = StereoView()
+ONE_EYE = StereoView()
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +101,7 @@ class StereoScene:
     sight: StereoView
 
     def render(
-        self, camera: OrbitCamera, size: tuple[int, int], offset: tuple[float, float] = (0.0, 0.0), _: Eye = MIDDLE
+        self, camera: OrbitCamera, size: tuple[int, int], offset: tuple[float, float] = (0.0, 0.0), _: Eye = CENTRE_EYE
     ) -> Pixels:
         """As ``Renders.render``."""
         return self.sight.render(self.scene, camera, size, offset)

@@ -19,7 +19,7 @@ from studio.viewport.overlay import Overlay
 from studio.viewport.paths import trails
 from studio.viewport.scene import Pixels, StageScene
 from studio.viewport.shots import Shots, View
-from studio.viewport.stills import FILM_SAMPLES, smooth_picture
+from studio.viewport.stills import FILM_PICTURE_SAMPLES, smooth_picture
 
 
 def render_shots(shots: Shots) -> Generator[Pixels, None, None]:
@@ -43,7 +43,7 @@ def render_shots(shots: Shots) -> Generator[Pixels, None, None]:
             props = props_at(project, posed, time)
             scene.sync(project, seen, props, view.bones, trails(project, posed, view.trail))
             own = replace(view, camera=cameras(time))
-            picture = smooth_picture(scene, own.camera, shots.size, FILM_SAMPLES)
+            picture = smooth_picture(scene, own.camera, shots.size, FILM_PICTURE_SAMPLES)
             if source is not None and view.ghost_of in posed:
                 _paint_ghost(picture, pose_of(project, posed[view.ghost_of].performer, source, time), own)
             yield picture

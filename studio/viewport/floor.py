@@ -11,7 +11,7 @@ from studio.core.body.morphology import Morphology
 from studio.core.grounds.ground import Ground
 
 FLOOR = np.array([0x20, 0x24, 0x2A], dtype=np.float64)
-LINE = np.array([0x3A, 0x42, 0x4B], dtype=np.float64)
+GRID_LINE_COLOUR = np.array([0x3A, 0x42, 0x4B], dtype=np.float64)
 X_AXIS, Y_AXIS = (
     np.array([0x8A, 0x46, 0x48], dtype=np.float64),
     np.array([0x4C, 0x7A, 0x52], dtype=np.float64),
@@ -63,8 +63,8 @@ def make_lines() -> Any:
         for begin in reach[:-1]:
             pieces += [[[begin, place], [begin + 1, place]], [[place, begin], [place, begin + 1]]]
             tints += [
-                X_AXIS if place == 0 and begin >= 0 else LINE,
-                Y_AXIS if place == 0 and begin >= 0 else LINE,
+                X_AXIS if place == 0 and begin >= 0 else GRID_LINE_COLOUR,
+                Y_AXIS if place == 0 and begin >= 0 else GRID_LINE_COLOUR,
             ]
     ends = np.array(pieces, dtype=np.float64).reshape(-1, 2)
     lines = pv.PolyData()
@@ -156,7 +156,7 @@ def _spots(
 def line_tints(run: NDArray[np.float64], place: NDArray[np.float64], axis: int) -> NDArray[np.float64]:
     """(N, 3) colours of metre lines along ``axis`` at ``run`` (N,) on the line ``place`` (N,): the first are tinted."""
     first = (place == 0.0) & (run >= 0.0)
-    return np.where(first[:, None], (X_AXIS, Y_AXIS)[axis], LINE)
+    return np.where(first[:, None], (X_AXIS, Y_AXIS)[axis], GRID_LINE_COLOUR)
 
 
 def line_fade(places: NDArray[np.float64]) -> NDArray[np.float64]:

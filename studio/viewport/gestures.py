@@ -9,14 +9,14 @@ import numpy as np
 from studio.document.document import Document
 from studio.engine.live import Live
 from studio.viewport.camera import FloatArray, OrbitCamera
-from studio.viewport.gizmo import AXES, Gizmo, moved_axes
+from studio.viewport.gizmo import GIZMO_AXES, Gizmo, moved_axes
 from studio.viewport.movables import Movable
 from studio.viewport.rotate_gizmo import TRACKBALL, RotateGizmo, rotation_about
 from studio.viewport.scale_gizmo import ScaleGizmo
 from studio.viewport.selected_movable import AnyGizmo
 from studio.viewport.snapping import DEFAULT_STEPS, SnapSteps
 
-FINE = 0.2
+FINE_DRAG = 0.2
 ORBIT_PER_PIXEL = math.radians(0.4)
 ZOOM_PER_PIXEL = 1.006
 
@@ -107,13 +107,13 @@ class MoveDrag(EditDrag):
         """Follow the mouse along the part's axes: ``fine`` a fifth of the way, ``snap`` to steps of the space."""
         axes, free = self._gizmo.axes, np.array(moved_axes(self.part))
         grip = self._gizmo.grip(self.part, x, y)
-        self._moved += np.where(free, axes @ (grip - self._grip) * (FINE if fine else 1.0), 0.0)
+        self._moved += np.where(free, axes @ (grip - self._grip) * (FINE_DRAG if fine else 1.0), 0.0)
         self._grip = grip
         begin = axes @ (self._begin - self._zero)
         place, step = begin + self._moved, self._steps.metres
         if snap:
             place = np.where(free, np.round(place / step) * step, place)
-        changes = zip(AXES, (place - begin).tolist(), free, strict=True)
+        changes = zip(GIZMO_AXES, (place - begin).tolist(), free, strict=True)
         self.words = "   ".join(
             f"{axis.upper()} {100.0 * change:+.1f} cm" for axis, change, is_free in changes if is_free
         )
@@ -138,7 +138,7 @@ class RotateDrag(EditDrag):
 
     def update(self, x: float, y: float, fine: bool, snap: bool) -> None:
         """Follow the mouse round the middle: ``fine`` a fifth of the way, ``snap`` to steps."""
-        pace = FINE if fine else 1.0
+        pace = FINE_DRAG if fine else 1.0
         if self.part == TRACKBALL:
             self._roll(x, y, pace, snap)
             return
@@ -175,7 +175,7 @@ class ScaleDrag(EditDrag):
         """Follow the mouse: ``fine`` a fifth of the way, ``snap`` to steps of the factor."""
         factor = self._gizmo.factor(self.part, self._grip, x, y)
         if fine:
-            factor = 1.0 + FINE * (factor - 1.0)
+            factor = 1.0 + FINE_DRAG * (factor - 1.0)
         if snap:
             factor = max(_stepped(factor, self._steps.factor), self._steps.factor)
         self.words = f"× {factor:.2f}"
@@ -184,7 +184,7 @@ class ScaleDrag(EditDrag):
 
 def nudge(document: Document, movable: Movable, gizmo: AnyGizmo, axis: str, sign: float, steps: SnapSteps) -> None:
     """Change a thing by one snapping step along or about an ``axis`` of its gizmo, where it can be; one undo step."""
-    number, place = document.new_gesture(), AXES.index(axis)
+    number, place = document.new_gesture(), GIZMO_AXES.index(axis)
     if isinstance(gizmo, RotateGizmo):
         if axis in gizmo.parts:
             movable.rotate(rotation_about(gizmo.axis(axis), sign * steps.radians), number)

@@ -12,10 +12,10 @@ ARROW_PIXELS, SHORTEST_ARROW = 90.0, 44.0
 PLANE_NEAR, PLANE_FAR = 0.30, 0.48
 """A plane handle's square, in parts of an arrow."""
 LINE_REACH, BALL_REACH = 8.0, 10.0
-AXES = ("x", "y", "z")
+GIZMO_AXES = ("x", "y", "z")
 PLANES = {"yz": 0, "zx": 1, "xy": 2}
 """Each plane handle and the axis it stands across."""
-BALL = "view"
+BALL_HANDLE = "view"
 
 
 class Space(StrEnum):
@@ -34,7 +34,7 @@ def arrow_pixels(body_height: float) -> float:
 
 def moved_axes(part: str) -> list[bool]:
     """Which of the gizmo's axes a drag of ``part`` may change."""
-    return [True] * 3 if part == BALL else [axis in part for axis in AXES]
+    return [True] * 3 if part == BALL_HANDLE else [axis in part for axis in GIZMO_AXES]
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,29 +124,31 @@ class Gizmo(GizmoFrame):
 
     def usable(self, part: str) -> bool:
         """An arrow seen end on, or a plane seen edge on, cannot be dragged and is not shown."""
-        if part == BALL:
+        if part == BALL_HANDLE:
             return True
         if self.flat and "z" in part:
             return False
-        return bool(self.facing[AXES.index(part)] < 0.985 if part in AXES else self.facing[PLANES[part]] > 0.12)
+        if part in GIZMO_AXES:
+            return bool(self.facing[GIZMO_AXES.index(part)] < 0.985)
+        return bool(self.facing[PLANES[part]] > 0.12)
 
     def part_at(self, x: float, y: float) -> str | None:
         """The part under pixel (x, y): ball before planes before arrows."""
         mouse = np.array([x, y])
         if np.hypot(*(mouse - self.centre)) <= BALL_REACH:
-            return BALL
+            return BALL_HANDLE
         for name, corners in self.squares.items():
             if self.usable(name) and _inside(mouse, corners):
                 return name
-        return nearest_axis(self, mouse, [self.usable(axis) for axis in AXES])
+        return nearest_axis(self, mouse, [self.usable(axis) for axis in GIZMO_AXES])
 
     def grip(self, part: str, x: float, y: float) -> FloatArray:
         """(3,) stage point that pixel (x, y) holds when ``part`` is dragged: on its axis or in its plane."""
-        if part in AXES:
-            return self.along_axis(AXES.index(part), x, y)
-        level = part == BALL and self.flat
+        if part in GIZMO_AXES:
+            return self.along_axis(GIZMO_AXES.index(part), x, y)
+        level = part == BALL_HANDLE and self.flat
         return self.in_plane(
-            self.axes[2] if level else self.camera.axes[2] if part == BALL else self.axes[PLANES[part]], x, y
+            self.axes[2] if level else self.camera.axes[2] if part == BALL_HANDLE else self.axes[PLANES[part]], x, y
         )
 
 
@@ -154,7 +156,7 @@ def nearest_axis(frame: GizmoFrame, mouse: FloatArray, usable: list[bool]) -> st
     """The usable axis whose line is under pixel ``mouse`` (2,)."""
     away = [_distance(mouse, frame.centre, tip) if use else np.inf for use, tip in zip(usable, frame.tips, strict=True)]
     nearest = int(np.argmin(away))
-    return AXES[nearest] if away[nearest] <= LINE_REACH else None
+    return GIZMO_AXES[nearest] if away[nearest] <= LINE_REACH else None
 
 
 def _distance(point: FloatArray, begin: FloatArray, end: FloatArray) -> float:

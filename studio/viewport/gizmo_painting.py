@@ -7,8 +7,8 @@ from PySide6.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
 from studio.document import colours
 from studio.viewport.camera import FloatArray
 from studio.viewport.gestures import EditDrag, RotateDrag, ViewportGesture
-from studio.viewport.gizmo import AXES, BALL, PLANES, Gizmo, GizmoFrame
-from studio.viewport.rotate_gizmo import SCREEN, TRACKBALL, RotateGizmo
+from studio.viewport.gizmo import BALL_HANDLE, GIZMO_AXES, PLANES, Gizmo, GizmoFrame
+from studio.viewport.rotate_gizmo import SCREEN_PART, TRACKBALL, RotateGizmo
 from studio.viewport.scale_gizmo import ScaleGizmo
 from studio.viewport.strokes import SHADOW, draw_disc, draw_line
 
@@ -45,11 +45,11 @@ class GizmoPainter:
         """Planes, arrows and ball."""
         for name, across in PLANES.items():
             if gizmo.usable(name):
-                self._square(gizmo.squares[name], AXIS_COLOURS[AXES[across]], name == hot)
+                self._square(gizmo.squares[name], AXIS_COLOURS[GIZMO_AXES[across]], name == hot)
         for axis, tip in _back_to_front(gizmo):
             if gizmo.usable(axis):
                 self._arrow(gizmo.centre, tip, HOVERED if axis == hot else AXIS_COLOURS[axis])
-        draw_disc(self._painter, gizmo.centre, 6.0, QColor(HOVERED if hot == BALL else MIDDLE))
+        draw_disc(self._painter, gizmo.centre, 6.0, QColor(HOVERED if hot == BALL_HANDLE else MIDDLE))
 
     def _scale(self, gizmo: ScaleGizmo, hot: str | None) -> None:
         """Lines that end in boxes, and the box in the middle."""
@@ -58,7 +58,7 @@ class GizmoPainter:
                 colour = HOVERED if axis == hot else AXIS_COLOURS[axis]
                 draw_line(self._painter, gizmo.centre, tip, colour, 2.2)
                 self._box(tip, QColor(colour))
-        self._box(gizmo.centre, QColor(HOVERED if hot == BALL else MIDDLE))
+        self._box(gizmo.centre, QColor(HOVERED if hot == BALL_HANDLE else MIDDLE))
 
     def _rotate(self, gizmo: RotateGizmo, hot: str | None, drag: RotateDrag | None) -> None:
         """Rings, of which the halves behind are faint; while one is dragged, that one and the angle."""
@@ -69,7 +69,7 @@ class GizmoPainter:
             self._globe(gizmo, hot == TRACKBALL)
         for part in gizmo.parts:
             colour = QColor(HOVERED if part == hot else AXIS_COLOURS.get(part, MIDDLE))
-            self._ring(gizmo, part, colour, 2.4 if part == hot else 1.2 if part == SCREEN else 1.8)
+            self._ring(gizmo, part, colour, 2.4 if part == hot else 1.2 if part == SCREEN_PART else 1.8)
         draw_disc(self._painter, gizmo.centre, 2.5, QColor(MIDDLE))
 
     def _globe(self, gizmo: RotateGizmo, hot: bool) -> None:
@@ -153,7 +153,7 @@ class GizmoPainter:
 def _back_to_front(gizmo: GizmoFrame) -> list[tuple[str, FloatArray]]:
     """The axes and their tips, the farthest first."""
     order = np.argsort(gizmo.axes @ gizmo.camera.axes[2])
-    return [(AXES[place], gizmo.tips[place]) for place in order.tolist()]
+    return [(GIZMO_AXES[place], gizmo.tips[place]) for place in order.tolist()]
 
 
 def _runs(chosen: list[bool]) -> list[tuple[int, int]]:

@@ -7,16 +7,25 @@ from numpy.typing import NDArray
 from studio.core.grounds import Steps, SurfaceMesh
 from studio.core.grounds.ground import Ground
 from studio.core.grounds.slope import heading
-from studio.viewport.floor import FLOOR, GRID_REACH, HORIZON, LINE, LINE_LIFT, as_bytes, line_fade, line_tints
+from studio.viewport.floor import (
+    FLOOR,
+    GRID_LINE_COLOUR,
+    GRID_REACH,
+    HORIZON,
+    LINE_LIFT,
+    as_bytes,
+    line_fade,
+    line_tints,
+)
 from studio.viewport.live_mesh import flat_actor
 
 FloatArray = NDArray[np.float64]
 
-CELL = 0.125
+SURFACE_CELL = 0.125
 """Metres between points of the surface; a metre line runs along points."""
-FINE = 0.02
+LINE_STEP = 0.02
 """Metres between points of a line over edges."""
-FAR = np.array([18.0, 24.0, 34.0, 50.0, 80.0])
+SURFACE_DISTANCES = np.array([18.0, 24.0, 34.0, 50.0, 80.0])
 LAMP = np.array([-0.45, 0.35, 0.82])
 LAMP_STRENGTH = 0.75
 """How much brighter or darker than the level floor a surface is that faces the light or turns away."""
@@ -67,8 +76,8 @@ def surface_of(ground: Ground) -> tuple[FloatArray, FloatArray, Faces]:
     """Points (V, 3), normals (V, 3) and quadrilaterals (Q, 5) or triangles of a ground, some 80 m round the middle."""
     if isinstance(ground, Steps):
         return _flight(ground)
-    near = np.arange(-GRID_REACH, GRID_REACH + CELL / 2, CELL)
-    axis = np.concatenate([-FAR[::-1], near, FAR])
+    near = np.arange(-GRID_REACH, GRID_REACH + SURFACE_CELL / 2, SURFACE_CELL)
+    axis = np.concatenate([-SURFACE_DISTANCES[::-1], near, SURFACE_DISTANCES])
     xy = np.stack(np.meshgrid(axis, axis, indexing="ij"), axis=-1).reshape(-1, 2)
     faces = _quads(len(axis), len(axis))
     if not isinstance(ground, SurfaceMesh):
@@ -96,7 +105,7 @@ def shades(points: FloatArray, normals: FloatArray) -> NDArray[np.uint8]:
 
 def lines_of(ground: Ground) -> tuple[FloatArray, NDArray[np.uint8], Faces]:
     """Metre lines over the ground: points (N, 3), colours (N, 3), and pairs of them (M, 2)."""
-    spacing = FINE if isinstance(ground, Steps | SurfaceMesh) else CELL
+    spacing = LINE_STEP if isinstance(ground, Steps | SurfaceMesh) else SURFACE_CELL
     along = np.linspace(-GRID_REACH, GRID_REACH, round(2 * GRID_REACH / spacing) + 1)
     places = np.arange(-GRID_REACH, GRID_REACH + 1.0)
     run, place = (grid.ravel() for grid in np.meshgrid(along, places, indexing="xy"))
@@ -109,7 +118,7 @@ def lines_of(ground: Ground) -> tuple[FloatArray, NDArray[np.uint8], Faces]:
         edges = _edges(ground)
         pairs = np.concatenate([pairs, len(xy) + np.arange(len(edges)).reshape(-1, 2)])
         xy, heights = np.concatenate([xy, edges[:, :2]]), np.concatenate([heights, edges[:, 2]])
-        tints = np.concatenate([tints, np.tile(LINE, (len(edges), 1))])
+        tints = np.concatenate([tints, np.tile(GRID_LINE_COLOUR, (len(edges), 1))])
     points = np.column_stack([xy, heights + LINE_LIFT])
     fade = line_fade(xy)
     under = shades(points, ground.normal_at(xy)).astype(np.float64)
@@ -132,13 +141,23 @@ def _flight(ground: Steps) -> tuple[FloatArray, FloatArray, Faces]:
     ahead, across = heading(ground.direction), heading(ground.direction + np.pi / 2)
     risers = np.arange(ground.count) * ground.tread
     end = risers[-1]
-    along = np.concatenate([-FAR[::-1], [-GRID_REACH], np.repeat(risers, 4), [end + GRID_REACH], end + FAR])
-    level = np.concatenate([np.zeros(len(FAR) + 1), np.repeat(np.arange(ground.count), 4), np.zeros(len(FAR) + 1)])
-    level[len(FAR) + 1 : -len(FAR) - 1] += np.tile([0, 0, 1, 1], ground.count)
-    level[-len(FAR) - 1 :] = ground.count
+    along = np.concatenate(
+        [-SURFACE_DISTANCES[::-1], [-GRID_REACH], np.repeat(risers, 4), [end + GRID_REACH], end + SURFACE_DISTANCES]
+    )
+    level = np.concatenate(
+        [
+            np.zeros(len(SURFACE_DISTANCES) + 1),
+            np.repeat(np.arange(ground.count), 4),
+            np.zeros(len(SURFACE_DISTANCES) + 1),
+        ]
+    )
+    level[len(SURFACE_DISTANCES) + 1 : -len(SURFACE_DISTANCES) - 1] += np.tile([0, 0, 1, 1], ground.count)
+    level[-len(SURFACE_DISTANCES) - 1 :] = ground.count
     upright = np.zeros(len(along), dtype=bool)
-    upright[len(FAR) + 1 : -len(FAR) - 1] = np.tile([False, True, True, False], ground.count)
-    sides = np.concatenate([-FAR[::-1], np.arange(-GRID_REACH, GRID_REACH + 0.5, 2.0), FAR])
+    upright[len(SURFACE_DISTANCES) + 1 : -len(SURFACE_DISTANCES) - 1] = np.tile(
+        [False, True, True, False], ground.count
+    )
+    sides = np.concatenate([-SURFACE_DISTANCES[::-1], np.arange(-GRID_REACH, GRID_REACH + 0.5, 2.0), SURFACE_DISTANCES])
     xy = np.array(ground.start) + along[:, None, None] * ahead + sides[:, None] * across
     heights = np.broadcast_to((ground.height + ground.rise * level)[:, None], xy.shape[:2])
     facing = np.append(-np.sign(ground.rise) * ahead, 0.0)

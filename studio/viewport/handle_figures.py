@@ -28,7 +28,7 @@ from studio.viewport.solid_figures import capsule_lines, mesh_lines
 
 REACHED = 0.003
 """Metres; nearer than this the point counts as on its target."""
-DISC, RING = 0.05, 0.08
+DISC_RADIUS, BALANCE_RING_RADIUS = 0.05, 0.08
 """Metres: the disc under a centre of mass, the ring where it is asked to be."""
 AXIS = 0.13
 """Metres of each of the three axes by which a turn is drawn."""
@@ -120,12 +120,12 @@ def _orientation(constraint: OrientationConstraint, pose: Posed, floor: float) -
 def _balance(constraint: BalanceConstraint, pose: Posed, floor: float) -> HandleShape:
     x, y, _ = _mass(pose)
     below = np.array([x, y, floor])
-    disc = below + DISC * _CIRCLE
+    disc = below + DISC_RADIUS * _CIRCLE
     if not isinstance(constraint.place, tuple):
-        return HandleShape(lines=(disc, below + RING * _CIRCLE), faces=(disc,))
+        return HandleShape(lines=(disc, below + BALANCE_RING_RADIUS * _CIRCLE), faces=(disc,))
     asked = np.array([*constraint.place[:2], floor])
     link = np.stack([below, asked])
-    return HandleShape((disc, asked + RING * _CIRCLE), (disc,), link, missed=_length(link) > REACHED)
+    return HandleShape((disc, asked + BALANCE_RING_RADIUS * _CIRCLE), (disc,), link, missed=_length(link) > REACHED)
 
 
 def _clear(constraint: ClearConstraint, pose: Posed, floor: float) -> HandleShape:

@@ -18,7 +18,7 @@ from studio.viewport.selected_movable import zero_of
 if TYPE_CHECKING:
     from studio.viewport.widget import Viewport
 
-HANDLE_REACH = 11.0
+HANDLE_PICK_REACH = 11.0
 _CAMERA = {
     Qt.MouseButton.LeftButton: "orbit",
     Qt.MouseButton.MiddleButton: "pan",
@@ -73,7 +73,7 @@ def _select(viewport: Viewport, document: Document, x: float, y: float) -> None:
     where = (viewport.camera, viewport.view_size, x, y)
     handles = {f"{one.performer_id} {one.constraint_id}": one for one in viewport.handles()}
     near = picking.nearest_place(
-        [(key, one.target) for key, one in handles.items() if one.target is not None], *where, HANDLE_REACH
+        [(key, one.target) for key, one in handles.items() if one.target is not None], *where, HANDLE_PICK_REACH
     )
     joint = picking.joint_at(viewport.posed, *where)
     if near:

@@ -10,7 +10,7 @@ from studio.viewport.camera import OrbitCamera
 from studio.viewport.opening import below_chips
 
 Size = tuple[float, float]
-EDGE = 0.06
+PICTURE_EDGE = 0.06
 """Part of the picture's width and height along its edges in which nothing is seen well."""
 
 
@@ -58,7 +58,7 @@ class Newcomers:
 
 def is_seen(body: Posed, camera: OrbitCamera, size: Size) -> bool:
     """Whether all of a body is in the picture, and not at its edge."""
-    return seen(body, camera, size, EDGE) == 1.0
+    return seen(body, camera, size, PICTURE_EDGE) == 1.0
 
 
 def seen(body: Posed, camera: OrbitCamera, size: Size, edge: float) -> float:

@@ -11,7 +11,7 @@ from studio.engine.props import props_at
 from studio.viewport.camera import OrbitCamera
 from studio.viewport.opening import opening_camera
 from studio.viewport.scene import Pixels, StageScene
-from studio.viewport.stills import FILM_SAMPLES, SAMPLES, smooth_picture
+from studio.viewport.stills import FILM_PICTURE_SAMPLES, STILL_SAMPLES, smooth_picture
 
 Results = Mapping[str, AdaptedMotion]
 
@@ -26,7 +26,7 @@ def render_frame(project: Project, results: Results, time: float, size: tuple[in
     camera = opening_camera(posed, size, ground=project.ground)
     if posed:
         camera = camera.framing(np.concatenate([pose.points for pose in posed.values()]), size)
-    return next(_frames(project, results, (time,), camera, size, SAMPLES))
+    return next(_frames(project, results, (time,), camera, size, STILL_SAMPLES))
 
 
 def render_video(
@@ -37,7 +37,7 @@ def render_video(
     camera = opening_camera(
         posed_performers(project, results.get, times[0] if times else 0.0), size, ground=project.ground
     )
-    return _frames(project, results, times, camera, size, FILM_SAMPLES)
+    return _frames(project, results, times, camera, size, FILM_PICTURE_SAMPLES)
 
 
 def _frames(

@@ -12,9 +12,9 @@ from studio.viewport.camera import FloatArray, OrbitCamera
 
 AZIMUTHS = tuple(math.radians(degrees) for degrees in (-52, 52, -40, 40, -30, 30))
 """From where the bodies face; an earlier one is the more pleasant if both show the bodies equally well."""
-ASIDE = tuple(math.radians(degrees) for degrees in (-105, 105, -80, 80))
+SLOPE_VIEW_ANGLES = tuple(math.radians(degrees) for degrees in (-105, 105, -80, 80))
 """The same over ground that rises or falls: from before the bodies, risers of steps are not seen."""
-UNEVEN = 0.15
+UNEVEN_GROUND = 0.15
 """Metres by which the ground under the bodies rises or falls for that."""
 ENOUGH_APART = 0.8
 """Metres between two bodies, as seen, beyond which more makes nothing clearer."""
@@ -45,7 +45,7 @@ def opening_camera(
     places = np.array([pose.points[0] for pose in posed.values()]).reshape(-1, 3)
     front = _facing(posed)
     heights = ground.height_at(performed_points(posed)) if ground is not None else np.zeros(1)
-    azimuths = ASIDE if float(np.ptp(heights)) > UNEVEN else AZIMUTHS
+    azimuths = SLOPE_VIEW_ANGLES if float(np.ptp(heights)) > UNEVEN_GROUND else AZIMUTHS
     cameras = [replace(OrbitCamera(), azimuth=front + azimuth, parallel=parallel) for azimuth in azimuths]
     best = max(cameras, key=lambda camera: round(5 * _apart(camera, places)) - _tall_in_front(camera, posed))
     return below_chips(best.framing(performed_points(posed), size), posed, size)

@@ -14,7 +14,8 @@ from studio.viewport.recording import MarkerFrame
 from studio.viewport.strokes import SHADOW, draw_disc, draw_line
 
 GHOST = QColor(196, 204, 214, 215)
-MARKER, OTHER_MARKER, CHOSEN_MARKER = QColor("#f0f4f8"), QColor(142, 152, 164, 170), QColor(colours.PLAYHEAD)
+MARKER_COLOUR, OTHER_MARKER_COLOUR = QColor("#f0f4f8"), QColor(142, 152, 164, 170)
+CHOSEN_MARKER_COLOUR = QColor(colours.PLAYHEAD)
 
 NOTICE_ABOVE = 150.0
 """Pixels from the lower edge up to what is said while nobody performs: clear of a sentence of two lines."""
@@ -22,7 +23,7 @@ NOTICE_ABOVE = 150.0
 
 GAZE = 0.6
 """Least strength of the line from eyes to what they look at, whoever's they are."""
-JOINT = QColor(colours.SELECTED_HANDLE)
+JOINT_COLOUR = QColor(colours.SELECTED_HANDLE)
 """Of the dots at joints that can be picked."""
 
 
@@ -79,10 +80,10 @@ class Overlay:
                 self._painter,
                 pixel,
                 5.5 if chosen else 3.2,
-                CHOSEN_MARKER if chosen else MARKER if used else OTHER_MARKER,
+                CHOSEN_MARKER_COLOUR if chosen else MARKER_COLOUR if used else OTHER_MARKER_COLOUR,
             )
             if chosen or named:
-                self._name(pixel, label, CHOSEN_MARKER if chosen else MARKER, 12 if chosen else 10)
+                self._name(pixel, label, CHOSEN_MARKER_COLOUR if chosen else MARKER_COLOUR, 12 if chosen else 10)
 
     def _name(self, place: FloatArray, words: str, colour: QColor, height: int) -> None:
         font = self._painter.font()
@@ -99,14 +100,14 @@ class Overlay:
         for name, top in tops.items():
             pixels, depth = self._camera.project(top, self._size)
             if depth[0] > 0:
-                self._name(pixels[0] + [-3.3 * len(name) - 8.0, -10.0], name, MARKER, 12)
+                self._name(pixels[0] + [-3.3 * len(name) - 8.0, -10.0], name, MARKER_COLOUR, 12)
 
     def joints(self, places: FloatArray) -> None:
         """Dots at the joints (J, 3) of a body that can be picked."""
         pixels, depth = self._camera.project(places, self._size)
         for pixel, ahead in zip(pixels, depth, strict=True):
             if ahead > 0:
-                draw_disc(self._painter, pixel, 3.0, JOINT)
+                draw_disc(self._painter, pixel, 3.0, JOINT_COLOUR)
 
     def joint(self, place: FloatArray, colour: str, strong: bool) -> None:
         """A ring round a joint: strong for the picked one, thin for the one under the mouse."""

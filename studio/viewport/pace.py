@@ -5,7 +5,7 @@ import time
 from collections import deque
 from collections.abc import Callable
 
-OF_LATE = 1.0
+PACE_SECONDS = 1.0
 """Seconds over which pictures are counted."""
 SAID_EVERY = 0.25
 """Seconds between one figure and the next."""
@@ -49,9 +49,9 @@ class Pace:
         now = self._clock()
         self._begun = now if self._begun is None else self._begun
         self._pictures.append(now)
-        while now - self._pictures[0] > OF_LATE:
+        while now - self._pictures[0] > PACE_SECONDS:
             self._pictures.popleft()
-        if asked_at is None or asked_at < self._begun - OF_LATE:
+        if asked_at is None or asked_at < self._begun - PACE_SECONDS:
             self._behind = None
         elif asked_at != self._asked_at:  # the same answer seen again is no older for that
             self._behind = now - asked_at

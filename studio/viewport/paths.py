@@ -14,7 +14,7 @@ from studio.engine.performance import FloatArray, Posed
 from studio.viewport.body_points import point_path
 
 TRAIL_SECONDS, TRAIL_RATE = 0.8, 120.0
-RING_RADIUS, MARK_RADIUS = 0.20, 0.045
+PATH_RING_RADIUS, PATH_MARK_RADIUS = 0.20, 0.045
 """In parts of the leg's length, and in metres."""
 LIFT = 0.005
 _TURN = np.linspace(0.0, 2 * np.pi, 41)
@@ -64,7 +64,7 @@ def selection_rings(project: Project, posed: Mapping[str, Posed], selected: Coll
     """A ring on the ground round each selected performer."""
     chosen = [posed[key] for key in selected if key in posed]
     centres, sizes = [pose.points[0] for pose in chosen], [2 * pose.motion.morphology.leg_length for pose in chosen]
-    return _rings(project, centres, RING_RADIUS * np.array(sizes), colours.SELECTED_HANDLE, 0.7)
+    return _rings(project, centres, PATH_RING_RADIUS * np.array(sizes), colours.SELECTED_HANDLE, 0.7)
 
 
 def prop_paths(project: Project, selected: Collection[str], time: float) -> list[StagePath]:
@@ -88,7 +88,7 @@ def contact_marks(project: Project, posed: Mapping[str, Posed]) -> list[StagePat
             now = [each for each in contacts if each.first <= pose.frame <= each.last]
             standing[moment] = [each.point for each in now if isinstance(each.point, ContactPoint)]
         centres += [_touching_point(pose, point) for point in standing[moment]]
-    return _rings(project, centres, np.full(len(centres), MARK_RADIUS), colours.kind_colour("contact"), 0.9)
+    return _rings(project, centres, np.full(len(centres), PATH_MARK_RADIUS), colours.kind_colour("contact"), 0.9)
 
 
 def _smooth(path: FloatArray, frames: FloatArray, frame_rate: float) -> tuple[FloatArray, FloatArray]:

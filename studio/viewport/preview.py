@@ -8,9 +8,9 @@ from PySide6.QtWidgets import QWidget
 from studio.viewport.camera import FloatArray
 from studio.viewport.overlay import Overlay
 
-TICK = 33
+PREVIEW_MILLISECONDS = 33
 """Milliseconds a picture."""
-PICTURES, HELD = 24, 18
+PREVIEW_PICTURES, PREVIEW_HELD_PICTURES = 24, 18
 """Of the way there, and those for which the end is held."""
 
 
@@ -21,7 +21,7 @@ class Preview:
         self._widget, self._tick = widget, 0
         self._points: FloatArray | None = None
         self._pairs: NDArray[np.intp] | None = None
-        self._timer = QTimer(widget, interval=TICK)
+        self._timer = QTimer(widget, interval=PREVIEW_MILLISECONDS)
         self._timer.timeout.connect(self._go_on)
 
     @property
@@ -29,7 +29,7 @@ class Preview:
         """(N, 3) what is painted now; None while nothing is looked at."""
         if self._points is None:
             return None
-        share = min(self._tick / PICTURES, 1.0)
+        share = min(self._tick / PREVIEW_PICTURES, 1.0)
         return np.asarray(self._points[round(share * (len(self._points) - 1))])
 
     def show(self, points: FloatArray | None, pairs: NDArray[np.intp] | None = None) -> None:
@@ -47,5 +47,5 @@ class Preview:
             overlay.ghost(self.points, self._pairs)
 
     def _go_on(self) -> None:
-        self._tick = (self._tick + 1) % (PICTURES + HELD)
+        self._tick = (self._tick + 1) % (PREVIEW_PICTURES + PREVIEW_HELD_PICTURES)
         self._widget.update()

@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.viewport.camera import FloatArray
-from studio.viewport.gizmo import AXES, LINE_REACH, GizmoFrame
+from studio.viewport.gizmo import GIZMO_AXES, LINE_REACH, GizmoFrame
 
 ROTATE_RING, SCREEN_RING, TRACKBALL = 0.86, 1.06, "trackball"
 """Radii of the rings, in parts of an arrow."""
-SCREEN = "screen"
+SCREEN_PART = "screen"
 EDGE_ON = 0.2
 """Cosine between a ring's axis and the sight below which the ring is dragged along its tangent."""
 RING_SIDES = 72
@@ -27,19 +27,19 @@ class RotateGizmo(GizmoFrame):
     @property
     def parts(self) -> tuple[str, ...]:
         """The rings that it has."""
-        return ("z",) if self.heading_only else (*AXES, SCREEN)
+        return ("z",) if self.heading_only else (*GIZMO_AXES, SCREEN_PART)
 
     def ring(self, part: str) -> FloatArray:
         """(RING_SIDES + 1, 2) pixels of a ring, closed; angles grow with a positive rotation about its axis."""
         first, second, _ = self._basis(part)
-        radius = self.length * (SCREEN_RING if part == SCREEN else ROTATE_RING)
+        radius = self.length * (SCREEN_RING if part == SCREEN_PART else ROTATE_RING)
         points = np.outer(np.cos(_ROUND), first) + np.outer(np.sin(_ROUND), second)
         return self.camera.project(self.origin + radius * points, self.size)[0]
 
     def in_front(self, part: str) -> NDArray[np.bool_]:
         """(RING_SIDES,) True for sides on the half towards the viewer; all of a ring that is seen from its axis."""
         first, second, axis = self._basis(part)
-        if part == SCREEN or self.heading_only or abs(float(axis @ self.sight)) > 0.985:
+        if part == SCREEN_PART or self.heading_only or abs(float(axis @ self.sight)) > 0.985:
             return np.ones(RING_SIDES, dtype=np.bool_)
         middles = (_ROUND[:-1] + _ROUND[1:]) / 2
         return np.asarray(np.cos(middles) * (first @ self.sight) + np.sin(middles) * (second @ self.sight) <= 0.0)
@@ -79,17 +79,17 @@ class RotateGizmo(GizmoFrame):
     def sector(self, part: str, begin: float, angle: float) -> FloatArray:
         """(N, 2) pixels of the sector of a ring from bearing ``begin`` over ``angle`` radians, from the middle on."""
         first, second, _ = self._basis(part)
-        radius = self.length * (SCREEN_RING if part == SCREEN else ROTATE_RING)
+        radius = self.length * (SCREEN_RING if part == SCREEN_PART else ROTATE_RING)
         angles = begin + np.linspace(0.0, angle, 2 + int(abs(angle) * RING_SIDES / (2.0 * np.pi)))
         points = np.outer(np.cos(angles), first) + np.outer(np.sin(angles), second)
         return self.camera.project(self.origin + radius * np.concatenate([np.zeros((1, 3)), points]), self.size)[0]
 
     def _basis(self, part: str) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Two axes of a ring's plane and the axis that it goes round, stage space."""
-        if part == SCREEN:
+        if part == SCREEN_PART:
             right, up, back = self.camera.axes
             return right, up, back
-        axis = AXES.index(part)
+        axis = GIZMO_AXES.index(part)
         axes = np.eye(3) if self.heading_only else self.axes
         return axes[(axis + 1) % 3], axes[(axis + 2) % 3], axes[axis]
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from studio.viewport.gizmo import AXES, BALL, BALL_REACH, GizmoFrame, nearest_axis
+from studio.viewport.gizmo import BALL_HANDLE, BALL_REACH, GIZMO_AXES, GizmoFrame, nearest_axis
 
 EVEN_PIXELS = 120.0
 """Pixels to the right over which the box in the middle makes a thing 2.7 times larger."""
@@ -19,19 +19,22 @@ class ScaleGizmo(GizmoFrame):
 
     def usable(self, part: str) -> bool:
         """False for an axis without a size or seen end on."""
-        return part == BALL or bool(self.scales[AXES.index(part)] and self.facing[AXES.index(part)] < 0.985)
+        if part == BALL_HANDLE:
+            return True
+        axis = GIZMO_AXES.index(part)
+        return bool(self.scales[axis] and self.facing[axis] < 0.985)
 
     def part_at(self, x: float, y: float) -> str | None:
         """The part under pixel (x, y): the middle before the axes."""
         mouse = np.array([x, y])
         if np.hypot(*(mouse - self.centre)) <= BALL_REACH:
-            return BALL
-        return nearest_axis(self, mouse, [self.usable(axis) for axis in AXES])
+            return BALL_HANDLE
+        return nearest_axis(self, mouse, [self.usable(axis) for axis in GIZMO_AXES])
 
     def factor(self, part: str, grip: tuple[float, float], x: float, y: float) -> float:
         """How much larger the thing is when ``part``, gripped at one pixel, is dragged to (x, y)."""
-        if part == BALL:
+        if part == BALL_HANDLE:
             return float(np.exp((x - grip[0] - (y - grip[1])) / EVEN_PIXELS))
-        axis = AXES.index(part)
+        axis = GIZMO_AXES.index(part)
         begin, end = (float((self.along_axis(axis, *at) - self.origin) @ self.axes[axis]) for at in (grip, (x, y)))
         return max(end / begin if abs(begin) > 1e-6 else 1.0, LEAST_FACTOR)

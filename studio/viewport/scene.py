@@ -18,7 +18,7 @@ from studio.engine.performance import Posed
 from studio.engine.props import PropPose
 from studio.viewport.bodies import BodyVisual
 from studio.viewport.camera import VIEW_ANGLE, OrbitCamera
-from studio.viewport.eyes import MIDDLE, Eye
+from studio.viewport.eyes import CENTRE_EYE, Eye
 from studio.viewport.floor import SHADOW_REACH, SoftShadows, make_lines, make_plane, make_sky
 from studio.viewport.ground_visual import GroundVisual
 from studio.viewport.live_mesh import LiveLines, flat_actor
@@ -75,7 +75,11 @@ class StageScene:
         self._sync_props(project, props)
 
     def render(
-        self, camera: OrbitCamera, size: tuple[int, int], offset: tuple[float, float] = (0.0, 0.0), eye: Eye = MIDDLE
+        self,
+        camera: OrbitCamera,
+        size: tuple[int, int],
+        offset: tuple[float, float] = (0.0, 0.0),
+        eye: Eye = CENTRE_EYE,
     ) -> Pixels:
         """The picture (height, width, 4), RGBA; ``offset`` shifts it by parts of a pixel.
 

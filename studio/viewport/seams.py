@@ -13,13 +13,13 @@ from studio.core.mesh.skin import SkinnedMesh
 FIELD = "panel"
 ENTRIES = 512
 """Shades between the middle of one panel and that of the next."""
-LINE = 0.045
+SEAM_HALF_WIDTH = 0.045
 """Half the width of a line, where the field goes from -1 to 1: some three millimetres on an adult."""
 SHADES = 1.0, 0.93
 """How bright the panels of either sign are, beside the colour of the character."""
 DARK = 0.42
 """How bright the lines are."""
-WHOLE = BodyPart.LEFT_TOE, BodyPart.RIGHT_TOE, BodyPart.LEFT_CLAVICLE, BodyPart.RIGHT_CLAVICLE, BodyPart.NECK
+JOINED_PANELS = BodyPart.LEFT_TOE, BodyPart.RIGHT_TOE, BodyPart.LEFT_CLAVICLE, BodyPart.RIGHT_CLAVICLE, BodyPart.NECK
 """Segments that are one panel with what carries them."""
 
 
@@ -35,7 +35,7 @@ def panel_signs(layout: BodyLayout) -> NDArray[np.float32]:
     one panel.
     """
     signs = np.ones(layout.segment_count, dtype=np.float32)
-    whole = {layout.segment(part) for part in WHOLE}
+    whole = {layout.segment(part) for part in JOINED_PANELS}
     for segment, parent in enumerate(layout.parent_segments()):
         if 0 < segment < layout.spine_count:
             signs[segment] = 1.0 if segment == layout.spine_count - 1 else -1.0
@@ -55,7 +55,7 @@ def draw_seams(actor: Any, colour: str) -> None:
 @lru_cache(maxsize=64)
 def _table(colour: str) -> pv.LookupTable:
     values = np.linspace(-1.0, 1.0, ENTRIES)
-    line = np.clip(1.5 - np.abs(values) / LINE, 0.0, 1.0)
+    line = np.clip(1.5 - np.abs(values) / SEAM_HALF_WIDTH, 0.0, 1.0)
     bright = np.where(values > 0.0, *SHADES) * (1.0 - line) + DARK * line
     rgb = np.round(bright[:, None] * pv.Color(colour).int_rgb)
     table = pv.LookupTable(values=np.column_stack([rgb, np.full(ENTRIES, 255)]).astype(np.uint8))

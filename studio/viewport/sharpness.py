@@ -2,10 +2,10 @@
 
 SHARES = (1.0, 2 / 3, 1 / 2)
 """Of the width and the height."""
-DRAGGED, PLAYED = 0.006, 0.022
+SLOW_DRAG_SECONDS, SLOW_PLAY_SECONDS = 0.006, 0.022
 """Seconds of drawing above which fewer pixels are drawn from then on: a hand waits for each picture, of whose 33 ms
 drawing may take a fifth, and what plays needs 30 of them a second, of which drawing may take two thirds."""
-PATIENCE = 6
+SLOW_PICTURES = 6
 """How many more pictures were slow than quick before that, so that a hiccup of the machine changes nothing."""
 RETRY = 60
 """Pictures so quick that more pixels should do as well, before that is tried; twice as many each time it failed."""
@@ -28,7 +28,7 @@ class Sharpness:
         self._slow = max(self._slow + (1 if seconds > self._limit else -1), 0)
         finer = SHARES[max(self._step - 1, 0)] / SHARES[self._step]  # as its time is: half of it is not of the pixels
         self._quick = max(self._quick + (1 if seconds * finer < self._limit else -1), 0)
-        if self._slow >= PATIENCE and self._step < len(SHARES) - 1:
+        if self._slow >= SLOW_PICTURES and self._step < len(SHARES) - 1:
             self._go(self._step + 1)
             self._retry *= 2
         elif self._quick >= self._retry and self._step > 0:

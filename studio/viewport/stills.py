@@ -5,7 +5,7 @@ import numpy as np
 from studio.viewport.camera import OrbitCamera
 from studio.viewport.eyes import Pixels, Renders
 
-SAMPLES, FILM_SAMPLES = 12, 4
+STILL_SAMPLES, FILM_PICTURE_SAMPLES = 12, 4
 _GOLDEN = np.array([0.7548776662466927, 0.5698402909980532])
 """Steps of the R2 sequence: points that fill a square evenly."""
 
@@ -32,7 +32,7 @@ class Still:
     @property
     def complete(self) -> bool:
         """Whether more would not be seen."""
-        return self.count >= SAMPLES
+        return self.count >= STILL_SAMPLES
 
     @property
     def pixels(self) -> Pixels:

@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QWidget
 
 from studio.core.body.sticks import bone_pairs
 from studio.core.constraints.base import BodyPoint
-from studio.core.constraints.kinds import KINDS
+from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.document import colours
 from studio.document.document import Document
 from studio.engine.empty_stage import empty_words
@@ -31,7 +31,7 @@ from studio.viewport.dropping import StrikeDrops
 from studio.viewport.following import FollowCamera
 from studio.viewport.framing import selected_points
 from studio.viewport.gestures import ViewportGesture, nudge
-from studio.viewport.gizmo import ARROW_PIXELS, AXES, Space, arrow_pixels
+from studio.viewport.gizmo import ARROW_PIXELS, GIZMO_AXES, Space, arrow_pixels
 from studio.viewport.gizmo_painting import GizmoPainter
 from studio.viewport.glide import Glide
 from studio.viewport.handles import Handle, constraint_handles
@@ -227,7 +227,11 @@ class Viewport(Canvas):
         performer_id = picked.performer_id if picked else self._document.active_performer_id or ""
         pose = self.posed.get(performer_id)
         project = self._document.project  # the motion may have gone from it since the last picture
-        if pose is None or pose.motion_id not in project.motions or (picked is None and KINDS[kind].shown.picks):
+        if (
+            pose is None
+            or pose.motion_id not in project.motions
+            or (picked is None and CONSTRAINT_KINDS[kind].shown.picks)
+        ):
             return None
         context, joint = TargetContext(project, self.posed, pose), picked.joint if picked else None
         constraint = constraint_here(Here(context, joint), kind)
@@ -541,7 +545,7 @@ class Viewport(Canvas):
             Qt.Key.Key_E: partial(self.set_tool, "rotate"),
             Qt.Key.Key_R: partial(self.set_tool, "scale"),
             Qt.Key.Key_T: self.next_gizmo_space,
-            **{Qt.Key[f"Key_{axis.upper()}"]: partial(self.choose_nudged_axis, axis) for axis in AXES},
+            **{Qt.Key[f"Key_{axis.upper()}"]: partial(self.choose_nudged_axis, axis) for axis in GIZMO_AXES},
             Qt.Key.Key_Plus: partial(self.nudge, 1.0),
             Qt.Key.Key_Equal: partial(self.nudge, 1.0),
             Qt.Key.Key_Minus: partial(self.nudge, -1.0),

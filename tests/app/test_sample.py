@@ -31,10 +31,10 @@ def test_the_sample_is_as_the_solver_has_it():
 
 def test_the_sample_is_the_bundled_capture_with_its_contacts():
     project, _ = sample.read_sample()
-    kept, capture = project.captures[sample.MOTION_ID], load_capture(sample.capture_file())
+    kept, capture = project.captures[sample.SAMPLE_MOTION_ID], load_capture(sample.capture_file())
     assert np.allclose(kept.poses.local_rotations, capture.poses.local_rotations, atol=1e-9)
     assert np.allclose(kept.poses.local_translations, capture.poses.local_translations, atol=1e-9)
-    assert set(project.contacts.values()) == set(detected_contacts(capture, sample.MOTION_ID))
+    assert set(project.contacts.values()) == set(detected_contacts(capture, sample.SAMPLE_MOTION_ID))
 
 
 def test_c_on_the_sample_gives_each_body_its_own_place_before_anything_is_solved():

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from studio.cli.bench import bundled_capture
-from studio.cli.bench_cases import ASIDE, BEYOND, FRAMES, LIMB, clip_of, make_tasks
+from studio.cli.bench_cases import ELBOW_OFFSET, FRAMES, LIMB, TARGET_BEYOND_REACH, clip_of, make_tasks
 from studio.cli.bench_timing import BenchJob, time_jobs
 from studio.cli.main import main
 from studio.core.solver.adapt import adapt
@@ -57,7 +57,7 @@ def test_the_wrist_that_is_called_ten_centimetres_beyond_is_missed_by_so_much_by
     task = _named(tasks, "10 cm")
     balance, wrist = task.request.constraints
     alone = adapt(replace(task.request, constraints=(replace(wrist, chain=LIMB, priority=0),))).residuals[0]
-    assert np.allclose(alone, BEYOND, atol=2e-3)
+    assert np.allclose(alone, TARGET_BEYOND_REACH, atol=2e-3)
     assert balance.priority < wrist.priority
 
 
@@ -66,7 +66,7 @@ def test_the_elbow_that_is_called_lower_is_missed_and_takes_nothing_from_its_wri
     wrist, elbow = request.constraints
     both, alone = adapt(request).residuals, adapt(replace(request, constraints=(wrist,))).residuals
     assert elbow.priority > wrist.priority
-    assert both[1].min() > ASIDE / 2
+    assert both[1].min() > ELBOW_OFFSET / 2
     assert (both[0] <= alone[0] + 2e-4).all()
 
 

@@ -16,7 +16,7 @@ from studio.core.body.character_skeleton import (
 )
 from studio.core.body.kinematics import joint_world, rest_poses
 from studio.core.normalized.normalize import normalize
-from studio.core.rotations import IDENTITY
+from studio.core.rotations import IDENTITY_QUATERNION
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.io.figure.body_maps import find_body
@@ -34,7 +34,7 @@ def body(request):
 
 def t_pose(body):
     skeleton = character_skeleton(body)
-    poses = rest_poses(skeleton, np.tile(IDENTITY, (skeleton.joint_count, 1)))
+    poses = rest_poses(skeleton, np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1)))
     return dict(zip(skeleton.names, joint_world(skeleton, poses)[0][0], strict=True))
 
 
@@ -66,7 +66,7 @@ def test_joints_stand_depth_first_with_the_names_other_programs_know(body):
 
 def test_our_own_search_finds_the_body_that_was_meant(body):
     skeleton = character_skeleton(body)
-    poses = rest_poses(skeleton, np.tile(IDENTITY, (skeleton.joint_count, 1)))
+    poses = rest_poses(skeleton, np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1)))
     found = find_body(skeleton, joint_world(skeleton, poses)[0])
     assert found.body_map == character_body_map(body.layout)
     assert len(found.body_map.parts) == len(BodyPart) - 2

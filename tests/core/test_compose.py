@@ -15,8 +15,8 @@ from studio.core.normalized.joining import SAME_PLACE, Planar, average_body
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import capture_contacts, normalize
 from studio.core.normalized.realize import realize
-from studio.core.normalized.transition import LONGEST, placed
-from studio.core.quality.metrics import QUIET, angular_acceleration, contact_quality
+from studio.core.normalized.transition import MOST_TRANSITION, placed
+from studio.core.quality.metrics import QUIET_PEAK, angular_acceleration, contact_quality
 from studio.core.solver.adapt import hold
 from studio.core.solver.standing.stand import Standing, stand
 from studio.io.importing import load_capture
@@ -146,7 +146,7 @@ def test_no_foot_slides_and_no_joint_jolts_where_one_clip_follows_another(
     quality = contact_quality(hold(stands, ()), stands.contacts, Ground())
     assert quality.slide < 1e-3
     assert quality.penetration < 1e-3
-    usual = np.maximum(np.maximum(peaks(first), peaks(second)), QUIET)
+    usual = np.maximum(np.maximum(peaks(first), peaks(second)), QUIET_PEAK)
     assert (local_accelerations(stands).max(axis=0) / usual).max() < PERMITTED
     ways = np.linalg.norm(np.diff(stands.positions, axis=0), axis=2).max() * row.timing.frame_rate
     fastest = max(_fastest(first), _fastest(second))
@@ -197,7 +197,7 @@ def test_a_clip_over_a_longer_one_takes_over_in_its_first_second() -> None:
     """It would not be seen at all if it took over as it ends."""
     kick = example("front_kick")
     row = compose((example("walk_turn"), cut(kick, start=2.0)))
-    assert row.played[0].last < row.played[1].first <= round((2.0 + LONGEST) * row.timing.frame_rate)
+    assert row.played[0].last < row.played[1].first <= round((2.0 + MOST_TRANSITION) * row.timing.frame_rate)
 
 
 @pytest.mark.parametrize("seed", range(20))

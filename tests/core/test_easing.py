@@ -18,7 +18,7 @@ from studio.core.constraints.follow import FollowTracked
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.tasks.goals import RADIAN_LENGTH as LEVER
 from studio.core.kernels.time.acceleration_peaks import TOTAL_PEAK
-from studio.core.quality.metrics import QUIET, angular_acceleration, contact_quality
+from studio.core.quality.metrics import QUIET_PEAK, angular_acceleration, contact_quality
 from studio.core.rotations import angle_between, from_matrix
 from studio.core.solver.adapt import adapt, hold, place_of
 from studio.core.solver.asking.packing import pack_tasks
@@ -70,7 +70,7 @@ def test_what_does_not_jolt_is_as_if_nothing_could_be_eased() -> None:
 def test_feet_that_stand_stay_where_they_are_and_joints_do_not_jolt(seed: int, count: int) -> None:
     wishes = Wishes(BEFORE[seed % 5], seed, count)
     plain, eased = (hold(STANDING[seed % 5], wishes.constraints, tracks=wishes.tracks, eased=e) for e in (False, True))
-    allowed = 3.0 * (max(QUIET, _peak(BEFORE[seed % 5])) + wishes.brings)
+    allowed = 3.0 * (max(QUIET_PEAK, _peak(BEFORE[seed % 5])) + wishes.brings)
     assert _peak(plain) > allowed > _peak(eased)
     assert contact_quality(eased, CONTACTS, Ground()).slide < 2e-4
 
@@ -144,7 +144,7 @@ def test_joints_stay_within_their_limits_while_they_are_eased() -> None:
 
 def test_a_body_with_free_joints_and_one_that_keeps_clear_of_itself_are_eased_too() -> None:
     wishes = Wishes(BEFORE[4], 14, 2)
-    allowed = 3.0 * (max(QUIET, _peak(BEFORE[4])) + wishes.brings)
+    allowed = 3.0 * (max(QUIET_PEAK, _peak(BEFORE[4])) + wishes.brings)
     free = replace(STANDING[4], limited=False)
     assert _peak(hold(free, wishes.constraints, tracks=wishes.tracks, eased=True)) < allowed
     clear = ClearConstraint("motion", "Clear", BodyPoint(BodyPart.THORAX), Chain(), 3, ActivationCurve(0, 0, 9, 9))

@@ -7,7 +7,7 @@ from studio.core.body.kinematics import joint_world, rest_poses
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
-from studio.core.rotations import IDENTITY, from_euler, to_matrix
+from studio.core.rotations import IDENTITY_QUATERNION, from_euler, to_matrix
 
 
 def _tree(joints: int, seed: int = 0) -> Skeleton:
@@ -39,11 +39,13 @@ def test_a_bent_elbow_puts_the_hand_where_it_should_be() -> None:
     offsets = np.array([[0.0, 0, 1], [0.3, 0, 0], [0.2, 0, 0]])
     arm = Skeleton(("shoulder", "elbow", "hand"), np.array([-1, 0, 1]), offsets, np.zeros(3, dtype=bool))
     quarter = from_euler("Z", np.array([np.pi / 2]))
-    positions, rotations = joint_world(arm, rest_poses(arm, np.stack([IDENTITY, quarter, IDENTITY])))
+    positions, rotations = joint_world(
+        arm, rest_poses(arm, np.stack([IDENTITY_QUATERNION, quarter, IDENTITY_QUATERNION]))
+    )
     assert np.allclose(positions[0], [[0, 0, 1], [0.3, 0, 1], [0.3, 0.2, 1]])
     assert np.allclose(rotations[0, 2] @ [1, 0, 0], [0, 1, 0])
 
 
 def test_poses_of_another_skeleton_are_refused() -> None:
     with pytest.raises(StudioError, match="Poses of 3 joints do not fit a skeleton of 4"):
-        joint_world(_tree(4), rest_poses(_tree(3), np.tile(IDENTITY, (3, 1))))
+        joint_world(_tree(4), rest_poses(_tree(3), np.tile(IDENTITY_QUATERNION, (3, 1))))

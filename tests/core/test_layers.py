@@ -12,7 +12,7 @@ from studio.core.normalized.compose import Composite, compose
 from studio.core.normalized.layers import PlayedLayer, columns_of, layered
 from studio.core.normalized.pieces import MotionPiece
 from studio.core.normalized.resample import Resampled
-from studio.core.quality.metrics import QUIET, contact_quality
+from studio.core.quality.metrics import QUIET_PEAK, contact_quality
 from studio.core.solver.adapt import hold
 from studio.core.stage.clip import Clip
 from studio.core.stage.layer import Layer, Region
@@ -154,7 +154,7 @@ def test_no_foot_slides_and_no_joint_jolts_where_a_layer_comes_and_goes(region: 
     quality = contact_quality(hold(stands, ()), composite.contacts, Ground())
     assert quality.slide < 1e-3
     assert quality.penetration < 1e-3
-    usual = np.maximum(np.maximum(peaks(base), peaks(second)), QUIET)
+    usual = np.maximum(np.maximum(peaks(base), peaks(second)), QUIET_PEAK)
     assert (local_accelerations(stands).max(axis=0) / usual).max() < PERMITTED
 
 

@@ -14,7 +14,7 @@ from studio.core.body.morphology import Proportions
 from studio.core.body.rest_pose import rest_pose
 from studio.core.mannequin.physiques import BUNDLED
 from studio.core.mannequin.sculpt import make_mannequin
-from studio.core.mesh.hand_shapes import AT_EASE, FIST, HALF_CLOSED, OPEN
+from studio.core.mesh.hand_shapes import FIST_GRIP, HALF_CLOSED_GRIP, OPEN_GRIP, RELAXED_GRIP
 from studio.core.mesh.skin import fit_skin, gripping
 from studio.io.project.character_file import bundled_characters, read_character, write_character
 
@@ -68,7 +68,7 @@ def test_fingers_begin_within_the_palm_and_end_at_the_finger_tips(character: Cha
 def test_finger_tips_come_to_the_palm_as_a_hand_closes(character: Character):
     body, reach = character.build, []
     wrist, hand = rest_pose(body)[0][body.layout.wrist(0)], body.layout.segment(BodyPart.LEFT_HAND)
-    for grip in (OPEN, AT_EASE, HALF_CLOSED, FIST):
+    for grip in (OPEN_GRIP, RELAXED_GRIP, HALF_CLOSED_GRIP, FIST_GRIP):
         skin = gripping(character.skin, grip)
         held = skin.vertices[(skin.segments[:, 0] == hand) & (skin.weights[:, 0] == 1.0)]
         reach.append(float(((held - wrist) @ rest_pose(body)[1][hand][:, 2]).max() / np.linalg.norm(body.hand[0])))
@@ -78,18 +78,18 @@ def test_finger_tips_come_to_the_palm_as_a_hand_closes(character: Character):
 
 
 def test_only_thumbs_and_fingers_change_with_the_grip(character: Character):
-    fist = gripping(character.skin, FIST)
+    fist = gripping(character.skin, FIST_GRIP)
     moved = np.flatnonzero(np.abs(fist.vertices - character.skin.vertices).max(axis=1) > 0.0)
     hands = [character.build.layout.segment(part) for part in (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)]
     assert np.isin(character.skin.segments[moved, 0], hands).all()
     assert np.linalg.norm(fist.normals, axis=1) == pytest.approx(1.0, abs=1e-3)
-    assert gripping(character.skin, AT_EASE) is character.skin
+    assert gripping(character.skin, RELAXED_GRIP) is character.skin
 
 
 def test_a_fist_grows_with_its_body(character: Character):
     grown = Proportions(stature=1.3).applied_to(character.build)
-    closed_then_grown = fit_skin(gripping(character.skin, FIST), character.build, grown)
-    grown_then_closed = gripping(fit_skin(character.skin, character.build, grown), FIST)
+    closed_then_grown = fit_skin(gripping(character.skin, FIST_GRIP), character.build, grown)
+    grown_then_closed = gripping(fit_skin(character.skin, character.build, grown), FIST_GRIP)
     assert grown_then_closed.vertices == pytest.approx(closed_then_grown.vertices, abs=1e-5)
     assert grown_then_closed.normals == pytest.approx(closed_then_grown.normals, abs=1e-3)
 

@@ -309,8 +309,8 @@ def handing() -> Project:
     """Two walk beside each other: one carries a box until the other takes it, all wrists on it meanwhile."""
     project = carrying.three_boxes()
     one, other = list(project.performers)[:2]
-    box = replace(project.props[f"box {one}"], held=Carried(one, carrying.AHEAD, end=GIVEN))
-    box = box.taken(Carried(other, carrying.AHEAD), GIVEN)
+    box = replace(project.props[f"box {one}"], held=Carried(one, carrying.HANDS_CENTRE, end=GIVEN))
+    box = box.taken(Carried(other, carrying.HANDS_CENTRE), GIVEN)
     x, y = project.performers[one].position
     beside = replace(project.performers[other], position=(x, y + 0.5))
     project = replace(project, constraints={}, props={"box": box}).with_entity("performers", other, beside)
@@ -335,7 +335,10 @@ def test_who_hands_a_box_to_another_holds_it_until_then_and_the_other_from_then_
     }
     prop = project.props["box"]
     track = stage_track(prop, times, holders)
-    alone = [stage_track(replace(prop, held=Carried(key, carrying.AHEAD), later=()), times, holders) for key in holders]
+    alone = [
+        stage_track(replace(prop, held=Carried(key, carrying.HANDS_CENTRE), later=()), times, holders)
+        for key in holders
+    ]
     assert track.places[times < GIVEN] == pytest.approx(alone[0].places[times < GIVEN], abs=1e-9)
     apart = np.linalg.norm(alone[1].places - alone[0].places, axis=1)
     far = apart[np.searchsorted(times, GIVEN)]

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from studio.core.body.canonical import BodyLayout
 from studio.core.kernels import pose_search as at
-from studio.core.retrieval import BLOCK, Query, SearchTable, pose_distances, pose_rows, search, searched_points
+from studio.core.retrieval import BLOCK_FRAMES, Query, SearchTable, pose_distances, pose_rows, search, searched_points
 from tests.core.twins.retrieval import brute_force, kovar_distance
 
 LAYOUT = BodyLayout(3)
@@ -17,7 +17,7 @@ def made_table(seed: int, clips: int = 12, actors: int = 3) -> SearchTable:
     """Smooth random bodies that walk through each other's poses."""
     random = np.random.default_rng(seed)
     basis = random.normal(size=(4, LAYOUT.point_count, 3)) * 0.25
-    counts = random.integers(1, 3 * BLOCK, clips)
+    counts = random.integers(1, 3 * BLOCK_FRAMES, clips)
     rows, paths, lengths = [], [], random.integers(1, 9, clips)
     for count, length in zip(counts, lengths, strict=True):
         steps = np.cumsum(random.normal(size=(count, 4)) * 0.05, axis=0) + random.normal(size=4)

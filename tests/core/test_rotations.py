@@ -72,7 +72,7 @@ def test_a_product_turns_by_the_second_first(first: np.ndarray, second: np.ndarr
 def test_a_rotation_and_its_inverse_cancel(raw: np.ndarray) -> None:
     unit = rotations.normalized(raw)
     identity = rotations.multiply(unit, rotations.inverse(unit))
-    assert rotations.angle_between(identity, rotations.IDENTITY).max() < 1e-9
+    assert rotations.angle_between(identity, rotations.IDENTITY_QUATERNION).max() < 1e-9
 
 
 @given(quaternions)
@@ -111,7 +111,7 @@ def test_slerp_goes_the_share_of_the_way(first: np.ndarray, second: np.ndarray, 
 
 def test_the_angle_between_neighbours_is_exact_for_tiny_turns() -> None:
     tiny = rotations.from_euler("X", np.array([1e-9]))
-    assert rotations.angle_between(rotations.IDENTITY, tiny) == pytest.approx(1e-9)
+    assert rotations.angle_between(rotations.IDENTITY_QUATERNION, tiny) == pytest.approx(1e-9)
 
 
 @given(st.integers(0, 10_000))

@@ -20,7 +20,7 @@ from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.plausible import PLACE, TURN
+from studio.core.plausible import PLACE_RANGE, TURN_RANGE
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -38,7 +38,7 @@ ALONE = {
 """Radians a second squared: the median and the worst peak of any joint of trunk and arms, one wish of a kind alone."""
 TOGETHER = (1400.0, 22_000.0)
 """The same for sets of one to five wishes."""
-LARGEST = PLACE.most
+LARGEST = PLACE_RANGE.most
 """Metres: the farthest that a place may be."""
 
 
@@ -103,7 +103,7 @@ anything = st.one_of(
         shape=st.sampled_from(list(AreaShape)),
         centre=places,
         size=st.tuples(positive, positive, positive),
-        heading=numbers.filter(lambda turn: abs(turn) <= TURN.most),
+        heading=numbers.filter(lambda turn: abs(turn) <= TURN_RANGE.most),
         inside=st.booleans(),
     ),
 )

@@ -15,7 +15,7 @@ from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
-from studio.core.quality.metrics import QUIET, angular_acceleration
+from studio.core.quality.metrics import QUIET_PEAK, angular_acceleration
 from studio.core.solver.adapt import hold, place_of
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.request import AdaptedMotion
@@ -98,7 +98,7 @@ def _peak(seed: int, count: int) -> float:
     source, peak = (
         angular_acceleration(local_rotations(each)[:, :upper], each.frame_rate).max() for each in (before, solved)
     )
-    return float(peak / (max(source, QUIET) + wishes.brings))
+    return float(peak / (max(source, QUIET_PEAK) + wishes.brings))
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4])

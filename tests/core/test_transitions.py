@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.compose import Composite, MotionPiece, compose
 from studio.core.normalized.realize import realize
-from studio.core.quality.metrics import QUIET, contact_quality, swing_depths
+from studio.core.quality.metrics import QUIET_PEAK, contact_quality, swing_depths
 from studio.core.solver.adapt import hold
 from studio.core.solver.standing.held_foot import FootPath, HeldFoot
 from studio.core.solver.standing.inertialisation import Stance, led_from
@@ -60,7 +60,7 @@ def by_chance() -> list[Transition]:
         row = compose((before, after))
         stands = standing(row)
         names = [each.motion.name for each in (before, after)]
-        usual = np.maximum(np.maximum(*(peaks(name) for name in names)), QUIET)
+        usual = np.maximum(np.maximum(*(peaks(name) for name in names)), QUIET_PEAK)
         adapted = hold(stands, ())
         quality = contact_quality(adapted, adapted.contacts, Ground())
         deep = float(np.nanmax(swing_depths(adapted, adapted.contacts, Ground()), initial=0.0))

@@ -15,7 +15,7 @@ from studio.core.errors import StudioError
 from studio.core.stage.prop import Prop
 from studio.document import journal as journals
 from studio.document.document import Document
-from studio.document.recovery import ASIDE, put_aside, put_damaged_aside, recover, recoverable_sessions, tidy
+from studio.document.recovery import DAMAGED_FOLDER, put_aside, put_damaged_aside, recover, recoverable_sessions, tidy
 from tests.document.test_journal import edit, make_document, state
 
 __all__ = ["make_document"]
@@ -26,8 +26,8 @@ MUTANTS = 40
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Rests and heals without anyone waiting for it."""
-    monkeypatch.setattr(journals, "RESTS", 0.02)
-    monkeypatch.setattr(journals, "HEALS", 1.0)
+    monkeypatch.setattr(journals, "IDLE_SECONDS", 0.02)
+    monkeypatch.setattr(journals, "RETRY_SECONDS", 1.0)
 
 
 def killed(document: Document, tmp_path: Path) -> Path:
@@ -79,7 +79,7 @@ def test_no_damage_is_passed_over_in_silence_and_nothing_is_deleted(
             else:
                 assert recovered.problems or state(recovered.project) == last
                 told += bool(recovered.problems)
-        assert (copy / name).exists() or (copy / ASIDE / name).exists(), seed
+        assert (copy / name).exists() or (copy / DAMAGED_FOLDER / name).exists(), seed
     assert told > MUTANTS // 4
 
 
@@ -104,8 +104,8 @@ def test_what_lies_in_the_folder_stops_no_start(tmp_path: Path) -> None:
     assert recoverable_sessions(tmp_path) == ()
     sentences = put_damaged_aside(tmp_path)
     assert len(sentences) == 2
-    assert all(str(tmp_path / ASIDE) in sentence for sentence in sentences)
-    assert (tmp_path / ASIDE / "nonsense.sqlite").read_bytes() == b"nonsense" * 1000
+    assert all(str(tmp_path / DAMAGED_FOLDER) in sentence for sentence in sentences)
+    assert (tmp_path / DAMAGED_FOLDER / "nonsense.sqlite").read_bytes() == b"nonsense" * 1000
     assert put_damaged_aside(tmp_path) == ()
 
 

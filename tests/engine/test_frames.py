@@ -20,7 +20,7 @@ from studio.core.solver.adapt import adapt
 from studio.core.solver.performers.performing import perform
 from studio.core.stage.scope import Scope
 from studio.document.document import Document
-from studio.engine.frames import LONG, PIECE
+from studio.engine.frames import LONG_SECONDS, PIECE_FRAMES
 from studio.engine.live_adaptation import LiveAdaptation, normalised
 from studio.engine.standing_solver import StandingSolver
 from tests.builders import make_constraint, make_project
@@ -183,7 +183,7 @@ def test_a_frame_that_costs_long_keeps_no_picture_waiting_but_the_first(qapp: An
 
     def slow(request: Any, first: int, last: int | None) -> Any:
         begun = time.thread_time()
-        while last is not None and time.thread_time() - begun < 2 * LONG:
+        while last is not None and time.thread_time() - begun < 2 * LONG_SECONDS:
             pass
         solved.append(threading.current_thread() is threading.main_thread())
         return solver(request, first, last)
@@ -212,7 +212,7 @@ def test_a_row_that_is_very_long_keeps_not_even_the_first_picture_waiting(
     """Clips an hour apart hold a pose between them that stands in every frame; one that plays again is joined."""
     document, performer = live.document, live.document.project.performers["performer 0"]
     if repeats == 1:
-        monkeypatch.setattr("studio.engine.frames.MANY", FRAMES - 1 + PIECE)
+        monkeypatch.setattr("studio.engine.frames.MANY_FRAMES", FRAMES - 1 + PIECE_FRAMES)
     row = (replace(performer.clips[0], repeats=repeats),)
     document.replace("performers", "performer 0", replace(performer, clips=row), "Play again")
     assert live.wait(100.0)

@@ -1,6 +1,6 @@
 from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.constraints.base import BodyPoint
-from studio.engine.point_names import POINTS, point_words
+from studio.engine.point_names import POINT_NAMES, point_words
 from studio.panels.constraint_editors.common import point_choices
 from studio.viewport.body_points import body_joints
 
@@ -13,7 +13,7 @@ def test_a_point_has_the_same_name_in_viewport_inspector_and_library():
 
 
 def test_no_two_points_share_a_name():
-    assert len(set(POINTS.values())) == len(POINTS)
+    assert len(set(POINT_NAMES.values())) == len(POINT_NAMES)
 
 
 def test_a_point_without_a_name_of_its_own_goes_by_its_part():

@@ -12,7 +12,7 @@ import pytest
 from PySide6.QtWidgets import QApplication
 
 from studio.document.document import Document
-from studio.engine.frames import BUDGET, LONG
+from studio.engine.frames import BUDGET, LONG_SECONDS
 from studio.engine.hand import BUSY, Rest
 from studio.engine.live_adaptation import LiveAdaptation
 from studio.engine.standing_solver import StandingSolver
@@ -91,7 +91,7 @@ def begin(qapp: Any) -> Iterator[Callable[..., Drag]]:
 
 
 def test_a_body_that_was_slow_once_is_in_every_picture_again(begin: Any) -> None:
-    drag = begin(lambda count: 2.0 * LONG if count == 0 else 0.0)
+    drag = begin(lambda count: 2.0 * LONG_SECONDS if count == 0 else 0.0)
     drag.move()
     drag.move()
     drag.let_worker_answer()
@@ -99,13 +99,13 @@ def test_a_body_that_was_slow_once_is_in_every_picture_again(begin: Any) -> None
 
 
 def test_a_body_that_is_slow_but_not_too_slow_is_in_every_picture(begin: Any) -> None:
-    drag = begin(lambda _: 0.5 * LONG)
+    drag = begin(lambda _: 0.5 * LONG_SECONDS)
     assert all(drag.is_fresh(ACTIVE, drag.move()) for _ in range(PICTURES))
 
 
 def test_a_body_that_is_always_too_slow_is_in_every_turn_of_the_worker(begin: Any) -> None:
     """However many others stand beside, and though nothing has changed about them."""
-    drag = begin(lambda _: 1.5 * LONG)
+    drag = begin(lambda _: 1.5 * LONG_SECONDS)
     drag.move()
     for _ in range(PICTURES):
         moved_at = drag.move()
@@ -132,7 +132,7 @@ def test_whom_a_slow_drag_concerns_too_is_at_most_as_many_turns_behind_as_bodies
 
 
 def test_of_many_selected_bodies_the_active_one_is_in_every_picture(begin: Any) -> None:
-    drag = begin(lambda _: 0.7 * LONG)
+    drag = begin(lambda _: 0.7 * LONG_SECONDS)
     document = drag.document
     document.selection.set(*(("performers", key) for key in document.project.performers))
     active = document.active_performer_id
@@ -146,7 +146,7 @@ def test_of_many_selected_bodies_the_active_one_is_in_every_picture(begin: Any) 
     drag.move(character_id)
     first = time.thread_time() - begun
     assert all(drag.is_fresh(active, drag.move(character_id)) for _ in range(PICTURES))
-    assert time.thread_time() - begun - first < 1.8 * LONG * PICTURES  # not all of them before each picture
+    assert time.thread_time() - begun - first < 1.8 * LONG_SECONDS * PICTURES  # not all of them before each picture
 
 
 def test_a_body_that_a_drag_does_not_concern_answers_it_as_it_is(begin: Any) -> None:
@@ -176,7 +176,7 @@ def test_a_change_that_asks_nothing_new_of_a_body_leaves_no_frame_of_it_behind(b
 
 def test_after_release_the_one_body_that_was_dragged_is_solved_once(begin: Any) -> None:
     """So its strips wait for nothing but its own solve, however slow that is."""
-    drag = begin(lambda _: 0.5 * LONG)
+    drag = begin(lambda _: 0.5 * LONG_SECONDS)
     for _ in range(PICTURES):
         drag.move()
     drag.let_worker_answer()

@@ -14,15 +14,15 @@ from studio.core.constraints.balance import Support
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowProp
 from studio.core.constraints.keyed import KeyedPlace
-from studio.core.constraints.kinds import KINDS
+from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.quality.metrics import centre_of_mass
 from studio.core.stage.prop import Prop
 from studio.document.document import Document
 from studio.engine.moments import TargetContext
-from studio.panels.constraint_editors.body_figure import SCALE, SHAPES, BodyFigure
+from studio.panels.constraint_editors.body_figure import SCALE, SEGMENT_SHAPES, BodyFigure
 from studio.panels.fields import NumberField
 from studio.panels.inspector import Inspector
-from studio.viewport.gizmo import AXES
+from studio.viewport.gizmo import GIZMO_AXES
 from studio.viewport.handle_places import handle_place
 from studio.viewport.widget import Viewport
 from tests.builders import make_project
@@ -101,7 +101,7 @@ def choose(inspector, name, text):
     box.activated.emit(box.currentIndex())
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", CONSTRAINT_KINDS)
 def test_each_kind_is_added_at_a_pick_as_one_step_is_selected_and_has_its_form(studio, kind):
     _, document, inspector = studio
     constraint = add(studio, kind)
@@ -115,7 +115,7 @@ def test_each_kind_is_added_at_a_pick_as_one_step_is_selected_and_has_its_form(s
     assert not document.project.constraints
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", CONSTRAINT_KINDS)
 def test_what_needs_a_joint_waits_for_one_and_the_others_take_the_active_body(studio, kind):
     viewport, document, _ = studio
     made = viewport.add_constraint_at_pick(kind)
@@ -197,7 +197,7 @@ def test_balance_recruits_free_arms_and_the_free_leg_until_they_are_locked_on_th
     assert (chain.free_arms, chain.free_legs) == (1.0, 1.0)
     figure = inspector.editor.findChild(BodyFigure)
     for part, link in ((BodyPart.LEFT_FOREARM, "free_arms"), (BodyPart.RIGHT_THIGH, "free_legs")):
-        QTest.mouseClick(figure, LEFT, pos=(SCALE * SHAPES[part].center()).toPoint())
+        QTest.mouseClick(figure, LEFT, pos=(SCALE * SEGMENT_SHAPES[part].center()).toPoint())
         assert getattr(current(document).chain, link) == 0.0
     enter(inspector, "Weight of Free arms", "0.4")
     assert current(document).chain.free_arms == 0.4
@@ -232,7 +232,7 @@ def test_dragging_an_arrow_moves_the_place_of_any_kind_in_one_step(studio, kind)
     viewport.frame_selection()
     settle(viewport)
     gizmo = viewport.gizmo()
-    tip = gizmo.tips[AXES.index("z")]
+    tip = gizmo.tips[GIZMO_AXES.index("z")]
     begin, end = (QPoint(*np.rint(gizmo.centre + share * (tip - gizmo.centre)).astype(int)) for share in (0.7, 1.5))
     drag(viewport, begin, end)
     way = np.array(fixed(studio, current(document))) - fixed(studio, before)
@@ -241,7 +241,7 @@ def test_dragging_an_arrow_moves_the_place_of_any_kind_in_one_step(studio, kind)
     assert document.undo_stack.count() == 2
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", CONSTRAINT_KINDS)
 def test_a_selected_constraint_is_framed_with_all_that_is_drawn_of_it(studio, kind):
     viewport, _, _ = studio
     constraint = add(studio, kind)
@@ -255,7 +255,7 @@ def test_a_selected_constraint_is_framed_with_all_that_is_drawn_of_it(studio, ki
 
 
 def test_a_place_that_is_written_is_read_again_and_what_has_none_stays_as_it_is(studio):
-    for kind in KINDS:
+    for kind in CONSTRAINT_KINDS:
         constraint = add(studio, kind, "left ankle")
         place = fixed(studio, constraint)
         viewport, document, _ = studio
@@ -281,7 +281,7 @@ def keyed(studio, kind="position"):
     """A constraint whose place has a key at 0.1 s, before the playhead at 0.2 s."""
     viewport, document, _ = studio
     constraint = add(studio, kind)
-    name = KINDS[kind].shown.held_by
+    name = CONSTRAINT_KINDS[kind].shown.held_by
     place = fixed(studio, constraint)
     new = replace(constraint, **{name: KeyedPlace((0.1,), (place,))})
     document.replace("constraints", document.selection.current[1], new, "Key")
@@ -295,7 +295,7 @@ def test_dragging_a_keyed_target_sets_a_key_at_the_playhead_and_escape_takes_it_
     viewport, document, _ = studio
     before = keyed(studio, kind)
     gizmo = viewport.gizmo()
-    tip = gizmo.tips[AXES.index("z")]
+    tip = gizmo.tips[GIZMO_AXES.index("z")]
     begin, end = (QPoint(*np.rint(gizmo.centre + share * (tip - gizmo.centre)).astype(int)) for share in (0.7, 1.5))
     QTest.mousePress(viewport, LEFT, Qt.KeyboardModifier.NoModifier, begin)
     QTest.mouseMove(viewport, (begin + end) / 2)
@@ -304,9 +304,9 @@ def test_dragging_a_keyed_target_sets_a_key_at_the_playhead_and_escape_takes_it_
     QTest.mouseRelease(viewport, LEFT, Qt.KeyboardModifier.NoModifier, end)
     assert current(document) == before
     drag(viewport, begin, end)
-    target = getattr(current(document), KINDS[kind].shown.held_by)
+    target = getattr(current(document), CONSTRAINT_KINDS[kind].shown.held_by)
     assert target.times == (0.1, 0.2)
-    assert target.values[0] == getattr(before, KINDS[kind].shown.held_by).values[0]
+    assert target.values[0] == getattr(before, CONSTRAINT_KINDS[kind].shown.held_by).values[0]
     assert target.values[1][2] > target.values[0][2] + 0.02
     what = "centre" if kind == "area" else "target"
     assert document.undo_stack.undoText() == f"Key {what} of {before.name}"

@@ -19,8 +19,8 @@ from studio.live.osc import encode_message
 from studio.live.recording import read_recording
 from studio.live.streamer import packets_of
 from studio.live.tracker import Inbox, UdpInput
-from studio.live.vmc import TRACKER, posed
-from studio.viewport.eyes import PLAIN
+from studio.live.vmc import TRACKER_ADDRESS, posed
+from studio.viewport.eyes import ONE_EYE
 from tests.builders import make_project
 from tests.core.motions import walk
 from tests.gui.window_use import PATIENCE, same
@@ -51,7 +51,7 @@ def child_packets(frame=13):
 
 def cap(x):
     """Unity's z is forward."""
-    return encode_message(TRACKER, ["Cap", 0.0, 1.5, x, 0.0, 0.0, 0.0, 1.0])
+    return encode_message(TRACKER_ADDRESS, ["Cap", 0.0, 1.5, x, 0.0, 0.0, 0.0, 1.0])
 
 
 def test_a_body_drives_a_performer_and_its_own_clips_play_again_after_it(control, window, qtbot):
@@ -159,7 +159,7 @@ def test_what_is_shown_goes_out_where_it_stands_on_the_stage(control, window, qt
 class SeenViewport:
     """A 3D view that tells from where it is to look."""
 
-    sight = PLAIN
+    sight = ONE_EYE
 
     def set_sight(self, sight):
         self.sight = sight
@@ -180,10 +180,10 @@ def test_the_camera_goes_with_a_head_from_where_it_was_and_back(control, window,
     qtbot.waitUntil(lambda: control.sources["1"].inbox.place(["Cap"]) is not None, timeout=PATIENCE)
     control.track_camera(True)
     send(control, cap(1.1))
-    qtbot.waitUntil(lambda: window.bench.viewport.sight != PLAIN, timeout=PATIENCE)
+    qtbot.waitUntil(lambda: window.bench.viewport.sight != ONE_EYE, timeout=PATIENCE)
     assert window.bench.viewport.sight.head.back == pytest.approx(-0.1, abs=1e-6)  # nearer to the screen
     control.track_camera(False)
-    assert window.bench.viewport.sight == PLAIN
+    assert window.bench.viewport.sight == ONE_EYE
 
 
 def test_a_flood_leaves_the_window_alive(control, window, qtbot):

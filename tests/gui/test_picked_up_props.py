@@ -8,7 +8,7 @@ import pytest
 
 from studio.app.verbs.props import add_box
 from studio.core.captures.contacts import ContactInterval, Touch
-from studio.core.mesh.hand_shapes import OPEN
+from studio.core.mesh.hand_shapes import OPEN_GRIP
 from studio.core.stage.prop import Carried, Prop
 from studio.engine.performance import posed_performers
 from studio.engine.props import prop_at
@@ -57,7 +57,7 @@ def test_hands_open_as_they_come_to_a_prop_and_close_again_when_they_have_left_i
 
     assert grip(0.0) == 1.0
     assert -1.0 < grip(0.15) < 1.0
-    assert grip(0.25) == OPEN
+    assert grip(0.25) == OPEN_GRIP
     assert grip(0.5) == 1.0
 
 

@@ -87,7 +87,7 @@ def test_the_limb_that_is_chosen_is_the_only_one_that_is_found(striking, window,
     striking.panel.limb.setCurrentIndex(0)
     striking.panel.kind.setCurrentIndex(striking.panel.kind.findText("Grasp"))
     striking.search()
-    assert striking.panel.hint.text() == strikes.NOTHING
+    assert striking.panel.hint.text() == strikes.NO_MATCH_HINT
 
 
 def test_what_is_chosen_is_searched_for_at_once(striking, window, qtbot):

@@ -137,7 +137,7 @@ def test_curves_of_long_motions_are_made_beside_the_window_and_are_the_same(time
     plot = timeline.tracks.picture.plot
     timeline.grab()
     at_once = {curve.name: curve.values for curve in plot.curves}
-    monkeypatch.setattr("studio.timeline.tracks.plot.AT_ONCE", 0)
+    monkeypatch.setattr("studio.timeline.tracks.plot.MOST_FRAMES_AT_ONCE", 0)
     plot.forget()
     timeline.tracks.set_quantity(Quantity.KNEE_SPEED)
     timeline.grab()
@@ -259,7 +259,7 @@ def test_rows_of_contacts_are_folded_by_their_arrow_and_contacts_are_still_dragg
     tall = timeline.row_rect("lane", "left foot")
     hand.drag(QPoint(6, tall.center().y()), 0)
     low = timeline.row_rect("lane", "left foot")
-    assert low.height() == contacts.FOLDED < tall.height()
+    assert low.height() == contacts.FOLDED_CONTACT_HEIGHT < tall.height()
     assert (
         timeline.row_rect("constraints", "kick").top()
         < timeline.row_rect("lane", "left foot").top() + 2 * tall.height()
@@ -277,7 +277,7 @@ def test_rows_are_folded_by_their_arrow_or_all_at_once_and_unfolded_again(docume
     hand.press(QPoint(6, tall.center().y()))
     hand.release()
     low = timeline.row_rect("constraints", "kick")
-    assert low.height() == constraint.FOLDED
+    assert low.height() == constraint.FOLDED_CONSTRAINT_HEIGHT
     assert document.selection.items == ()
     shown = timeline.tracks.shown
     assert [body.name for body in constraint.bodies_of(shown, low, "kick")] == ["Body 1"]  # who misses it most
@@ -287,7 +287,7 @@ def test_rows_are_folded_by_their_arrow_or_all_at_once_and_unfolded_again(docume
     hand.release()
     assert timeline.row_rect("constraints", "kick") == tall
     timeline.fold_rows()
-    assert timeline.row_rect("constraints", "kick").height() == constraint.FOLDED
+    assert timeline.row_rect("constraints", "kick").height() == constraint.FOLDED_CONSTRAINT_HEIGHT
     assert timeline.row_rect("plot").height() < plot.height()
     timeline.grab()
     timeline.fold_rows()

@@ -8,7 +8,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
 from studio.core.stage.prop import Prop
-from studio.viewport.gizmo import AXES
+from studio.viewport.gizmo import GIZMO_AXES
 from tests.gui.viewport_use import (
     LEFT,
     NONE,
@@ -48,14 +48,14 @@ def test_a_drag_moves_it_for_every_body_by_its_measure_and_one_with_its_own_offs
         assert place == pytest.approx(before[performer_id])
 
 
-@pytest.mark.parametrize("axis", AXES)
+@pytest.mark.parametrize("axis", GIZMO_AXES)
 def test_dragging_an_arrow_moves_the_target_along_that_axis_alone_in_one_step(studio, axis):
     viewport, document, live = studio
     select_constraint(viewport, document)
     before, gizmo = target(document), viewport.gizmo()
     begin, end = on_arrow(viewport, axis, 0.7), on_arrow(viewport, axis, 1.5)
     drag(viewport, begin, end)
-    index = AXES.index(axis)
+    index = GIZMO_AXES.index(axis)
     expected = (gizmo.grip(axis, end.x(), end.y()) - gizmo.grip(axis, begin.x(), begin.y()))[index]
     assert target(document) - before == pytest.approx(expected * np.eye(3)[index], abs=1e-9)
     assert abs(expected) > 0.05

@@ -7,7 +7,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QPushButton
 
 from studio.viewport.body_points import body_joints
-from studio.viewport.gizmo import AXES
+from studio.viewport.gizmo import GIZMO_AXES
 
 LEFT, MIDDLE = Qt.MouseButton.LeftButton, Qt.MouseButton.MiddleButton
 NONE = Qt.KeyboardModifier.NoModifier
@@ -58,7 +58,7 @@ def chip(viewport, name):
 
 def on_arrow(viewport, axis, share):
     gizmo = viewport.gizmo()
-    place = gizmo.centre + share * (gizmo.tips[AXES.index(axis)] - gizmo.centre)
+    place = gizmo.centre + share * (gizmo.tips[GIZMO_AXES.index(axis)] - gizmo.centre)
     return QPoint(*(round(float(number)) for number in place))
 
 

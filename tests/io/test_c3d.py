@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from studio.core.markers.trial import MARKER, Trial
+from studio.core.markers.trial import MARKER_KIND, Trial
 from studio.io.c3d.reader import read_c3d
 from studio.io.c3d.writer import write_c3d
 from tests.captures import CAPTURES
@@ -105,7 +105,7 @@ def test_three_encodings_of_one_take_give_equal_points(captures: Path) -> None:
 def test_angles_and_forces_among_the_points_are_known_as_such(captures: Path) -> None:
     trial = _trial(captures, "btk_PiG_FullBody_walk")
     kinds = dict(zip(trial.labels, trial.kinds, strict=True))
-    assert (kinds["LHipAngles"], kinds["LKneeForce"], kinds["LASI"]) == ("angle", "force", MARKER)
+    assert (kinds["LHipAngles"], kinds["LKneeForce"], kinds["LASI"]) == ("angle", "force", MARKER_KIND)
     assert not any("Angle" in label or "Moment" in label or "Power" in label for label in trial.markers)
 
 

@@ -24,7 +24,7 @@ from studio.io.importing import GUESS_ALL, ImportOptions, known_of_motion, load_
 from studio.io.markers.capture import capture_of_take
 from studio.io.markers.unit import in_believable_unit
 from studio.io.project.project_file import read_project, write_project
-from studio.io.up_axis import AXES
+from studio.io.up_axis import FILE_AXES
 from tests.core.markers.made import made_trial
 from tests.io.test_c3d import FILES
 from tests.io.trials import same
@@ -191,10 +191,10 @@ def test_a_trial_in_any_unit_that_says_another_is_the_same_body(unit: str) -> No
     assert len(guesses) == (unit != "mm")
 
 
-@pytest.mark.parametrize("axis", AXES)
+@pytest.mark.parametrize("axis", FILE_AXES)
 def test_the_axis_that_is_up_is_found(axis: str) -> None:
     trial, marker_map = made_trial()
-    turned = trial.with_points(trial.points @ AXES[axis])
+    turned = trial.with_points(trial.points @ FILE_AXES[axis])
     capture = load_capture_of(turned, ImportOptions(marker_map=marker_map))
     assert capture.up_axis == axis
     upright = joint_world(capture.skeleton, capture.poses)[0]
@@ -247,7 +247,7 @@ def test_virtual_markers_are_read_back_equal_and_make_the_same_body(captures: Pa
     read = read_c3d(tmp_path / "take.c3d").trial
     positions = joint_world(capture.skeleton, capture.poses)[0][capture.first_frame :]
     for joint, label in enumerate(capture.skeleton.names):
-        np.testing.assert_allclose(read.track(label) @ AXES["Z"].T / 1000.0, positions[:, joint], atol=1e-6)
+        np.testing.assert_allclose(read.track(label) @ FILE_AXES["Z"].T / 1000.0, positions[:, joint], atol=1e-6)
     again = load_capture(tmp_path / "take.c3d")
     assert again.body_map is not None
     assert again.markers.marker_map.name == "Morpho Studio"

@@ -16,7 +16,7 @@ from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.follow import FollowBody, FollowPerformer, FollowProp, FollowTracked
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn
-from studio.core.constraints.kinds import KINDS
+from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.own_place import OwnPlace
@@ -53,7 +53,7 @@ CONSTRAINTS: tuple[Constraint, ...] = (
 
 
 def test_every_kind_that_can_be_stored_is_tried_here() -> None:
-    assert {constraint.kind for constraint in CONSTRAINTS} == set(KINDS)
+    assert {constraint.kind for constraint in CONSTRAINTS} == set(CONSTRAINT_KINDS)
 
 
 @pytest.mark.parametrize("constraint", CONSTRAINTS, ids=lambda constraint: constraint.name)

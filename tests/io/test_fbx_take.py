@@ -17,7 +17,7 @@ from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.io.export import skin_of, take_of_adapted, take_of_capture, write_take
 from studio.io.export_options import ExportOptions
-from studio.io.fbx.euler import ORDERS, euler_curves
+from studio.io.fbx.euler import FBX_ORDERS, euler_curves
 from studio.io.fbx.reading import read_arrays
 from studio.io.gltf.materials import hex_colour
 from studio.io.importing import load_capture, load_character
@@ -96,7 +96,7 @@ def test_angles_do_not_jump_where_a_joint_turns_all_the_way_round(axis):
     turns = np.zeros((200, 4))
     turns[:, axis], turns[:, 3] = np.sin(angles / 2), np.cos(angles / 2)
     order, curves = euler_curves(turns)
-    assert order in range(len(ORDERS))
+    assert order in range(len(FBX_ORDERS))
     assert np.abs(np.diff(curves, axis=0)).max() == pytest.approx(np.degrees(angles[1] - angles[0]), abs=1e-6)
 
 

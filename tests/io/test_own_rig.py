@@ -10,7 +10,7 @@ from studio.core.body.kinematics import joint_world, rest_poses
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.body.zero_pose import with_zero_pose
-from studio.core.mesh.rig import STILL
+from studio.core.mesh.rig import NO_SEGMENT
 from studio.core.mesh.skin import skin_vertices
 from studio.core.normalized.normalize import normalize
 from studio.core.rotations import normalized, to_matrix
@@ -191,7 +191,7 @@ def test_characters_of_others_go_out_on_their_own_joints(captures, tmp_path, nam
     )  # fmt: skip
     apart = np.linalg.norm(carried(skin_of(take), positions[13], rotations[13]) - shown, axis=1)
     assert np.median(apart) < TENTH_OF_A_MILLIMETRE
-    still = np.flatnonzero(rig.segments == STILL)
+    still = np.flatnonzero(rig.segments == NO_SEGMENT)
     assert np.abs(positions[:, still] - rig.positions[still]).max(initial=0.0) < 1e-9
     write_take(take, tmp_path / "out.fbx")
     back = load_capture(tmp_path / "out.fbx")

@@ -3,20 +3,20 @@
 import pytest
 
 from studio.core.captures.confidence import Confidence
-from studio.io.guessing import UNITS, Scale, find_unit, said_unit
+from studio.io.guessing import METRES_PER_UNIT, Scale, find_unit, said_unit
 
 
 @pytest.mark.parametrize("leg", [0.72, 0.8, 0.9, 0.98])
-@pytest.mark.parametrize("unit", UNITS)
+@pytest.mark.parametrize("unit", METRES_PER_UNIT)
 def test_the_leg_of_an_adult_tells_every_unit_that_programs_use(unit: str, leg: float) -> None:
-    assert find_unit(leg / UNITS[unit])[0].unit == unit
+    assert find_unit(leg / METRES_PER_UNIT[unit])[0].unit == unit
 
 
 @pytest.mark.parametrize(
     ("unit", "leg"), [("m", 0.3), ("cm", 0.45), ("mm", 0.3), ("dm", 0.5), ("m", 1.9), ("cm", 1.5), ("mm", 1.9)]
 )
 def test_children_and_giants_are_in_the_powers_of_ten(unit: str, leg: float) -> None:
-    assert find_unit(leg / UNITS[unit])[0].unit == unit
+    assert find_unit(leg / METRES_PER_UNIT[unit])[0].unit == unit
 
 
 @pytest.mark.parametrize("leg", [0.26, 0.5, 0.85, 1.4, 1.9])
@@ -26,7 +26,7 @@ def test_what_a_file_says_is_believed_where_it_makes_a_body(leg: float) -> None:
 
 @pytest.mark.parametrize("unit", ["dm", "cm", "mm", "inch", "foot"])
 def test_what_a_file_says_is_overruled_and_told_where_it_makes_none(unit: str) -> None:
-    scale, guess = find_unit(0.85 / UNITS[unit], Scale("m", 1.0))
+    scale, guess = find_unit(0.85 / METRES_PER_UNIT[unit], Scale("m", 1.0))
     assert scale.unit == unit
     assert guess is not None
     assert guess.reason.startswith("In m, as the file says, the legs would be")

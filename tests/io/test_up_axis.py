@@ -13,9 +13,17 @@ from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.io.bvh.writer import write_bvh
 from studio.io.export import take_of_capture, write_take
-from studio.io.guessing import UNITS
+from studio.io.guessing import METRES_PER_UNIT
 from studio.io.importing import ImportOptions, load_capture
-from studio.io.up_axis import AXES, C3D_USE, BodyPoints, axis_called, guess_up_axis, said_axis, turn_to_world
+from studio.io.up_axis import (
+    C3D_USE,
+    FILE_AXES,
+    BodyPoints,
+    axis_called,
+    guess_up_axis,
+    said_axis,
+    turn_to_world,
+)
 from tests.io.fbx_text import fbx_text
 
 WALK = Path(__file__).resolve().parents[2] / "examples" / "captures" / "walk_turn.bvh"
@@ -28,7 +36,7 @@ def walk() -> Capture:
 
 def turned(capture: Capture, turn: np.ndarray) -> Capture:
     """The same motion that a matrix (3, 3) turns to file axes, written as if Y were up; its rest pose stays."""
-    turn = AXES["Y"] @ turn
+    turn = FILE_AXES["Y"] @ turn
     rotations, translations = capture.poses.local_rotations.copy(), capture.poses.local_translations.copy()
     rotations[:, 0] = (Rotation.from_matrix(turn) * Rotation.from_quat(rotations[:, 0])).as_quat()
     translations[:, 0] = translations[:, 0] @ turn.T
@@ -50,9 +58,9 @@ def pairs(positions: np.ndarray, capture: Capture) -> BodyPoints:
     return BodyPoints.of_joints(np.stack([positions[:-1], positions[1:]]), capture.body_map)
 
 
-@pytest.mark.parametrize("axis", AXES)
+@pytest.mark.parametrize("axis", FILE_AXES)
 def test_the_body_stands_whatever_axis_of_the_file_is_up(tmp_path: Path, walk: Capture, axis: str) -> None:
-    read = read_back(turned(walk, AXES[axis].T), tmp_path)
+    read = read_back(turned(walk, FILE_AXES[axis].T), tmp_path)
     assert read.up_axis == axis
     assert np.abs(heights(read) - heights(walk)).max() < 2e-3
     assert any(guess.subject == "up axis" and f"stands along {axis}." in guess.reason for guess in read.guesses)
@@ -65,9 +73,9 @@ def test_the_tilt_of_a_camera_is_taken_back_and_told(
     tmp_path: Path, walk: Capture, axis: str, about: str, degrees: float
 ) -> None:
     tilt = Rotation.from_euler(about, degrees, degrees=True).as_matrix()
-    read = read_back(turned(walk, AXES[axis].T @ tilt), tmp_path)
+    read = read_back(turned(walk, FILE_AXES[axis].T @ tilt), tmp_path)
     up = turn_to_world(read.up_axis)[2]
-    assert np.degrees(np.arccos(up @ (AXES[axis].T @ tilt)[:, 2])) < 3.0
+    assert np.degrees(np.arccos(up @ (FILE_AXES[axis].T @ tilt)[:, 2])) < 3.0
     assert any("as a tilted camera sees it" in guess.reason for guess in read.guesses)
 
 
@@ -102,9 +110,11 @@ def test_an_fbx_that_says_another_axis_or_unit_than_its_body_has_stands_all_the_
 def test_a_gltf_in_another_unit_and_along_another_axis_stands_as_tall(
     tmp_path: Path, walk: Capture, unit: str, axis: str
 ) -> None:
-    turned_walk = turned(walk, AXES[axis].T)
-    poses = PoseSequence(turned_walk.poses.local_rotations, turned_walk.poses.local_translations / UNITS[unit])
-    skeleton = replace(walk.skeleton, offsets=walk.skeleton.offsets / UNITS[unit])
+    turned_walk = turned(walk, FILE_AXES[axis].T)
+    poses = PoseSequence(
+        turned_walk.poses.local_rotations, turned_walk.poses.local_translations / METRES_PER_UNIT[unit]
+    )
+    skeleton = replace(walk.skeleton, offsets=walk.skeleton.offsets / METRES_PER_UNIT[unit])
     write_take(take_of_capture(replace(turned_walk, skeleton=skeleton, poses=poses)), tmp_path / "walk.glb")
     read = load_capture(tmp_path / "walk.glb")
     assert (read.unit, read.up_axis) == (unit, axis)
@@ -117,7 +127,7 @@ def test_one_who_lies_or_crawls_through_the_take_is_not_stood_up(captures: Path)
     for stem in ("varied/accad_female1_A11_CrawlForward", "varied/accad_female1_A08_CrouchToLie"):
         capture = load_capture(captures / "bvh" / f"{stem}.bvh")
         positions = joint_positions(capture.skeleton, capture.poses) - [0.0, 0.0, capture.floor]
-        for axis, turn in AXES.items():
+        for axis, turn in FILE_AXES.items():
             guess = guess_up_axis(pairs(positions @ turn, capture), C3D_USE)
             assert guess.value == axis
             assert "That is not certain" in guess.reason
@@ -125,8 +135,8 @@ def test_one_who_lies_or_crawls_through_the_take_is_not_stood_up(captures: Path)
 
 def test_a_format_that_says_its_axis_is_believed_unless_the_body_stands_along_another(walk: Capture) -> None:
     positions = joint_positions(walk.skeleton, walk.poses) - [0.0, 0.0, walk.floor]
-    upright = guess_up_axis(pairs(positions @ AXES["Y"], walk), said_axis("Y"))
-    forgotten = guess_up_axis(pairs(positions @ AXES["Z"], walk), said_axis("Y"))
+    upright = guess_up_axis(pairs(positions @ FILE_AXES["Y"], walk), said_axis("Y"))
+    forgotten = guess_up_axis(pairs(positions @ FILE_AXES["Z"], walk), said_axis("Y"))
     assert (upright.value, forgotten.value) == ("Y", "Z")
 
 
@@ -134,14 +144,14 @@ def test_one_who_leans_over_more_and_more_is_seen_by_no_tilted_camera(walk: Capt
     positions = joint_positions(walk.skeleton, walk.poses) - [0.0, 0.0, walk.floor]
     standing = np.repeat(positions[:1] - positions[0, 0] * [1.0, 1.0, 0.0], 60, axis=0)
     leans = Rotation.from_euler("y", np.linspace(0.0, 45.0, 60)[:, None], degrees=True).as_matrix()
-    guess = guess_up_axis(pairs(np.einsum("fij,fpj->fpi", leans, standing) @ AXES["Y"], walk), said_axis("Y"))
+    guess = guess_up_axis(pairs(np.einsum("fij,fpj->fpi", leans, standing) @ FILE_AXES["Y"], walk), said_axis("Y"))
     assert guess.value == "Y"
 
 
-@pytest.mark.parametrize("axis", [*AXES, "0.0000 -0.9397 0.3420"])
+@pytest.mark.parametrize("axis", [*FILE_AXES, "0.0000 -0.9397 0.3420"])
 def test_the_axis_that_is_called_becomes_up(axis: str) -> None:
     turn = turn_to_world(axis)
-    named = AXES[axis][2] if axis in AXES else np.array([float(word) for word in axis.split()])
+    named = FILE_AXES[axis][2] if axis in FILE_AXES else np.array([float(word) for word in axis.split()])
     assert np.abs(turn @ named - [0.0, 0.0, 1.0]).max() < 1e-4
     assert np.abs(turn @ turn.T - np.eye(3)).max() < 1e-9
     assert np.linalg.det(turn) == pytest.approx(1.0)

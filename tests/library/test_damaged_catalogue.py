@@ -12,7 +12,7 @@ import pytest
 
 from studio.core.errors import StudioError
 from studio.library import catalogue as catalogues
-from studio.library.catalogue import DATABASE, VERSION, Catalogue
+from studio.library.catalogue import CATALOGUE_VERSION, DATABASE, Catalogue
 from studio.library.clips import ClipLabel
 from studio.library.confirmed_labels import CONFIRMED_LABELS
 from studio.library.indexing import corrected, index, whole_library
@@ -92,7 +92,7 @@ def test_a_name_in_the_file_that_is_no_text_is_damage(folder: Path, label: ClipL
     use(folder, label)
 
 
-@pytest.mark.parametrize("version", [VERSION + 1, VERSION + 98, 2**31 - 1])
+@pytest.mark.parametrize("version", [CATALOGUE_VERSION + 1, CATALOGUE_VERSION + 98, 2**31 - 1])
 def test_a_catalogue_of_a_newer_version_is_searched_and_never_changed(
     folder: Path, label: ClipLabel, version: int
 ) -> None:
@@ -111,7 +111,7 @@ def test_a_catalogue_of_a_newer_version_is_searched_and_never_changed(
 
 def test_a_catalogue_of_a_newer_version_with_other_tables_is_refused_and_left_alone(folder: Path) -> None:
     put(folder, "ALTER TABLE clips RENAME COLUMN label TO labels")
-    put(folder, f"PRAGMA user_version = {VERSION + 1}")
+    put(folder, f"PRAGMA user_version = {CATALOGUE_VERSION + 1}")
     before = (folder / "catalogue" / DATABASE).read_bytes()
     with pytest.raises(StudioError, match="newer version"):
         Catalogue(folder / "catalogue")
@@ -122,7 +122,7 @@ def test_a_catalogue_of_a_newer_version_with_other_tables_is_refused_and_left_al
 def test_a_catalogue_in_use_is_waited_for_and_never_renamed(
     folder: Path, label: ClipLabel, hold: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(catalogues, "PATIENCE", 0.2)
+    monkeypatch.setattr(catalogues, "LOCK_WAIT_SECONDS", 0.2)
     with closing(sqlite3.connect(folder / "catalogue" / DATABASE, isolation_level=None)) as other:
         other.execute(f"BEGIN {hold}")
         with pytest.raises(StudioError, match="in use by another process"), Catalogue(folder / "catalogue") as opened:

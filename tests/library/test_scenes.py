@@ -66,9 +66,9 @@ def test_eight_fighters_of_different_bodies_share_three_motions(scene: Project) 
 def test_forearms_meet_ankles_and_fists_meet_heads(scene: Project, staged: Staged) -> None:
     assert not staged.failures
     for white, red in pairs(scene):
-        forearm = on_stage(scene, staged, red, fight.FOREARM, 2.033)
-        assert np.linalg.norm(forearm - on_stage(scene, staged, white, fight.ANKLE, 2.033)) < 1e-3
-        fist = on_stage(scene, staged, red, fight.FIST, 3.0)
+        forearm = on_stage(scene, staged, red, fight.WARDING_FOREARM, 2.033)
+        assert np.linalg.norm(forearm - on_stage(scene, staged, white, fight.KICKING_ANKLE, 2.033)) < 1e-3
+        fist = on_stage(scene, staged, red, fight.RIGHT_FIST, 3.0)
         assert np.linalg.norm(fist - on_stage(scene, staged, white, fight.CHIN, 3.0)) < 1e-3
         assert staged.performances[white].sweeps <= FEW
 
@@ -157,7 +157,7 @@ def test_the_same_target_finds_three_bodies_three_strikes_and_all_meet_it() -> N
         adapted, ball = made[key].adapted, np.array(project.props[f"target {key}"].position)
         standing = Placement.of(performer).to_stage(adapted.positions[60, 0])
         before = (ball - standing)[:2], ball[2]
-        np.testing.assert_allclose(np.hstack(before), [choosing.AHEAD, 0.0, choosing.HEIGHT], atol=0.02)
+        np.testing.assert_allclose(np.hstack(before), [choosing.TARGET_AHEAD, 0.0, choosing.TARGET_HEIGHT], atol=0.02)
         way = Placement.of(performer).to_stage(place_of(point, adapted)) - ball
         assert np.linalg.norm(way, axis=1).min() < 1e-3
 
@@ -214,7 +214,7 @@ def test_whole_arms_and_trunk_stay_out_of_a_table_of_any_height_that_is_seen(hei
 def test_a_wrist_comes_before_an_elbow_and_balance_costs_no_reach() -> None:
     wrist = exact(SCENES[4].make())
     made = perform(wrist, wrist.performers, prepared, adapt).performances
-    near, far = (each.adapted.residuals[:, papers.FAR] for each in made.values())
+    near, far = (each.adapted.residuals[:, papers.FAR_TARGET_FRAME] for each in made.values())
     assert near[0] < 1e-3
     assert far[0] < 1e-3
     assert near[1] < 0.03 < 0.2 < far[1]

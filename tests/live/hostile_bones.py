@@ -11,12 +11,12 @@ from studio.live import vmc
 from studio.live.driving import ReceivedPose, driven
 from studio.live.osc import encode_message
 from studio.live.planting import Planted
-from studio.live.tracker import FARTHEST, Inbox
+from studio.live.tracker import TRACKED_RANGE, Inbox
 from tests.core.motions import walk
 
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}
 WALK = walk(20)[0]
-PLACES = (0.0, 1e-30, 1e-6, 1e-3, 0.3, FARTHEST, -FARTHEST, 1e30)
+PLACES = (0.0, 1e-30, 1e-6, 1e-3, 0.3, TRACKED_RANGE, -TRACKED_RANGE, 1e30)
 
 
 def hostile_inbox(random: Random) -> Inbox:
@@ -35,7 +35,7 @@ def hostile_inbox(random: Random) -> Inbox:
                 turn = np.array([random.choice((0.0, 1.0, -1.0, 0.3)) for _ in range(4)])
             if random.random() < 0.1:
                 continue
-        inbox.feed(encode_message(vmc.BONE, [name, *place.tolist(), *turn.tolist()]))
+        inbox.feed(encode_message(vmc.BONE_ADDRESS, [name, *place.tolist(), *turn.tolist()]))
     return inbox
 
 

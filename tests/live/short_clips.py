@@ -10,7 +10,7 @@ from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.project import Performer, Project
 from studio.core.solver.adapt import adapt
 from studio.core.solver.performers.performing import perform
-from studio.core.stage.clip import FASTEST, SLOWEST, Clip
+from studio.core.stage.clip import FASTEST_CLIP, SLOWEST_CLIP, Clip
 from studio.core.stage.layer import Layer, Region
 from studio.jobs.performances import prepared
 from studio.library.scenes.stagehand import bodies, material
@@ -44,7 +44,7 @@ def short_clip(random: Random, number: int) -> Clip:
         last,
         random.choice([0.0, 0.0, 0.01, 0.1, 1.0]),
         f"clip {number}",
-        speed=random.choice([1.0, FASTEST, FASTEST, SLOWEST, 2.5]),
+        speed=random.choice([1.0, FASTEST_CLIP, FASTEST_CLIP, SLOWEST_CLIP, 2.5]),
         repeats=random.choice([1, 1, 2, 3, 10]),
         mirrored=random.random() < 0.3,
         joined=random.random() < 0.7,

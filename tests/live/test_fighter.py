@@ -20,7 +20,7 @@ from studio.library.indexing import bundled_library, index
 from studio.library.library import Library
 from studio.library.mirroring import with_mirrored
 from studio.live import vmc
-from studio.live.fight import ANY_STRIKE, ORDERS, fight, orders_every
+from studio.live.fight import ANY_STRIKE, FIGHT_ORDERS, fight, orders_every
 from studio.live.fighter import Fighter, FighterState
 from studio.live.osc import encode_message
 from studio.live.recording import write_recording
@@ -60,13 +60,15 @@ def test_it_hits_a_moving_head_within_a_millimetre(library, name):
     assert max(hit.missed for hit in report.hits) < 1e-3
 
 
-@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("order", FIGHT_ORDERS)
 def test_it_strikes_with_the_limb_that_is_called(library, order):
     body = BODIES["adult_woman"]
     fighter = Fighter(library, body, GUARD)
-    height = 0.55 if ORDERS[order][1] == (Kind.KICK,) else 0.78
-    fight(fighter, lambda now: near(body, height=height), orders_every(1.0, [ORDERS[order]]), 2.5)
-    assert [(hit.limb, hit.kind) for hit in fighter.hits[:1]] == [(ORDERS[order][0][0], ORDERS[order][1][0])]
+    height = 0.55 if FIGHT_ORDERS[order][1] == (Kind.KICK,) else 0.78
+    fight(fighter, lambda now: near(body, height=height), orders_every(1.0, [FIGHT_ORDERS[order]]), 2.5)
+    assert [(hit.limb, hit.kind) for hit in fighter.hits[:1]] == [
+        (FIGHT_ORDERS[order][0][0], FIGHT_ORDERS[order][1][0])
+    ]
 
 
 def test_nothing_jumps_and_feet_that_stand_stay(library):
@@ -111,7 +113,7 @@ def test_feet_that_stand_stay_in_place_as_blows_and_steps_take_over(bundled, nam
         before.clear()
         before.update(now)
 
-    orders = orders_every(1.5, [*ORDERS.values(), ANY_STRIKE])
+    orders = orders_every(1.5, [*FIGHT_ORDERS.values(), ANY_STRIKE])
     fight(fighter, lambda now: ducking(now, body.stature), orders, 26.0, show)
     assert len(fighter.hits) >= 15
     assert np.mean(np.array(slides) > 1e-3) < 0.01  # who is called on while it steps still turns on its heel
@@ -121,7 +123,7 @@ def test_who_is_too_far_off_steps_up_before_it_strikes(bundled):
     body = BODIES["child"]
     fighter = Fighter(bundled, body, GUARD)
     place = np.array([2.0 * body.leg_length, 0.0, 0.75 * body.stature])
-    assert fighter.strike(place, *ORDERS["left punch"])
+    assert fighter.strike(place, *FIGHT_ORDERS["left punch"])
     states = []
     while not fighter.hits:
         fighter.step(place)
@@ -210,7 +212,7 @@ def test_the_verb_fights_a_replayed_head_and_reports(tmp_path, capsys):
     packets = []
     for frame in range(60):
         unity = [0.1 * np.sin(0.1 * frame), 1.3, 0.95]
-        message = encode_message(vmc.TRACKER, ["marker", *(float(each) for each in unity), 0.0, 0.0, 0.0, 1.0])
+        message = encode_message(vmc.TRACKER_ADDRESS, ["marker", *(float(each) for each in unity), 0.0, 0.0, 0.0, 1.0])
         packets.append((frame / 30.0, message))
     write_recording(tmp_path / "head.osc", packets)
     capsys.readouterr()

@@ -7,7 +7,7 @@ import numpy as np
 
 from studio.live import vmc
 from studio.live.osc import bundles, encode_message
-from studio.live.tracker import FARTHEST, MOST_NAMES, Inbox
+from studio.live.tracker import MOST_NAMES, TRACKED_RANGE, Inbox
 
 PACKETS = 20_000
 NUMBERS = (0.0, 1.0, -1e30, 1e38, math.nan, math.inf, 0.7)
@@ -18,7 +18,9 @@ def packet(random: Random) -> bytes:
     if random.random() < 0.2:
         return random.randbytes(random.randrange(200))
     name = random.choice(["Hips", "Head", "LeftHand", "../../etc/passwd", str(random.random())])
-    address = random.choice([vmc.BONE, vmc.TRACKER, vmc.ROOT, vmc.HMD, vmc.OK, "/x"])
+    address = random.choice(
+        [vmc.BONE_ADDRESS, vmc.TRACKER_ADDRESS, vmc.ROOT_ADDRESS, vmc.HMD_ADDRESS, vmc.OK_ADDRESS, "/x"]
+    )
     numbers = [random.choice(NUMBERS) for _ in range(random.choice([7, 7, 7, 3, 20]))]
     [made] = bundles([encode_message(address, [name, *numbers])], 60_000)
     changed = bytearray(made)
@@ -38,4 +40,4 @@ def test_hostile_packets_are_counted_or_taken_and_nothing_else() -> None:
     assert 0 < len(bones) <= MOST_NAMES
     for bone in bones.values():
         assert np.isfinite(bone.turn).all()
-        assert np.abs(bone.place).max() <= FARTHEST
+        assert np.abs(bone.place).max() <= TRACKED_RANGE

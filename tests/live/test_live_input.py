@@ -25,7 +25,7 @@ from studio.live.planting import Planted
 from studio.live.recording import Recorder, Replay, read_recording, write_recording
 from studio.live.streamer import Broadcast, StreamedPose, packets_of
 from studio.live.tracker import LOOPBACK, Inbox, UdpInput
-from studio.live.vmc import BONE, TRACKER
+from studio.live.vmc import BONE_ADDRESS, TRACKER_ADDRESS
 from tests.core.motions import walk
 from tests.live.hostile_bones import play
 from tests.patience import SECONDS, eventually
@@ -44,7 +44,7 @@ def child_inbox(frame=13):
 
 
 def marker(x):
-    return encode_message(TRACKER, ["Cap", x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+    return encode_message(TRACKER_ADDRESS, ["Cap", x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
 
 
 def test_a_body_that_comes_in_plays_on_another_as_its_capture_would():
@@ -199,7 +199,7 @@ def test_hostile_bodies_drive_a_performer_or_are_none():
 def test_a_body_whose_shoulders_have_no_breadth_is_a_body():
     inbox = child_inbox()
     for side in ("Left", "Right"):
-        inbox.feed(encode_message(BONE, [f"{side}UpperArm", 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]))
+        inbox.feed(encode_message(BONE_ADDRESS, [f"{side}UpperArm", 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]))
     pose = ReceivedPose(inbox)()
     shown = driven(AdaptRequest(WALK, GIANT), 13, pose, Planted(), 0.0)
     assert np.isfinite(shown.positions).all()

@@ -15,7 +15,7 @@ from studio.core.constraints.follow import FollowPerformer, FollowProp
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.slope import Slope
 from studio.core.project import GROUND_ID, Performer, Project
-from studio.core.quality.metrics import QUIET, angular_acceleration
+from studio.core.quality.metrics import QUIET_PEAK, angular_acceleration
 from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.performers.performing import perform
 from studio.core.stage.behaviour import Behaviour, Role, State, Transition
@@ -167,7 +167,7 @@ def test_a_clip_takes_over_at_any_frame_without_a_jolt(first, second, body):
     peaks = [
         own_row(staged(replace(each, first=0), body=body), "one", prepare).standing.peaks for each in (first, second)
     ]
-    usual = np.maximum(np.maximum(*peaks), QUIET)
+    usual = np.maximum(np.maximum(*peaks), QUIET_PEAK)
     assert (shown.accelerations()[CHANGE - 4 :].max(axis=0) / usual).max() < PERMITTED
     ways = np.linalg.norm(np.diff(np.array(shown.positions), axis=0), axis=2).max(axis=1)
     assert ways[CHANGE - 1] < ways[CHANGE - 2] + 0.02

@@ -12,16 +12,23 @@ from studio.core.captures.reaching import farthest_frame
 from studio.core.project import Project
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import place_of
-from studio.core.stage.manners import FIST, FOREARM, HEAD, KeepDistance, LeanAway
+from studio.core.stage.manners import ARM_POINT, FIST_POINT, HEAD_POINT, KeepDistance, LeanAway
 from studio.core.stage.placement import Placement
-from studio.core.stage.whom import PELVIS
+from studio.core.stage.whom import PELVIS_POINT
 from studio.jobs.performances import prepared
 from studio.library.scenes import fight
-from studio.library.scenes.sparring import APART, CLEAR, HIT, KEYS, PUNCH, sparring
+from studio.library.scenes.sparring import (
+    ARM_STRETCHED_FRAME,
+    HEAD_CLEARANCE,
+    HIT,
+    PUNCH_KEYS,
+    SPARRING_DISTANCE,
+    sparring,
+)
 from studio.live.stage import LiveStage
 
 STEP = 1.0 / 60.0
-ONE, OTHER = KEYS
+ONE, OTHER = PUNCH_KEYS
 _known: dict[int, tuple[Capture, tuple]] = {}
 
 
@@ -56,15 +63,15 @@ class Fight:
         placement = Placement.of(self.stage.project.performers[key])
         return placement.to_stage(place_of(point, self.stage.results[key])[0])
 
-    def apart(self, point=PELVIS, other=PELVIS, one_key=ONE, other_key=OTHER):
+    def apart(self, point=PELVIS_POINT, other=PELVIS_POINT, one_key=ONE, other_key=OTHER):
         return float(np.linalg.norm(self.at(one_key, point) - self.at(other_key, other)))
 
     def distance(self):
-        return float(np.linalg.norm((self.at(ONE, PELVIS) - self.at(OTHER, PELVIS))[:2]))
+        return float(np.linalg.norm((self.at(ONE, PELVIS_POINT) - self.at(OTHER, PELVIS_POINT))[:2]))
 
     def facing(self, key, other):
         """Radians by which a fighter's chest is turned away from the other, its stance aside."""
-        away = (self.at(other, PELVIS) - self.at(key, PELVIS))[:2]
+        away = (self.at(other, PELVIS_POINT) - self.at(key, PELVIS_POINT))[:2]
         return np.arctan2(away[1], away[0])
 
     def state(self, key):
@@ -83,7 +90,7 @@ def test_from_wherever_they_begin_they_come_to_their_distance_and_stay_there(pla
         pass
     room = next(each.room for each in scene().behaviours[ONE].states[0].manners if isinstance(each, KeepDistance))
     for _ in fight.play(2.0):
-        assert abs(fight.distance() - APART) < room + 0.05
+        assert abs(fight.distance() - SPARRING_DISTANCE) < room + 0.05
 
 
 def test_who_is_followed_on_foot_keeps_who_follows_at_a_distance():
@@ -91,10 +98,10 @@ def test_who_is_followed_on_foot_keeps_who_follows_at_a_distance():
     for _ in fight.play(2.0):
         pass
     for metres in (0.3, 0.6, 0.9):
-        fight.stage.project = moved(scene(), APART + metres, 0.2)
+        fight.stage.project = moved(scene(), SPARRING_DISTANCE + metres, 0.2)
         for _ in fight.play(2.5):
             pass
-        assert abs(fight.distance() - APART) < 0.2
+        assert abs(fight.distance() - SPARRING_DISTANCE) < 0.2
 
 
 def test_no_foot_slides_while_it_stands_however_they_step():
@@ -118,7 +125,7 @@ def test_a_forearm_meets_the_fist_of_a_low_punch(one, other):
     fight = Fight(scene())
     for _ in fight.play(3.0):
         pass
-    nearest = [fight.apart(FIST, FOREARM, one, other) for _ in fight.play(2.0 * HIT, KEYS[one][0])]
+    nearest = [fight.apart(FIST_POINT, ARM_POINT, one, other) for _ in fight.play(2.0 * HIT, PUNCH_KEYS[one][0])]
     assert fight.state(other) in ("Ward off", "Guard")
     assert min(nearest) < 5e-3
     assert np.argmin(nearest) * STEP == pytest.approx(HIT, abs=0.1)
@@ -130,10 +137,10 @@ def test_a_head_leans_away_from_a_high_punch_that_would_come_nearer(one, other):
         fight = Fight(project)
         for _ in fight.play(3.0):
             pass
-        return min(fight.apart(FIST, HEAD, one, other) for _ in fight.play(2.0 * HIT, KEYS[one][1]))
+        return min(fight.apart(FIST_POINT, HEAD_POINT, one, other) for _ in fight.play(2.0 * HIT, PUNCH_KEYS[one][1]))
 
-    assert nearest(scene()) > CLEAR - 5e-3
-    assert nearest(stiff(scene())) < CLEAR - 0.05
+    assert nearest(scene()) > HEAD_CLEARANCE - 5e-3
+    assert nearest(stiff(scene())) < HEAD_CLEARANCE - 0.05
 
 
 def stiff(project: Project) -> Project:
@@ -159,7 +166,10 @@ def test_eight_fighters_kick_ward_off_and_punch_by_two_behaviours_that_fit_all_b
         stage.step(STEP)
         assert not stage.failures
         for white, red in pairs:
-            for gaps, own, other in ((met, fight.FOREARM, fight.ANKLE), (hit, fight.FIST, fight.CHIN)):
+            for gaps, own, other in (
+                (met, fight.WARDING_FOREARM, fight.KICKING_ANKLE),
+                (hit, fight.RIGHT_FIST, fight.CHIN),
+            ):
                 places = [
                     Placement.of(project.performers[key]).to_stage(place_of(point, stage.results[key])[0])
                     for key, point in ((red, own), (white, other))
@@ -172,12 +182,12 @@ def test_eight_fighters_kick_ward_off_and_punch_by_two_behaviours_that_fit_all_b
 
 def test_who_is_too_far_does_not_strike():
     fight = Fight(moved(scene(), 3.5, 0.0))
-    for _ in fight.play(0.1, KEYS[ONE][0]):
+    for _ in fight.play(0.1, PUNCH_KEYS[ONE][0]):
         assert fight.state(ONE) == "Guard"
 
 
 def test_the_punch_is_found_to_hit_where_its_arm_is_stretched_most():
-    assert farthest_frame(scene().captures["straight_punch"], 140, 230) == pytest.approx(PUNCH, abs=3)
+    assert farthest_frame(scene().captures["straight_punch"], 140, 230) == pytest.approx(ARM_STRETCHED_FRAME, abs=3)
 
 
 def test_who_wards_off_meets_the_kick_and_does_not_chase_it():

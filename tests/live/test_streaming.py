@@ -16,7 +16,7 @@ from studio.live import vmc
 from studio.live.osc import encode_message
 from studio.live.recording import read_recording, write_recording
 from studio.live.streamer import LARGEST_BUNDLE, Streamer, packets_of
-from studio.live.tracker import FARTHEST, MOST_NAMES, Inbox, UdpInput
+from studio.live.tracker import MOST_NAMES, TRACKED_RANGE, Inbox, UdpInput
 from tests.builders import make_morphology
 from tests.core.motions import walk
 from tests.patience import eventually
@@ -61,7 +61,7 @@ def test_an_independent_reader_finds_every_bone_once_in_packets_of_the_size_allo
     for packet in packets_of(*frame_of(body), body, 0.5):
         assert len(packet) <= LARGEST_BUNDLE
         for message in OscBundle(packet):
-            if message.address == vmc.BONE:
+            if message.address == vmc.BONE_ADDRESS:
                 names.append(message.params[0])
                 assert len(message.params) == 8
                 assert np.linalg.norm(message.params[4:]) == pytest.approx(1.0, abs=1e-6)
@@ -91,7 +91,7 @@ def test_unity_axes_are_ours_seen_in_a_mirror():
 
 
 def bone_message(name, *numbers):
-    return encode_message(vmc.TRACKER, [name, *numbers])
+    return encode_message(vmc.TRACKER_ADDRESS, [name, *numbers])
 
 
 def test_the_newest_value_wins_and_a_head_is_the_mean_of_its_markers():
@@ -115,11 +115,11 @@ def test_what_is_no_number_is_refused_and_what_is_absurd_is_clamped():
     still = [0.0, 0.0, 0.0, 1.0]
     for numbers in ([float("nan"), 0.0, 0.0, *still], [0.0, float("inf"), 0.0, *still], [0.0] * 7, [1.0, 2.0]):
         inbox.feed(bone_message("a", *numbers))
-    inbox.feed(encode_message(vmc.BONE, [b"a", *([0.0] * 7)]))
+    inbox.feed(encode_message(vmc.BONE_ADDRESS, [b"a", *([0.0] * 7)]))
     assert inbox.counts.refused_values == 5
     assert inbox.place(["a"]) is None
     inbox.feed(bone_message("a", 1e30, 0.0, 0.0, *still))
-    assert abs(inbox.place(["a"])).max() == FARTHEST
+    assert abs(inbox.place(["a"])).max() == TRACKED_RANGE
 
 
 def test_hostile_packets_are_counted_and_leave_the_memory_as_it_is():

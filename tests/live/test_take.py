@@ -11,7 +11,7 @@ from studio.core.quality.metrics import contact_quality
 from studio.core.solver.adapt import adapt
 from studio.core.solver.performers.performing import motion_of, perform
 from studio.core.stage.scope import Scope
-from studio.library.scenes.sparring import KEYS
+from studio.library.scenes.sparring import PUNCH_KEYS
 from studio.live.stage import LiveStage
 from studio.live.take import StageTake, edits_of
 from tests.live.test_live_stage import STEP, WRIST, clip_of, prepare, reaching, staged
@@ -174,13 +174,13 @@ def test_steps_to_keep_a_distance_are_in_the_take_where_they_were_played():
     stage = LiveStage(project, prepare)
     stage.step(0.0)
     stage.record()
-    seen = {key: [] for key in KEYS}
+    seen = {key: [] for key in PUNCH_KEYS}
     for _ in range(150):
         for key, result in stage.step(STEP).items():
             seen[key].append(result.positions[0, 0])
     take = stage.recorded()
     taken = with_take(project, take)
-    made = perform(taken, KEYS, prepare, lambda request: adapt(replace(request, eased=False)))
+    made = perform(taken, PUNCH_KEYS, prepare, lambda request: adapt(replace(request, eased=False)))
     assert not made.failures
     for key, roots in seen.items():
         one = made.performances[key]

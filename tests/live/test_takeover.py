@@ -10,7 +10,7 @@ from studio.core.body.morphology import sole_rows
 from studio.core.grounds.slope import Slope
 from studio.core.kernels.support.sole import HEEL_STANDS, TOE_STANDS
 from studio.core.project import GROUND_ID
-from studio.core.quality.metrics import QUIET
+from studio.core.quality.metrics import QUIET_PEAK
 from studio.core.runs import runs_of
 from studio.core.solver.standing.stepping import flights_of
 from studio.core.solver.standing.swing_foot_path import Sole
@@ -36,7 +36,7 @@ def jolt_of(shown: Shown, first: Clip, second: Clip, body: str) -> float:
     peaks = [
         own_row(staged(replace(each, first=0), body=body), "one", prepare).standing.peaks for each in (first, second)
     ]
-    usual = np.maximum(np.maximum(*peaks), QUIET)
+    usual = np.maximum(np.maximum(*peaks), QUIET_PEAK)
     return float((shown.accelerations()[CHANGE - 4 :].max(axis=0) / usual).max())
 
 

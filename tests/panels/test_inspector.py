@@ -14,7 +14,7 @@ from studio.core.project import Performer
 from studio.core.solver.request import AdaptedMotion
 from studio.document.document import Document
 from studio.io.project.character_file import bundled_characters
-from studio.panels.constraint_editors.body_figure import SCALE, SHAPES, BodyFigure
+from studio.panels.constraint_editors.body_figure import SCALE, SEGMENT_SHAPES, BodyFigure
 from studio.panels.constraint_editors.priority import OrderList
 from studio.panels.constraint_editors.residuals import BodyResidual, ResidualTable, residuals_of, words_of
 from studio.panels.fields import Choice, NumberField
@@ -45,7 +45,7 @@ class FakeLive(QObject):
 
 def segment_place(part):
     """Where a segment of the figure is clicked."""
-    return (SCALE * SHAPES[part].center()).toPoint()
+    return (SCALE * SEGMENT_SHAPES[part].center()).toPoint()
 
 
 @pytest.fixture

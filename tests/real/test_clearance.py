@@ -13,7 +13,7 @@ from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.limits.arm_clearance import MAX_INHERITED_CLEARANCE
-from studio.core.quality.metrics import QUIET, angular_acceleration
+from studio.core.quality.metrics import QUIET_PEAK, angular_acceleration
 from studio.core.solver.adapt import hold
 from studio.core.solver.asking.clearance import rooms
 from studio.core.solver.request import AdaptedMotion
@@ -61,7 +61,7 @@ def test_arms_come_out_of_the_body_without_a_pop(stem: str, name: str) -> None:
     assert rooms(before).min() < MAX_INHERITED_CLEARANCE
     assert rooms(after).min() > max(rooms(before).min(), -DEEPEST)
     assert after.residuals.max() < 2e-3
-    assert (_arm_peaks(after) / np.maximum(_arm_peaks(source), QUIET)).max() < 3.0
+    assert (_arm_peaks(after) / np.maximum(_arm_peaks(source), QUIET_PEAK)).max() < 3.0
 
 
 @pytest.mark.parametrize("name", ["stocky_man", "giant"])
@@ -83,7 +83,7 @@ def test_wrists_that_are_to_be_in_the_body_stay_out_of_it_without_a_pop(captures
     alone, both = hold(standing, (CLEAR,), first, last), hold(standing, (wish, CLEAR), first, last)
     assert both.residuals[1] == pytest.approx(alone.residuals[0], abs=2e-4)
     assert both.residuals[0].min() > 0.02
-    assert (_arm_peaks(both) / np.maximum(_arm_peaks(source), QUIET)).max() < 3.0
+    assert (_arm_peaks(both) / np.maximum(_arm_peaks(source), QUIET_PEAK)).max() < 3.0
     part = hold(standing, (CLEAR, wish), first + 100, first + 110)
     assert np.array_equal(part.positions, both.positions[100:111])
     assert np.array_equal(part.residuals[::-1], both.residuals[:, 100:111])

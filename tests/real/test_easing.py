@@ -10,7 +10,7 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
-from studio.core.quality.metrics import QUIET, angular_acceleration, contact_quality
+from studio.core.quality.metrics import QUIET_PEAK, angular_acceleration, contact_quality
 from studio.core.solver.adapt import hold, place_of
 from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.request import AdaptedMotion
@@ -98,7 +98,7 @@ def test_no_joint_jolts_and_no_foot_slides(stem: str, body: str) -> None:
     window = capture.first_frame, capture.first_frame + LONGEST - 1
     before, source = hold(standing, (), *window), _peak(hold(standing, ()))
     for name, (wishes, tracks) in _sets(standing, before).items():
-        allowed = max(QUIET, source) + _brings(before, wishes, tracks)
+        allowed = max(QUIET_PEAK, source) + _brings(before, wishes, tracks)
         eased = hold(standing, wishes, *window, tracks, eased=True)
         assert _peak(eased) < 3.0 * allowed, name
         assert contact_quality(eased, contacts, Ground()).slide < 2e-4, name

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.cli.bench_cases import FOREARMS, LIMB, WHOLE, WITH_TRUNK, clip_of, make_tasks
+from studio.cli.bench_cases import BENCH_FOREARMS, LIMB, WHOLE_CHAIN, WITH_TRUNK, clip_of, make_tasks
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.position import PositionConstraint
@@ -78,14 +78,14 @@ def _wandering(standing: Standing, seed: int, chain: Chain) -> tuple[tuple[Posit
             place = place + 0.25 * random.normal(size=3) * np.sin(2.0 * np.pi * phases)
         follow = FollowTracked(f"place {side}")
         tracks[follow] = Track(standing.positions[:, body.layout.collar(side) + 1] + arm * place, np.eye(3)[None])
-        wrist = BodyPoint(FOREARMS[side], at_end=True)
+        wrist = BodyPoint(BENCH_FOREARMS[side], at_end=True)
         wishes.append(PositionConstraint("motion", f"Wrist {side}", wrist, chain, 0, ALWAYS, target=follow))
     return tuple(wishes), tracks
 
 
 @pytest.mark.parametrize(
     ("chain", "limited", "unlimited"),
-    [(LIMB, 45.0, 9.0), (WITH_TRUNK, 180.0, 11.0), (WHOLE, 230.0, 11.0)],
+    [(LIMB, 45.0, 9.0), (WITH_TRUNK, 180.0, 11.0), (WHOLE_CHAIN, 230.0, 11.0)],
     ids=["arm", "trunk", "root"],
 )
 def test_places_that_wander_about_the_shoulders_before_and_behind_cost_few_jerks(

@@ -14,7 +14,7 @@ from studio.core.kernels.solve_clip import place_frames, solve_frames
 from studio.startup import first_run, kernel_warm_up
 from studio.startup.compile_work import CompileWork, all_kernels, kernels_below
 
-FETCHED = [kernel_warm_up.STANDING, "first_run.run", kernel_warm_up.REST]
+FETCHED = [kernel_warm_up.WARM_STANDING, "first_run.run", kernel_warm_up.WARM_REST]
 
 
 def followed(monkeypatch, *steps):
@@ -181,7 +181,7 @@ def test_one_that_is_held_can_be_stopped(cold):
 
 
 def test_a_process_whose_listener_is_gone_ends_without_a_word():
-    process = (sys.executable, "-m", "studio.startup.kernel_warm_up", kernel_warm_up.STANDING)
+    process = (sys.executable, "-m", "studio.startup.kernel_warm_up", kernel_warm_up.WARM_STANDING)
     with subprocess.Popen(process, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as child:
         child.stdout.close()
         assert child.wait(60) == 0
@@ -225,7 +225,7 @@ def test_bodies_can_stand_before_the_constraints_are_compiled(cold, monkeypatch)
     monkeypatch.setattr(kernel_warm_up, "CHILD", (sys.executable, "-c", script))
     warming = kernel_warm_up.WarmUp()
     warming.join_grounded()
-    assert cold == [kernel_warm_up.STANDING]
+    assert cold == [kernel_warm_up.WARM_STANDING]
     assert warming.grounded
     assert not warming.ready
     warming.stop()
@@ -245,7 +245,7 @@ def test_the_processes_are_as_urgent_as_the_one_that_waits_for_them(cold, monkey
     """Of two processors that two others keep busy they get half, and so end in twice their time."""
     script = "import os, sys; print(os.nice(0), file=open(sys.argv[-1].replace('.', '-'), 'w'))"
     monkeypatch.setattr(kernel_warm_up, "CHILD", (sys.executable, "-c", script))
-    monkeypatch.setattr("studio.io.child_process.ROOT", tmp_path)
+    monkeypatch.setattr("studio.io.child_process.STUDIO_ROOT", tmp_path)
     kernel_warm_up.WarmUp().join()
     told = {
         part[-1]: (tmp_path / part[-1].replace(".", "-")).read_text()

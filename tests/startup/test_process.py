@@ -217,7 +217,7 @@ def test_a_missing_library_is_one_sentence_with_what_this_user_can_type(bare, mo
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="libraries of Linux")
 def test_what_is_to_be_typed_is_all_that_pictures_and_a_window_take_and_each_once(monkeypatch):
     monkeypatch.setattr(system_libraries, "_loads", lambda name: False)
-    needed = {**system_libraries.DRAWING, **system_libraries.WINDOW, **system_libraries.LIKED}
+    needed = {**system_libraries.DRAWING, **system_libraries.WINDOW_LIBRARIES, **system_libraries.LIKED}
     packages = system_libraries.missing_packages()
     assert set(needed.values()) <= set(packages)
     assert len(packages) == len(set(packages))

@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studio.timeline.axis import MARGIN, TimeAxis
+from studio.timeline.axis import AXIS_MARGIN, TimeAxis
 
 
 def make_axis(seconds=10.0, frame_rate=30.0):
@@ -14,8 +14,8 @@ def make_axis(seconds=10.0, frame_rate=30.0):
 
 def test_all_of_time_is_shown_at_first_with_a_margin_on_both_sides():
     axis = make_axis()
-    assert axis.x_of_frame(0) == pytest.approx(196 + MARGIN)
-    assert axis.x_of_frame(300) == pytest.approx(1196 - MARGIN)
+    assert axis.x_of_frame(0) == pytest.approx(196 + AXIS_MARGIN)
+    assert axis.x_of_frame(300) == pytest.approx(1196 - AXIS_MARGIN)
 
 
 @given(st.floats(-500, 3000), st.floats(0.5, 4.0), st.floats(200, 1190))
@@ -38,32 +38,32 @@ def test_zooming_out_ends_where_all_is_shown():
     axis = make_axis()
     axis.zoom(4.0, 500.0)
     axis.zoom(0.01, 900.0)
-    assert axis.x_of_frame(0) == pytest.approx(196 + MARGIN)
-    assert axis.x_of_frame(300) == pytest.approx(1196 - MARGIN)
+    assert axis.x_of_frame(0) == pytest.approx(196 + AXIS_MARGIN)
+    assert axis.x_of_frame(300) == pytest.approx(1196 - AXIS_MARGIN)
 
 
 def test_what_shows_everything_goes_on_to_when_the_widget_grows_or_the_clip_does():
     axis = make_axis()
     axis.place(196.0, 500.0)
-    assert axis.x_of_frame(300) == pytest.approx(696 - MARGIN)
+    assert axis.x_of_frame(300) == pytest.approx(696 - AXIS_MARGIN)
     axis.set_extent(0.0, 20.0, 30.0)
-    assert axis.x_of_frame(600) == pytest.approx(696 - MARGIN)
+    assert axis.x_of_frame(600) == pytest.approx(696 - AXIS_MARGIN)
 
 
 def test_scrolling_stops_at_the_ends():
     axis = make_axis()
     axis.zoom(4.0, 500.0)
     axis.scroll(1e6)
-    assert axis.x_of_frame(300) == pytest.approx(1196 - MARGIN)
+    assert axis.x_of_frame(300) == pytest.approx(1196 - AXIS_MARGIN)
     axis.scroll(-1e6)
-    assert axis.x_of_frame(0) == pytest.approx(196 + MARGIN)
+    assert axis.x_of_frame(0) == pytest.approx(196 + AXIS_MARGIN)
 
 
 def test_a_moment_that_left_the_view_turns_the_page():
     axis = make_axis()
     axis.zoom(4.0, 196.0)
     axis.reveal(5.0)
-    assert axis.x_of_time(5.0) == pytest.approx(196 + MARGIN)
+    assert axis.x_of_time(5.0) == pytest.approx(196 + AXIS_MARGIN)
     start = axis.start
     axis.reveal(6.0)
     assert axis.start == start
@@ -89,4 +89,4 @@ def test_a_trim_leaves_everything_where_it_is_and_fitting_shows_all_again():
     assert (axis.x_of_frame(90), axis.scale) == pytest.approx((before, 98.0))
     axis.set_extent(0.0, 6.0, 30.0)
     axis.fit()
-    assert axis.x_of_frame(180) == pytest.approx(1196 - MARGIN)
+    assert axis.x_of_frame(180) == pytest.approx(1196 - AXIS_MARGIN)

@@ -4,7 +4,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from studio.viewport.camera import OrbitCamera
-from studio.viewport.gizmo import ARROW_PIXELS, AXES, BALL, PLANES, SHORTEST_ARROW, Gizmo, arrow_pixels, moved_axes
+from studio.viewport.gizmo import (
+    ARROW_PIXELS,
+    BALL_HANDLE,
+    GIZMO_AXES,
+    PLANES,
+    SHORTEST_ARROW,
+    Gizmo,
+    arrow_pixels,
+    moved_axes,
+)
 
 SIZE = (800.0, 600.0)
 
@@ -19,18 +28,18 @@ def test_an_arrow_across_the_sight_is_as_long_on_the_screen_at_any_distance(dist
     assert np.hypot(*(gizmo.tips[2] - gizmo.centre)) == pytest.approx(ARROW_PIXELS, rel=1e-6)
 
 
-@given(st.sampled_from(AXES), st.floats(-0.4, 0.4))
+@given(st.sampled_from(GIZMO_AXES), st.floats(-0.4, 0.4))
 def test_the_grip_of_an_arrow_is_the_point_of_its_axis_under_the_mouse(axis, way):
     gizmo = make_gizmo()
-    point = gizmo.origin + way * gizmo.axes[AXES.index(axis)]
+    point = gizmo.origin + way * gizmo.axes[GIZMO_AXES.index(axis)]
     x, y = gizmo.camera.project(point, SIZE)[0][0]
     assert gizmo.grip(axis, x, y) == pytest.approx(point, abs=1e-9)
 
 
-@given(st.sampled_from([*PLANES, BALL]), st.floats(-0.3, 0.3), st.floats(-0.3, 0.3))
+@given(st.sampled_from([*PLANES, BALL_HANDLE]), st.floats(-0.3, 0.3), st.floats(-0.3, 0.3))
 def test_the_grip_of_a_plane_is_the_point_of_that_plane_under_the_mouse(part, along, across):
     gizmo = make_gizmo()
-    first, second = gizmo.camera.axes[:2] if part == BALL else np.delete(np.eye(3), PLANES[part], axis=0)
+    first, second = gizmo.camera.axes[:2] if part == BALL_HANDLE else np.delete(np.eye(3), PLANES[part], axis=0)
     point = gizmo.origin + along * first + across * second
     x, y = gizmo.camera.project(point, SIZE)[0][0]
     assert gizmo.grip(part, x, y) == pytest.approx(point, abs=1e-9)
@@ -38,8 +47,8 @@ def test_the_grip_of_a_plane_is_the_point_of_that_plane_under_the_mouse(part, al
 
 def test_each_part_is_found_where_it_is_drawn():
     gizmo = make_gizmo()
-    assert gizmo.part_at(*gizmo.centre) == BALL
-    for axis, tip in zip(AXES, gizmo.tips, strict=True):
+    assert gizmo.part_at(*gizmo.centre) == BALL_HANDLE
+    for axis, tip in zip(GIZMO_AXES, gizmo.tips, strict=True):
         assert gizmo.part_at(*(0.2 * gizmo.centre + 0.8 * tip)) == axis
     for name, corners in gizmo.squares.items():
         assert gizmo.part_at(*corners.mean(axis=0)) == name
@@ -56,7 +65,7 @@ def test_an_arrow_seen_end_on_and_planes_seen_edge_on_cannot_be_grabbed():
 def test_a_part_moves_the_axes_it_is_named_after():
     assert moved_axes("y") == [False, True, False]
     assert moved_axes("zx") == [True, False, True]
-    assert moved_axes(BALL) == [True, True, True]
+    assert moved_axes(BALL_HANDLE) == [True, True, True]
 
 
 def test_arrows_shrink_beside_a_small_body_as_long_as_they_can_be_gripped():

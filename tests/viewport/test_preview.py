@@ -3,7 +3,7 @@
 import numpy as np
 from PySide6.QtWidgets import QWidget
 
-from studio.viewport.preview import HELD, PICTURES, Preview
+from studio.viewport.preview import PREVIEW_HELD_PICTURES, PREVIEW_PICTURES, Preview
 
 
 def test_it_goes_to_the_end_holds_it_and_begins_again(qtbot):
@@ -13,11 +13,11 @@ def test_it_goes_to_the_end_holds_it_and_begins_again(qtbot):
     assert preview.points is None
     preview.show(points, np.zeros((0, 2), dtype=np.intp))
     seen = [float(preview.points[0, 0])]
-    for _ in range(PICTURES + HELD):
+    for _ in range(PREVIEW_PICTURES + PREVIEW_HELD_PICTURES):
         preview._go_on()
         seen.append(float(preview.points[0, 0]))
-    assert seen[: PICTURES + 1] == sorted(seen[: PICTURES + 1])
-    assert seen[PICTURES : PICTURES + HELD] == [29.0] * HELD
+    assert seen[: PREVIEW_PICTURES + 1] == sorted(seen[: PREVIEW_PICTURES + 1])
+    assert seen[PREVIEW_PICTURES : PREVIEW_PICTURES + PREVIEW_HELD_PICTURES] == [29.0] * PREVIEW_HELD_PICTURES
     assert seen[-1] == 0.0
     preview.show(None)
     assert preview.points is None

@@ -4,13 +4,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from studio.viewport.camera import OrbitCamera
-from studio.viewport.gizmo import AXES
-from studio.viewport.rotate_gizmo import RING_SIDES, SCREEN, TRACKBALL, RotateGizmo, rotation_about
+from studio.viewport.gizmo import GIZMO_AXES
+from studio.viewport.rotate_gizmo import RING_SIDES, SCREEN_PART, TRACKBALL, RotateGizmo, rotation_about
 from studio.viewport.scale_gizmo import ScaleGizmo
 
 SIZE = (800.0, 600.0)
 ORIGIN = np.array([0.3, -0.2, 1.1])
-PARTS = (*AXES, SCREEN)
+PARTS = (*GIZMO_AXES, SCREEN_PART)
 angles = st.floats(-np.pi, np.pi)
 cameras = st.builds(
     OrbitCamera, target=st.just(tuple(ORIGIN.tolist())), azimuth=angles, elevation=st.floats(-0.1, 1.5),
@@ -34,7 +34,7 @@ def test_the_thing_follows_the_mouse_round_a_ring_whatever_the_view_and_the_axes
     assert np.remainder(angle - expected + np.pi, 2.0 * np.pi) - np.pi == pytest.approx(0.0, abs=1e-6)
 
 
-@given(cameras, rotations, st.sampled_from(AXES))
+@given(cameras, rotations, st.sampled_from(GIZMO_AXES))
 def test_a_ring_seen_edge_on_turns_as_far_as_the_mouse_goes_along_it(camera, axes, part):
     gizmo = RotateGizmo(ORIGIN, axes, camera, SIZE)
     if abs(float(gizmo.axis(part) @ gizmo.sight)) > 0.15:
@@ -54,7 +54,7 @@ def test_rings_are_found_where_their_near_halves_are_drawn_and_the_trackball_bet
         corners = gizmo.ring(part)
         for side in np.flatnonzero(gizmo.in_front(part))[::6]:
             assert gizmo.part_at(*corners[side]) in PARTS  # another ring may cross there
-    x, y = gizmo.ring(SCREEN)[np.argmin(gizmo.ring(SCREEN)[:, 0])]
+    x, y = gizmo.ring(SCREEN_PART)[np.argmin(gizmo.ring(SCREEN_PART)[:, 0])]
     assert gizmo.part_at(x - 40.0, y) is None
     inside = gizmo.centre + np.stack(np.meshgrid(*[np.linspace(-60, 60, 9)] * 2), axis=-1).reshape(-1, 2)
     assert TRACKBALL in {gizmo.part_at(*pixel) for pixel in inside}

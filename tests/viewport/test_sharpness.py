@@ -2,7 +2,7 @@
 
 from itertools import pairwise
 
-from studio.viewport.sharpness import PATIENCE, RETRY, SHARES, Sharpness
+from studio.viewport.sharpness import RETRY, SHARES, SLOW_PICTURES, Sharpness
 
 FULL, SLOW = (900, 600), 0.02
 
@@ -32,7 +32,7 @@ def test_slow_pictures_now_and_then_among_quick_ones_change_nothing() -> None:
 
 def test_after_a_rest_more_is_tried_again() -> None:
     sharpness = Sharpness(SLOW)
-    for _ in range(PATIENCE * len(SHARES)):
+    for _ in range(SLOW_PICTURES * len(SHARES)):
         sharpness.took(2.0 * SLOW)
     for _ in SHARES:
         sharpness.rest()
@@ -41,7 +41,7 @@ def test_after_a_rest_more_is_tried_again() -> None:
 
 def test_after_a_slow_while_all_pixels_come_back_though_nothing_rests() -> None:
     sharpness = Sharpness(SLOW)
-    for _ in range(PATIENCE):
+    for _ in range(SLOW_PICTURES):
         sharpness.took(2.0 * SLOW)
     for _ in range(2 * RETRY):
         sharpness.took(0.6 * SLOW)

@@ -11,14 +11,14 @@ from studio.core.project import Project, new_id
 from studio.core.stage import ready_made
 from studio.core.stage.behaviour import Behaviour
 from studio.core.stage.clip import Clip
-from studio.core.stage.manners import WHOLE
+from studio.core.stage.manners import WHOLE_CLIP
 from studio.document.behaviours import add_behaviour, edit_behaviour, let_play, state_key
 
-KEY = "X"
-EASE, HOLD = 0.2, 1 / 120
+STRIKE_KEY = "X"
+WARD_EASE, WARD_HOLD = 0.2, 1 / 120
 """Seconds in which a warding arm comes and goes, and to each side of a hit in which it meets the fist."""
 STRIKES = ("kick", "punch", "strike", "jab", "hook", "blow")
-WARDS = ("ward", "block", "parry", "guard")
+WARD_WORDS = ("ward", "block", "parry", "guard")
 
 Ready = Callable[[Behaviour], Behaviour]
 
@@ -36,7 +36,7 @@ def keep_distance(bench: Workbench) -> None:
 def ward_off(bench: Workbench) -> None:
     """Ward off when attacked, with a motion of the project."""
     _with_motion(
-        bench, "Ward off with", WARDS,
+        bench, "Ward off with", WARD_WORDS,
         lambda clip: _make(
             bench, "Ward off when attacked", lambda old: ready_made.warding_off(old, clip, _when_hit(bench, clip))
         ),
@@ -52,7 +52,7 @@ def strike(bench: Workbench) -> None:
     """Strike when a key is pressed, with a motion of the project."""
     _with_motion(
         bench, "Strike with", STRIKES,
-        lambda clip: _make(bench, "Strike on a key", lambda old: ready_made.striking(old, clip, KEY)),
+        lambda clip: _make(bench, "Strike on a key", lambda old: ready_made.striking(old, clip, STRIKE_KEY)),
     )  # fmt: skip
 
 
@@ -67,7 +67,7 @@ READY_MADE: dict[str, tuple[str, str, Callable[[Workbench], None]]] = {
         "Lean away from the fist", "The trunk leans back while the partner's fist is near the head", lean_away,
     ),
     "strike_on_key": (
-        "Strike on a key", f"While the stage runs, {KEY} strikes, and tells the partner", strike,
+        "Strike on a key", f"While the stage runs, {STRIKE_KEY} strikes, and tells the partner", strike,
     ),
 }  # fmt: skip
 """By their id: text, tooltip, and what makes it."""
@@ -145,12 +145,14 @@ def _when_hit(bench: Workbench, clip: Clip) -> ActivationCurve:
     behaviour = project.behaviours.get(project.behaviour_of(partner_id) or "")
     blows = [each.clip for each in behaviour.states if each.event == ready_made.ATTACK] if behaviour else []
     if not blows or blows[0] is None:
-        return WHOLE
+        return WHOLE_CLIP
     blow = blows[0]
     capture = project.captures[project.motions[blow.motion_id].capture_id]
     frames = farthest_frame(capture, blow.first, blow.last) - blow.first
     hit = clip.first / project.frame_rate_of(clip) + frames * clip.speed / (capture.frame_rate * blow.speed)
-    return ActivationCurve(hit - HOLD - EASE, hit - HOLD, hit + HOLD, hit + HOLD + EASE, EaseShape.SMOOTH)
+    return ActivationCurve(
+        hit - WARD_HOLD - WARD_EASE, hit - WARD_HOLD, hit + WARD_HOLD, hit + WARD_HOLD + WARD_EASE, EaseShape.SMOOTH
+    )
 
 
 def _whole(project: Project, motion_id: str) -> Clip:

@@ -19,8 +19,8 @@ from studio.document.clipboard import copied, paste
 from studio.document.clips import name_of, remove_clips
 from studio.document.key_edits import delete_keys, set_keys
 
-PARTS = ("clips", "states", "transitions")
-SMALL_THINGS = ("constraints", "contacts", "labels", "props", "behaviours", *PARTS)
+EDITED_PARTS = ("clips", "states", "transitions")
+SMALL_THINGS = ("constraints", "contacts", "labels", "props", "behaviours", *EDITED_PARTS)
 
 
 def undo(bench: Workbench) -> None:
@@ -74,7 +74,7 @@ def delete(bench: Workbench) -> None:
         remove_clips(document, document.selection.of("clips"), text)
         remove_parts(document, document.selection.of("states"), document.selection.of("transitions"), text)
         for collection, key in items:
-            if collection not in PARTS and document.project.get(collection, key) is not None:
+            if collection not in EDITED_PARTS and document.project.get(collection, key) is not None:
                 document.remove(collection, key, text)
 
 

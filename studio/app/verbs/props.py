@@ -17,7 +17,7 @@ from studio.core.errors import StudioError
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.names import free_name
 from studio.core.project import Performer, Project
-from studio.core.stage.holding import REACHING, THIN, grips, quarters, reaching_time
+from studio.core.stage.holding import HAND_REACH_SECONDS, THIN, grips, quarters, reaching_time
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.document.document import Document
 from studio.engine.grasps import Grasp, captured_grasp, chest_heading, grasp_at, grasp_near
@@ -31,15 +31,15 @@ from studio.engine.props import (
 )
 from studio.io.meshes.mesh_file import SUFFIXES, MeshFile, read_mesh
 
-AHEAD = 0.6
+NEW_PROP_DISTANCE = 0.6
 """Metres from a body's root to a new prop."""
-REACH = 0.75
+PROP_REACH = 0.75
 """Leg lengths over the ground from a body's root to a prop that it still reaches."""
 HAND_THICKNESS = 0.02
 """Metres from a wrist to the palm's surface."""
 CARRIED = (PropShape.BOX, PropShape.BALL, PropShape.STICK, PropShape.MESH)
 """Shapes of things that people carry."""
-SIZES = {
+NEW_PROP_SIZES = {
     PropShape.BOX: (0.4, 0.4, 0.4),
     PropShape.BALL: (0.22, 0.22, 0.22),
     PropShape.STICK: (0.03, 0.03, 1.2),
@@ -56,17 +56,17 @@ def add_box(bench: Workbench) -> None:
 
 def choose(bench: Workbench) -> None:
     """A prop of the shape that the user chooses."""
-    shapes = [((shape.value.capitalize(), _words(shape)), partial(add_shape, bench, shape)) for shape in SIZES]
+    shapes = [((shape.value.capitalize(), _words(shape)), partial(add_shape, bench, shape)) for shape in NEW_PROP_SIZES]
     bench.window.choose("Add a prop", [*shapes, (("Mesh file…", "OBJ, STL or PLY"), partial(ask_mesh, bench))])
 
 
 def _words(shape: PropShape) -> str:
-    return " × ".join(f"{side:g}" for side in SIZES[shape]) + " m"
+    return " × ".join(f"{side:g}" for side in NEW_PROP_SIZES[shape]) + " m"
 
 
 def add_shape(bench: Workbench, shape: PropShape) -> None:
     """A prop of a shape, in a usual size."""
-    _add(bench, Prop(shape.value.capitalize(), SIZES[shape], shape=shape))
+    _add(bench, Prop(shape.value.capitalize(), NEW_PROP_SIZES[shape], shape=shape))
 
 
 def _add(bench: Workbench, prop: Prop) -> None:
@@ -94,7 +94,7 @@ def _ahead(document: Document, prop: Prop, pose: Posed | None) -> Prop:
     if pose is not None:
         ahead = pose.placement.rotation @ pose.motion.rotations[pose.row, 0, :, 0]
         heading = math.atan2(ahead[1], ahead[0])
-        away = AHEAD + max(prop.size[0] / 2 - 0.2, 0.0)
+        away = NEW_PROP_DISTANCE + max(prop.size[0] / 2 - 0.2, 0.0)
         x, y = (pose.points[0, :2] + away * np.array([math.cos(heading), math.sin(heading)])).tolist()
     floor = float(document.project.ground.height_at((x, y, 0.0)))
     return replace(prop, position=(x, y, floor + prop.size[2] / 2), heading=heading)
@@ -192,7 +192,7 @@ def _leave(document: Document, prop_id: str, performer_id: str, now: float, text
             if _grips(each, prop_id, performer_id) and each.activation.at(time) > 0.0:
                 curve = each.activation
                 full = min(curve.full, time)
-                left = curve.with_times(min(curve.start, full), full, time, time + REACHING)
+                left = curve.with_times(min(curve.start, full), full, time, time + HAND_REACH_SECONDS)
                 document.replace("constraints", key, replace(each, activation=left), text)
 
 
@@ -217,7 +217,7 @@ def _hold(bench: Workbench, begin: float | None) -> None:
     prop, performer = document.project.props[prop_id], document.project.performers[performer_id]
     posed = posed_performers(document.project, bench.live.result, document.playhead.time)
     holder, giver = posed.get(performer_id), prop.held_at(begin) if begin is not None else None
-    hold, reaching, lower = Carried(performer_id), REACHING, False
+    hold, reaching, lower = Carried(performer_id), HAND_REACH_SECONDS, False
     if holder is not None:
         grasp = grasp_at(document.project, bench.live.result, performer_id, begin) if begin is not None else None
         heading = None
@@ -257,7 +257,7 @@ def _in_reach(bench: Workbench, prop: Prop, holder: Posed, begin: float, grasp: 
         return _grasped(prop, grasp)
     pose = prop_at(document.project, {}, selected_prop(bench) or "", begin)
     beyond = float(np.linalg.norm(pose.place[:2] - holder.points[0, :2])) - max(prop.size[:2]) / 2
-    if prop.holds or beyond <= REACH * holder.motion.body.leg_length:
+    if prop.holds or beyond <= PROP_REACH * holder.motion.body.leg_length:
         return prop
     nearer = _ahead(document, prop, holder)
     if isinstance(prop.position, KeyedPlace) and isinstance(nearer.position, tuple):

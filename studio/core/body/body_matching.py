@@ -7,7 +7,7 @@ from itertools import pairwise, product
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.humanoid import LIMBS, BodyMap, BodyPart
+from studio.core.body.humanoid import LIMB_PARTS, BodyMap, BodyPart
 from studio.core.body.skeleton import Skeleton
 
 FloatArray = NDArray[np.float64]
@@ -54,11 +54,11 @@ class BodySearch:
         """The body whose joints are taken from ``candidates``, the likeliest first in each list."""
         arms = self._pair(candidates, "left arm", "right arm")
         legs = self._pair(candidates, "left leg", "right leg")
-        missing = [limb for limb in LIMBS if not (arms if "arm" in limb else legs)]
+        missing = [limb for limb in LIMB_PARTS if not (arms if "arm" in limb else legs)]
         if not (arms and legs):
             return Match(None, tuple(missing), 0)
-        parts = dict(zip(LIMBS["left arm"] + LIMBS["right arm"], arms, strict=True))
-        parts |= dict(zip(LIMBS["left leg"] + LIMBS["right leg"], legs, strict=True))
+        parts = dict(zip(LIMB_PARTS["left arm"] + LIMB_PARTS["right arm"], arms, strict=True))
+        parts |= dict(zip(LIMB_PARTS["left leg"] + LIMB_PARTS["right leg"], legs, strict=True))
         return self._whole(candidates, parts)
 
     def around(self, limbs: Mapping[BodyPart, int], candidates: Candidates) -> Match:
@@ -68,7 +68,7 @@ class BodySearch:
         """
         broken = [
             limb
-            for limb, parts in LIMBS.items()
+            for limb, parts in LIMB_PARTS.items()
             if any(len(self.skeleton.path(limbs[a], limbs[b])) < 2 for a, b in pairwise(parts))
         ]
         return Match(None, tuple(broken), 0) if broken else self._whole(candidates, dict(limbs))
@@ -92,7 +92,7 @@ class BodySearch:
         return best[1]
 
     def _limbs(self, candidates: Candidates, limb: str) -> Iterator[_Limb]:
-        for joints in product(*(candidates.get(part, ())[:6] for part in LIMBS[limb])):
+        for joints in product(*(candidates.get(part, ())[:6] for part in LIMB_PARTS[limb])):
             ways = [self.skeleton.path(a, b) for a, b in pairwise(joints)]
             if any(len(way) < 2 for way in ways):
                 continue

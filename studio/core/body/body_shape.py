@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyPart
-from studio.core.body.humanoid import LIMBS, BodyMap
+from studio.core.body.humanoid import LIMB_PARTS, BodyMap
 from studio.core.body.skeleton import Skeleton
 from studio.core.rotations import normalized
 
@@ -76,7 +76,7 @@ def moving_body_by_shape(skeleton: Skeleton, rest: FloatArray, points: FloatArra
         found = found.with_sides_exchanged()
     parts = {part: int(kept[joint]) for part, joint in found.parts.items()}
     parts = {part: joint for part, joint in parts.items() if not skeleton.end_sites[joint]}
-    if any(part not in parts for limb in LIMBS.values() for part in limb):
+    if any(part not in parts for limb in LIMB_PARTS.values() for part in limb):
         return None
     return BodyMap(parts, skeleton.path(parts[BodyPart.PELVIS], int(kept[found.spine[-1]])))
 

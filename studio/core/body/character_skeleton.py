@@ -13,7 +13,7 @@ from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.morphology import Morphology
 from studio.core.body.pose import PoseSequence
-from studio.core.body.rest_pose import FORWARD
+from studio.core.body.rest_pose import REST_FORWARD
 from studio.core.body.skeleton import Skeleton
 from studio.core.body.standing import standing_points
 from studio.core.rotations import frame_along, from_matrix
@@ -95,12 +95,12 @@ def t_pose_rotations(morphology: Morphology) -> FloatArray:
     """(S, 3, 3) world rotations of the canonical segments in the T-pose; neck and clavicles lie as at ease."""
     layout = morphology.layout
     rotations = np.tile(np.eye(3), (layout.segment_count, 1, 1))
-    rotations[layout.neck_base] = frame_along(morphology.neck_rest, FORWARD)
+    rotations[layout.neck_base] = frame_along(morphology.neck_rest, REST_FORWARD)
     for side in range(2):
         bone = np.array([0.0, 1.0 - 2.0 * side, 0.0])
         arm, leg = layout.spine_count + 2 + 4 * side, layout.spine_count + 10 + 4 * side
-        rotations[arm] = frame_along(morphology.clavicle_rest[side], FORWARD)
-        rotations[arm + 1 : arm + 4] = frame_along(bone, np.cross(bone, FORWARD))
+        rotations[arm] = frame_along(morphology.clavicle_rest[side], REST_FORWARD)
+        rotations[arm + 1 : arm + 4] = frame_along(bone, np.cross(bone, REST_FORWARD))
         rotations[leg : leg + 2] = frame_along(_DOWN, np.array([0.0, 1.0, 0.0]))
     return rotations
 

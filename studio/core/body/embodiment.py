@@ -18,7 +18,7 @@ from studio.core.mesh.skin import INFLUENCES, SkinnedMesh
 from studio.core.normalized.alignment import find_alignments
 from studio.core.normalized.landmarks import find_landmarks
 from studio.core.normalized.measure import measure_actor
-from studio.core.rotations import IDENTITY
+from studio.core.rotations import IDENTITY_QUATERNION
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -34,7 +34,7 @@ def measured(skeleton: Skeleton, body_map: BodyMap) -> tuple[Morphology, FloatAr
 
     Also its stance: the rotations (S, 3, 3) of the canonical segments as it stands.
     """
-    still = np.tile(IDENTITY, (skeleton.joint_count, 1))
+    still = np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1))
     poses = rest_poses(skeleton, still)
     standing = Capture("body", "", skeleton, poses, 1.0, body_map, still, 0.0, "m", "Z", 0, (), ())
     marks = find_landmarks(standing, body_map)

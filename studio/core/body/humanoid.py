@@ -8,9 +8,9 @@ from studio.core.body.canonical import BodyPart
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
 
-__all__ = ["LIMBS", "BodyMap", "BodyPart"]
+__all__ = ["LIMB_PARTS", "BodyMap", "BodyPart"]
 
-LIMBS: dict[str, tuple[BodyPart, BodyPart, BodyPart]] = {
+LIMB_PARTS: dict[str, tuple[BodyPart, BodyPart, BodyPart]] = {
     "left arm": (BodyPart.LEFT_UPPER_ARM, BodyPart.LEFT_FOREARM, BodyPart.LEFT_HAND),
     "right arm": (BodyPart.RIGHT_UPPER_ARM, BodyPart.RIGHT_FOREARM, BodyPart.RIGHT_HAND),
     "left leg": (BodyPart.LEFT_THIGH, BodyPart.LEFT_SHANK, BodyPart.LEFT_FOOT),
@@ -32,7 +32,7 @@ class BodyMap:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "parts", MappingProxyType(dict(self.parts)))
-        needed = [BodyPart.PELVIS, *(part for limb in LIMBS.values() for part in limb)]
+        needed = [BodyPart.PELVIS, *(part for limb in LIMB_PARTS.values() for part in limb)]
         missing = [part.label.lower() for part in needed if part not in self.parts]
         if missing:
             raise StudioError(f"No joint plays {', '.join(missing)}. Choose one under Characters > Body map.")

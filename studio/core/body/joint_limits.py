@@ -41,7 +41,7 @@ from studio.core.kernels.limits.limb_joint_limits import LIMB_LIMITS, SWIVEL_SOF
 from studio.core.rotations import frame_along, normalized
 
 FloatArray = NDArray[np.float64]
-FORWARD = np.array([1.0, 0.0, 0.0])
+SEGMENT_FORWARD = np.array([1.0, 0.0, 0.0])
 
 
 @dataclass(frozen=True)
@@ -64,11 +64,11 @@ SHOULDER = BallLimit((1.0, 1.0, -1.0), (1.0, -1.0, 0.0), (130.0, 105.0, 95.0, 10
 HIP = BallLimit((0.75, 0.2, -0.64), (0.0, 1.0, 0.0), (75.0, 80.0, 55.0, 55.0), (-65.0, 60.0))
 """About x the thigh goes back and forward, about y out and in."""
 WRIST = BallLimit((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (80.0, 80.0, 80.0, 80.0), (-160.0, 160.0))
-ANKLE = BallLimit((0.0, 0.0, -1.0), (0.0, 1.0, 0.0), (21.0, 37.0, 56.0, 45.0), (-40.0, 40.0))
+ANKLE_LIMIT = BallLimit((0.0, 0.0, -1.0), (0.0, 1.0, 0.0), (21.0, 37.0, 56.0, 45.0), (-40.0, 40.0))
 """About x of the foot its outer edge rises and sinks, about y its toes sink and rise."""
-ELBOW, CARRYING, FOREARM = (0.0, 150.0), 15.0, (-80.0, 80.0)
-KNEE, KNOCK, SHANK = (0.0, 160.0), 10.0, (-30.0, 30.0)
-HINGED, UPRIGHT = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, 1.0])
+ELBOW, CARRYING, FOREARM_LIMIT = (0.0, 150.0), 15.0, (-80.0, 80.0)
+KNEE_LIMIT, KNOCK, SHANK = (0.0, 160.0), 10.0, (-30.0, 30.0)
+HINGE_MIRROR, UPRIGHT_MIRROR = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, 1.0])
 """What the mirror does to the axes of a segment that has a hinge, and of one that has its y to the left."""
 
 
@@ -82,12 +82,12 @@ def _limits_of(body: Morphology) -> bytes:
     limits = np.zeros(4, dtype=LIMB_LIMITS)
     for limb, row in enumerate(limits):
         side, is_arm = limb % 2, limb < 2
-        root, tip = (SHOULDER, WRIST) if is_arm else (HIP, ANKLE)
-        _write(row, 0, root, side, UPRIGHT, HINGED)
-        _write(row, 1, tip, side, HINGED, HINGED if is_arm else UPRIGHT)
+        root, tip = (SHOULDER, WRIST) if is_arm else (HIP, ANKLE_LIMIT)
+        _write(row, 0, root, side, UPRIGHT_MIRROR, HINGE_MIRROR)
+        _write(row, 1, tip, side, HINGE_MIRROR, HINGE_MIRROR if is_arm else UPRIGHT_MIRROR)
         if is_arm:
-            row["axes"][0] = frame_along(normalized(body.clavicle_rest[side]), FORWARD).T @ row["axes"][0]
-        bends, slant, turn = (ELBOW, CARRYING, FOREARM) if is_arm else (KNEE, KNOCK, SHANK)
+            row["axes"][0] = frame_along(normalized(body.clavicle_rest[side]), SEGMENT_FORWARD).T @ row["axes"][0]
+        bends, slant, turn = (ELBOW, CARRYING, FOREARM_LIMIT) if is_arm else (KNEE_LIMIT, KNOCK, SHANK)
         row["bends"], row["aslant"], row["turns"] = np.radians(bends), np.radians(slant), _range(turn, side)
     return limits.tobytes()
 
@@ -97,7 +97,7 @@ def _write(row: np.void, joint: int, ball: BallLimit, side: int, carrier: FloatA
     axes, radii = ball.axes, np.radians(ball.radii)
     if side == 1:
         axes = carrier[:, None] * axes * own
-        radii = radii[[0, 1, 3, 2]] if own is HINGED else radii[[1, 0, 2, 3]]
+        radii = radii[[0, 1, 3, 2]] if own is HINGE_MIRROR else radii[[1, 0, 2, 3]]
     twist = _range(ball.twist, side)
     row["axes"][joint], row["radii"][joint], row["twists"][joint] = axes, radii, twist
     well, middle = np.cos(SWIVEL_SOFT_LIMIT * np.array([radii.min(), twist[1]])), twist[0]

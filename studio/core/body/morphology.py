@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyLayout
 from studio.core.kernels import layout as at
-from studio.core.plausible import BONE
+from studio.core.plausible import BONE_RANGE
 
 FloatArray = NDArray[np.float64]
 
@@ -85,7 +85,7 @@ class Morphology:
             array = np.asarray(getattr(self, name))
             if not np.isfinite(array).all():
                 raise ValueError(f"{name}: holds a number that is not finite.")
-            BONE.check(array)
+            BONE_RANGE.check(array)
             if name in _LENGTHS and (array <= 0).any():
                 raise ValueError(f"{name}: a bone needs a length above zero.")
             if name in _DIRECTIONS:

@@ -11,7 +11,7 @@ from studio.core.body.neutral_pose import find_neutral_pose
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.confidence import Confidence
-from studio.core.rotations import IDENTITY, from_matrix, multiply, normalized, shortest_arc
+from studio.core.rotations import IDENTITY_QUATERNION, from_matrix, multiply, normalized, shortest_arc
 
 FloatArray = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ class ReferencePose:
 
 def find_reference_pose(skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap) -> ReferencePose:
     """The zero pose, stood up where it lies, if it is human; else the neutral pose of all frames."""
-    zero = np.tile(IDENTITY, (skeleton.joint_count, 1))
+    zero = np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1))
     standing = stand_up(skeleton, zero, body_map)
     if standing is not None:
         points = joint_positions(skeleton, rest_poses(skeleton, standing))

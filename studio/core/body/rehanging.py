@@ -10,7 +10,7 @@ from studio.core.body.kinematics import joint_world, rest_poses
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
-from studio.core.rotations import IDENTITY, from_matrix
+from studio.core.rotations import IDENTITY_QUATERNION, from_matrix
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -48,7 +48,7 @@ def over_feet(skeleton: Skeleton, poses: PoseSequence, feet: Mapping[int, int]) 
     Some files move the feet through the world and leave the body behind, or in its place; its legs, as they turn, say
     where it belongs: where the ends of both shanks meet the feet. Raises StudioError where no place does that.
     """
-    still = joint_world(skeleton, rest_poses(skeleton, np.tile(IDENTITY, (skeleton.joint_count, 1))))[0][0]
+    still = joint_world(skeleton, rest_poses(skeleton, np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1))))[0][0]
     positions, turns = joint_world(skeleton, poses)
     gaps = np.stack(
         [

@@ -8,8 +8,8 @@ from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import FloatArray, Morphology
 from studio.core.rotations import cross, frame_along
 
-FORWARD = np.array([1.0, 0.0, 0.0])
-UP = np.array([0.0, 0.0, 1.0])
+REST_FORWARD = np.array([1.0, 0.0, 0.0])
+REST_UP = np.array([0.0, 0.0, 1.0])
 UPPER_ARM = np.array([0.06, np.cos(np.radians(50)), -np.sin(np.radians(50))])
 ELBOW_FLEXION = np.radians(12)
 
@@ -33,9 +33,9 @@ def _computed(morphology: Morphology) -> tuple[FloatArray, FloatArray]:
     positions[0, 2] = hips_to_sole.min()
     positions[1 : layout.neck_base + 1] = positions[0] + np.cumsum(morphology.spine, axis=0)
     neck_base = positions[layout.neck_base]
-    rotations[layout.neck_base] = frame_along(morphology.neck_rest, FORWARD)
+    rotations[layout.neck_base] = frame_along(morphology.neck_rest, REST_FORWARD)
     positions[layout.head_joint] = neck_base + morphology.neck * rotations[layout.neck_base][:, 2]
-    positions[layout.head_end] = positions[layout.head_joint] + morphology.head * UP
+    positions[layout.head_end] = positions[layout.head_joint] + morphology.head * REST_UP
     for side in (0, 1):
         _hang_arm(morphology, side, positions, rotations)
         _stand_leg(morphology, side, positions, rotations)
@@ -50,9 +50,9 @@ def turned(frame: FloatArray, flexion: float) -> FloatArray:
 
 def _hang_arm(morphology: Morphology, side: int, positions: FloatArray, rotations: FloatArray) -> None:
     outward = np.array([1.0, 1 - 2 * side, 1.0])
-    clavicle = frame_along(morphology.clavicle_rest[side], FORWARD)
+    clavicle = frame_along(morphology.clavicle_rest[side], REST_FORWARD)
     bone = UPPER_ARM * outward
-    upper = frame_along(bone, cross(bone, FORWARD))
+    upper = frame_along(bone, cross(bone, REST_FORWARD))
     forearm = turned(upper, ELBOW_FLEXION)
     lengths = (morphology.clavicle[side], *morphology.arm[side])
     first = morphology.layout.collar(side)

@@ -11,11 +11,11 @@ from studio.core.body.kinematics import joint_world, rest_poses
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture
-from studio.core.rotations import IDENTITY, inverse, multiply, rotate
+from studio.core.rotations import IDENTITY_QUATERNION, inverse, multiply, rotate
 
 FloatArray = NDArray[np.float64]
 
-ROOT = "root"
+ROOT_JOINT = "root"
 """The name of the joint that is added."""
 
 
@@ -28,7 +28,7 @@ def with_root_joint(capture: Capture) -> Capture:
     skeleton, poses = capture.skeleton, capture.poses
     if capture.body_map and capture.body_map.spine[0] > 0:
         return _with_moving_root(capture)
-    name = ROOT
+    name = ROOT_JOINT
     while name in skeleton.names:
         name += "_"
     travel, turns = _travel(capture), _headings(capture)
@@ -48,7 +48,7 @@ def with_root_joint(capture: Capture) -> Capture:
             np.concatenate([travel[:, None], moved[:, None], poses.local_translations[:, 1:]], axis=1),
         ),
         body_map=_shifted(capture.body_map),
-        reference_rotations=np.concatenate([IDENTITY[None], capture.reference_rotations]),
+        reference_rotations=np.concatenate([IDENTITY_QUATERNION[None], capture.reference_rotations]),
     )
 
 

@@ -171,15 +171,15 @@ PIVOT_SPEED, PIVOT = 0.2, 0.04
 """Metres a second of ball and heel about each other while a foot turns on one of them, and metres that the other one
 travels farther meanwhile.
 """
-ROLLING = 0.06
+ROLLING_SECONDS = 0.06
 """Seconds that this may take."""
-SHORTEST = 0.05
+SHORTEST_CONTACT = 0.05
 """Seconds: shorter contacts are dropped, shorter gaps closed."""
 SMOOTHING = 0.012
 """Seconds, standard deviation of the smoothing before speed is taken."""
 NOISE_SPEED = 0.12
 """Metres a second along an axis that noise may add to a speed, which is taken over more frames where it adds more."""
-LONGEST_STEP = 0.15
+LONGEST_SPEED_STEP = 0.15
 """Seconds over which a speed is taken at most."""
 ENOUGH = 8
 """Third differences that show how much noise there is."""
@@ -189,7 +189,7 @@ DRIFT_WINDOW = 1.0
 """Seconds to each side in which a foot is taken to touch the ground at least once."""
 GREATEST_DRIFT = 0.04
 """Metres by which the ground of a capture may rise above its usual low."""
-HOVERING = 0.025
+HOVERING_HEIGHT = 0.025
 """Metres above the lowest that it comes to while it is near the ground at which a point is in the air."""
 ON_THE_FLOOR = 0.12
 """Metres that one foot's usual low may lie above the other's; higher, and it never stands."""
@@ -201,9 +201,9 @@ BODY_SPEEDS = {"hand": 1.0, "knee": 0.2, "seat": STILL_SPEED}
 """Metres a second below which they may be standing: a wrist rolls over a palm that stands, a knee that is dragged along
 hardly rests.
 """
-BODY_SHORTEST = {"hand": SHORTEST, "knee": 0.3, "seat": SHORTEST}
+BODY_SHORTEST = {"hand": SHORTEST_CONTACT, "knee": 0.3, "seat": SHORTEST_CONTACT}
 """Seconds that they stand at least."""
-BETWEEN = 0.3
+SEAT_TO_KNEES_SECONDS = 0.3
 """Seconds in which a body passes from its seat to its knees, or back."""
 LOW_KNEE = 0.14
 """The same of the knee of a leg that lies, or kneels: its toes may trail."""
@@ -211,11 +211,11 @@ WANDER = 0.08
 """Metres from its own middle that a standing hand, knee or seat may stray: what creeps farther does not stand. Metres
 that it, or a foot, may go in a moment in which it is not still.
 """
-RESTS = 0.5
+REST_SECONDS = 0.5
 """Seconds that it stands at another place, before or after; what creeps on is nowhere for so long."""
 TRAILING = 0.05
 """The same of the toes of who kneels or lies."""
-FLAT = 0.14
+LYING_HIP_HEIGHT = 0.14
 """Middle of the hips above the floor of who lies on its front, in parts of the leg's length: half a pelvis."""
 PRONE = 0.7
 """Part of the front's direction that points down on a body that is prone."""
@@ -253,7 +253,7 @@ def detect_contacts(soles: FloatArray, frame_rate: float, first_frame: int = 0) 
         heel, toe = _without_pivots(stands[0], stands[1] | stands[2] | rests, tracks[:, side], frame_rate)
         middle = tracks[:, side, :2].mean(axis=1)  # of heel and ball: a foot that turns on the spot goes nowhere
         for kind, standing in (("heel", heel), ("toe", toe)):
-            spans = _without_flicker(standing, middle, round(SHORTEST * frame_rate))
+            spans = _without_flicker(standing, middle, round(SHORTEST_CONTACT * frame_rate))
             found[ContactPoint(f"{name}_{kind}")] = [(a + first_frame, b + first_frame) for a, b in spans]
     return found
 
@@ -273,7 +273,7 @@ def _come_down(heights: FloatArray, near: NDArray[np.bool_], reach: int) -> NDAr
     down = near.copy()
     for first, last in spans_of(near):
         span = slice(first, last + 1)
-        down[span] = heights[span] < lowest(heights[span], reach) + HOVERING
+        down[span] = heights[span] < lowest(heights[span], reach) + HOVERING_HEIGHT
     return down
 
 
@@ -290,7 +290,7 @@ def _stands(
         if len(rests):
             standing[rests[0] : rests[-1] + 1] = True
     lands, leaves = near & (speeds < landing), near & (speeds < leaving)
-    for _ in range(round(ROLLING * frame_rate)):
+    for _ in range(round(ROLLING_SECONDS * frame_rate)):
         standing[:-1] |= standing[1:] & lands[:-1]
         standing[1:] |= standing[:-1] & leaves[1:]
     return standing
@@ -339,15 +339,15 @@ def detect_body_contacts(
         standing = near & (speeds < BODY_SPEEDS[point.member])
         if point.member == "hand":
             standing = _until_it_leaves(standing, speeds < STILL_SPEED, track[first_frame:, 2])
-        spans = _without_flicker(standing, track[first_frame:], round(SHORTEST * frame_rate))
-        rest = round(RESTS * frame_rate)
+        spans = _without_flicker(standing, track[first_frame:], round(SHORTEST_CONTACT * frame_rate))
+        rest = round(REST_SECONDS * frame_rate)
         stays = [stay for first, last in spans for stay in _stays(track[first_frame:], first, last, rest)]
         least = BODY_SHORTEST[point.member] * frame_rate
         found[point] = [(a + first_frame, b + first_frame) for a, b in stays if b - a + 1 > least]
     for knee in (ContactPoint.LEFT_KNEE, ContactPoint.RIGHT_KNEE):
-        seats, room = found[ContactPoint.SEAT], round(BETWEEN * frame_rate)
+        seats, room = found[ContactPoint.SEAT], round(SEAT_TO_KNEES_SECONDS * frame_rate)
         seated = contact_mask([(max(first - room, 0), last + room) for first, last in seats], len(tracks[knee]))
-        found[knee] = without(found[knee], seated, round(2 * SHORTEST * frame_rate))
+        found[knee] = without(found[knee], seated, round(2 * SHORTEST_CONTACT * frame_rate))
     return found
 
 
@@ -410,7 +410,7 @@ def trailed(spans: list[Span], toes: FloatArray, down: NDArray[np.bool_], frame_
     """What of the ``spans`` of toes (F, 3) stands where their leg lies ``down`` (F,): while it does, toes that stray
     farther than ``TRAILING``, or rest for a moment only, trail.
     """
-    trail, whole = round(BODY_SHORTEST["knee"] * frame_rate), round(SHORTEST * frame_rate)
+    trail, whole = round(BODY_SHORTEST["knee"] * frame_rate), round(SHORTEST_CONTACT * frame_rate)
     found = []
     for span in spans:
         standing = contact_mask([span], len(down))
@@ -431,7 +431,7 @@ def point_speeds(track: FloatArray, near: NDArray[np.bool_], frame_rate: float) 
     """
     smooth = smoothed(track, SMOOTHING * frame_rate)
     noise = np.sqrt(2.0) * _noise(track, near) * min(1.0, (3.5 * SMOOTHING * frame_rate) ** -0.5)
-    apart = int(np.clip(np.ceil(noise * frame_rate / NOISE_SPEED), 1, max(1, round(LONGEST_STEP * frame_rate))))
+    apart = int(np.clip(np.ceil(noise * frame_rate / NOISE_SPEED), 1, max(1, round(LONGEST_SPEED_STEP * frame_rate))))
     if len(track) <= apart:
         return np.full(len(track), np.inf)
     steps = np.linalg.norm(smooth[apart:] - smooth[:-apart], axis=1) * frame_rate / apart

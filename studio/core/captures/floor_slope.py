@@ -11,11 +11,11 @@ from studio.core.windows import lowest
 
 FloatArray = NDArray[np.float64]
 
-STEEPEST = 0.07
+STEEPEST_FLOOR = 0.07
 """Rise over run, 4 degrees: steeper ground is stairs or a ramp, and no level floor that is badly calibrated."""
-USUAL = 0.02
+USUAL_SLOPE = 0.02
 """Standard deviation of the rise over run of captured floors."""
-UNEVEN = 0.015
+UNEVEN_SOLES = 0.015
 """Metres, standard deviation of the heights at which a sole comes to stand."""
 A_STEP = 0.3
 """Seconds that a sole stands in a step: what stands for less counts less, what stands longer no more. The swing to the
@@ -63,7 +63,7 @@ def find_floor_slope(soles: FloatArray, upright: NDArray[np.bool_], frame_rate: 
         return FloorSlope(np.zeros(2), 0.0)
     places = np.array(steps)
     gradient = _gradient(places, np.array(weights), np.eye(len(points))[kinds])
-    if np.linalg.norm(gradient) > STEEPEST:
+    if np.linalg.norm(gradient) > STEEPEST_FLOOR:
         gradient = np.zeros(2)
     return FloorSlope(gradient, float(np.quantile(places[:, :2] @ gradient, 0.05)))
 
@@ -73,10 +73,10 @@ def _gradient(places: FloatArray, weights: FloatArray, kinds: FloatArray) -> Flo
     one 1 a row. Places far off the floor count little, as those of a heel that never came down.
     """
     columns = np.concatenate([places[:, :2] - places[:, :2].mean(axis=0), kinds], axis=1)
-    doubt = np.diag([*2 * [(UNEVEN / USUAL) ** 2], *kinds.shape[1] * [1e-9]])
+    doubt = np.diag([*2 * [(UNEVEN_SOLES / USUAL_SLOPE) ** 2], *kinds.shape[1] * [1e-9]])
     trusted = weights
     for _ in range(FITS):
         weighed = columns.T * trusted
         fit = np.linalg.solve(weighed @ columns + doubt, weighed @ places[:, 2])
-        trusted = weights / (1.0 + ((places[:, 2] - columns @ fit) / UNEVEN) ** 2)
+        trusted = weights / (1.0 + ((places[:, 2] - columns @ fit) / UNEVEN_SOLES) ** 2)
     return np.asarray(fit[:2])

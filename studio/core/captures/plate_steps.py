@@ -14,7 +14,7 @@ OVERHANG = 0.03
 """Metres that heel, ball or tip of a foot on a plate may lie beyond its edge: markers lie beside a foot."""
 SURE = 0.5
 """Least part of a load in which the foot on the plate is found standing by its motion."""
-LATEST = 0.2
+UNLOADED_SECONDS = 0.2
 """Seconds before or after a load for which a foot rests on the plate at most without loading it."""
 
 
@@ -27,7 +27,7 @@ def fit_to_plates(
     the plate, changes nothing. Frames of a load without a contact take that of the nearest frame with one.
     """
     found = dict(feet)
-    reach = round(LATEST * frame_rate)
+    reach = round(UNLOADED_SECONDS * frame_rate)
     for load in loads:
         frames = np.arange(load.first, min(load.last + 1, len(soles)))
         masks = {point: contact_mask(spans, len(soles)) for point, spans in found.items()}

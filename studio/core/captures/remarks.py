@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.hand_end import SHORTEST_HAND, could_be_hand, hand_reach
-from studio.core.body.humanoid import LIMBS, BodyMap, BodyPart
+from studio.core.body.humanoid import LIMB_PARTS, BodyMap, BodyPart
 from studio.core.body.kinematics import joint_positions
 from studio.core.body.morphology import Morphology
 from studio.core.body.skeleton import Skeleton
@@ -21,7 +21,7 @@ from studio.core.sharing import Shared
 
 FloatArray = NDArray[np.float64]
 
-FASTEST = 25.0
+FASTEST_LIMB = 25.0
 """Metres a second beyond the hips' own that no hand and no foot reaches: the fastest kicks have some 20."""
 LONGEST_JUMP, FASTEST_ROOT = 0.08, 6.0
 """Metres in a frame, and metres a second more than thrice as fast as they usually are, beyond which hips jump."""
@@ -32,7 +32,7 @@ SHORTEST_JUMP, STRONGEST = 0.06, 60.0
 however slow the body is. Runs, kicks and back flips at 30 to 120 Hz come to 4 cm and 400 m/s2, none to both."""
 WHOLE_TURN, MOVES = 2.0 * np.pi, 0.1
 """Degrees that no joint turns by at most, and at least, where the angles of a file are radians."""
-HOVERING = 0.06
+HOVERING_TAKE_HEIGHT = 0.06
 """Metres above the floor that its lowest joint is all the time in a take that hovers."""
 STRETCHED, STRETCHES = 0.005, 0.1
 """Metres by which a bone changes its length in this part of all frames, from which it is told."""
@@ -141,7 +141,7 @@ def _odd_build(capture: Capture, body: BodyMap, positions: FloatArray) -> list[R
     seen = positions[capture.first_frame :: max(1, capture.frame_count // 256)]
 
     def bones(limb: str) -> FloatArray:
-        joints = [body[part] for part in LIMBS[limb]]
+        joints = [body[part] for part in LIMB_PARTS[limb]]
         return np.array(
             [float(np.median(np.linalg.norm(seen[:, b] - seen[:, a], axis=1))) for a, b in pairwise(joints)]
         )
@@ -151,7 +151,7 @@ def _odd_build(capture: Capture, body: BodyMap, positions: FloatArray) -> list[R
         left, right = bones(f"left {limb}"), bones(f"right {limb}")
         odd = np.abs(left - right) > ODD_PAIR * np.maximum(left, right)
         if odd.any():
-            part = LIMBS[f"left {limb}"][int(np.argmax(odd))].label.lower().removeprefix("left ")
+            part = LIMB_PARTS[f"left {limb}"][int(np.argmax(odd))].label.lower().removeprefix("left ")
             lengths = " and ".join(f"{100.0 * float(side[np.argmax(odd)]):.0f}" for side in (left, right))
             words = f"The left and the right {part} are {lengths} cm long: labels or joints may be swapped."
             found.append(Remark(words))
@@ -274,7 +274,7 @@ def _rushes(capture: Capture, body: BodyMap, positions: FloatArray) -> list[Rema
     root = positions[:, body.spine[0]]
     for part in (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND, BodyPart.LEFT_FOOT, BodyPart.RIGHT_FOOT):
         speeds = np.linalg.norm(np.diff(positions[:, body[part]] - root, axis=0), axis=1) * capture.frame_rate
-        fast = speeds > FASTEST
+        fast = speeds > FASTEST_LIMB
         fast[: capture.first_frame] = False
         if fast.any():
             words = f"The {part.label.lower()} moves at up to {float(speeds[fast].max()):.0f} m/s, as no person's does."
@@ -288,7 +288,7 @@ def _hovers(capture: Capture, body: BodyMap, positions: FloatArray) -> list[Rema
     ankle = positions[capture.first_frame :, feet, 2].min(axis=1) - capture.floor
     lowest = positions[capture.first_frame :, below, 2].min(axis=1) - capture.floor
     over = float(lowest.min())
-    if over < HOVERING or (len(below) == len(feet) and float(ankle.min()) < 2.5 * HOVERING):
+    if over < HOVERING_TAKE_HEIGHT or (len(below) == len(feet) and float(ankle.min()) < 2.5 * HOVERING_TAKE_HEIGHT):
         return []
     return [Remark(f"The take hovers: its feet are {100.0 * over:.0f} cm above the floor at least. Check the floor.")]
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import Span, Touch, spans_of
-from studio.core.mesh.volume import CAPSULES_OF, PALM, BodyVolume, usual_volume
+from studio.core.mesh.volume import CAPSULES_OF, PALM_SURFACE_PROBE, BodyVolume, usual_volume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.windows import highest, lowest
@@ -20,7 +20,7 @@ from studio.core.windows import highest, lowest
 FloatArray = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-TOGETHER = (0.31, 0.36)
+HANDS_MEET_DISTANCE = (0.31, 0.36)
 """Parts of the leg's length between the wrists below which hands come together, and beyond which they part."""
 SWING_SPEED, SWING_SIDE = 1.5, 0.06
 """Least speed in leg lengths a second at which the hands of a runner swing past each other, and least distance in leg
@@ -28,19 +28,19 @@ lengths of each from the middle of the chest, on its own side.
 """
 PASSING = 0.04
 """Seconds for which hands may be together without being counted."""
-APART = 0.15
+TOUCH_GAP = 0.15
 """Seconds for which a touch may be given up without being two."""
-HELD = (0.3, 0.75)
+HELD_WRIST_RANGE = (0.3, 0.75)
 """Parts of the leg's length between which wrists hold a thing."""
-BEFORE = 0.2
+WRIST_AHEAD = 0.2
 """Parts of the leg's length that wrists which hold a thing are in front of the neck's base, in the chest's axes."""
-STEADY, STEADY_FOR = 0.035, 0.5
+STEADY_WRIST_CHANGE, STEADY_FOR = 0.035, 0.5
 """Parts of the leg's length by which the distance of wrists that hold a thing changes at most in so many seconds."""
-LONG, FAR = 1.0, 0.25
+SHORTEST_HOLD, CARRIED_DISTANCE = 1.0, 0.25
 """Seconds for which a thing is held at least, and parts of the leg's length that it is carried in the chest's axes: who
 is on guard holds nothing.
 """
-RESTING = (0.03, 0.05)
+HAND_REST_DISTANCE = (0.03, 0.05)
 """Parts of the leg's length between palm and body below which a hand comes to rest, and beyond which it leaves."""
 LYING_STILL = 0.4
 """Parts of the leg's length a second that a resting hand goes over the body at most."""
@@ -68,7 +68,7 @@ class Spots:
 def palm(side: int, body: Morphology, positions: FloatArray) -> FloatArray:
     """(F, 3) the middle of a hand's palm."""
     wrist = body.layout.wrist(side)
-    return np.asarray(positions[:, wrist] + PALM * (positions[:, wrist + 1] - positions[:, wrist]))
+    return np.asarray(positions[:, wrist] + PALM_SURFACE_PROBE * (positions[:, wrist + 1] - positions[:, wrist]))
 
 
 def spots(
@@ -114,9 +114,9 @@ def find_touches(
             hangs = part in ("hips", "thigh") and _hanging(side, actor, positions, rotations)
             parts[part] = rests & ~np.asarray(hangs), rooms
         found |= {Touch(f"{name}_hand_on_{part}"): mask & free[side] for part, mask in _nearest(parts).items()}
-    least = {Touch.HANDS_TOGETHER: PASSING, Touch.HANDS_ON_THING: LONG}
+    least = {Touch.HANDS_TOGETHER: PASSING, Touch.HANDS_ON_THING: SHORTEST_HOLD}
     for touch, mask in found.items():
-        for first, last in _joined(mask, round(APART * motion.frame_rate)):
+        for first, last in _joined(mask, round(TOUCH_GAP * motion.frame_rate)):
             if last - first + 1 > least.get(touch, RESTS_FOR) * motion.frame_rate:
                 yield touch, (first + first_frame, last + first_frame)
 
@@ -132,14 +132,14 @@ def hands_together_or_holding(
     gap = np.linalg.norm(wrists[:, 1] - wrists[:, 0], axis=1)
     swinging = _speed_of(wrists[:, 1] - wrists[:, 0], rate) > SWING_SPEED
     swinging &= np.minimum(wrists[:, 0, 1], -wrists[:, 1, 1]) > SWING_SIDE
-    together = _between(np.where(swinging, np.maximum(gap, TOGETHER[0]), gap), *TOGETHER)
+    together = _between(np.where(swinging, np.maximum(gap, HANDS_MEET_DISTANCE[0]), gap), *HANDS_MEET_DISTANCE)
     before = wrists[:, :, 0].min(axis=1)
     around = round(0.5 * STEADY_FOR * rate)
     spread = highest(gap, around) - lowest(gap, around)
-    steady = highest(spread < STEADY, around)  # a steady stretch is so as a whole
-    held = steady & (before > BEFORE) & (gap > HELD[0]) & (gap < HELD[1]) & ~together
+    steady = highest(spread < STEADY_WRIST_CHANGE, around)  # a steady stretch is so as a whole
+    held = steady & (before > WRIST_AHEAD) & (gap > HELD_WRIST_RANGE[0]) & (gap < HELD_WRIST_RANGE[1]) & ~together
     for first, last in spans_of(held):
-        held[first : last + 1] = np.ptp(wrists[first : last + 1].mean(axis=1), axis=0).max() > FAR
+        held[first : last + 1] = np.ptp(wrists[first : last + 1].mean(axis=1), axis=0).max() > CARRIED_DISTANCE
     return together, held
 
 
@@ -156,7 +156,7 @@ def _resting(near: list[Spots], leg: float, rate: float) -> tuple[Mask, FloatArr
     """(F,) where a palm rests beside any of some capsules, and how far it is from the nearest."""
     rooms = np.min([each.rooms for each in near], axis=0)
     speeds = np.min([_speed(each, rate) for each in near], axis=0)
-    return _between(rooms / leg, *RESTING) & (speeds < LYING_STILL * leg), rooms
+    return _between(rooms / leg, *HAND_REST_DISTANCE) & (speeds < LYING_STILL * leg), rooms
 
 
 def _speed(spot: Spots, rate: float) -> FloatArray:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from studio.core.constraints.tangents import HEAVIEST, LIGHTEST, SPARSE
-from studio.core.plausible import TIME
+from studio.core.plausible import TIME_RANGE
 
 
 class EaseShape(StrEnum):
@@ -71,7 +71,7 @@ class ActivationCurve:
         times = self.times
         if not all(math.isfinite(time) for time in times):
             raise ValueError("An activation needs four finite times.")
-        TIME.check(times)
+        TIME_RANGE.check(times)
         if not self.start <= self.full <= self.full_end <= self.end:
             raise ValueError(
                 "An activation's times are in order, start, full, full end, end: "

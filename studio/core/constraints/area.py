@@ -10,7 +10,7 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint, KindInfo,
 from studio.core.constraints.keyed import KeyedNumber
 from studio.core.constraints.target import Place, checked_place
 from studio.core.mesh.triangle_mesh import TriangleMesh
-from studio.core.plausible import TURN
+from studio.core.plausible import TURN_RANGE
 
 
 class AreaShape(StrEnum):
@@ -26,13 +26,13 @@ class AreaShape(StrEnum):
     MESH = "mesh"
 
 
-ARM, LEG, TRUNK = Chain(trunk=0.3), Chain(root=1.0), Chain(trunk=0.5, root=1.0)
+ARM_CHAIN, LEG_CHAIN, TRUNK_CHAIN = Chain(trunk=0.3), Chain(root=1.0), Chain(trunk=0.5, root=1.0)
 WHOLE_BODY: tuple[tuple[BodyPoint, float, Chain], ...] = (
-    *((BodyPoint(BodyPart(f"{side}_forearm"), at_end=True), 0.13, ARM) for side in ("left", "right")),
-    *((BodyPoint(BodyPart(f"{side}_upper_arm"), at_end=True), 0.05, ARM) for side in ("left", "right")),
-    *((BodyPoint(BodyPart(f"{side}_thigh"), at_end=True), 0.06, LEG) for side in ("left", "right")),
-    *((BodyPoint(part), 0.13, TRUNK) for part in (BodyPart.PELVIS, BodyPart.THORAX)),
-    (BodyPoint(BodyPart.NECK), 0.11, TRUNK),
+    *((BodyPoint(BodyPart(f"{side}_forearm"), at_end=True), 0.13, ARM_CHAIN) for side in ("left", "right")),
+    *((BodyPoint(BodyPart(f"{side}_upper_arm"), at_end=True), 0.05, ARM_CHAIN) for side in ("left", "right")),
+    *((BodyPoint(BodyPart(f"{side}_thigh"), at_end=True), 0.06, LEG_CHAIN) for side in ("left", "right")),
+    *((BodyPoint(part), 0.13, TRUNK_CHAIN) for part in (BodyPart.PELVIS, BodyPart.THORAX)),
+    (BodyPoint(BodyPart.NECK), 0.11, TRUNK_CHAIN),
 )
 """Points of a whole body, metres that they keep from an area, and what moves for that. A wrist leaves room for the hand
 that hangs from it: a second point on one limb would pull against it.
@@ -74,7 +74,7 @@ class AreaConstraint(Constraint):
         object.__setattr__(self, "size", finite_vector(self.size, f"'{self.name}': the size of an area"))
         if not (isinstance(self.heading, KeyedNumber) or math.isfinite(self.heading)):
             raise ValueError(f"'{self.name}': a heading is a finite number of radians, got {self.heading}.")
-        TURN.check(self.heading.values if isinstance(self.heading, KeyedNumber) else self.heading)
+        TURN_RANGE.check(self.heading.values if isinstance(self.heading, KeyedNumber) else self.heading)
         if self.shape is AreaShape.MESH and self.mesh is None:
             raise ValueError(f"'{self.name}': an area with the shape of a mesh needs one. Load it from a file.")
         if self.whole and (self.inside or self.on_surface):
@@ -99,7 +99,7 @@ class AreaConstraint(Constraint):
         return tuple(
             replace(self, point=point, chain=chain, whole=False, **self._grown(flesh, chain))
             for point, flesh, chain in WHOLE_BODY
-            if not (chain is LEG and self.shape is AreaShape.TABLE)
+            if not (chain is LEG_CHAIN and self.shape is AreaShape.TABLE)
         )
 
     def _grown(self, flesh: float, chain: Chain) -> dict[str, Any]:
@@ -107,5 +107,5 @@ class AreaConstraint(Constraint):
         if self.shape in (AreaShape.HALF_SPACE, AreaShape.MESH):
             return {}
         x, y, z = self.size
-        shape = AreaShape.BOX if self.shape is AreaShape.TABLE and chain is TRUNK else self.shape
+        shape = AreaShape.BOX if self.shape is AreaShape.TABLE and chain is TRUNK_CHAIN else self.shape
         return {"shape": shape, "size": (x + 2 * flesh, y + 2 * flesh, z + 2 * flesh)}

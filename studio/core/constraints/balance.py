@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from studio.core.constraints.base import Constraint, KindInfo
 from studio.core.constraints.target import Place, checked_place
-from studio.core.plausible import PLACE
+from studio.core.plausible import PLACE_RANGE
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Support:
     def __post_init__(self) -> None:
         if not (math.isfinite(self.margin) and self.margin >= 0.0):
             raise ValueError(f"The margin of a support is zero or more metres, got {self.margin}.")
-        PLACE.check(self.margin, "The margin of a support")
+        PLACE_RANGE.check(self.margin, "The margin of a support")
 
 
 @dataclass(frozen=True)
@@ -51,6 +51,6 @@ class BalanceConstraint(Constraint):
             object.__setattr__(self, "place", tuple(float(number) for number in place))
             if not all(math.isfinite(number) for number in place):
                 raise ValueError(f"'{self.name}': a place on the ground is two finite numbers in metres.")
-            PLACE.check(place)
+            PLACE_RANGE.check(place)
         else:
             object.__setattr__(self, "place", checked_place(place, self, "the place of a balance"))

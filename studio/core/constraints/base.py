@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
-from studio.core.plausible import PLACE, WEIGHT
+from studio.core.plausible import PLACE_RANGE, WEIGHT
 from studio.core.stage.scope import EVERYONE, Scope
 
 if TYPE_CHECKING:
@@ -35,18 +35,18 @@ class BodyPoint:
         object.__setattr__(self, "offset", finite_vector(self.offset, "A point's offset"))
 
 
-LINKS = ("limb", "end_segment", "clavicle", "trunk", "root", "free_arms", "free_legs")
+CHAIN_LINKS = ("limb", "end_segment", "clavicle", "trunk", "root", "free_arms", "free_legs")
 """Weights of a chain that stand for several segments at once."""
 FREE_LIMBS = ("free_arms", "free_legs")
 """Weights of a balance alone."""
-TRUNK = (BodyPart.PELVIS, BodyPart.ABDOMEN, BodyPart.THORAX)
+TRUNK_PARTS = (BodyPart.PELVIS, BodyPart.ABDOMEN, BodyPart.THORAX)
 CLAVICLES = (BodyPart.LEFT_CLAVICLE, BodyPart.RIGHT_CLAVICLE)
 UPPER_ARMS = (BodyPart.LEFT_UPPER_ARM, BodyPart.RIGHT_UPPER_ARM)
 THIGHS = (BodyPart.LEFT_THIGH, BodyPart.RIGHT_THIGH)
 FOREARMS = (BodyPart.LEFT_FOREARM, BodyPart.RIGHT_FOREARM)
 SHANKS = (BodyPart.LEFT_SHANK, BodyPart.RIGHT_SHANK)
 BONES = (*UPPER_ARMS, *FOREARMS, *THIGHS, *SHANKS)
-SINGLE = (*TRUNK, *CLAVICLES, BodyPart.NECK, BodyPart.HEAD, *BONES)
+SINGLE = (*TRUNK_PARTS, *CLAVICLES, BodyPart.NECK, BodyPart.HEAD, *BONES)
 """Segments that may have a weight of their own."""
 
 
@@ -84,7 +84,7 @@ class Chain:
     def __post_init__(self) -> None:
         own = tuple((BodyPart(part), weight) for part, weight in self.segments)
         object.__setattr__(self, "segments", own)
-        for name, weight in [*((link, getattr(self, link)) for link in LINKS), *own]:
+        for name, weight in [*((link, getattr(self, link)) for link in CHAIN_LINKS), *own]:
             if not (math.isfinite(weight) and 0.0 <= weight <= 1.0):
                 raise ValueError(f"A chain's weight lies between 0 and 1: {name} is {weight}.")
         parts = [part for part, _ in own]
@@ -93,7 +93,7 @@ class Chain:
                 raise ValueError(f"The {part.label.lower()} has no weight of its own: use end_segment.")
             if parts.count(part) > 1:
                 raise ValueError(f"A chain gives the {part.label.lower()} two weights. Keep one of them.")
-        if not any(getattr(self, link) for link in LINKS) and not any(weight for _, weight in own):
+        if not any(getattr(self, link) for link in CHAIN_LINKS) and not any(weight for _, weight in own):
             raise ValueError("A chain without any free part cannot move its point.")
 
     def weight(self, part: BodyPart) -> float:
@@ -188,5 +188,5 @@ def finite_vector(values: object, what: str) -> Vector:
     numbers = tuple(float(value) for value in values)  # type: ignore[attr-defined]
     if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
         raise ValueError(f"{what} is three finite numbers in metres, got {values}.")
-    PLACE.check(numbers, what)
+    PLACE_RANGE.check(numbers, what)
     return numbers

@@ -8,7 +8,7 @@ from studio.core.constraints.base import BodyPoint, Constraint, KindInfo
 from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.keyed import KeyedNumber
 from studio.core.constraints.target import Place, checked_place
-from studio.core.plausible import PLACE
+from studio.core.plausible import PLACE_RANGE
 
 
 @dataclass(frozen=True)
@@ -40,4 +40,4 @@ class DistanceConstraint(Constraint):
         for distance in distances:
             if not (math.isfinite(distance) and distance >= 0.0):
                 raise ValueError(f"'{self.name}': a distance is zero or more metres, got {distance}.")
-        PLACE.check(distances, f"'{self.name}': a distance")
+        PLACE_RANGE.check(distances, f"'{self.name}': a distance")

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from studio.core.constraints.activation import EaseShape, ease, weighted_progress
 from studio.core.constraints.tangents import SPARSE, Beyond, Tangents, rates_of
-from studio.core.plausible import PLACE, TIME
+from studio.core.plausible import PLACE_RANGE, TIME_RANGE
 from studio.core.rotations import from_matrix
 
 FloatArray = NDArray[np.float64]
@@ -65,7 +65,7 @@ class Keys:
             )
         if not all(math.isfinite(time) for time in times):
             raise ValueError("The times of keys are finite numbers of seconds.")
-        TIME.check(times)
+        TIME_RANGE.check(times)
         for before, after in pairwise(times):
             if after - before < SAME_TIME:
                 raise ValueError(f"Keys must be in the order of their times: {after:.3f} s comes after {before:.3f} s.")
@@ -91,7 +91,7 @@ class Keys:
         numbers = np.array(value, dtype=np.float64).reshape(-1)
         if numbers.shape != (self.size,) or not np.isfinite(numbers).all():
             raise ValueError(f"The value of a key is {self.size} finite numbers, got {value}.")
-        PLACE.check(numbers, "The value of a key")
+        PLACE_RANGE.check(numbers, "The value of a key")
         return tuple(numbers.tolist()) if self.size > 1 else float(numbers[0])
 
     @cached_property
@@ -269,7 +269,7 @@ class Line(Keys):
             except ValueError:
                 return super()._checked_values()
             if numbers.shape[1] == self.size and np.isfinite(numbers).all():
-                PLACE.check(numbers, "The value of a key")
+                PLACE_RANGE.check(numbers, "The value of a key")
                 rows = numbers.tolist()
                 return tuple(map(tuple, rows)) if self.size > 1 else tuple(row[0] for row in rows)
         return super()._checked_values()

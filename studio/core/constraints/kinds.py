@@ -10,7 +10,7 @@ from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.upright import UprightConstraint
 
-KINDS: dict[str, type[Constraint]] = {
+CONSTRAINT_KINDS: dict[str, type[Constraint]] = {
     each.kind: each
     for each in (
         PositionConstraint,

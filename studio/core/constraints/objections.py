@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import fields, replace
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.base import TRUNK, BodyPoint, Chain, Constraint, limb_bones
+from studio.core.constraints.base import TRUNK_PARTS, BodyPoint, Chain, Constraint, limb_bones
 from studio.core.constraints.follow import FollowBody
 
 _LIMBS = tuple(
@@ -68,10 +68,10 @@ def is_stuck(constraint: Constraint) -> bool:
 def _moves(chain: Chain, part: BodyPart) -> bool:
     """True if a free part of the chain moves a part of the body."""
     side, _, bone = part.value.partition("_")
-    links, carriers = ["root"], [*TRUNK]
+    links, carriers = ["root"], [*TRUNK_PARTS]
     match bone or part:
         case BodyPart.PELVIS | BodyPart.ABDOMEN:
-            carriers = [*TRUNK[: 1 + TRUNK.index(part)]]
+            carriers = [*TRUNK_PARTS[: 1 + TRUNK_PARTS.index(part)]]
         case BodyPart.NECK:
             carriers += [BodyPart.NECK]
         case BodyPart.HEAD:

@@ -6,7 +6,7 @@ from typing import ClassVar, Self
 
 from studio.core.constraints.base import BodyPoint, Vector, finite_vector
 from studio.core.constraints.keyed import Line
-from studio.core.plausible import TIME
+from studio.core.plausible import TIME_RANGE
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class OwnPlace:
     def __post_init__(self) -> None:
         if not math.isfinite(self.time):
             raise ValueError(f"The time of an own place is a finite number of seconds, got {self.time}.")
-        TIME.check(self.time)
+        TIME_RANGE.check(self.time)
         object.__setattr__(self, "offset", finite_vector(self.offset, "An offset from an own place"))
         own = tuple((str(key), finite_vector(each, f"The offset of '{key}'")) for key, each in self.own)
         object.__setattr__(self, "own", own)

@@ -12,11 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 from studio.core.constraints.base import Vector, finite_vector
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.tangents import SPARSE
-from studio.core.plausible import PLACE, ROUND, TIME, TURN
+from studio.core.plausible import PLACE_RANGE, ROUND, TIME_RANGE, TURN_RANGE
 
 FloatArray = NDArray[np.float64]
 
-WAVES = 5
+NOISE_WAVES = 5
 """Sine waves of which each direction of a noise is made."""
 SLOWEST_WAVE = 0.3
 """Turns of the slowest of them while the fastest does one."""
@@ -45,8 +45,8 @@ class RuledPlace(ABC):
         if not all(math.isfinite(number) for number in numbers) or self.seconds <= 0.0:
             raise ValueError("A place that moves has finite numbers, and takes more than 0 seconds for a round.")
         ROUND.check(self.seconds)
-        TIME.check(self.since)
-        TURN.check(self.heading)
+        TIME_RANGE.check(self.since)
+        TURN_RANGE.check(self.heading)
 
     def at(self, times: ArrayLike) -> FloatArray:
         """Positions (N, 3) in metres at ``times`` (N,) seconds."""
@@ -85,8 +85,8 @@ class CirclePlace(RuledPlace):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        PLACE.check(self.radius, "A radius")
-        TURN.check(self.tilt)
+        PLACE_RANGE.check(self.radius, "A radius")
+        TURN_RANGE.check(self.tilt)
 
     def mirrored(self) -> Self:
         return replace(super().mirrored(), tilt=math.pi - self.tilt)
@@ -107,8 +107,8 @@ class PendulumPlace(RuledPlace):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        PLACE.check(self.length, "A pendulum")
-        TURN.check(self.angle)
+        PLACE_RANGE.check(self.length, "A pendulum")
+        TURN_RANGE.check(self.angle)
 
     def _way(self, rounds: FloatArray) -> FloatArray:
         swing = self.angle * np.cos(2.0 * np.pi * rounds)
@@ -147,5 +147,5 @@ ProceduralPlace = CirclePlace | PendulumPlace | NoisePlace
 @lru_cache(maxsize=256)
 def _waves(seed: int) -> tuple[FloatArray, FloatArray]:
     """(3, WAVES) turns a round and turns at its beginning, of each direction; the same for a seed for ever."""
-    drawn = np.random.RandomState(seed).random_sample((2, 3, WAVES))  # whose numbers never change
+    drawn = np.random.RandomState(seed).random_sample((2, 3, NOISE_WAVES))  # whose numbers never change
     return SLOWEST_WAVE + (1.0 - SLOWEST_WAVE) * drawn[0], drawn[1]

@@ -12,7 +12,7 @@ from studio.core.constraints.base import BodyPoint, Constraint, KindInfo, Vector
 if TYPE_CHECKING:
     from studio.core.constraints.carried_over import Carry
 
-LENGTH, SIDES = 0.25, 24
+AXIS_LENGTH, CONE_SIDES = 0.25, 24
 """Length in metres of the drawn axis, and sides of its cone."""
 
 
@@ -56,12 +56,12 @@ class UprightConstraint(Constraint):
         wanted = np.array(self.direction)
         side = np.cross(wanted, np.eye(3)[np.argmin(np.abs(wanted))])
         side /= np.linalg.norm(side)
-        angles = np.linspace(0.0, 2.0 * np.pi, SIDES + 1)[:, None]
+        angles = np.linspace(0.0, 2.0 * np.pi, CONE_SIDES + 1)[:, None]
         ring = np.cos(angles) * side + np.sin(angles) * np.cross(wanted, side)
-        ring = place + LENGTH * (np.cos(self.cone) * wanted + np.sin(self.cone) * ring)
-        axis = np.stack([place, place + LENGTH * (turn @ np.array(self.axis))])
-        spokes = tuple(np.stack([place, ring[k]]) for k in range(0, SIDES, SIDES // 4))
-        return (axis, ring, *spokes) if self.cone > 0.0 else (axis, np.stack([place, place + LENGTH * wanted]))
+        ring = place + AXIS_LENGTH * (np.cos(self.cone) * wanted + np.sin(self.cone) * ring)
+        axis = np.stack([place, place + AXIS_LENGTH * (turn @ np.array(self.axis))])
+        spokes = tuple(np.stack([place, ring[k]]) for k in range(0, CONE_SIDES, CONE_SIDES // 4))
+        return (axis, ring, *spokes) if self.cone > 0.0 else (axis, np.stack([place, place + AXIS_LENGTH * wanted]))
 
     def lean(self, turns: NDArray[np.float64]) -> NDArray[np.float64]:
         """Lean (F,) in radians beyond the cone, for segments with rotations (F, 3, 3)."""

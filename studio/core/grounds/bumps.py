@@ -9,7 +9,7 @@ import numpy as np
 
 from studio.core.grounds.ground import FloatArray, Ground
 
-WAVES = 4
+GROUND_WAVES = 4
 """Plane waves of which the ground is the mean; so many that no direction is straight."""
 
 
@@ -33,13 +33,17 @@ class Bumps(Ground):
 
     def slope_at(self, xy: FloatArray) -> FloatArray:
         waves, phases = self._waves
-        return np.asarray(self.amplitude * np.cos(xy @ waves.T + phases) @ waves / WAVES)
+        return np.asarray(self.amplitude * np.cos(xy @ waves.T + phases) @ waves / GROUND_WAVES)
 
     @cached_property
     def _waves(self) -> tuple[FloatArray, FloatArray]:
         """Wave vectors (W, 2), radians a metre, spread over the half circle, and phases (W,)."""
         random = np.random.default_rng(self.seed)
-        ways = math.pi * (np.arange(WAVES) + random.uniform(-0.3, 0.3, WAVES) + random.uniform()) / WAVES
-        lengths = self.wavelength * random.uniform(0.85, 1.2, WAVES)
+        ways = (
+            math.pi
+            * (np.arange(GROUND_WAVES) + random.uniform(-0.3, 0.3, GROUND_WAVES) + random.uniform())
+            / GROUND_WAVES
+        )
+        lengths = self.wavelength * random.uniform(0.85, 1.2, GROUND_WAVES)
         vectors = (2 * math.pi / lengths)[:, None] * np.column_stack([np.cos(ways), np.sin(ways)])
-        return vectors, random.uniform(0.0, 2 * math.pi, WAVES)
+        return vectors, random.uniform(0.0, 2 * math.pi, GROUND_WAVES)

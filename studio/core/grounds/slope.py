@@ -8,7 +8,7 @@ import numpy as np
 
 from studio.core.grounds.ground import FloatArray, Ground
 
-STEEPEST = math.radians(60.0)
+STEEPEST_GROUND = math.radians(60.0)
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Slope(Ground):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not (all(map(math.isfinite, self.foot)) and abs(self.angle) <= STEEPEST):
+        if not (all(map(math.isfinite, self.foot)) and abs(self.angle) <= STEEPEST_GROUND):
             raise ValueError("A slope has a finite foot and an angle of at most 60 degrees.")
 
     def rise_at(self, xy: FloatArray) -> FloatArray:

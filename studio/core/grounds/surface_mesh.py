@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.grounds.ground import FloatArray, Ground
-from studio.core.plausible import MESH
+from studio.core.plausible import MESH_RANGE
 
 if TYPE_CHECKING:
     from studio.core.kernels.support.triangle_grid import TriangleGrid
@@ -35,7 +35,7 @@ class SurfaceMesh(Ground):
         triangles = np.array(self.triangles, dtype=np.int64).reshape(-1, 3)
         if not np.isfinite(vertices).all():
             raise ValueError("A ground mesh has a vertex that is not finite.")
-        MESH.check(vertices)
+        MESH_RANGE.check(vertices)
         if triangles.size and (triangles.min() < 0 or triangles.max() >= len(vertices)):
             raise ValueError("A ground mesh has a triangle whose corner is not a vertex.")
         for name, array in (("vertices", vertices), ("triangles", triangles)):

@@ -14,7 +14,7 @@ from studio.core.body.morphology import FloatArray
 from studio.core.mannequin.surface import Triangles
 from studio.core.rotations import frame_along
 
-SIDES = 8
+FINGER_SIDES = 8
 _PHALANGES = (0.45, 0.30, 0.25)
 """Shares of a finger's length, from the knuckle to the tip."""
 _STATIONS = np.array([-0.16, 0.0, 0.14, 0.28, 0.38, 0.45, 0.52, 0.62, 0.69, 0.75, 0.81, 0.90, 0.96, 0.99])
@@ -77,7 +77,7 @@ def _tube(finger: Finger, girth: float, grip: float) -> FloatArray:
     places, bent = _bent_line(finger, grip)
     ways = np.stack([np.sin(bent), np.zeros(len(bent)), np.cos(bent)], axis=1)
     upward = np.stack([np.cos(bent), np.zeros(len(bent)), -np.sin(bent)], axis=1)
-    angles = 2.0 * np.pi * np.arange(SIDES) / SIDES
+    angles = 2.0 * np.pi * np.arange(FINGER_SIDES) / FINGER_SIDES
     radius = finger.radius * girth
     ring = np.cos(angles)[:, None] * upward[:, None] + np.sin(angles)[:, None] * [0.0, 1.0, 0.0]
     rings = places[:, None] + radius * _GIRTHS[:, None, None] * ring
@@ -107,19 +107,19 @@ def _smooth(share: FloatArray) -> FloatArray:
 
 def _ring_triangles(rings: int) -> NDArray[np.int64]:
     """Triangles round a tube of ``rings`` rings, closed by a fan at either end; counter-clockwise from outside."""
-    here = np.arange(SIDES)
-    beside = (here + 1) % SIDES
+    here = np.arange(FINGER_SIDES)
+    beside = (here + 1) % FINGER_SIDES
     found = []
     for ring in range(rings - 1):
-        low, high = ring * SIDES, (ring + 1) * SIDES
+        low, high = ring * FINGER_SIDES, (ring + 1) * FINGER_SIDES
         found += [
             np.stack([low + here, low + beside, high + beside], 1),
             np.stack([low + here, high + beside, high + here], 1),
         ]
-    root, tip, last = rings * SIDES, rings * SIDES + 1, (rings - 1) * SIDES
+    root, tip, last = rings * FINGER_SIDES, rings * FINGER_SIDES + 1, (rings - 1) * FINGER_SIDES
     found += [
-        np.stack([np.full(SIDES, root), beside, here], 1),
-        np.stack([np.full(SIDES, tip), last + here, last + beside], 1),
+        np.stack([np.full(FINGER_SIDES, root), beside, here], 1),
+        np.stack([np.full(FINGER_SIDES, tip), last + here, last + beside], 1),
     ]
     return np.concatenate(found).astype(np.int64)
 

@@ -8,13 +8,13 @@ from studio.core.body.morphology import FloatArray
 from studio.core.mannequin import binding, remesh, surface
 from studio.core.mannequin.form import Form
 from studio.core.mannequin.physique import Physique
-from studio.core.mesh.hand_shapes import GRIPS, HandShapes
+from studio.core.mesh.hand_shapes import STORED_GRIPS, HandShapes
 from studio.core.mesh.skin import SkinnedMesh
 
-CELL = 0.0058
+GRID_CELL = 0.0058
 """Grid cell of the first surface, as a fraction of stature."""
 
-ROUNDS = 7
+SCULPT_ROUNDS = 7
 SOFTENINGS = 3
 
 
@@ -24,13 +24,13 @@ def make_mannequin(physique: Physique) -> SkinnedMesh:
     points, _ = form.rest
     low = np.array([-0.16, 0.0, -0.03]) * h
     high = np.array([0.20, points[:, 1].max() / h + 0.05, 1.04]) * h
-    half, half_triangles = surface.left_half_surface(form.distance, low, high, CELL * h)
+    half, half_triangles = surface.left_half_surface(form.distance, low, high, GRID_CELL * h)
     half, half_triangles = remesh.remeshed(
         half,
         half_triangles,
         form.edge_lengths,
-        lambda points: surface.project(form.distance, points, CELL * h, 2),
-        ROUNDS,
+        lambda points: surface.project(form.distance, points, GRID_CELL * h, 2),
+        SCULPT_ROUNDS,
     )
     vertices, triangles = surface.mirrored(half, half_triangles)
     vertices = surface.softened(vertices, triangles, SOFTENINGS)
@@ -56,7 +56,7 @@ def make_mannequin(physique: Physique) -> SkinnedMesh:
 
 def _hand_shapes(form: Form) -> HandShapes:
     """Thumbs and fingers, the last vertices of the mesh, in their other shapes."""
-    shapes = [surface.mirrored(*form.fingers(grip)) for grip in GRIPS]
+    shapes = [surface.mirrored(*form.fingers(grip)) for grip in STORED_GRIPS]
     vertices = np.stack([places for places, _ in shapes])
     normals = np.stack([surface.vertex_normals(places, triangles) for places, triangles in shapes])
     return HandShapes(_rounded(vertices, 16), _rounded(normals, 14))

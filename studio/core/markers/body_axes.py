@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from studio.core.markers.functional import cluster_axes
 from studio.core.markers.joint_centres import thorax_frame
 from studio.core.markers.measures import frame_of, has_pelvis, pelvis_frame
-from studio.core.markers.roles import SIDES
+from studio.core.markers.roles import SIDE_WORDS
 from studio.core.rotations import normalized
 
 FloatArray = NDArray[np.float64]
 Tracks = Mapping[str, FloatArray]
 
-UP: FloatArray = np.array([0.0, 0.0, 1.0])
+WORLD_UP: FloatArray = np.array([0.0, 0.0, 1.0])
 _STEADY = 0.25
 """Weight of the wrist's axis against the bend of the elbow (as a sine) in finding the plane of an arm."""
 
@@ -35,9 +35,9 @@ class Trunk:
 
 def upright(axes: FloatArray) -> FloatArray:
     """The axes (F, 3, 3) turned so that z is up: only their heading is left."""
-    left = axes[..., 1] - axes[..., 1] @ UP[:, None] * UP
+    left = axes[..., 1] - axes[..., 1] @ WORLD_UP[:, None] * WORLD_UP
     left = np.where(np.linalg.norm(left, axis=-1, keepdims=True) > 1e-6, left, [0.0, 1.0, 0.0])
-    return frame_of(left, np.cross(left, UP))
+    return frame_of(left, np.cross(left, WORLD_UP))
 
 
 def find_trunk(tracks: Tracks, joints: Tracks, stature: float, radius: float) -> Trunk:
@@ -66,7 +66,7 @@ def find_trunk(tracks: Tracks, joints: Tracks, stature: float, radius: float) ->
     return Trunk(_levelled(pelvis, neck - hips), _levelled(thorax, neck - hips), hips, neck)
 
 
-HEAD = tuple(f"{side}_{end}_head" for end in ("front", "back") for side in SIDES)
+HEAD_MARKERS = tuple(f"{side}_{end}_head" for end in ("front", "back") for side in SIDE_WORDS)
 
 
 def head_axes(tracks: Tracks, thorax: FloatArray) -> FloatArray | None:
@@ -74,7 +74,7 @@ def head_axes(tracks: Tracks, thorax: FloatArray) -> FloatArray | None:
 
     Three show how it turns, not where it looks: it is taken to look where the chest does, on average.
     """
-    names = [name for name in HEAD if name in tracks]
+    names = [name for name in HEAD_MARKERS if name in tracks]
     if len(names) < 3:
         return None
     if len(names) == 3:
@@ -156,7 +156,7 @@ def _pelvis(tracks: Tracks, joints: Tracks) -> FloatArray:
         return pelvis_frame(tracks)[1]
     left = joints["left_hip"] - joints["right_hip"]
     above = _middle(joints, "shoulder") if "left_shoulder" in joints else None
-    up = np.broadcast_to(UP, left.shape) if above is None else above - _middle(joints, "hip")
+    up = np.broadcast_to(WORLD_UP, left.shape) if above is None else above - _middle(joints, "hip")
     return frame_of(left, np.cross(left, up))
 
 
@@ -166,7 +166,7 @@ def _thorax(tracks: Tracks, joints: Tracks, radius: float) -> FloatArray:
         return own[1]
     left = joints["left_shoulder"] - joints["right_shoulder"]
     middle = _middle(joints, "shoulder")
-    below = _middle(joints, "hip") if "left_hip" in joints else middle - UP
+    below = _middle(joints, "hip") if "left_hip" in joints else middle - WORLD_UP
     return frame_of(left, np.cross(left, middle - below))
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from studio.core.errors import StudioError
 from studio.core.markers.gaps import Gap, find_gaps, pattern_through, spline_through, stiffness
 from studio.core.markers.swaps import find_swaps, swapped
-from studio.core.markers.trial import MARKER, Trial, whole
+from studio.core.markers.trial import MARKER_KIND, Trial, whole
 from studio.core.runs import runs_of
 
 FloatArray = NDArray[np.float64]
@@ -150,7 +150,7 @@ class LowPass:
 
 
 Step = UndoSwaps | FillShortGaps | FillLongGaps | LowPass
-STEPS: tuple[type[Step], ...] = (UndoSwaps, FillShortGaps, FillLongGaps, LowPass)
+CLEANING_STEPS: tuple[type[Step], ...] = (UndoSwaps, FillShortGaps, FillLongGaps, LowPass)
 USUAL_STEPS: tuple[Step, ...] = (FillShortGaps(), FillLongGaps())
 """What is done to a trial that nobody has looked at: its gaps are filled, what was seen stays as it is."""
 
@@ -189,7 +189,7 @@ def _report(title: str, summary: str, details: list[str]) -> StepReport:
 
 
 def _places(trial: Trial) -> tuple[int, ...]:
-    return tuple(place for place, kind in enumerate(trial.kinds) if kind == MARKER)
+    return tuple(place for place, kind in enumerate(trial.kinds) if kind == MARKER_KIND)
 
 
 def _count(number: int, word: str) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.markers.roles import SIDES
+from studio.core.markers.roles import SIDE_WORDS
 from studio.core.rotations import normalized
 
 FloatArray = NDArray[np.float64]
@@ -29,7 +29,7 @@ def feet_axes(tracks: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
     Two markers that are too near each other to be heel and toe show a direction: they are drawn apart along it.
     """
     found: dict[str, FloatArray] = {}
-    for side in SIDES:
+    for side in SIDE_WORDS:
         toe = _toe(tracks, side)
         if toe is None:
             continue

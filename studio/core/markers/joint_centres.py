@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from studio.core.markers.functional import centre_of_rotation, shift_of_centres
 from studio.core.markers.marker_map import middles
 from studio.core.markers.measures import Measures, SideMeasures, has_pelvis, pelvis_frame
-from studio.core.markers.roles import SIDES
+from studio.core.markers.roles import SIDE_WORDS
 from studio.core.rotations import normalized
 
 FloatArray = NDArray[np.float64]
@@ -31,7 +31,7 @@ def joint_centres(markers: Mapping[str, FloatArray], measures: Measures) -> dict
     """
     tracks = middles(markers)
     joints: dict[str, FloatArray] = {}
-    for place, side in enumerate(SIDES):
+    for place, side in enumerate(SIDE_WORDS):
         _leg(markers, tracks, measures.sides[place], side, 1 - 2 * place, joints)
         _arm(tracks, measures, place, joints)
     return joints
@@ -44,11 +44,11 @@ def with_hips_of_thighs(markers: Mapping[str, FloatArray], measures: Measures) -
     left to the regression.
     """
     tracks, joints = middles(markers), joint_centres(markers, measures)
-    if not has_pelvis(tracks) or any(f"{side}_knee" not in joints for side in SIDES):
+    if not has_pelvis(tracks) or any(f"{side}_knee" not in joints for side in SIDE_WORDS):
         return measures
     origin, pelvis = pelvis_frame(tracks)
     forward = np.array([1.0, 0.0, 0.0])
-    knees = [np.einsum("fji,fj->fi", pelvis, joints[f"{side}_knee"] - origin) for side in SIDES]
+    knees = [np.einsum("fji,fj->fi", pelvis, joints[f"{side}_knee"] - origin) for side in SIDE_WORDS]
     shift = shift_of_centres(knees, [own.hip for own in measures.sides], forward)
     left, right = (replace(own, hip=own.hip + shift * forward) for own in measures.sides)
     return replace(measures, sides=(left, right))
@@ -140,7 +140,7 @@ def _ankle_of_foot(tracks: Tracks, joints: Tracks, side: str) -> FloatArray | No
 
 
 def _arm(tracks: Tracks, measures: Measures, place: int, joints: dict[str, FloatArray]) -> None:
-    side, own, out = SIDES[place], measures.sides[place], 1 - 2 * place
+    side, own, out = SIDE_WORDS[place], measures.sides[place], 1 - 2 * place
     marker = tracks.get(f"{side}_shoulder")
     if marker is None:
         return
@@ -171,6 +171,6 @@ def _shoulder(tracks: Tracks, measures: Measures, marker: FloatArray, own: SideM
     below = [tracks[role] for role in ("left_front_hip", "right_front_hip", "left_hip", "right_hip") if role in tracks]
     if not below:
         return marker
-    middle = np.mean([tracks[f"{side}_shoulder"] for side in SIDES if f"{side}_shoulder" in tracks], axis=0)
+    middle = np.mean([tracks[f"{side}_shoulder"] for side in SIDE_WORDS if f"{side}_shoulder" in tracks], axis=0)
     down = normalized(np.mean(below, axis=0) - middle)
     return marker + own.shoulder * down

@@ -3,11 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.markers.trial import MARKER, Trial
+from studio.core.markers.trial import MARKER_KIND, Trial
 
 FloatArray = NDArray[np.float64]
 
-FARTHEST, HARDEST = 0.04, 200.0
+JUMP_DISTANCE, JUMP_ACCELERATION = 0.04, 200.0
 """Metres by which a step may lie off all between the one before and the one after it, and metres a second squared."""
 
 
@@ -17,9 +17,9 @@ def jumps(trial: Trial) -> dict[str, tuple[NDArray[np.bool_], float]]:
     A body that speeds up or strikes takes steps between those before and after them; a jump lies off both. Where one
     of these was not seen it is unlike the other.
     """
-    allowed = max(FARTHEST, HARDEST / trial.frame_rate**2)
+    allowed = max(JUMP_DISTANCE, JUMP_ACCELERATION / trial.frame_rate**2)
     found = {}
-    for place in (place for place, kind in enumerate(trial.kinds) if kind == MARKER):
+    for place in (place for place, kind in enumerate(trial.kinds) if kind == MARKER_KIND):
         steps = trial.metres * np.diff(trial.points[:, place], axis=0)
         far = _off_their_neighbours(steps) > allowed
         if far.any():

@@ -3,7 +3,7 @@
 import re
 from functools import lru_cache
 
-from studio.core.markers.roles import SIDES
+from studio.core.markers.roles import SIDE_WORDS
 
 _OUTER, _INNER = r"(l|la?t|lateral|out|outer|ext)", r"(m|me?d|medial|in|inner|int)"
 _CENTRE_WORD = r"(jc|(joint)?.?cent(er|re)|jnt|joint)"
@@ -135,8 +135,8 @@ def _said(label: str) -> tuple[str, str] | None:
 
 def _sides_at_the_ends(plain: str) -> list[tuple[str, str]]:
     """Sides that a label may begin or end with, and the rest: ``lknee``, ``knee_l``, ``left.knee``."""
-    names = [(side, name) for side in SIDES for name in (side, side[0])]
-    names += [(side, f"{side[0]}t") for side in SIDES]
+    names = [(side, name) for side in SIDE_WORDS for name in (side, side[0])]
+    names += [(side, f"{side[0]}t") for side in SIDE_WORDS]
     found = [(side, plain[len(name) :]) for side, name in names if plain.startswith(name)]
     found += [(side, plain[: -len(name)]) for side, name in names if plain.endswith(name)]
     stripped = [(side, rest.strip(" ._-")) for side, rest in found]
@@ -149,10 +149,10 @@ def _side_within(label: str) -> list[tuple[str, str]]:
     """A side among words that are joined: ``WaistLFront``, ``pLeftToe``."""
     tokens = [token.lower() for token in _TOKENS.findall(label)]
     tokens = tokens[tokens[:1] == ["p"] :]  # Xsens writes p before a point
-    at = [place for place, token in enumerate(tokens) if token in ("l", "r", *SIDES)]
+    at = [place for place, token in enumerate(tokens) if token in ("l", "r", *SIDE_WORDS)]
     if len(at) != 1:
         return []
-    side = next(side for side in SIDES if side.startswith(tokens[at[0]]))
+    side = next(side for side in SIDE_WORDS if side.startswith(tokens[at[0]]))
     return [(side, "".join(tokens[: at[0]] + tokens[at[0] + 1 :]))]
 
 

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.core.markers.feet import TOES, feet_axes
-from studio.core.markers.roles import JOINTS, ROLE, SIDES
-from studio.core.markers.trial import MARKER, VIRTUAL, Trial, bare_label
+from studio.core.markers.roles import JOINTS, ROLE, SIDE_WORDS
+from studio.core.markers.trial import MARKER_KIND, VIRTUAL_KIND, Trial, bare_label
 
 FloatArray = NDArray[np.float64]
 Tracks = Mapping[str, FloatArray]
@@ -59,7 +59,7 @@ class MarkerMap:
         """Whether both legs can be followed: pelvis or hips, knees, ankles."""
         hips = self._has("front_hip") and ("left_back_hip" in self.markers or "right_back_hip" in self.markers)
         knees = self._has("knee") or (self._has_cluster("thigh") and self._has_cluster("shank"))
-        toes = all(any(f"{side}_{toe}" in self.markers for toe in TOES) for side in SIDES)
+        toes = all(any(f"{side}_{toe}" in self.markers for toe in TOES) for side in SIDE_WORDS)
         ankles = self._has("ankle") or (self._has("heel") and toes)
         return ((hips or self._has("hip")) and knees and ankles) or self._has_centres("hip", *_LEG)
 
@@ -71,21 +71,21 @@ class MarkerMap:
         """Words for the places without which not even half a body can be followed."""
         if self.has_legs() or self.has_arms():
             return ()
-        needed = [f"{side}_{part}" for part in ("front_hip", "back_hip", *_LEG) for side in SIDES]
+        needed = [f"{side}_{part}" for part in ("front_hip", "back_hip", *_LEG) for side in SIDE_WORDS]
         return tuple(ROLE[role].words.lower() for role in needed if role not in self.markers)
 
     def _has_cluster(self, part: str) -> bool:
         """Three markers that turn with a bone tell how it stands."""
-        return all(len(self.markers.get(f"{side}_{part}", ())) >= 3 for side in SIDES)
+        return all(len(self.markers.get(f"{side}_{part}", ())) >= 3 for side in SIDE_WORDS)
 
     def _has_centres(self, *joints: str) -> bool:
-        return all(f"{side}_{joint}" in self.centres for side in SIDES for joint in joints)
+        return all(f"{side}_{joint}" in self.centres for side in SIDE_WORDS for joint in joints)
 
     def _has(self, part: str) -> bool:
-        return all(f"{side}_{part}" in self.markers for side in SIDES)
+        return all(f"{side}_{part}" in self.markers for side in SIDE_WORDS)
 
 
-def seen_labels(trial: Trial, subject: str = "", kinds: tuple[str, ...] = (MARKER,)) -> dict[str, str]:
+def seen_labels(trial: Trial, subject: str = "", kinds: tuple[str, ...] = (MARKER_KIND,)) -> dict[str, str]:
     """Bare label by label of the points that are ever seen; of one subject where ``subject`` names it."""
     found: dict[str, str] = {}
     for label, kind, ever in zip(trial.labels, trial.kinds, trial.ever_seen, strict=True):
@@ -120,4 +120,4 @@ def stored_centres(trial: Trial, marker_map: MarkerMap, subject: str = "") -> di
 
 
 def _by_bare(trial: Trial, subject: str) -> dict[str, str]:
-    return {bare: label for label, bare in seen_labels(trial, subject, kinds=(MARKER, VIRTUAL)).items()}
+    return {bare: label for label, bare in seen_labels(trial, subject, kinds=(MARKER_KIND, VIRTUAL_KIND)).items()}

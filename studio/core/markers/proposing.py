@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from studio.core.markers.label_words import initials_of, part_of
 from studio.core.markers.marker_map import MarkerMap, seen_labels
-from studio.core.markers.roles import ROLE, SIDES
+from studio.core.markers.roles import ROLE, SIDE_WORDS
 from studio.core.markers.subjects import shared_beginning
 from studio.core.markers.told_centres import pelvis_width, told_centres, without_side
 from studio.core.markers.trial import Trial, whole
@@ -49,7 +49,7 @@ def propose_map(trial: Trial, subject: str = "") -> MarkerMap:
     _sort_pelvis(found)
     leftward = _leftward(found)
     forward = np.cross(leftward, _upward(found))
-    for side, outward in zip(SIDES, (leftward, -leftward), strict=True):
+    for side, outward in zip(SIDE_WORDS, (leftward, -leftward), strict=True):
         for joint in ("knee", "ankle"):
             _sort_pair(found, side, joint, outward)
         _sort_elbows(found, side, outward)
@@ -65,7 +65,7 @@ def propose_map(trial: Trial, subject: str = "") -> MarkerMap:
         limit = None if part in ("thigh", "shank", "hand") else 1
         markers[role] = tuple(marker.label for marker in own[:limit])
     sacrum = markers.pop("sacrum", ())
-    for side in SIDES:
+    for side in SIDE_WORDS:
         if behind := markers.pop(f"{side}_sacrum", sacrum):
             markers.setdefault(f"{side}_back_hip", behind)
     return MarkerMap("proposed by names and places", {r: m for r, m in markers.items() if r in ROLE}, centres)
@@ -108,7 +108,9 @@ def _apart_from_centres(found: _Found) -> tuple[dict[str, str], _Found]:
     told = told_centres(*_labelled(found))
     names = {joint.partition("_")[2] for joint in told}
     left = {place: [marker for marker in own if marker.label not in told.values()] for place, own in found.items()}
-    if not (names >= {"hip", "knee", "ankle"} or all(left.get((s, n)) or n == "hip" for s in SIDES for n in names)):
+    if not (
+        names >= {"hip", "knee", "ankle"} or all(left.get((s, n)) or n == "hip" for s in SIDE_WORDS for n in names)
+    ):
         told, left = {}, found
     centres = told | {f"{side}_{joint}": own[0].label for (side, joint), own in named.items()}
     return centres, {place: own for place, own in left.items() if own}
@@ -117,10 +119,12 @@ def _apart_from_centres(found: _Found) -> tuple[dict[str, str], _Found]:
 def _leftward(found: _Found) -> FloatArray:
     """Directions (F, 3) from right to left: along the pelvis, the hips or the shoulders, else between all markers."""
     for part in ("front_hip", "hip", "shoulder"):
-        pair = [found[side, part][0].track for side in SIDES if (side, part) in found]
+        pair = [found[side, part][0].track for side in SIDE_WORDS if (side, part) in found]
         if len(pair) == 2:
             return normalized(pair[0] - pair[1])
-    sides = [[marker.track for (own, _), many in found.items() if own == side for marker in many] for side in SIDES]
+    sides = [
+        [marker.track for (own, _), many in found.items() if own == side for marker in many] for side in SIDE_WORDS
+    ]
     if not all(sides):
         return np.zeros(3)
     return normalized(_mean(sides[0]) - _mean(sides[1]))
@@ -174,9 +178,9 @@ def _sort_elbows(found: _Found, side: str, outward: FloatArray) -> None:
 
 def _sort_pelvis(found: _Found) -> None:
     """Hips in front of a sacrum are the front of the pelvis; four unnamed markers are its corners."""
-    hips = [found.get((side, "hip"), []) for side in SIDES]
+    hips = [found.get((side, "hip"), []) for side in SIDE_WORDS]
     if all(hips) and ("", "sacrum") in found and ("left", "front_hip") not in found:
-        for side in SIDES:
+        for side in SIDE_WORDS:
             found[side, "front_hip"] = found.pop((side, "hip"))
     cluster, leftward = found.pop(("", "pelvis"), []), _leftward(found)
     if len(cluster) != 4 or not leftward.any():
@@ -209,7 +213,7 @@ def _sort_foot_clusters(found: _Found, forward: FloatArray) -> None:
     """Of unnamed clusters on the feet the two beside the sole that lie farthest apart along the way the body looks:
     heel and toe. The same ones on either side, where they are called alike.
     """
-    feet = {side: found.pop((side, "foot"), []) for side in SIDES}
+    feet = {side: found.pop((side, "foot"), []) for side in SIDE_WORDS}
     up, width = _upward(found), pelvis_width(*_labelled(found))
     ahead: dict[str, list[float]] = {}
     high: dict[str, list[float]] = {}

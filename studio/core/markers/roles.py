@@ -2,8 +2,10 @@
 
 from dataclasses import dataclass
 
-SIDES = ("left", "right")
-JOINTS = tuple(f"{side}_{joint}" for side in SIDES for joint in ("hip", "knee", "ankle", "shoulder", "elbow", "wrist"))
+SIDE_WORDS = ("left", "right")
+JOINTS = tuple(
+    f"{side}_{joint}" for side in SIDE_WORDS for joint in ("hip", "knee", "ankle", "shoulder", "elbow", "wrist")
+)
 
 
 @dataclass(frozen=True)
@@ -23,7 +25,7 @@ def _pair(name: str, words: str, limb: str, spot: tuple[float, float], hint: str
     part = {"arm": "{} arm", "leg": "{} leg"}.get(limb, limb)
     return tuple(
         MarkerRole(f"{side}_{name}", f"{side.capitalize()} {words}", part.format(side), (sign * spot[0], spot[1]), hint)
-        for side, sign in zip(SIDES, (1.0, -1.0), strict=True)
+        for side, sign in zip(SIDE_WORDS, (1.0, -1.0), strict=True)
     )
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from studio.core.markers.joint_centres import joint_centres
 from studio.core.markers.marker_map import MarkerMap, middles, role_markers, stored_centres
 from studio.core.markers.measures import find_measures
-from studio.core.markers.roles import SIDES
+from studio.core.markers.roles import SIDE_WORDS
 from studio.core.markers.trial import Trial
 from studio.core.rotations import normalized
 
@@ -62,8 +62,10 @@ def exchanged_places(trial: Trial, marker_map: MarkerMap, subject: str = "") -> 
     def exchange(name: str) -> None:
         found.append(name)
         for tracks in (markers, centres):
-            left, right = (tracks.pop(f"{side}_{name}", None) for side in SIDES)
-            tracks |= {f"{side}_{name}": own for side, own in zip(SIDES, (right, left), strict=True) if own is not None}
+            left, right = (tracks.pop(f"{side}_{name}", None) for side in SIDE_WORDS)
+            tracks |= {
+                f"{side}_{name}": own for side, own in zip(SIDE_WORDS, (right, left), strict=True) if own is not None
+            }
 
     for name in _GIRDLES:
         if _is_mirrored(middles(markers) | centres, name, leftward):
@@ -82,7 +84,7 @@ def exchanged_places(trial: Trial, marker_map: MarkerMap, subject: str = "") -> 
 
 def with_exchanged(marker_map: MarkerMap, names: tuple[str, ...]) -> MarkerMap:
     """The map with the markers and centres of left and right exchanged at places without their side."""
-    other = {f"{one}_{name}": f"{two}_{name}" for one, two in (SIDES, SIDES[::-1]) for name in names}
+    other = {f"{one}_{name}": f"{two}_{name}" for one, two in (SIDE_WORDS, SIDE_WORDS[::-1]) for name in names}
     markers = {other.get(role, role): labels for role, labels in marker_map.markers.items()}
     centres = {other.get(joint, joint): label for joint, label in marker_map.centres.items()}
     return replace(marker_map, markers=markers, centres=centres)
@@ -106,13 +108,13 @@ def _middle(tracks: Tracks, name: str) -> FloatArray | None:
     """Between left and right, which need no telling apart for it."""
     if name in tracks:
         return tracks[name]
-    pair = [tracks[f"{side}_{name}"] for side in SIDES if f"{side}_{name}" in tracks]
+    pair = [tracks[f"{side}_{name}"] for side in SIDE_WORDS if f"{side}_{name}" in tracks]
     return np.asarray(0.5 * (pair[0] + pair[1])) if len(pair) == 2 else None
 
 
 def _is_mirrored(tracks: Tracks, name: str, leftward: FloatArray) -> bool:
     """Whether the left one lies to the right of the right one most of the time."""
-    if any(f"{side}_{name}" not in tracks for side in SIDES):
+    if any(f"{side}_{name}" not in tracks for side in SIDE_WORDS):
         return False
     apart = np.sum((tracks[f"left_{name}"] - tracks[f"right_{name}"]) * leftward, axis=-1)
     known = apart[np.isfinite(apart)]
@@ -121,14 +123,14 @@ def _is_mirrored(tracks: Tracks, name: str, leftward: FloatArray) -> bool:
 
 def _is_crossed(joints: Tracks, joint: str, ends: Tracks, name: str) -> bool:
     """Whether the links from joints to ends are shorter and change less in length towards the other side."""
-    if any(f"{side}_{joint}" not in joints for side in SIDES):
+    if any(f"{side}_{joint}" not in joints for side in SIDE_WORDS):
         return False
     own, across = (
         [
             np.linalg.norm(joints[f"{one}_{joint}"] - ends[f"{two}_{name}"], axis=-1)
-            for one, two in zip(SIDES, order, strict=True)
+            for one, two in zip(SIDE_WORDS, order, strict=True)
         ]
-        for order in (SIDES, SIDES[::-1])
+        for order in (SIDE_WORDS, SIDE_WORDS[::-1])
     )
     seen = np.isfinite(np.sum([*own, *across], axis=0))
     if not seen.any():

@@ -16,7 +16,7 @@ from studio.core.body.humanoid import BodyMap
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.markers.body_axes import (
-    HEAD,
+    HEAD_MARKERS,
     Trunk,
     arm_axes,
     find_trunk,
@@ -26,7 +26,7 @@ from studio.core.markers.body_axes import (
     leg_axes,
     upright,
 )
-from studio.core.markers.roles import SIDES
+from studio.core.markers.roles import SIDE_WORDS
 from studio.core.rotations import from_matrix, normalized, shortest_arc
 
 FloatArray = NDArray[np.float64]
@@ -117,7 +117,7 @@ class _Body:
             ("arms", "left_shoulder", self._lay_arm, self._rest_arm),
             ("legs", "left_hip", self._lay_leg, self._rest_leg),
         ):
-            for side in SIDES:
+            for side in SIDE_WORDS:
                 (lay if shown in self.joints else rest)(side)
             resting += [] if shown in self.joints else [part]
         height = self._bone("LeftLeg") + self._bone("LeftFoot") + _ANKLE * self.stature
@@ -140,7 +140,7 @@ class _Body:
     def _lay_trunk(self) -> bool:
         """Spine, chest, neck and head; whether the head is shown."""
         trunk = self.trunk
-        shown = self._shown(*(f"{side}_{joint}" for side in SIDES for joint in ("hip", "shoulder")))
+        shown = self._shown(*(f"{side}_{joint}" for side in SIDE_WORDS for joint in ("hip", "shoulder")))
         length = float(np.median(np.linalg.norm(trunk.neck - trunk.hips, axis=-1)[shown]))
         length = max(length, _SHORTEST_TRUNK * self.stature)
         base = _up(_SPINE_BASE * length)
@@ -159,7 +159,7 @@ class _Body:
             self.axes |= {"Neck": self.trunk.thorax, "Head": self.trunk.thorax}
             self.offsets |= {"Head": _up(0.05 * self.stature), "HeadEnd": _up(0.13 * self.stature)}
             return False
-        names = [name for name in HEAD if name in self.tracks]
+        names = [name for name in HEAD_MARKERS if name in self.tracks]
         shown = self._shown(*names)
         band = np.mean([self.tracks[name] for name in names], axis=0)
         joint = band - head @ _up(0.5 * float(np.median(np.linalg.norm(band - self.trunk.neck, axis=-1)[shown])))
@@ -280,7 +280,7 @@ def _stature(joints: Tracks) -> float:
         if f"left_{names[0]}" in joints:
             lengths = [
                 np.median(np.linalg.norm(joints[f"{side}_{far}"] - joints[f"{side}_{near}"], axis=-1))
-                for side in SIDES
+                for side in SIDE_WORDS
                 for near, far in pairwise(names)
             ]
             return float(np.sum(lengths) / 2 / share)
@@ -301,7 +301,7 @@ def _body_map(skeleton: Skeleton) -> BodyMap:
     }  # fmt: skip
     parts |= {
         BodyPart[f"{side.upper()}_{part}"]: at(side.capitalize() + joint)
-        for side in SIDES
+        for side in SIDE_WORDS
         for part, joint in limbs.items()
     }
     return BodyMap(parts, (at("Hips"), at("Spine"), at("Chest")))

@@ -11,8 +11,8 @@ from studio.core.markers.cleaning import USUAL_STEPS, Step, StepReport, clean
 from studio.core.markers.joint_centres import joint_centres, with_hips_of_thighs
 from studio.core.markers.marker_map import MarkerMap, middles, role_markers, seen_labels, stored_centres
 from studio.core.markers.measures import Measures, find_measures, pelvis_frame
-from studio.core.markers.roles import SIDES
-from studio.core.markers.trial import MARKER, VIRTUAL, Trial, whole
+from studio.core.markers.roles import SIDE_WORDS
+from studio.core.markers.trial import MARKER_KIND, VIRTUAL_KIND, Trial, whole
 
 FloatArray = NDArray[np.float64]
 
@@ -77,7 +77,7 @@ def follow(take: MarkerTake) -> FollowedBody:
     filled = {role: _closed_cluster(own[:end], axes[0][:end], axes[1][:end]) for role, own in markers.items()}
     measures = find_measures(trial.measures, trial.metres, tracks, stored)
     recorded = {role: own[:end] for role, own in markers.items()}
-    if not any(f"{side}_hip" in stored for side in SIDES):
+    if not any(f"{side}_hip" in stored for side in SIDE_WORDS):
         measures = with_hips_of_thighs(recorded, measures)
     given = {joint: own[:end] for joint, own in stored.items()}
     shown = joint_centres(recorded, measures) | given
@@ -122,7 +122,7 @@ def centre_errors(take: MarkerTake) -> dict[str, float]:
 def mapped_labels(take: MarkerTake) -> tuple[str, ...]:
     """Labels, with subject, of the points that the map names."""
     named = take.marker_map.labels | set(take.marker_map.centres.values())
-    there = seen_labels(take.trial, take.subject, (MARKER, VIRTUAL))
+    there = seen_labels(take.trial, take.subject, (MARKER_KIND, VIRTUAL_KIND))
     return tuple(label for label, bare in there.items() if bare in named)
 
 

@@ -10,14 +10,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.markers.roles import SIDES
+from studio.core.markers.roles import SIDE_WORDS
 from studio.core.markers.trial import whole
 
 FloatArray = NDArray[np.float64]
 Labels = Mapping[tuple[str, str], Sequence[str]]
 """Labels by side and part."""
 
-NARROW = 0.93
+INNER_PELVIS_PART = 0.93
 """Parts of the pelvis' width within which two points of a joint are no markers on its outer sides."""
 INSIDE, PELVIS_OF_HIPS = 0.3, 1.4
 """Parts of the leg between two hips within which they are joint centres (0.20 to 0.25; trochanters 0.35 to 0.45), and
@@ -38,13 +38,13 @@ def told_centres(labels: Labels, tracks: Mapping[str, FloatArray]) -> dict[str, 
             wider = [other for other in pairs if apart[other] > apart[pair]]
             beside = [_nearest(tracks[pair[0]], tracks[other[0]]) for other in wider]
             deep = not wider or min(beside) < DEEP[joint] * width
-            narrow = apart[pair] < NARROW * width if joint != "ankle" or wider else "left_knee" in centres
+            narrow = apart[pair] < INNER_PELVIS_PART * width if joint != "ankle" or wider else "left_knee" in centres
             if narrow and deep and (wider or joint != "hip" or ("left", "front_hip") in labels or keypoints):
-                centres |= {f"{side}_{joint}": label for side, label in zip(SIDES, pair, strict=True)}
+                centres |= {f"{side}_{joint}": label for side, label in zip(SIDE_WORDS, pair, strict=True)}
     if keypoints and "left_knee" in centres and "left_ankle" in centres:
         for joint, part in (("shoulder", "shoulder"), ("elbow", "elbow"), ("wrist", "wrists")):
             for pair in _pairs(labels, part)[:1] if _is_alone(labels, part) else ():
-                centres |= {f"{side}_{joint}": label for side, label in zip(SIDES, pair, strict=True)}
+                centres |= {f"{side}_{joint}": label for side, label in zip(SIDE_WORDS, pair, strict=True)}
     return centres
 
 
@@ -52,7 +52,7 @@ def _are_keypoints(labels: Labels, tracks: Mapping[str, FloatArray]) -> bool:
     """True if the points are joints that an image or a model shows: one a joint, and hips too near for markers."""
     if ("left", "front_hip") in labels or not all(_is_alone(labels, part) for part in ("hip", "knee", "ankle")):
         return False
-    hips, knees, ankles = ([tracks[labels[side, part][0]] for side in SIDES] for part in ("hip", "knee", "ankle"))
+    hips, knees, ankles = ([tracks[labels[side, part][0]] for side in SIDE_WORDS] for part in ("hip", "knee", "ankle"))
     legs = [
         np.nanmedian(np.linalg.norm(knee - hip, axis=1) + np.linalg.norm(ankle - knee, axis=1))
         for hip, knee, ankle in zip(hips, knees, ankles, strict=True)
@@ -62,13 +62,13 @@ def _are_keypoints(labels: Labels, tracks: Mapping[str, FloatArray]) -> bool:
 
 def _is_alone(labels: Labels, part: str) -> bool:
     """True if each side has one point of that part, and none on its inner side."""
-    return all(len(labels.get((s, part), ())) == 1 and (s, f"inner_{part}") not in labels for s in SIDES)
+    return all(len(labels.get((s, part), ())) == 1 and (s, f"inner_{part}") not in labels for s in SIDE_WORDS)
 
 
 def pelvis_width(labels: Labels, tracks: Mapping[str, FloatArray]) -> float:
     """Metres between the front markers of the pelvis or else its sides; 0, so that nothing is narrower, without any."""
     for part in ("front_hip", "hip"):
-        sides = [labels.get((side, part), ()) for side in SIDES]
+        sides = [labels.get((side, part), ()) for side in SIDE_WORDS]
         if all(sides):
             left, right = (tracks[own[0]] for own in sides)
             return _nearest(left, right)

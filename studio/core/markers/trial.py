@@ -16,7 +16,7 @@ BoolArray = NDArray[np.bool_]
 
 METRES = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "inch": 0.0254, "foot": 0.3048}
 """Metres a unit."""
-MARKER, VIRTUAL = "marker", "virtual"
+MARKER_KIND, VIRTUAL_KIND = "marker", "virtual"
 """Kinds of points that are places: seen by cameras, or computed from such."""
 
 
@@ -144,7 +144,7 @@ class Trial:
     @property
     def markers(self) -> tuple[str, ...]:
         """Labels of the points that cameras saw."""
-        return tuple(label for label, kind in zip(self.labels, self.kinds, strict=True) if kind == MARKER)
+        return tuple(label for label, kind in zip(self.labels, self.kinds, strict=True) if kind == MARKER_KIND)
 
     def track(self, label: str) -> FloatArray:
         """(F, 3) of one point, in the file's unit."""

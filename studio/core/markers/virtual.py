@@ -10,8 +10,8 @@ from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_world, rest_poses
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import ContactInterval, ContactPoint
-from studio.core.markers.roles import JOINTS, SIDES
-from studio.core.markers.trial import MARKER, VIRTUAL, Trial, TrialEvent
+from studio.core.markers.roles import JOINTS, SIDE_WORDS
+from studio.core.markers.trial import MARKER_KIND, VIRTUAL_KIND, Trial, TrialEvent
 
 FloatArray = NDArray[np.float64]
 
@@ -95,11 +95,13 @@ def _points(
 ) -> tuple[dict[str, FloatArray], dict[str, str]]:
     """Joints and what is worn, by label (N, 3), and of what kind each is."""
     points = {name: positions[:, joint] for joint, name in enumerate(capture.skeleton.names)}
-    kinds = dict.fromkeys(points, VIRTUAL)
+    kinds = dict.fromkeys(points, VIRTUAL_KIND)
     if capture.body_map:
         worn = _worn(capture, capture.body_map, positions, rotations)
         points |= {label: track for label, track in worn.items() if label not in points}
-        kinds |= {label: VIRTUAL if label.endswith("Centre") else MARKER for label in worn if label not in kinds}
+        kinds |= {
+            label: VIRTUAL_KIND if label.endswith("Centre") else MARKER_KIND for label in worn if label not in kinds
+        }
     return points, kinds
 
 
@@ -116,7 +118,7 @@ def _worn(capture: Capture, body_map: BodyMap, positions: FloatArray, rotations:
         offset = facing @ (stature * np.array([at[0], out * at[1], at[2]]))
         found[marker_label(role)] = positions[:, joint] + turns[:, turning] @ offset
 
-    for side, out in zip(SIDES, (1.0, -1.0), strict=True):
+    for side, out in zip(SIDE_WORDS, (1.0, -1.0), strict=True):
         for role, near, turning, at in _WORN:
             joints = [body_map.get(_part(name, side)) for name in (near, turning)]
             if joints[0] is not None and joints[1] is not None:

@@ -16,9 +16,9 @@ NODES = 300_000
 """Nodes of the grid, about: they decide how fine it is."""
 LEAST_CELL = 0.003
 """Metres: finer than a hand feels."""
-MARGIN = 4
+FIELD_MARGIN_CELLS = 4
 """Cells around the mesh."""
-NEAR = 3
+FIELD_NEAR_CELLS = 3
 """Cells within which every triangle is measured."""
 
 
@@ -27,14 +27,14 @@ def distance_field(mesh: TriangleMesh) -> FloatArray:
     """The field of ``mesh`` as ``kernels.tasks.mesh_distance_field`` takes it: a grid in the mesh's own space."""
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     cell = _cell(high - low)
-    counts = np.ceil((high - low) / cell).astype(int) + 2 * MARGIN + 1
+    counts = np.ceil((high - low) / cell).astype(int) + 2 * FIELD_MARGIN_CELLS + 1
     origin = 0.5 * (low + high) - 0.5 * (counts - 1) * cell
     corners, normals = np.ascontiguousarray(mesh.vertices[mesh.triangles]), _part_normals(mesh)
     distances, owners = np.full(counts, np.inf), np.zeros(counts, dtype=np.int64)
-    kernel.measure_near(corners, normals, origin, cell, NEAR, distances, owners)
+    kernel.measure_near(corners, normals, origin, cell, FIELD_NEAR_CELLS, distances, owners)
     # Further away a triangle that was found need not be the nearest, and the side of another one says nothing: the
     # side is that of the nearest node that is sure.
-    far = np.abs(distances) > (NEAR - 1) * cell
+    far = np.abs(distances) > (FIELD_NEAR_CELLS - 1) * cell
     nearest = tuple(distance_transform_edt(far, return_distances=False, return_indices=True))
     sides = np.sign(distances[nearest])
     kernel.measure_far(corners, normals, origin, cell, far, np.ascontiguousarray(owners[nearest]), distances)
@@ -47,7 +47,7 @@ def distance_field(mesh: TriangleMesh) -> FloatArray:
 def _cell(size: FloatArray) -> float:
     """Metres between the nodes of a grid of about ``NODES`` over ``size`` (3,) and its margin."""
     cell = max(float(size.max()) / 20.0, LEAST_CELL)
-    while cell > LEAST_CELL and math.prod(size / cell + 2 * MARGIN + 1) < NODES:
+    while cell > LEAST_CELL and math.prod(size / cell + 2 * FIELD_MARGIN_CELLS + 1) < NODES:
         cell *= 0.97
     return cell
 

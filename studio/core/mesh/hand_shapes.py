@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-OPEN, AT_EASE, HALF_CLOSED, FIST = -1.0, 0.0, 0.5, 1.0
-GRIPS = (OPEN, HALF_CLOSED, FIST)
+OPEN_GRIP, RELAXED_GRIP, HALF_CLOSED_GRIP, FIST_GRIP = -1.0, 0.0, 0.5, 1.0
+STORED_GRIPS = (OPEN_GRIP, HALF_CLOSED_GRIP, FIST_GRIP)
 """The grip of each shape that is stored; the mesh itself has its hands at ease."""
 
 
@@ -23,7 +23,12 @@ class HandShapes:
     def __post_init__(self) -> None:
         for name in ("vertices", "normals"):
             array = np.array(getattr(self, name), dtype=np.float32)
-            if array.ndim != 3 or array.shape[0] != len(GRIPS) or array.shape[2] != 3 or not np.isfinite(array).all():
+            if (
+                array.ndim != 3
+                or array.shape[0] != len(STORED_GRIPS)
+                or array.shape[2] != 3
+                or not np.isfinite(array).all()
+            ):
                 raise ValueError(f"hands: {name} of shape (3, G, 3) expected.")
             array.setflags(write=False)
             object.__setattr__(self, name, array)
@@ -38,7 +43,7 @@ class HandShapes:
         self, vertices: NDArray[np.float32], normals: NDArray[np.float32], grip: float
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Vertices and normals (V, 3) of the mesh with its hands as ``grip`` says: -1 open, 0 at ease, 1 fists."""
-        grips = (OPEN, AT_EASE, HALF_CLOSED, FIST)
+        grips = (OPEN_GRIP, RELAXED_GRIP, HALF_CLOSED_GRIP, FIST_GRIP)
         found = []
         for eased, stored in ((vertices, self.vertices), (normals, self.normals)):
             shapes = np.stack([stored[0], eased[-self.count :], stored[1], stored[2]])

@@ -12,7 +12,7 @@ from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.mesh.appearance import Appearance
 from studio.core.mesh.skin import INFLUENCES, bound_pose, fit_skin
-from studio.core.rotations import IDENTITY, frame_along
+from studio.core.rotations import IDENTITY_QUATERNION, frame_along
 
 FloatArray = NDArray[np.float64]
 
@@ -100,7 +100,7 @@ def _with_those_behind(
 
 def bone_skin(skeleton: Skeleton) -> JointSkin:
     """A figure of bones, one solid from each joint to each that hangs from it, for a skeleton that has no skin."""
-    rest = PoseSequence(np.tile(IDENTITY, (1, skeleton.joint_count, 1)), skeleton.offsets[None])
+    rest = PoseSequence(np.tile(IDENTITY_QUATERNION, (1, skeleton.joint_count, 1)), skeleton.offsets[None])
     positions, rotations = (array[0] for array in joint_world(skeleton, rest))
     bones = [
         (parent, _bone(positions[parent], positions[joint]))

@@ -13,9 +13,9 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 PROP_COLOUR = "#8a8f96"
-TOP, LEG = 0.08, 0.09
+TABLE_TOP, TABLE_LEG = 0.08, 0.09
 """Of a table: the thickness of its top in parts of its height, of its legs in parts of its length and width."""
-STEPS = 4
+ROUNDING_STEPS = 4
 _AROUND, _DOWN = 36, 24
 """Edges of a ball around its axis and from pole to pole."""
 _SIDES = 24
@@ -51,12 +51,12 @@ def unit_surface(shape: PropShape) -> Surface:
         case PropShape.STICK:
             return _stick()
         case PropShape.TABLE:
-            legs = [(x, y) for x in (-0.5, 0.5 - LEG) for y in (-0.5, 0.5 - LEG)]
-            top = ((-0.5, -0.5, 0.5 - TOP), (0.5, 0.5, 0.5))
-            return _boxes([top, *(((x, y, -0.5), (x + LEG, y + LEG, 0.5 - TOP)) for x, y in legs)])
+            legs = [(x, y) for x in (-0.5, 0.5 - TABLE_LEG) for y in (-0.5, 0.5 - TABLE_LEG)]
+            top = ((-0.5, -0.5, 0.5 - TABLE_TOP), (0.5, 0.5, 0.5))
+            return _boxes([top, *(((x, y, -0.5), (x + TABLE_LEG, y + TABLE_LEG, 0.5 - TABLE_TOP)) for x, y in legs)])
         case PropShape.STAIRS:
-            edges = np.linspace(-0.5, 0.5, STEPS + 1).tolist()
-            return _boxes([((edges[k], -0.5, -0.5), (edges[k + 1], 0.5, edges[k + 1])) for k in range(STEPS)])
+            edges = np.linspace(-0.5, 0.5, ROUNDING_STEPS + 1).tolist()
+            return _boxes([((edges[k], -0.5, -0.5), (edges[k + 1], 0.5, edges[k + 1])) for k in range(ROUNDING_STEPS)])
     return _boxes([((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5))])
 
 

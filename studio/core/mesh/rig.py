@@ -10,7 +10,7 @@ from studio.core.plausible import SKIN
 
 FloatArray = NDArray[np.float64]
 
-STILL = -1
+NO_SEGMENT = -1
 """The segment of a joint above the pelvis, which no segment moves."""
 _COLUMNS: tuple[tuple[str, type, tuple[int, ...]], ...] = (
     ("parents", np.int32, ()),
@@ -35,7 +35,7 @@ class Rig:
     rotations: FloatArray
     """(J, 3, 3) of the joints' own axes in the world."""
     segments: NDArray[np.int32]
-    """(J,) the canonical segment that each moves with, ``STILL`` above the pelvis."""
+    """(J,) the canonical segment that each moves with, ``NO_SEGMENT`` above the pelvis."""
     joints: NDArray[np.int32]
     """(V, n) joints from which each vertex hangs."""
     weights: NDArray[np.float32]
@@ -56,7 +56,7 @@ class Rig:
         SKIN.check(self.positions)
         if not np.allclose(self.rotations @ np.swapaxes(self.rotations, 1, 2), np.eye(3), atol=1e-4):
             raise ValueError("rig: holds a matrix that is not a rotation.")
-        if self.segments.min() < STILL or not (np.linalg.det(self.rotations) > 0.0).all():
+        if self.segments.min() < NO_SEGMENT or not (np.linalg.det(self.rotations) > 0.0).all():
             raise ValueError("rig: holds a segment that is none, or a mirrored joint.")
         if (self.weights < 0.0).any() or not np.allclose(self.weights.sum(axis=1), 1.0, atol=1e-4):
             raise ValueError("rig: weights are not negative, and each row sums to 1.")

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.plausible import MESH
+from studio.core.plausible import MESH_RANGE
 
 MOST_TRIANGLES = 2_000_000
 
@@ -28,7 +28,7 @@ class TriangleMesh:
         triangles = np.array(self.triangles, dtype=np.int64).reshape(-1, 3)
         if not np.isfinite(vertices).all():
             raise ValueError("A mesh has a vertex that is not finite.")
-        MESH.check(vertices)
+        MESH_RANGE.check(vertices)
         if triangles.size and (triangles.min() < 0 or triangles.max() >= len(vertices)):
             raise ValueError("A mesh has a triangle whose corner is not a vertex.")
         if len(triangles) > MOST_TRIANGLES:

@@ -24,7 +24,7 @@ LEVELS = (0.03, 0.30, 0.58, 0.80)
 """Heights at which the trunk is measured, parts of the way from the hips to the neck base."""
 PROBES = ((0, 0.0), (0, 0.5), (0, 1.0), (1, 0.45), (1, 0.85))
 """Where the spheres of an arm lie: bone (0 forearm, 1 hand) and part of its length."""
-PALM = PROBES[3][1]
+PALM_SURFACE_PROBE = PROBES[3][1]
 """The same of the palm."""
 CAPSULES_OF = {"hips": (0, 1), "trunk": (2, 3, 4, 5), "head": (6,), "thigh": (7, 8)}
 """The capsules of a body by the part that they stand for."""

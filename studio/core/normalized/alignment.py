@@ -14,7 +14,7 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 BENT = np.sin(np.deg2rad(15.0))
-UP = np.array([0.0, 0.0, 1.0])
+ALIGNED_UP = np.array([0.0, 0.0, 1.0])
 MIN_STANDING = 5
 """Frames in which a foot has to stand before its sole is levelled by them."""
 UNLIKE_FEET = np.deg2rad(3.0)
@@ -29,7 +29,7 @@ def find_alignments(marks: Landmarks) -> FloatArray:
     proximal, distal = layout.proximal_points(), layout.distal_points()
     bones = normalized(reference[list(distal)] - reference[list(proximal)])
     left, right = (layout.spine_count + 2 + 4 * side for side in (0, 1))
-    for segment, usual in ((layout.neck_base, UP), (left, body[:, 1]), (right, -body[:, 1])):
+    for segment, usual in ((layout.neck_base, ALIGNED_UP), (left, body[:, 1]), (right, -body[:, 1])):
         if not bones[segment].any():  # a neck or clavicle without length
             bones[segment] = usual
     desired[: layout.spine_count] = body if marks.reference_is_rest else trunk_lean(marks) @ body
@@ -58,20 +58,20 @@ def trunk_lean(marks: Landmarks) -> FloatArray:
     """
     layout, reference = marks.layout, marks.reference
     line = reference[layout.neck_base] - 0.5 * (reference[layout.hip(0)] + reference[layout.hip(1)])
-    return shortest_arc(UP, normalized(line))
+    return shortest_arc(ALIGNED_UP, normalized(line))
 
 
 def anatomical_frame(leftward: FloatArray) -> FloatArray:
     """Axes (columns) x forward, y left, z up of an upright body whose left lies ``leftward`` (3,)."""
-    y = normalized(leftward - leftward @ UP * UP)
-    return np.stack([np.cross(y, UP), y, UP], axis=1)
+    y = normalized(leftward - leftward @ ALIGNED_UP * ALIGNED_UP)
+    return np.stack([np.cross(y, ALIGNED_UP), y, ALIGNED_UP], axis=1)
 
 
 def foot_frame(bone: FloatArray, body: FloatArray) -> FloatArray:
     """Axes of a foot whose sole is level: z up, x horizontally along the foot (forward if it points down)."""
-    along = bone - bone @ UP * UP
+    along = bone - bone @ ALIGNED_UP * ALIGNED_UP
     x = body[:, 0] if np.linalg.norm(along) < 0.2 else normalized(along)
-    return np.stack([x, np.cross(UP, x), UP], axis=1)
+    return np.stack([x, np.cross(ALIGNED_UP, x), ALIGNED_UP], axis=1)
 
 
 def limb_hinge(marks: Landmarks, upper: int, is_leg: bool, body: FloatArray) -> FloatArray:
@@ -125,4 +125,4 @@ def level_soles(marks: Landmarks, alignments: FloatArray, standing: BoolArray) -
 def _level(alignments: FloatArray, segment: int, up: FloatArray) -> None:
     """Turn one alignment in place until its ``up`` (3,) is Z, unless it tilts by more than 45 degrees."""
     if up[2] > np.cos(np.deg2rad(45.0)):
-        alignments[segment] = alignments[segment] @ shortest_arc(UP, up)
+        alignments[segment] = alignments[segment] @ shortest_arc(ALIGNED_UP, up)

@@ -16,7 +16,7 @@ from studio.core.constraints.activation import EaseShape, ease
 from studio.core.kernels import layout as at
 from studio.core.normalized.differences import blended, difference, moved
 from studio.core.normalized.joining import FootStep, Join
-from studio.core.normalized.pieces import POINTS, ChannelSource, HeldPose, Mask, PieceSource
+from studio.core.normalized.pieces import PIECE_CONTACT_POINTS, ChannelSource, HeldPose, Mask, PieceSource
 from studio.core.normalized.row import AssembledRow
 from studio.core.normalized.transition import Inertialisation, joint_peaks
 
@@ -24,7 +24,7 @@ FloatArray = NDArray[np.float64]
 
 OLD_UNTIL, NEW_FROM = 0.1, 0.9
 """Parts of a blend until which a contact of the old clip alone still holds, and from which one of the new."""
-STEP_SECONDS = 0.4
+BLEND_STEP_SECONDS = 0.4
 """Seconds that a step takes in a transition, and one more for each leg length of it."""
 STEP_HEIGHT, STEP_HEIGHTS = 0.25, (0.04, 0.12)
 """How high a foot is lifted for a step, in parts of its length, and the least and the most in leg lengths."""
@@ -127,7 +127,7 @@ class BlendedRow(AssembledRow):
         new[:, first : first + stands.shape[1]] = stands
         old[:, self.end :] = False
         self.stands[:, first:] = False
-        for row, point in enumerate(POINTS):
+        for row, point in enumerate(PIECE_CONTACT_POINTS):
             olds, news = spans_of(old[row]), spans_of(new[row])
             flight = flying.get(point.side) if point.is_foot else None
             leaves, lands = (flight.leaves, flight.lands) if flight else (old_until, new_from)
@@ -142,7 +142,7 @@ class BlendedRow(AssembledRow):
 
 def step_seconds(found: Join) -> float:
     """Seconds that feet need for the steps they have to do."""
-    return sum(STEP_SECONDS + each.way for each in found.steps)
+    return sum(BLEND_STEP_SECONDS + each.way for each in found.steps)
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ from studio.core.project_cache import project_cache
 from studio.core.stage.timing import Timing
 
 FloatArray = NDArray[np.float64]
-MOST_FRAMES = 250_000
+FRAME_LIMIT = 250_000
 """Of a row, pauses included: half an hour at 120 frames a second, and about a gigabyte for each body."""
 
 
@@ -119,9 +119,9 @@ def timing_of_pieces(pieces: Sequence[MotionPiece]) -> Timing:
     rate = max(piece.motion.frame_rate for piece in pieces)
     begin, end = min(piece.start for piece in pieces), max(piece.end for piece in pieces)
     last = round((end - begin) * rate)
-    if last >= MOST_FRAMES:
+    if last >= FRAME_LIMIT:
         raise StudioError(
-            f"Its clips play from {begin:,.1f} to {end:,.1f} s: {last + 1:,} frames, of which {MOST_FRAMES:,} are the"
+            f"Its clips play from {begin:,.1f} to {end:,.1f} s: {last + 1:,} frames, of which {FRAME_LIMIT:,} are the"
             " most that are adapted together. Move them nearer to each other."
         )
     return Timing(begin, rate, 0, last)

@@ -13,7 +13,7 @@ from studio.core.rotations import inverse, multiply, normalized, sign_continuous
 
 FloatArray = NDArray[np.float64]
 
-ANGLES = (at.YAW, *range(at.LIMB_TWIST, at.HAND))
+ANGLE_CHANNELS = (at.YAW, *range(at.LIMB_TWIST, at.HAND))
 """Columns that are angles: a full turn more or less is the same."""
 SLACKS = slice(at.LIMB_SLACK, at.LIMB_OFF_PLANE)
 OFF_PLANES = slice(at.LIMB_OFF_PLANE, at.LIMB_BEND)
@@ -45,7 +45,7 @@ def difference(start: FloatArray, end: FloatArray) -> FloatArray:
     between = end - start
     for columns, a, b in zip(_FOLDS, _folds(start), _folds(end), strict=True):
         between[..., columns] = b - a
-    angles = np.array(ANGLES)
+    angles = np.array(ANGLE_CHANNELS)
     between[..., angles] = _continuous((between[..., angles] + np.pi) % (2 * np.pi) - np.pi)
     turn = multiply(turns_of(end), inverse(turns_of(start)))
     nearest = turn[:1] if turn.ndim == 3 else turn

@@ -5,7 +5,7 @@ from dataclasses import replace
 from studio.core.captures.capture import Capture, Guess
 from studio.core.normalized.normalize import sole_heights
 
-TOLD = 0.01
+REPORTED_DRIFT = 0.01
 """Metres of drift from which on it is told."""
 REASON = "As far apart lie the footprints of one foot. It is taken off when the motion is set on the ground."
 
@@ -20,6 +20,6 @@ def floor_drift(capture: Capture) -> float:
 def with_drift_told(capture: Capture) -> Capture:
     """The capture with the drift of its floor among its guesses, where that is worth telling."""
     drift = floor_drift(capture)
-    if drift < TOLD:
+    if drift < REPORTED_DRIFT:
         return capture
     return replace(capture, guesses=(*capture.guesses, Guess("floor drift", f"{100.0 * drift:.1f} cm", REASON)))

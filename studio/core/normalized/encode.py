@@ -11,7 +11,7 @@ from studio.core.normalized.realize import trunk_places
 from studio.core.rotations import frame_along, from_matrix, sign_continuous
 
 FloatArray = NDArray[np.float64]
-FORWARD = np.array([1.0, 0.0, 0.0])
+BODY_FORWARD = np.array([1.0, 0.0, 0.0])
 
 
 def encode(
@@ -33,6 +33,6 @@ def encode(
 
 def actor_sizes(body: Morphology, limbs: FloatArray) -> ActorSizes:
     """What channels leave out of a body whose arms and legs are ``limbs`` (4,) metres long."""
-    rests = np.array([frame_along(rest, FORWARD) for rest in (body.neck_rest, *body.clavicle_rest)])
+    rests = np.array([frame_along(rest, BODY_FORWARD) for rest in (body.neck_rest, *body.clavicle_rest)])
     ankle_height, leg, neck = float(body.ankle_height.mean()), float(body.leg_length), float(body.neck)
     return ActorSizes(rests, body.hip_offset, limbs, ankle_height, leg, neck)

@@ -13,12 +13,12 @@ from studio.core.normalized.realize import realize
 
 FloatArray = NDArray[np.float64]
 
-STANDING, BODY, SWINGING = 20.0, 1.0, 0.05
+STANDING_WEIGHT, BODY_WEIGHT, SWINGING_WEIGHT = 20.0, 1.0, 0.05
 """How much points count: of feet that stand in both motions, hips and shoulders, feet in the air."""
 SAME_PLACE = 0.06
 """Leg lengths by which a foot may stand beside itself and still be held in one place through a blend."""
 
-FARTHEST = 1.2
+FOOT_STEP_LIMIT = 1.2
 """Leg lengths of the longest step: who is put farther away is there at once."""
 
 
@@ -86,7 +86,7 @@ def stepping_there(
     old, new = (_points(channels, spine_places) for channels in (first, second))
     ways = [_miss(old, new, placement, both_stand, side) for side in range(2)]
     steps = tuple(FootStep(side, way) for side, way in enumerate(ways) if way >= SAME_PLACE)
-    return Join(placement, steps if max(ways) < FARTHEST else ())
+    return Join(placement, steps if max(ways) < FOOT_STEP_LIMIT else ())
 
 
 def _points(channels: FloatArray, spine_places: FloatArray) -> FloatArray:
@@ -100,8 +100,8 @@ def _points(channels: FloatArray, spine_places: FloatArray) -> FloatArray:
 
 
 def _weights(both_stand: NDArray[np.bool_]) -> FloatArray:
-    feet = np.where(both_stand, STANDING, SWINGING)
-    return np.concatenate([np.full((len(feet), 4), BODY), feet], axis=1)
+    feet = np.where(both_stand, STANDING_WEIGHT, SWINGING_WEIGHT)
+    return np.concatenate([np.full((len(feet), 4), BODY_WEIGHT), feet], axis=1)
 
 
 def _least_squares(old: FloatArray, new: FloatArray, weights: FloatArray) -> Planar:

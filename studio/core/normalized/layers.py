@@ -18,16 +18,16 @@ from studio.core.normalized.compose import Composite, compose
 from studio.core.normalized.differences import blended, difference, moved
 from studio.core.normalized.joining import Join, Planar, join, stepping_there
 from studio.core.normalized.mirror import mirrored
-from studio.core.normalized.pieces import POINTS, Mask, MotionPiece
+from studio.core.normalized.pieces import PIECE_CONTACT_POINTS, Mask, MotionPiece
 from studio.core.normalized.resample import Resampled
-from studio.core.normalized.row import FEET
-from studio.core.normalized.transition import LONGEST, fade_seconds, joint_peaks, placed
+from studio.core.normalized.row import FOOT_ROWS
+from studio.core.normalized.transition import MOST_TRANSITION, fade_seconds, joint_peaks, placed
 from studio.core.project_cache import project_cache
 from studio.core.stage.layer import Region
 
 FloatArray = NDArray[np.float64]
 
-GONE, WHOLE = 0.1, 0.9
+HIDDEN_BELOW, WHOLE_FROM = 0.1, 0.9
 """Shares of a layer until which what stands below it stands, and from which what stands in it does."""
 
 BREAK = 0.1
@@ -107,8 +107,8 @@ class _Over:
 
     def _placed(self, below: FloatArray, own: FloatArray) -> tuple[FloatArray, Join, Join]:
         """The clip where its legs stand as those below do as it begins, and who steps as it comes and goes."""
-        count = max(round(LONGEST / 2 * self._row.timing.frame_rate), 1)
-        both = (self._stands(self._row)[FEET] & self._own_stands()[FEET])[:, self._frames].T
+        count = max(round(MOST_TRANSITION / 2 * self._row.timing.frame_rate), 1)
+        both = (self._stands(self._row)[FOOT_ROWS] & self._own_stands()[FOOT_ROWS])[:, self._frames].T
         begin, end = slice(0, count), slice(max(len(own) - count, 0), len(own))
         comes = join(below[begin], own[begin], both[begin], self._places, np.ones(len(both[begin])))
         if comes.placement != Planar():
@@ -120,8 +120,8 @@ class _Over:
         share, middle = shares / self._overlay.weight, len(shares) // 2
         first = self._frames[0]
         ends = (
-            (comes, np.flatnonzero((share[:middle] > GONE) & (share[:middle] < WHOLE))),
-            (goes, middle + np.flatnonzero((share[middle:] > GONE) & (share[middle:] < WHOLE))),
+            (comes, np.flatnonzero((share[:middle] > HIDDEN_BELOW) & (share[:middle] < WHOLE_FROM))),
+            (goes, middle + np.flatnonzero((share[middle:] > HIDDEN_BELOW) & (share[middle:] < WHOLE_FROM))),
         )
         return [
             flight
@@ -139,7 +139,7 @@ class _Over:
         begin, end = self._own.timing.start, self._own.timing.end
         by = np.where(self._columns, difference(below, own), 0.0)
         peaks = np.maximum(self._peaks_below(), joint_peaks(own, rate))
-        reach = min(round(LONGEST * rate), len(by))
+        reach = min(round(MOST_TRANSITION * rate), len(by))
         longest = (end - begin) / 2.0
         shares = np.full(len(self._times), self._overlay.weight)
         ends = (
@@ -170,12 +170,12 @@ class _Over:
         share[self._frames] = shares
         below, theirs = self._stands(self._row), self._own_stands()
         contacts: list[ContactInterval] = []
-        for row, point in enumerate(POINTS):
+        for row, point in enumerate(PIECE_CONTACT_POINTS):
             as_before = [each for each in self._row.contacts if each.point is point]
             standing = below[row]
             if point in own:
-                kept = (share < GONE) | theirs[row]
-                standing = (below[row] & kept) | (theirs[row] & (share > WHOLE))
+                kept = (share < HIDDEN_BELOW) | theirs[row]
+                standing = (below[row] & kept) | (theirs[row] & (share > WHOLE_FROM))
                 longest = BREAK * self._row.timing.frame_rate
                 for first, last in spans_of(below[row] & ~standing):
                     if (
@@ -188,7 +188,7 @@ class _Over:
                     if point.is_foot and point.side == each.step.side:
                         standing[each.leaves + 1 : each.lands] = False
             elif point in ended:
-                standing = below[row] & (share < GONE)
+                standing = below[row] & (share < HIDDEN_BELOW)
             if np.array_equal(standing, below[row]):
                 contacts += as_before
             else:
@@ -197,14 +197,14 @@ class _Over:
 
     def _stands(self, row: Composite) -> Mask:
         """(P, F) what stands in a row, in its frames."""
-        standing = np.zeros((len(POINTS), row.motion.frame_count), dtype=bool)
+        standing = np.zeros((len(PIECE_CONTACT_POINTS), row.motion.frame_count), dtype=bool)
         for contact in row.contacts:
-            standing[POINTS.index(contact.point), contact.first : contact.last + 1] = True
+            standing[PIECE_CONTACT_POINTS.index(contact.point), contact.first : contact.last + 1] = True
         return standing
 
     def _own_stands(self) -> Mask:
         """(P, F) what stands in the layer, in the row's frames; nothing where it does not play."""
-        standing = np.zeros((len(POINTS), self._row.motion.frame_count), dtype=bool)
+        standing = np.zeros((len(PIECE_CONTACT_POINTS), self._row.motion.frame_count), dtype=bool)
         rows = np.rint(self._own.timing.frames_at(self._times)).astype(np.int64)
         standing[:, self._frames] = self._stands(self._own)[:, rows]
         return standing
@@ -245,9 +245,13 @@ def points_of(region: Region) -> tuple[Points, Points]:
     hands: set[ContactPoint | Touch] = set()
     for arm in arms:
         side = int(arm is Region.RIGHT_ARM)
-        hands |= {each for each in POINTS if each.member not in ("heel", "toe", "knee", "seat") and each.side == side}
+        hands |= {
+            each
+            for each in PIECE_CONTACT_POINTS
+            if each.member not in ("heel", "toe", "knee", "seat") and each.side == side
+        }
     both = frozenset[ContactPoint | Touch]((Touch.HANDS_TOGETHER, Touch.HANDS_ON_THING))
-    legs = {each for each in POINTS if each.member in ("heel", "toe", "knee", "seat")}
+    legs = {each for each in PIECE_CONTACT_POINTS if each.member in ("heel", "toe", "knee", "seat")}
     own = frozenset(hands) | (frozenset(legs) if Region.LEGS in region.parts else frozenset())
     if len(arms) == 2:
         return own, frozenset()

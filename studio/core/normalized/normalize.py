@@ -11,9 +11,9 @@ from studio.core.body.morphology import Morphology
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import (
     BODY_POINTS,
-    FLAT,
     LOW_KNEE,
-    SHORTEST,
+    LYING_HIP_HEIGHT,
+    SHORTEST_CONTACT,
     ContactInterval,
     ContactPoint,
     close_steps,
@@ -51,8 +51,8 @@ BoolArray = NDArray[np.bool_]
 Contacts = dict[ContactPoint, list[tuple[int, int]]]
 
 HEELS = (ContactPoint.LEFT_HEEL, ContactPoint.RIGHT_HEEL)
-FEET = (HEELS[0], ContactPoint.LEFT_TOE), (HEELS[1], ContactPoint.RIGHT_TOE)
-UPRIGHT = 0.5
+FOOT_LANDMARKS = (HEELS[0], ContactPoint.LEFT_TOE), (HEELS[1], ContactPoint.RIGHT_TOE)
+HEEL_STAND_HIP = 0.5
 """Parts of a leg's length that its hip is above its ankle while it stands on its heel."""
 LOWEST = 0.05
 """Part of the heights at which a heel stands that are below its lowest floor: those are noise."""
@@ -179,7 +179,7 @@ def _risen(marks: Landmarks, heels: Sequence[NDArray[np.bool_]], leg_length: flo
     frames, shown = np.arange(len(marks.points)), []
     for side, stands in enumerate(heels):
         hips, ankles = (marks.points[:, marks.layout.hip(side) + step, 2] for step in (0, 2))
-        known = np.flatnonzero(stands & (hips - ankles > UPRIGHT * leg_length))
+        known = np.flatnonzero(stands & (hips - ankles > HEEL_STAND_HIP * leg_length))
         if len(known):
             heights = ankles[known]
             shown.append(np.interp(frames, known, np.maximum(heights - np.quantile(heights, LOWEST), 0.0)))
@@ -193,12 +193,14 @@ def _contacts_of(marks: Landmarks, capture: Capture) -> tuple[Contacts, FloorSlo
     soles = sole_points(marks, float(leg), capture.first_frame)
     legs = marks.points[:, hips, 2] - marks.points[:, [layout.ankle(0), layout.ankle(1)], 2]
     own = slice(capture.first_frame, None)
-    slope = find_floor_slope(soles[own], legs[own] > UPRIGHT * leg, rate)
+    slope = find_floor_slope(soles[own], legs[own] > HEEL_STAND_HIP * leg, rate)
     points, soles = slope.levelled(marks.points), slope.levelled(soles)
     toes = points[:, [layout.toe(0), layout.toe(1)]]
-    shortest = round(SHORTEST * capture.frame_rate)
+    shortest = round(SHORTEST_CONTACT * capture.frame_rate)
     feet = detect_contacts(soles, rate, capture.first_frame)
-    for side, (heel, toe) in enumerate(FEET):  # none stands in a plank, over its knee, or flat under a shank that lies
+    for side, (heel, toe) in enumerate(
+        FOOT_LANDMARKS
+    ):  # none stands in a plank, over its knee, or flat under a shank that lies
         hip_track, knee_track, ankle, _ = np.moveaxis(points[:, hips[side] : hips[side] + 4], 1, 0)
         raised = (knee_track[:, 2] < ankle[:, 2]) | tipped_over(hip_track, ankle, toes[:, side])
         flat = contact_mask(feet[toe], len(points)) & lying(knee_track, ankle)
@@ -222,7 +224,7 @@ def _contacts_of(marks: Landmarks, capture: Capture) -> tuple[Contacts, FloorSlo
         feet[heel], feet[toe] = close_steps(feet[heel], feet[toe], soles[:, side, :2].mean(axis=1), shortest)
     # Low hips say what knees and toes do; but of who crawls they are carried, until it lies flat.
     prone = faces_down(points[:, hips], points[:, [layout.collar(0) + 1, layout.collar(1) + 1]])
-    flat = tracks[ContactPoint.SEAT][:, 2] < FLAT * leg
+    flat = tracks[ContactPoint.SEAT][:, 2] < LYING_HIP_HEIGHT * leg
     bodies[ContactPoint.SEAT] = without(bodies[ContactPoint.SEAT], prone & ~flat, shortest)
     return fit_to_plates(feet, soles, capture.plate_loads, rate) | bodies, slope
 

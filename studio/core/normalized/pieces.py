@@ -18,7 +18,7 @@ from studio.core.stage.timing import Timing
 FloatArray = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-POINTS = CONTACT_POINTS
+PIECE_CONTACT_POINTS = CONTACT_POINTS
 AS_IT_IS = Planar()
 
 
@@ -83,7 +83,7 @@ class ChannelSource(Protocol):
         """(N, C) in ``frames`` (N,) of the row."""
 
     def stands(self, frames: NDArray[np.int64]) -> Mask:
-        """(P, N) of ``POINTS``."""
+        """(P, N) of ``PIECE_CONTACT_POINTS``."""
 
 
 @dataclass
@@ -122,9 +122,9 @@ class PieceSource(ChannelSource):
     def stands(self, frames: NDArray[np.int64]) -> Mask:
         own = np.rint(self._motion_frames(frames, self._timing)).clip(0, self.piece.motion.frame_count - 1)
         contacts = mirrored_contacts(self.piece.contacts) if self.piece.mirrored else self.piece.contacts
-        standing = np.zeros((len(POINTS), len(frames)), dtype=bool)
+        standing = np.zeros((len(PIECE_CONTACT_POINTS), len(frames)), dtype=bool)
         for contact in contacts:
-            standing[POINTS.index(contact.point)] |= (own >= contact.first) & (own <= contact.last)
+            standing[PIECE_CONTACT_POINTS.index(contact.point)] |= (own >= contact.first) & (own <= contact.last)
         return standing
 
     def around(self, frame: int, own: Planar, first: Planar = AS_IT_IS) -> Planar:

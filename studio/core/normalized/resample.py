@@ -7,13 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.kernels import layout as at
-from studio.core.normalized.differences import ANGLES, BENDS, difference, moved, put_turns, turns_of
+from studio.core.normalized.differences import ANGLE_CHANNELS, BENDS, difference, moved, put_turns, turns_of
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import normalized, sign_continuous
 
 FloatArray = NDArray[np.float64]
 
-BESIDE = 8
+SPLINE_MARGIN = 8
 """Frames to each side of what is asked that a spline is led through, so that its own ends are not felt."""
 
 
@@ -32,8 +32,8 @@ class Resampled:
         """
         last = self.motion.frame_count - 1
         within = np.clip(frames, 0, last)
-        first = max(int(within.min()) - BESIDE, 0)
-        source = self._with_spine(self.motion.channels[first : int(np.ceil(within.max())) + BESIDE + 1])
+        first = max(int(within.min()) - SPLINE_MARGIN, 0)
+        source = self._with_spine(self.motion.channels[first : int(np.ceil(within.max())) + SPLINE_MARGIN + 1])
         rows = within - first
         sampled = source[np.rint(rows).astype(np.int64)]
         between = np.abs(rows - np.rint(rows)) > 1e-6
@@ -66,7 +66,7 @@ def _splined(channels: FloatArray, rows: FloatArray) -> FloatArray:
     from scipy.interpolate import CubicSpline  # late: it takes longer than a window
 
     smooth = np.array(channels)
-    smooth[:, ANGLES] = np.unwrap(smooth[:, ANGLES], axis=0)
+    smooth[:, ANGLE_CHANNELS] = np.unwrap(smooth[:, ANGLE_CHANNELS], axis=0)
     put_turns(smooth, sign_continuous(turns_of(smooth)))
     sampled = np.asarray(CubicSpline(np.arange(len(smooth)), smooth, axis=0)(rows))
     put_turns(sampled, normalized(turns_of(sampled)))

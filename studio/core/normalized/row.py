@@ -15,15 +15,23 @@ from studio.core.captures.contacts import FOOT_POINTS, ContactInterval, spans_of
 from studio.core.constraints.activation import EaseShape, ease
 from studio.core.kernels import layout as at
 from studio.core.normalized.differences import difference
-from studio.core.normalized.joining import FARTHEST, Join, Planar, join, stepping_there
+from studio.core.normalized.joining import FOOT_STEP_LIMIT, Join, Planar, join, stepping_there
 from studio.core.normalized.motion import Change
-from studio.core.normalized.pieces import AS_IT_IS, POINTS, ChannelSource, Mask, MotionPiece, PieceSource, Played
-from studio.core.normalized.transition import LONGEST, SHORTEST, joint_vectors
+from studio.core.normalized.pieces import (
+    AS_IT_IS,
+    PIECE_CONTACT_POINTS,
+    ChannelSource,
+    Mask,
+    MotionPiece,
+    PieceSource,
+    Played,
+)
+from studio.core.normalized.transition import LEAST_TRANSITION, MOST_TRANSITION, joint_vectors
 from studio.core.stage.timing import Timing
 
 FloatArray = NDArray[np.float64]
 
-FEET = [POINTS.index(point) for point in FOOT_POINTS]
+FOOT_ROWS = [PIECE_CONTACT_POINTS.index(point) for point in FOOT_POINTS]
 PACE = 0.3
 """Seconds for which joints that turn at another pace go astray, where clips are compared."""
 OTHER_FOOT = 0.5
@@ -48,7 +56,7 @@ class AssembledRow:
     def __post_init__(self) -> None:
         count = self.timing.last + 1
         self.channels = np.empty((count, at.SPINE + 4 * (len(self.spine_places) - 1)))
-        self.stands = np.zeros((len(POINTS), count), dtype=bool)
+        self.stands = np.zeros((len(PIECE_CONTACT_POINTS), count), dtype=bool)
 
     def add(self, piece: MotionPiece) -> None:
         """Play a piece from its start on, over or behind what is there."""
@@ -83,14 +91,14 @@ class AssembledRow:
         """What stands, as intervals."""
         return tuple(
             ContactInterval("", point, first, last)
-            for point, mask in zip(POINTS, self.stands, strict=True)
+            for point, mask in zip(PIECE_CONTACT_POINTS, self.stands, strict=True)
             for first, last in spans_of(mask)
         )
 
     def _join(self, source: PieceSource, begins: int, first: int, last: int) -> Join:
         """How a piece that ``begins`` in a frame is placed, from what both play in frames ``first`` to ``last``."""
         frames = np.arange(first, last + 1)
-        both = (self.stands[FEET][:, frames] & source.stands(frames)[FEET] & self._stay(source, last)).T
+        both = (self.stands[FOOT_ROWS][:, frames] & source.stands(frames)[FOOT_ROWS] & self._stay(source, last)).T
         shares = ease((frames - first + 1.0) / (len(frames) + 1.0), EaseShape.QUINTIC)
         weights = shares * (1.0 - shares) + 1e-3
         piece, known = source.piece, (self.channels[frames], source.channels(frames), both, self.spine_places)
@@ -102,10 +110,10 @@ class AssembledRow:
         return stepping_there(*known, source.around(begins, piece.own, found.placement))
 
     def _stay(self, source: PieceSource, frame: int) -> Mask:
-        """(4, 1) of which of ``FEET`` the foot stands on after a ``frame``: one that is lifted at once is as free as in
-        the air.
+        """(4, 1) of which ``FOOT_ROWS`` the foot stands on after a ``frame``: one that is lifted at once is as
+        free as in the air.
         """
-        soon = source.stands(np.arange(frame, frame + round(SHORTEST * self.timing.frame_rate) + 1))[FEET]
+        soon = source.stands(np.arange(frame, frame + round(LEAST_TRANSITION * self.timing.frame_rate) + 1))[FOOT_ROWS]
         stays = (soon[0::2] | soon[1::2]).all(axis=1)
         return np.repeat(stays, 2)[:, None]
 
@@ -136,7 +144,7 @@ class AssembledRow:
             self.placement = self._join(source, first, first - 1, first - 1).placement
             there = source.placed(self.placement).channels(np.array([first - 1]))
             way = float(np.linalg.norm((there[0] - self.channels[first - 1])[at.HIPS : at.HIPS + 2]))
-            self._change(Change(first, source.piece.ease, way > FARTHEST, planned=not source.piece.ease))
+            self._change(Change(first, source.piece.ease, way > FOOT_STEP_LIMIT, planned=not source.piece.ease))
         self._put(source.placed(self.placement), first, last)
         self.played[-1] = replace(self.played[-1], last=min(self.played[-1].last, first - 1))
         return first
@@ -154,13 +162,13 @@ class AssembledRow:
         """The frame from ``first`` to ``last``, within a moment, in which what plays before it is most like what would
         have.
         """
-        last = min(last, first + round(LONGEST * self.timing.frame_rate))
+        last = min(last, first + round(MOST_TRANSITION * self.timing.frame_rate))
         if last - first < 2:
             return first
         frames = np.arange(first - 1, last)
         gaps = joint_vectors(difference(self.channels[frames], source.channels(frames)))
         paces = np.gradient(gaps, axis=0) * self.timing.frame_rate * PACE
-        others = (self.stands[FEET][:, frames] != source.stands(frames)[FEET]).sum(axis=0)
+        others = (self.stands[FOOT_ROWS][:, frames] != source.stands(frames)[FOOT_ROWS]).sum(axis=0)
         unlike = (gaps**2 + paces**2).sum(axis=(1, 2)) + OTHER_FOOT * others
         return first + int(unlike.argmin())
 

@@ -8,7 +8,7 @@ from studio.core.normalized.measure import HEEL_LENGTH, USUAL_ANKLE
 
 FloatArray = NDArray[np.float64]
 
-FLAT = 0.03
+FLAT_FOOT_HEIGHT = 0.03
 """Metres above their own usual lows that ankle and ball of a flat foot may be."""
 
 
@@ -33,4 +33,4 @@ def sole_points(marks: Landmarks, leg_length: float, first_frame: int) -> FloatA
 
 
 def _near_its_low(track: FloatArray) -> NDArray[np.bool_]:
-    return np.asarray(track[:, 2] < np.percentile(track[:, 2], 5) + FLAT)
+    return np.asarray(track[:, 2] < np.percentile(track[:, 2], 5) + FLAT_FOOT_HEIGHT)

@@ -15,13 +15,13 @@ from studio.core.normalized.differences import OFF_PLANES, SLACKS, difference, t
 
 FloatArray = NDArray[np.float64]
 
-SHORTEST, LONGEST = 0.2, 1.0
+LEAST_TRANSITION, MOST_TRANSITION = 0.2, 1.0
 """Seconds that a transition takes when nobody says how many."""
 ADDED = 0.25
 """What dies away, place and speed each, may add so much to a joint's acceleration: parts of its greatest in either
 motion.
 """
-QUIET = 20.0
+QUIET_ACCELERATION = 20.0
 """Radians a second squared: a joint that moves less counts as moving so."""
 _PLACE_PEAK, _SPEED_PEAK = 5.78, 3.96
 """Greatest second derivatives of the two ways to die away below, over one second."""
@@ -63,13 +63,13 @@ class Inertialisation:
 
 def seconds_of(places: FloatArray, peaks: FloatArray) -> float:
     """Seconds in which ``places`` (N,) die away and add no more to joints with ``peaks`` (N,) than they may."""
-    needed = np.sqrt(_PLACE_PEAK * places / (ADDED * np.maximum(peaks, QUIET))).max()
-    return float(np.clip(needed, SHORTEST, LONGEST))
+    needed = np.sqrt(_PLACE_PEAK * places / (ADDED * np.maximum(peaks, QUIET_ACCELERATION))).max()
+    return float(np.clip(needed, LEAST_TRANSITION, MOST_TRANSITION))
 
 
 def halts_of(speeds: FloatArray, peaks: FloatArray, seconds: float) -> FloatArray:
     """(N,) the same of ``speeds`` (N,), within ``seconds``."""
-    return np.clip(_SPEED_PEAK * speeds / (ADDED * np.maximum(peaks, QUIET)), min(0.1, seconds), seconds)
+    return np.clip(_SPEED_PEAK * speeds / (ADDED * np.maximum(peaks, QUIET_ACCELERATION)), min(0.1, seconds), seconds)
 
 
 def place_left(times: FloatArray, seconds: float) -> FloatArray:

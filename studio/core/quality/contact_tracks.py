@@ -17,7 +17,7 @@ from studio.core.solver.standing.swing_foot_path import Sole, worn_height
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-ROLLING = 0.1
+ROLLING_TIP_PART = 0.1
 """Parts of its ball's way that the tip of a standing toe goes at most where the foot rolls over it."""
 STEEP = 0.5
 """Cosine of the angle from level beyond which a foot stands on its toes alone, wherever its heel would be."""
@@ -94,7 +94,7 @@ def _along(ways: FloatArray, normals: FloatArray) -> FloatArray:
 def _stood_on(ball: FloatArray, tip: FloatArray, normals: FloatArray, stances: _Stances) -> FloatArray:
     """(n, 3) how toes go along planes of ``normals`` (n, 3): as their balls, or as the tips over which they roll."""
     of_ball, of_tip = (_along(np.diff(each, axis=0, prepend=each[:1]), normals) for each in (ball, tip))
-    rolls = np.linalg.norm(of_tip, axis=1) < ROLLING * np.linalg.norm(of_ball, axis=1)
+    rolls = np.linalg.norm(of_tip, axis=1) < ROLLING_TIP_PART * np.linalg.norm(of_ball, axis=1)
     return np.cumsum(np.where(rolls[:, None], of_tip, of_ball), axis=0)
 
 

@@ -22,7 +22,7 @@ from studio.core.solver.standing.swing_foot_path import Sole, worn_height
 
 FloatArray = NDArray[np.float64]
 
-QUIET = 20.0
+QUIET_PEAK = 20.0
 """Radians a second squared: a source peak below it counts as this, or a still source would divide by nothing."""
 SLOW = 1.0
 """Radians a second: the same of how fast a joint turns."""
@@ -152,7 +152,7 @@ def acceleration_ratio(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
     if adapted.frame_count < 3:
         return 1.0
     ours, theirs = (peaks[LIMB_BONES, 1] for peaks in _both_peaks(adapted, source))
-    return float((ours / np.maximum(theirs, QUIET)).max())
+    return float((ours / np.maximum(theirs, QUIET_PEAK)).max())
 
 
 def speed_ratio(adapted: AdaptedMotion, source: AdaptedMotion) -> float:

@@ -15,18 +15,18 @@ from studio.core.captures.contacts import ContactInterval
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.support.sole import SOLE_STANDS
 from studio.core.mesh.volume import usual_volume
-from studio.core.quality.metrics import QUIET, angular_acceleration
+from studio.core.quality.metrics import QUIET_PEAK, angular_acceleration
 from studio.core.solver.asking.clearance import rest_rooms, rooms
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.footing import foot_states
 
 FloatArray = NDArray[np.float64]
 
-LEG = 0.85
+COMMON_LEG = 0.85
 """Metres to which legs are scaled before lengths are compared."""
-STEADY = 0.033
+STANCE_MARGIN = 0.033
 """Seconds at either end of a stance that are not looked at."""
-NEAR = 0.25
+WRISTS_TOGETHER = 0.25
 """Metres within which wrists belong together."""
 DRIFT = 1.5
 """Seconds of which the mean is taken off the hips' height before its ups and downs are compared."""
@@ -34,7 +34,7 @@ LEAST_STEP, LEAST_BOB = 0.01, 0.001
 """Metres that a joint's greatest step, and the bob, of a source count at least."""
 
 
-PARTS = {
+PART_SEGMENTS = {
     "spine": (0, 1), "head": (2, 3), "clavicles": (4, 8), "arms": (5, 6, 9, 10), "hands": (7, 11),
     "legs": (12, 13, 16, 17), "feet": (14, 18), "toes": (15, 19),
 }  # fmt: skip
@@ -63,7 +63,7 @@ class MotionQuality:
     jump: float
     """Greatest step of a joint in a frame beside the same joint's in the source, on bones as long as that's."""
     peaks: Mapping[str, float]
-    """Greatest angular acceleration of the segments of each of ``PARTS`` beside their own in the source."""
+    """Greatest angular acceleration of the segments of each of ``PART_SEGMENTS`` beside their own in the source."""
     inside: float
     """Greatest penetration of an arm into its own body beyond that of the actor, or of the rest pose."""
 
@@ -87,8 +87,10 @@ def motion_quality(
     above = [[_hips(m)[flat[s], 2] - _scaled(m)[flat[s], _ankle(m, s), 2] for m in (source, adapted)] for s in (0, 1)]
     bend, drop = np.concatenate(knees), np.concatenate([of_source - own for of_source, own in above])
     stands = len(bend) > 0
-    heights = _scaled(adapted)[..., 2] - ground.height_at(adapted.positions) * LEG / adapted.morphology.leg_length
-    peaks = np.array([_peak(adapted, s) / max(_peak(source, t), QUIET) for s, t in _segments(adapted, source)])
+    heights = (
+        _scaled(adapted)[..., 2] - ground.height_at(adapted.positions) * COMMON_LEG / adapted.morphology.leg_length
+    )
+    peaks = np.array([_peak(adapted, s) / max(_peak(source, t), QUIET_PEAK) for s, t in _segments(adapted, source)])
     return MotionQuality(
         below=max(0.0, -float(heights.min()) - max(0.0, -float(_scaled(source)[..., 2].min()))),
         drop=float(drop.mean()) if stands else np.nan,
@@ -99,7 +101,7 @@ def motion_quality(
         shoulders=_least_shoulders(adapted) - _least_shoulders(source),
         hands=_hands(adapted, source),
         jump=_jump(adapted, source),
-        peaks={part: float(peaks[list(segments)].max()) for part, segments in PARTS.items()},
+        peaks={part: float(peaks[list(segments)].max()) for part, segments in PART_SEGMENTS.items()},
         inside=_inside(adapted, source),
     )
 
@@ -110,7 +112,7 @@ def _from(first_frame: int, motion: AdaptedMotion) -> AdaptedMotion:
 
 def _steady(standing: NDArray[np.bool_], frame_rate: float) -> NDArray[np.bool_]:
     """(2, F) without the first and last moments of each stance."""
-    edge = max(1, round(STEADY * frame_rate))
+    edge = max(1, round(STANCE_MARGIN * frame_rate))
     inner = standing.copy()
     for step in range(1, edge + 1):
         inner[:, step:] &= standing[:, :-step]
@@ -119,7 +121,7 @@ def _steady(standing: NDArray[np.bool_], frame_rate: float) -> NDArray[np.bool_]
 
 
 def _scaled(motion: AdaptedMotion) -> FloatArray:
-    return np.asarray(motion.positions[:] * (LEG / motion.morphology.leg_length))
+    return np.asarray(motion.positions[:] * (COMMON_LEG / motion.morphology.leg_length))
 
 
 def _ankle(motion: AdaptedMotion, side: int) -> int:
@@ -167,7 +169,7 @@ def _hands(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
         )
         for m in (adapted, source)
     )
-    near = theirs * LEG / source.morphology.leg_length < NEAR
+    near = theirs * COMMON_LEG / source.morphology.leg_length < WRISTS_TOGETHER
     if not near.any():
         return np.nan
     scaled = theirs[near] * adapted.morphology.arm.sum() / source.morphology.arm.sum()
@@ -177,7 +179,7 @@ def _hands(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
 
 def _jump(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
     """Joints count from the middle of the hips along the bones that carry them, which are as long as the source's."""
-    reaches = _reaches(source.morphology) * (LEG / source.morphology.leg_length)
+    reaches = _reaches(source.morphology) * (COMMON_LEG / source.morphology.leg_length)
     mine, theirs = (_steps(motion, reaches) for motion in (adapted, source))
     return float((mine / np.maximum(theirs, LEAST_STEP)).max())
 
@@ -185,7 +187,7 @@ def _jump(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
 def _steps(motion: AdaptedMotion, reaches: FloatArray) -> FloatArray:
     """(21,) metres: greatest step in one frame of the hips, up or down, and of the limbs' points."""
     hips, limbs = _hips(motion)[:, None], motion.positions[:, -20:]
-    middle = hips * (motion.morphology.leg_length / LEG)
+    middle = hips * (motion.morphology.leg_length / COMMON_LEG)
     up = hips * [0.0, 0.0, 1.0]
     places = np.concatenate([up, up + (limbs - middle) * (reaches / _reaches(motion.morphology))[:, None]], axis=1)
     return np.asarray(np.linalg.norm(np.diff(places, axis=0), axis=2).max(axis=0, initial=0.0))
@@ -217,5 +219,5 @@ def _segments(adapted: AdaptedMotion, source: AdaptedMotion) -> list[tuple[int, 
 
 def _peak(motion: AdaptedMotion, segment: int) -> float:
     if motion.frame_count < 3:
-        return QUIET
+        return QUIET_PEAK
     return float(angular_acceleration(motion.rotations[:, segment], motion.frame_rate).max())

@@ -10,7 +10,7 @@ no library of state machines is behind it: those keep the current state in objec
 import math
 from dataclasses import dataclass, replace
 
-from studio.core.plausible import PLACE
+from studio.core.plausible import PLACE_RANGE
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import Condition, DistanceCondition, Senses
 from studio.core.stage.manners import Manner
@@ -43,7 +43,7 @@ class State:
             raise ValueError("A state needs a name.")
         if not all(math.isfinite(number) for number in self.place):
             raise ValueError(f"'{self.name}': a place in the diagram is two finite numbers.")
-        PLACE.check(self.place)
+        PLACE_RANGE.check(self.place)
 
 
 @dataclass(frozen=True)

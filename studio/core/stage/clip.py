@@ -3,9 +3,9 @@
 import math
 from dataclasses import dataclass
 
-from studio.core.plausible import PLACE, TIME, TURN
+from studio.core.plausible import PLACE_RANGE, TIME_RANGE, TURN_RANGE
 
-SLOWEST, FASTEST, MOST_REPEATS = 0.1, 10.0, 1000
+SLOWEST_CLIP, FASTEST_CLIP, MOST_REPEATS = 0.1, 10.0, 1000
 """Times as fast as it was captured, and times that a clip may play."""
 
 
@@ -40,15 +40,15 @@ class Clip:
             raise ValueError(f"A clip runs from a frame to a later one, not from {self.first} to {self.last}.")
         if not math.isfinite(self.start):
             raise ValueError(f"A clip begins at a finite time, not at {self.start}.")
-        TIME.check((self.start, self.ease))
-        if not (math.isfinite(self.speed) and SLOWEST <= self.speed <= FASTEST):
-            raise ValueError(f"A clip's speed lies between {SLOWEST:g} and {FASTEST:g}, got {self.speed}.")
+        TIME_RANGE.check((self.start, self.ease))
+        if not (math.isfinite(self.speed) and SLOWEST_CLIP <= self.speed <= FASTEST_CLIP):
+            raise ValueError(f"A clip's speed lies between {SLOWEST_CLIP:g} and {FASTEST_CLIP:g}, got {self.speed}.")
         if not 1 <= self.repeats <= MOST_REPEATS:
             raise ValueError(f"A clip plays from 1 to {MOST_REPEATS} times, not {self.repeats} times.")
         if not all(math.isfinite(number) for number in (self.turn, *self.offset)):
             raise ValueError("A clip's turn and offset are finite numbers.")
-        PLACE.check(self.offset)
-        TURN.check(self.turn)
+        PLACE_RANGE.check(self.offset)
+        TURN_RANGE.check(self.turn)
         if not (math.isfinite(self.ease) and self.ease >= 0.0):
             raise ValueError(f"A clip takes over in some seconds, or 0 for as many as it needs, not in {self.ease}.")
         if self.grip is not None and not -1.0 <= self.grip <= 1.0:

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from studio.core.plausible import PLACE, TIME
+from studio.core.plausible import PLACE_RANGE, TIME_RANGE
 from studio.core.stage.whom import DistanceMeasure
 
 
@@ -37,7 +37,7 @@ class DistanceCondition:
     def __post_init__(self) -> None:
         if not (math.isfinite(self.distance) and self.distance >= 0.0):
             raise ValueError(f"A distance is zero or more, got {self.distance}.")
-        PLACE.check(self.distance)
+        PLACE_RANGE.check(self.distance)
 
     def holds(self, senses: Senses, seconds: float) -> bool:
         """Whether it does in this frame."""
@@ -55,7 +55,7 @@ class TimeCondition:
     def __post_init__(self) -> None:
         if not (math.isfinite(self.seconds) and self.seconds >= 0.0):
             raise ValueError(f"A state lasts for zero or more seconds, not for {self.seconds}.")
-        TIME.check(self.seconds)
+        TIME_RANGE.check(self.seconds)
 
     def holds(self, senses: Senses, seconds: float) -> bool:
         """Whether it does ``seconds`` after the state began."""

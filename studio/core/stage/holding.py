@@ -12,7 +12,7 @@ from studio.core.constraints.follow import FollowProp
 from studio.core.constraints.keyed import Quaternion
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.mesh.hand_shapes import HALF_CLOSED, OPEN
+from studio.core.mesh.hand_shapes import HALF_CLOSED_GRIP, OPEN_GRIP
 from studio.core.rotations import from_euler, multiply, to_matrix
 from studio.core.stage.prop import Carried, InHand, Prop
 from studio.core.stage.scope import Scope
@@ -20,19 +20,19 @@ from studio.core.stage.scope import Scope
 FloatArray = NDArray[np.float64]
 
 HOLDING, TURNING = Chain(clavicle=0.5, trunk=0.3, root=0.3), Chain(end_segment=1.0)
-PALM, BESIDE = -0.08, 0.03
+PALM_OFFSET, THIN_PROP_OFFSET = -0.08, 0.03
 """Metres from a side of a prop back to the wrist whose palm is on its middle, and from a thin one aside to a wrist."""
-THIN, APART = 0.1, 0.24
+THIN, LEAST_HAND_ROOM = 0.1, 0.24
 """Metres of breadth below which two hands have no room beside each other, as on a stick: there the left one holds it
 above the right one, so far apart.
 """
-LOWER, EDGE = 0.1, 0.03
+LOWER, PROP_EDGE_MARGIN = 0.1, 0.03
 """Metres by which a receiver's hands are below the giver's, and that they keep from the prop's lower edge."""
-REACHING, REACH_SPEED = 0.5, 1.3
+HAND_REACH_SECONDS, REACH_SPEED = 0.5, 1.3
 """Seconds, at least, in which hands come to a prop before they pick it up, and leave it once it is put down; and their
 highest speed then, metres a second.
 """
-FLAT = (-0.5, 0.5, -0.5, 0.5)
+FLAT_HAND = (-0.5, 0.5, -0.5, 0.5)
 """A hand in a prop's axes: fingers ahead, the palm on the side."""
 
 
@@ -43,14 +43,14 @@ def quarters(angle: float) -> int:
 
 def reaching_time(distance: float) -> float:
     """Seconds in which hands come to a prop that is ``distance`` metres from them."""
-    return max(REACHING, EASE_PEAK * distance / REACH_SPEED)
+    return max(HAND_REACH_SECONDS, EASE_PEAK * distance / REACH_SPEED)
 
 
 def grip_on(prop: Prop, hold: InHand | Carried) -> float | None:
     """Grip of the hands that hold a prop, from -1 (open) to 1 (fists); None where no hand holds it."""
     if isinstance(hold, InHand):
-        return HALF_CLOSED if hold.point.part in (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND) else None
-    return HALF_CLOSED if min(prop.size[:2]) < THIN else OPEN
+        return HALF_CLOSED_GRIP if hold.point.part in (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND) else None
+    return HALF_CLOSED_GRIP if min(prop.size[:2]) < THIN else OPEN_GRIP
 
 
 def grips(
@@ -63,7 +63,7 @@ def grips(
     *,
     turned: int = 0,
     lower: bool = False,
-    reaching: float = REACHING,
+    reaching: float = HAND_REACH_SECONDS,
 ) -> tuple[Constraint, ...]:
     """Both wrists of a performer at the sides of a prop, palms on their middle, over a span of seconds of the motion.
 
@@ -72,10 +72,10 @@ def grips(
     where they are.
     """
     begin, end = seconds
-    curve = ActivationCurve(begin - reaching, begin, end, end + REACHING)
+    curve = ActivationCurve(begin - reaching, begin, end, end + HAND_REACH_SECONDS)
     scope, words = Scope(performer_id=performer_id), prop.name.lower()
     facing = from_euler("Z", np.array([-turned * math.pi / 2]))
-    palm: Quaternion = tuple(multiply(facing, np.array(FLAT)).tolist())
+    palm: Quaternion = tuple(multiply(facing, np.array(FLAT_HAND)).tolist())
     asked: list[Constraint] = []
     for side, sign in (("Left", 1.0), ("Right", -1.0)):
         part = side.lower()
@@ -95,13 +95,15 @@ def _wrist_on(prop_id: str, prop: Prop, sign: float, facing: FloatArray, lower: 
     """Place of the left wrist (1) or the right one (-1) on a prop, for who faces so (4,) in its axes."""
     axes = to_matrix(facing)
     breadth, height = float(np.abs(axes[:, 1]) @ prop.size), prop.size[2]
-    share, offset = np.zeros(3), PALM * axes[:, 0]
+    share, offset = np.zeros(3), PALM_OFFSET * axes[:, 0]
     if breadth >= THIN:
         share = sign * axes[:, 1]
     else:
-        offset = offset + sign * (BESIDE * axes[:, 1] + np.array([0.0, 0.0, min(APART, height) / 2]))
+        offset = offset + sign * (
+            THIN_PROP_OFFSET * axes[:, 1] + np.array([0.0, 0.0, min(LEAST_HAND_ROOM, height) / 2])
+        )
     if lower:
-        offset[2] -= min(LOWER, max(height / 2 - EDGE, 0.0))
+        offset[2] -= min(LOWER, max(height / 2 - PROP_EDGE_MARGIN, 0.0))
     return FollowProp(prop_id, offset=_vector(offset), share=_vector(share))
 
 

@@ -12,13 +12,13 @@ from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.plausible import PLACE
+from studio.core.plausible import PLACE_RANGE
 from studio.core.stage.whom import DistanceMeasure, FollowPartner, Whom, followed_by
 
-HEAD = BodyPoint(BodyPart.HEAD, (0.0, 0.0, 0.05))
-FIST = BodyPoint(BodyPart.RIGHT_HAND, (0.0, 0.0, 0.09))
-FOREARM = BodyPoint(BodyPart.LEFT_FOREARM, (0.0, 0.0, 0.12))
-WHOLE = ActivationCurve(-1.0, -1.0, 1e5, 1e5)
+HEAD_POINT = BodyPoint(BodyPart.HEAD, (0.0, 0.0, 0.05))
+FIST_POINT = BodyPoint(BodyPart.RIGHT_HAND, (0.0, 0.0, 0.09))
+ARM_POINT = BodyPoint(BodyPart.LEFT_FOREARM, (0.0, 0.0, 0.12))
+WHOLE_CLIP = ActivationCurve(-1.0, -1.0, 1e5, 1e5)
 """All the time that a clip plays, in seconds of its motion."""
 
 
@@ -40,7 +40,7 @@ class KeepDistance:
             raise ValueError(f"A distance to keep is more than zero, got {self.distance}.")
         if not (math.isfinite(self.room) and self.room >= 0.0):
             raise ValueError(f"Room about a distance is zero or more, got {self.room}.")
-        PLACE.check((self.distance, self.room))
+        PLACE_RANGE.check((self.distance, self.room))
 
     @property
     def gap(self) -> DistanceMeasure:
@@ -53,14 +53,14 @@ class LeanAway:
     """Brings ``point`` by the trunk at least ``metres`` away from a point of ``whom``: the head from a fist."""
 
     kind: ClassVar[str] = "lean_away"
-    whom: Whom = FollowPartner(FIST)
-    point: BodyPoint = HEAD
+    whom: Whom = FollowPartner(FIST_POINT)
+    point: BodyPoint = HEAD_POINT
     metres: float = 0.3
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.metres) and self.metres > 0.0):
             raise ValueError(f"A distance to lean away is more than zero metres, got {self.metres}.")
-        PLACE.check(self.metres)
+        PLACE_RANGE.check(self.metres)
 
 
 @dataclass(frozen=True)
@@ -71,14 +71,14 @@ class Meet:
     """
 
     kind: ClassVar[str] = "meet"
-    whom: Whom = FollowPartner(FIST)
-    point: BodyPoint = FOREARM
-    activation: ActivationCurve = WHOLE
+    whom: Whom = FollowPartner(FIST_POINT)
+    point: BodyPoint = ARM_POINT
+    activation: ActivationCurve = WHOLE_CLIP
     chain: Chain = Chain()
 
 
 Manner = KeepDistance | LeanAway | Meet
-LEANING = Chain(clavicle=0.0, trunk=1.0)
+LEANING_CHAIN = Chain(clavicle=0.0, trunk=1.0)
 
 
 def asked_by(manners: tuple[Manner, ...], motion_id: str, partner_id: str, name: str) -> tuple[Constraint, ...]:
@@ -98,7 +98,7 @@ def asked_by(manners: tuple[Manner, ...], motion_id: str, partner_id: str, name:
         elif followed is not None and isinstance(manner, LeanAway):
             size = (2.0 * manner.metres,) * 3
             leaning = AreaConstraint(
-                motion_id, title, manner.point, LEANING, 1, WHOLE,
+                motion_id, title, manner.point, LEANING_CHAIN, 1, WHOLE_CLIP,
                 shape=AreaShape.SPHERE, centre=followed, size=size,
             )  # fmt: skip
             asked.append(leaning)

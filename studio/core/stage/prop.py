@@ -12,7 +12,7 @@ from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Qu
 from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.constraints.tangents import SPARSE
 from studio.core.mesh.triangle_mesh import TriangleMesh
-from studio.core.plausible import TIME, TURN
+from studio.core.plausible import TIME_RANGE, TURN_RANGE
 
 
 class PropShape(StrEnum):
@@ -44,7 +44,7 @@ class Hold:
         spans = [second for second in (self.begin, self.end) if second is not None]
         if not all(map(math.isfinite, spans)) or sorted(spans) != spans:
             raise ValueError(f"A prop is held from one second to a later one, not from {self.begin} to {self.end}.")
-        TIME.check(spans)
+        TIME_RANGE.check(spans)
 
     @property
     def is_always(self) -> bool:
@@ -91,7 +91,7 @@ class Carried(Hold):
         object.__setattr__(self, "tilt", unit_quaternion(self.tilt))
         if not math.isfinite(self.heading):
             raise ValueError("A carried prop needs a finite heading.")
-        TURN.check(self.heading)
+        TURN_RANGE.check(self.heading)
 
 
 @dataclass(frozen=True)
@@ -123,7 +123,7 @@ class Prop:
             object.__setattr__(self, "position", finite_vector(self.position, f"'{self.name}': a position"))
         if (isinstance(self.heading, float | int) and not math.isfinite(self.heading)) or min(self.size) <= 0.0:
             raise ValueError(f"'{self.name}': a prop needs a finite heading and sides longer than zero.")
-        TURN.check(self.heading.values if isinstance(self.heading, KeyedNumber) else self.heading)
+        TURN_RANGE.check(self.heading.values if isinstance(self.heading, KeyedNumber) else self.heading)
         if self.shape is PropShape.MESH and self.mesh is None:
             raise ValueError(f"'{self.name}': load a mesh first, then it can be the shape.")
         for one, after in zip(self.holds, self.holds[1:], strict=False):

@@ -14,17 +14,17 @@ from studio.core.stage.conditions import (
     KeyCondition,
     TimeCondition,
 )
-from studio.core.stage.manners import FIST, HEAD, WHOLE, KeepDistance, LeanAway, Meet
+from studio.core.stage.manners import FIST_POINT, HEAD_POINT, WHOLE_CLIP, KeepDistance, LeanAway, Meet
 from studio.core.stage.whom import DistanceMeasure, FollowPartner
 
-REACH, NEAR, ROOM = 1.42, 1.65, 0.12
+STRIKE_DISTANCE, APPROACH_DISTANCE, DISTANCE_TOLERANCE = 1.42, 1.65, 0.12
 """Leg lengths: of two who fight from each other, from which on one strikes, and how exactly they keep that."""
 ATTACK = "attack"
 """What a strike tells the partner."""
-TO_HEAD = DistanceMeasure(FollowPartner(FIST), HEAD, flat=False)
-SUDDEN, CALM = 0.15, 0.3
+TO_HEAD = DistanceMeasure(FollowPartner(FIST_POINT), HEAD_POINT, flat=False)
+ANSWER_SECONDS, RETURN_SECONDS = 0.15, 0.3
 """Seconds in which one answers an attack, and in which one comes back to guard."""
-LEAN, AGAIN = 0.35, 0.15
+LEAN_DISTANCE, LEAN_HYSTERESIS = 0.35, 0.15
 """Metres that the head keeps from a fist, and by how much more the fist has to go before it comes back."""
 ACROSS, DOWN = 288.0, 152.0
 """From one state to the next in the diagram."""
@@ -39,18 +39,20 @@ def keeping_distance(behaviour: Behaviour) -> Behaviour:
     """At the start it keeps at striking distance of its partner; what it kept before is forgotten."""
     start = _start(behaviour)
     others = tuple(each for each in start.manners if not isinstance(each, KeepDistance))
-    state = replace(start, manners=(KeepDistance(FollowPartner(), REACH, ROOM, legs=True), *others))
+    state = replace(
+        start, manners=(KeepDistance(FollowPartner(), STRIKE_DISTANCE, DISTANCE_TOLERANCE, legs=True), *others)
+    )
     return edits.with_state_put(behaviour, start.name, state)
 
 
 def striking(behaviour: Behaviour, clip: Clip, key: str) -> Behaviour:
     """It strikes once when a key is pressed and its partner is near enough, and tells the partner."""
     state = State("Strike", clip, loop=False, event=ATTACK)
-    near = DistanceCondition(DistanceMeasure(legs=True), NEAR)
+    near = DistanceCondition(DistanceMeasure(legs=True), APPROACH_DISTANCE)
     return _answering(behaviour, state, (KeyCondition(key), near), (ClipEndCondition(),), (-1.0, 0.0))
 
 
-def warding_off(behaviour: Behaviour, clip: Clip, when: ActivationCurve = WHOLE) -> Behaviour:
+def warding_off(behaviour: Behaviour, clip: Clip, when: ActivationCurve = WHOLE_CLIP) -> Behaviour:
     """It wards off what its partner strikes with, once it is told of an attack: ``when`` in seconds of the motion."""
     state = State("Ward off", clip, loop=False, manners=(Meet(activation=when),))
     return _answering(behaviour, state, (EventCondition(ATTACK),), (ClipEndCondition(),), (1.0, 0.0))
@@ -58,10 +60,10 @@ def warding_off(behaviour: Behaviour, clip: Clip, when: ActivationCurve = WHOLE)
 
 def leaning_away(behaviour: Behaviour) -> Behaviour:
     """It leans away from its partner's fist while that is near its head, and plays on what it does at the start."""
-    state = State("Lean away", _start(behaviour).clip, manners=(LeanAway(metres=LEAN),))
-    near = DistanceCondition(TO_HEAD, LEAN)
-    far = DistanceCondition(TO_HEAD, LEAN + AGAIN, closer=False)
-    return _answering(behaviour, state, (near,), (TimeCondition(CALM), far), (0.0, 1.0))
+    state = State("Lean away", _start(behaviour).clip, manners=(LeanAway(metres=LEAN_DISTANCE),))
+    near = DistanceCondition(TO_HEAD, LEAN_DISTANCE)
+    far = DistanceCondition(TO_HEAD, LEAN_DISTANCE + LEAN_HYSTERESIS, closer=False)
+    return _answering(behaviour, state, (near,), (TimeCondition(RETURN_SECONDS), far), (0.0, 1.0))
 
 
 def _answering(
@@ -78,7 +80,7 @@ def _answering(
         x, y = x + aside[0] * ACROSS, y + aside[1] * DOWN
     more = edits.with_state(behaviour, replace(state, place=(x, y)))
     name = more.states[-1].name
-    ways = (Transition(start.name, name, there, SUDDEN), Transition(name, start.name, back, CALM))
+    ways = (Transition(start.name, name, there, ANSWER_SECONDS), Transition(name, start.name, back, RETURN_SECONDS))
     return replace(more, transitions=(*more.transitions, *ways))
 
 

@@ -18,7 +18,7 @@ SPACING = 1.15
 """Metres from one performer to the next."""
 LEAST_TRAVEL = 1.0
 """Metres; a motion that goes less far has no direction of travel."""
-SAMPLES = 64
+SPACING_SAMPLES = 64
 
 
 def side_by_side(characters: Mapping[str, Character], clips: tuple[Clip, ...] = ()) -> dict[str, Performer]:
@@ -37,7 +37,7 @@ def travel_heading(capture: Capture, first: int, last: int) -> float | None:
     """
     if capture.body_map is None:
         return None
-    rows = np.linspace(first, last, min(SAMPLES, last - first + 1)).round().astype(np.int64)
+    rows = np.linspace(first, last, min(SPACING_SAMPLES, last - first + 1)).round().astype(np.int64)
     poses = PoseSequence(capture.poses.local_rotations[rows], capture.poses.local_translations[rows])
     places, _ = joint_world(capture.skeleton, poses)
     root = places[:, capture.body_map.spine[0], :2]

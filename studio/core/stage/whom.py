@@ -7,7 +7,7 @@ from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowPerformer, FollowProp
 
-PELVIS = BodyPoint(BodyPart.PELVIS)
+PELVIS_POINT = BodyPoint(BodyPart.PELVIS)
 
 
 @dataclass(frozen=True)
@@ -15,7 +15,7 @@ class FollowPartner:
     """``point`` of the partner, whoever that is for who plays the behaviour."""
 
     kind: ClassVar[str] = "follow_partner"
-    point: BodyPoint = PELVIS
+    point: BodyPoint = PELVIS_POINT
 
 
 Whom = FollowPartner | FollowPerformer | FollowProp
@@ -46,7 +46,7 @@ class DistanceMeasure:
     """
 
     whom: Whom = FollowPartner()
-    point: BodyPoint = PELVIS
+    point: BodyPoint = PELVIS_POINT
     flat: bool = True
     legs: bool = False
 

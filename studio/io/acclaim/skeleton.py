@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
-from studio.core.rotations import IDENTITY, from_euler
+from studio.core.rotations import IDENTITY_QUATERNION, from_euler
 from studio.io.beside import read_bytes
 from studio.io.numbers import number
 
@@ -60,7 +60,7 @@ class _Bone:
     name: str = ""
     end: FloatArray = field(default_factory=lambda: np.zeros(3))
     """From its beginning to its end."""
-    axes: FloatArray = field(default_factory=lambda: IDENTITY)
+    axes: FloatArray = field(default_factory=lambda: IDENTITY_QUATERNION)
     channels: tuple[str, ...] = ()
 
 
@@ -223,5 +223,5 @@ def _joined(root: _Bone, bones: dict[str, _Bone], parents: dict[str, str], degre
         np.array([joint.offset for joint in joints]),
         np.array([joint.is_end for joint in joints]),
     )
-    axes = np.array([IDENTITY if joint.is_end else joint.bone.axes for joint in joints])
+    axes = np.array([IDENTITY_QUATERNION if joint.is_end else joint.bone.axes for joint in joints])
     return AsfSkeleton(skeleton, axes, tuple(() if joint.is_end else joint.bone.channels for joint in joints), degrees)

@@ -18,14 +18,14 @@ from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.confidence import Confidence
 from studio.core.kernels.body.file_channels import change_axes
 from studio.core.pieces import over_frames
-from studio.core.rotations import IDENTITY, normalized
+from studio.core.rotations import IDENTITY_QUATERNION, normalized
 from studio.io.bvh.reader import read_bvh
 from studio.io.capture_guesses import ReadJoints, body_guesses, loose_guesses, stood_capture, with_sides_right
 from studio.io.figure.body_maps import FoundBody, find_body, loose_feet, loose_hands, named_sides
 from studio.io.guessing import Scale, find_unit, guess_frame_rate, leg_and_trunk
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress, ReadCapture
-from studio.io.up_axis import AXES, BVH_USE, BodyPoints, axis_called, guess_up_axis, said_axis, turn_to_world
+from studio.io.up_axis import BVH_USE, FILE_AXES, BodyPoints, axis_called, guess_up_axis, said_axis, turn_to_world
 
 FloatArray = NDArray[np.float64]
 
@@ -124,9 +124,9 @@ def _found_by_shape(skeleton: Skeleton, points: FloatArray, options: ImportOptio
 
     ``points`` (F, J, 3) in the file's axes tell which knees are the left ones.
     """
-    still = PoseSequence(np.tile(IDENTITY, (1, skeleton.joint_count, 1)), skeleton.offsets[None])
+    still = PoseSequence(np.tile(IDENTITY_QUATERNION, (1, skeleton.joint_count, 1)), skeleton.offsets[None])
     rest, sides = joint_positions(skeleton, still)[0], named_sides(skeleton)
-    for axis in (axis_called(options.up_axis),) if options.up_axis else AXES:
+    for axis in (axis_called(options.up_axis),) if options.up_axis else FILE_AXES:
         by_shape = moving_body_by_shape(skeleton, rest @ turn_to_world(axis).T, points, sides)
         if by_shape is not None:
             return FoundBody(by_shape, "", ())
@@ -171,7 +171,7 @@ def _up_axis(
             words = "Without a human body nothing tells what is up; most files have Y up."
             guesses.append(Guess("up axis", "Y", words, Confidence.DOUBTFUL))
         return said or "Y"
-    still = PoseSequence(np.tile(IDENTITY, (1, skeleton.joint_count, 1)), skeleton.offsets[None])
+    still = PoseSequence(np.tile(IDENTITY_QUATERNION, (1, skeleton.joint_count, 1)), skeleton.offsets[None])
     standing = BodyPoints.of_joints(joint_positions(skeleton, still)[None], body_map)
     rest = normalized(standing.shoulders.mean(axis=2) - standing.ankles.mean(axis=2))[0, 0]
     body = BodyPoints.of_joints(points, body_map)

@@ -5,15 +5,23 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.core.markers.subjects import with_subjects
-from studio.core.markers.trial import MARKER, NO_SIGNALS, VIRTUAL, AnalogSignals, ForcePlate, TrialEvent, bare_label
-from studio.io.c3d.parameters import BLOCK, Parameters
+from studio.core.markers.trial import (
+    MARKER_KIND,
+    NO_SIGNALS,
+    VIRTUAL_KIND,
+    AnalogSignals,
+    ForcePlate,
+    TrialEvent,
+    bare_label,
+)
+from studio.io.c3d.parameters import BLOCK_BYTES, Parameters
 from studio.io.markers.unit import named_unit
 
 FloatArray = NDArray[np.float64]
 
 _MODEL_OUTPUTS = {
     "ANGLES": "angle", "FORCES": "force", "MOMENTS": "moment", "POWERS": "power", "SCALARS": "scalar",
-    "MODELED_MARKERS": VIRTUAL, "REACTIONS": "reaction",
+    "MODELED_MARKERS": VIRTUAL_KIND, "REACTIONS": "reaction",
 }  # fmt: skip
 _ENDINGS = ("angles", "angle", "force", "moment", "power", "grf", "forces", "moments", "powers")
 _EVENT_KEY = 12345
@@ -46,7 +54,7 @@ def labels_and_kinds(
         label: kind for group, kind in _MODEL_OUTPUTS.items() for label in parameters.words_on("POINT", group) if label
     }
     told = with_subjects(tuple(labels))
-    outputs |= dict.fromkeys(_segment_axes(told), VIRTUAL)
+    outputs |= dict.fromkeys(_segment_axes(told), VIRTUAL_KIND)
     return told, tuple(
         outputs.get(label, outputs.get(own, _kind_by_name(own))) for label, own in zip(labels, told, strict=True)
     )
@@ -63,9 +71,11 @@ def _segment_axes(labels: tuple[str, ...]) -> set[str]:
 def _kind_by_name(label: str) -> str:
     """Models call their outputs ``LKneeAngles``, ``RHipMoment``: no marker is called so."""
     if label.lower().startswith("centreofmass"):
-        return VIRTUAL
+        return VIRTUAL_KIND
     ending = next((ending for ending in _ENDINGS if label.lower().endswith(ending)), "")
-    return {"grf": "force"}.get(ending, ending.removesuffix("s")) if len(label) > len(ending) and ending else MARKER
+    if not ending or len(label) <= len(ending):
+        return MARKER_KIND
+    return {"grf": "force"}.get(ending, ending.removesuffix("s"))
 
 
 def unit_of(name: str, parameters: Parameters, repairs: list[str]) -> str:
@@ -159,7 +169,7 @@ def marked_events(name: str, content: bytes, parameters: Parameters, repairs: li
 
 def _header_events(content: bytes, parameters: Parameters) -> tuple[TrialEvent, ...]:
     """Up to 18 events with labels of four letters, in the second half of the header."""
-    words = parameters.numbers.integers(content[:BLOCK])
+    words = parameters.numbers.integers(content[:BLOCK_BYTES])
     count = int(words[150])
     if int(words[149]) != _EVENT_KEY or not 0 < count <= 18:
         return ()

@@ -9,7 +9,7 @@ from studio.core.captures.capture import Capture
 from studio.core.markers.trial import TrialEvent
 from studio.io.export import Take
 from studio.io.registry import Progress
-from studio.io.up_axis import AXES
+from studio.io.up_axis import FILE_AXES
 
 _WORN = 0.6
 """The share of the work after which all markers have their places."""
@@ -39,7 +39,7 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
         lambda share: progress(_WORN * share, f"Placing the markers of {path.name}"),
     )
     events = _events(take.annotations.labels, take.capture, trial.events)
-    trial = replace(trial, points=trial.points @ AXES["Z"], events=events)
+    trial = replace(trial, points=trial.points @ FILE_AXES["Z"], events=events)
     write_c3d(path, trial, lambda share, text: progress(_WORN + (1.0 - _WORN) * share, text))
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 
-BLOCK = 512
+BLOCK_BYTES = 512
 Value = tuple[str, ...] | NDArray[np.float64]
 Order = Literal["Intel", "DEC", "MIPS"]
 
@@ -93,7 +93,7 @@ class Parameters:
 
 def read_parameters(name: str, content: bytes) -> Parameters:
     """The parameter section of the C3D file ``content``; raises StudioError with the byte where it ends in nonsense."""
-    start = (content[0] - 1) * BLOCK
+    start = (content[0] - 1) * BLOCK_BYTES
     if content[0] < 2 or start + 4 > len(content):
         raise StudioError(
             f"{name}, byte 0: its parameters should begin in block {content[0]}, which is not in the file. "

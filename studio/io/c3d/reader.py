@@ -16,7 +16,7 @@ from studio.core.errors import StudioError
 from studio.core.markers.trial import Trial
 from studio.io.beside import read_bytes
 from studio.io.c3d.contents import analog_signals, force_plates, labels_and_kinds, marked_events, measures, unit_of
-from studio.io.c3d.parameters import BLOCK, Numbers, Parameters, read_parameters
+from studio.io.c3d.parameters import BLOCK_BYTES, Numbers, Parameters, read_parameters
 
 FloatArray = NDArray[np.float64]
 Progress = Callable[[float, str], None]
@@ -103,7 +103,7 @@ def _content(path: Path) -> bytes:
     content = read_bytes(path, _LARGEST_FILE)
     if not content:
         raise StudioError(f"{path.name} is empty. Export it again.")
-    if len(content) < BLOCK:
+    if len(content) < BLOCK_BYTES:
         raise StudioError(
             f"{path.name}, byte {len(content)}: the file ends within its header. It is cut off; export it again."
         )
@@ -113,7 +113,7 @@ def _content(path: Path) -> bytes:
 
 
 def _header(name: str, content: bytes, parameters: Parameters, repairs: list[str]) -> _Header:
-    words = parameters.numbers.integers(content[:BLOCK]).view()
+    words = parameters.numbers.integers(content[:BLOCK_BYTES]).view()
     unsigned = [int(word) & 0xFFFF for word in words[:10]]
     rate = float(parameters.numbers.floats(content[20:24])[0])
     scale = float(parameters.numbers.floats(content[12:16])[0])
@@ -203,10 +203,10 @@ def _differ(header: float, parameter: float) -> bool:
 def _data_start(name: str, content: bytes, header: int, parameters: Parameters, repairs: list[str]) -> int:
     """The byte where the frames begin."""
     for block in (header, int(parameters.number("POINT", "DATA_START") or 0) & 0xFFFF):
-        if block > 1 and (block - 1) * BLOCK < len(content):
+        if block > 1 and (block - 1) * BLOCK_BYTES < len(content):
             if block != header:
                 repairs.append(f"{name}, byte 16: block {header} cannot hold the frames; POINT:DATA_START was taken.")
-            return (block - 1) * BLOCK
+            return (block - 1) * BLOCK_BYTES
     raise StudioError(
         f"{name}, byte 16: its frames should begin in block {header}, which is not in the file of {len(content)} "
         "bytes. It is cut off; export it again."

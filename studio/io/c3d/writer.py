@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.core.markers.trial import MARKER, Trial
-from studio.io.c3d.parameters import BLOCK
+from studio.core.markers.trial import MARKER_KIND, Trial
+from studio.io.c3d.parameters import BLOCK_BYTES
 from studio.io.registry import Progress
 from studio.io.replacing import write_pieces
 
@@ -62,7 +62,7 @@ def _pieces(trial: Trial, progress: Callable[[float], object]) -> Iterator[bytes
         frames = _frames(trial, samples, slice(first, first + _FRAMES))
         size += len(frames)
         yield frames
-    yield bytes(-size % BLOCK)
+    yield bytes(-size % BLOCK_BYTES)
 
 
 def _samples_a_frame(trial: Trial) -> int:
@@ -128,7 +128,7 @@ def _group(number: int, name: str, records: Iterable[Record]) -> bytes:
 
 def _outputs(trial: Trial) -> list[Record]:
     records: list[Record] = []
-    for kind in dict.fromkeys(kind for kind in trial.kinds if kind != MARKER):
+    for kind in dict.fromkeys(kind for kind in trial.kinds if kind != MARKER_KIND):
         labels = [label for label, own in zip(trial.labels, trial.kinds, strict=True) if own == kind]
         records += _lists(_PLURALS.get(kind, "SCALARS"), labels)
     return records
@@ -219,8 +219,8 @@ def _short(number: int) -> int:
 
 
 def _blocks(content: bytes) -> int:
-    return -(-len(content) // BLOCK)
+    return -(-len(content) // BLOCK_BYTES)
 
 
 def _padded(content: bytes) -> bytes:
-    return content.ljust(_blocks(content) * BLOCK, b"\0")
+    return content.ljust(_blocks(content) * BLOCK_BYTES, b"\0")

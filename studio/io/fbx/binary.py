@@ -22,12 +22,12 @@ class Long(int):
 
 Value = bool | int | float | str | bytes | NDArray[Any]
 
-VERSION = 7400
+FBX_VERSION = 7400
 FILE_ID = bytes.fromhex("28b32aebb624ccc2bfc8b02aa92bfcf1")
 CREATION_TIME = "1970-01-01 10:00:00:000"
 """The moment that ``FILE_ID`` stands for: every file says the same, so that equal motions are equal files."""
 
-_HEAD = b"Kaydara FBX Binary  \0\x1a\0" + struct.pack("<I", VERSION)
+_HEAD = b"Kaydara FBX Binary  \0\x1a\0" + struct.pack("<I", FBX_VERSION)
 _FOOT_ID = bytes.fromhex("fabcab09d0c8d466b176fb831cf7267e")
 _FOOT_END = bytes.fromhex("f85a8c6adef5d97eece90ce3758f290b")
 _END = bytes(13)
@@ -65,7 +65,7 @@ def encode_document(elements: Sequence[FbxElement]) -> Iterator[bytes]:
         end += len(piece)
         yield piece
     end += len(_END) + len(_FOOT_ID)
-    yield _END + _FOOT_ID + bytes(-end % 16) + bytes(4) + struct.pack("<I", VERSION) + bytes(120) + _FOOT_END
+    yield _END + _FOOT_ID + bytes(-end % 16) + bytes(4) + struct.pack("<I", FBX_VERSION) + bytes(120) + _FOOT_END
 
 
 def _encoded(item: FbxElement, begin: int) -> bytes:

@@ -13,7 +13,7 @@ from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.rotations import from_matrix, normalized, sign_continuous, to_matrix
 from studio.io.bvh.capture import capture_of
-from studio.io.fbx.reading import INSTEAD, Arrays
+from studio.io.fbx.reading import FBX_ADVICE, Arrays
 from studio.io.guessing import Scale, said_unit
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress, ReadCapture
@@ -70,10 +70,10 @@ def fbx_file(arrays: Arrays, path: Path) -> FbxFile:
     try:
         frames, rest, about = arrays["frames"], arrays["rest"], json.loads(arrays["about"].tobytes())
     except (ValueError, KeyError) as error:
-        raise StudioError(f"{path.name} could not be read as FBX: {error}. {INSTEAD}") from error
+        raise StudioError(f"{path.name} could not be read as FBX: {error}. {FBX_ADVICE}") from error
     repairs = _fill(path.name, frames)
     if not (np.isfinite(frames).all() and np.isfinite(rest).all()):
-        raise StudioError(f"{path.name}: its joints lie at places that are not numbers. {INSTEAD}")
+        raise StudioError(f"{path.name}: its joints lie at places that are not numbers. {FBX_ADVICE}")
     return _rigid(about, frames, rest, path, repairs)
 
 
@@ -112,7 +112,7 @@ def _rigid(
         rest_places, rest_turns = _world(parents, rest[None])
         places, turns = _world(parents, frames)
     if not all(np.isfinite(numbers).all() for numbers in (rest_places, rest_turns, places, turns)):
-        raise StudioError(f"{path.name}: its joints lie farther away than can be told. {INSTEAD}")
+        raise StudioError(f"{path.name}: its joints lie farther away than can be told. {FBX_ADVICE}")
     turns, mirrored = _upright(names, turns @ np.swapaxes(rest_turns, -1, -2))
     above = np.maximum(parents, 0)
     carrier = np.where((parents < 0)[:, None, None], np.eye(3), turns[:, above])

@@ -21,7 +21,7 @@ from studio.io.registry import Progress, ReadCharacter
 
 MOST_SHARES = 8
 """Joints that a vertex hangs from."""
-INSTEAD = "Export the character as GLB from the program that made it."
+CHARACTER_ADVICE = "Export the character as GLB from the program that made it."
 
 
 def character_in(arrays: Arrays, path: Path, options: ImportOptions, progress: Progress) -> ReadCharacter:
@@ -33,7 +33,7 @@ def character_in(arrays: Arrays, path: Path, options: ImportOptions, progress: P
             raise ValueError("some lie at places that are not numbers")
         figure = _figure(path, about, arrays)
     except (KeyError, IndexError, ValueError) as error:
-        raise StudioError(f"{path.name}: its joints or its skin make no sense: {error}. {INSTEAD}") from error
+        raise StudioError(f"{path.name}: its joints or its skin make no sense: {error}. {CHARACTER_ADVICE}") from error
     return character_of([figure], options)
 
 

@@ -20,7 +20,7 @@ from studio.io.fbx.child_meshes import clustered, meshes_of
 from studio.io.fbx.objects import all_of, keep, matrix_of
 
 MOST_VALUES = 1 << 27
-MOST_JOINTS = 4096
+MOST_FBX_JOINTS = 4096
 MEMORY = 3 << 30
 """Bytes of addresses beside twenty times the file: what Python and NumPy reserve, and half a gigabyte."""
 
@@ -49,7 +49,7 @@ def main(source: str, target: str, what: str) -> None:
     nodes, parents = _skeleton(everything, bound)
     if not nodes:
         sys.exit("it has no skeleton (bones). Rig its mesh first")
-    if len(nodes) > MOST_JOINTS:
+    if len(nodes) > MOST_FBX_JOINTS:
         sys.exit(f"it holds {len(nodes)} joints, more than a body has")
     if what == "figure" or bound:
         _write_figure(target, scene, everything, nodes, parents)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import __version__
-from studio.io.fbx.binary import CREATION_TIME, FILE_ID, VERSION, FbxElement, Long, Value, block, element
+from studio.io.fbx.binary import CREATION_TIME, FBX_VERSION, FILE_ID, FbxElement, Long, Value, block, element
 
 FloatArray = NDArray[np.float64]
 
@@ -179,7 +179,7 @@ def _header() -> FbxElement:
         "FBXHeaderExtension",
         children=[
             element("FBXHeaderVersion", 1003),
-            element("FBXVersion", VERSION),
+            element("FBXVersion", FBX_VERSION),
             element("EncryptionType", 0),
             created,
             element("Creator", _CREATOR),

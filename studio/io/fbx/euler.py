@@ -7,7 +7,7 @@ from studio.core.rotations import to_euler
 
 FloatArray = NDArray[np.float64]
 
-ORDERS = ("XYZ", "XZY", "YZX", "YXZ", "ZXY", "ZYX")
+FBX_ORDERS = ("XYZ", "XZY", "YZX", "YXZ", "ZXY", "ZYX")
 """By the format's number of each, in the order in which the rotations act about the parent's axes."""
 _NEAR_LOCK = np.radians(70.0)
 """The second angle beyond which another order is looked for: at 90 degrees the first and third are one."""
@@ -18,17 +18,17 @@ _DIGITS = 9
 def euler_curves(rotations: FloatArray) -> tuple[int, FloatArray]:
     """The number of an order, and angles (F, 3) in degrees about X, Y and Z, of unit quaternions (F, 4).
 
-    The order is the first in ``ORDERS`` that stays away from gimbal lock, or else the one that stays furthest away.
+    The order is the first in ``FBX_ORDERS`` that stays away from gimbal lock, or else the one that stays furthest away.
     """
     best = np.inf
-    for number, order in enumerate(ORDERS):
+    for number, order in enumerate(FBX_ORDERS):
         angles = to_euler(order[::-1], rotations)[:, ::-1]  # acting one after the other is intrinsic from the last
         nearest = float(np.abs(angles[:, 1]).max())
         if nearest < best:
             best, found, chosen = nearest, number, angles
         if best < _NEAR_LOCK:
             break
-    axes = ["XYZ".index(axis) for axis in ORDERS[found]]
+    axes = ["XYZ".index(axis) for axis in FBX_ORDERS[found]]
     by_axis = np.empty((len(rotations), 3))
     by_axis[:, axes] = _continuous(chosen)
     return found, np.degrees(by_axis)

@@ -16,7 +16,7 @@ from studio.core.errors import StudioError
 from studio.io.child_process import child_process
 from studio.io.registry import Progress
 
-INSTEAD = "Export the animation as BVH or GLB from the program that made it."
+FBX_ADVICE = "Export the animation as BVH or GLB from the program that made it."
 _PATIENCE, _BYTES_A_SECOND = 30.0, 1 << 20
 """Seconds for any file, and bytes for which there is one more."""
 _POLL = 0.1
@@ -33,7 +33,7 @@ def read_arrays(path: Path, what: str, progress: Progress) -> Arrays:
     """What ``child`` has read: ``motion``, ``figure`` or ``either``. Raises StudioError with what to do."""
     if find_spec("ufbx") is None:
         raise StudioError(
-            f"{path.name}: FBX is read with the package 'ufbx' (`pip install morpho-studio[fbx]`). Or: {INSTEAD}"
+            f"{path.name}: FBX is read with the package 'ufbx' (`pip install morpho-studio[fbx]`). Or: {FBX_ADVICE}"
         )
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "read.npz"
@@ -42,7 +42,7 @@ def read_arrays(path: Path, what: str, progress: Progress) -> Arrays:
             with np.load(target, allow_pickle=False) as read:
                 return {name: read[name] for name in read.files}
         except (OSError, ValueError, KeyError) as error:
-            raise StudioError(f"{path.name} could not be read as FBX: {error}. {INSTEAD}") from error
+            raise StudioError(f"{path.name} could not be read as FBX: {error}. {FBX_ADVICE}") from error
 
 
 def _run_child(path: Path, target: Path, what: str, alive: Callable[[], object]) -> None:
@@ -69,7 +69,7 @@ def _run_child(path: Path, target: Path, what: str, alive: Callable[[], object])
     if child.returncode == 0:
         return
     if timed_out:
-        raise StudioError(f"{path.name} takes longer than {seconds:.0f} s to be read as FBX. {INSTEAD}")
+        raise StudioError(f"{path.name} takes longer than {seconds:.0f} s to be read as FBX. {FBX_ADVICE}")
     said = answer.decode("utf-8", "replace").strip()
     reason = said.splitlines()[-1][:200] if said and child.returncode > 0 else "its reader crashed"
-    raise StudioError(f"{path.name} could not be read as FBX: {reason.rstrip('.')}. {INSTEAD}")
+    raise StudioError(f"{path.name} could not be read as FBX: {reason.rstrip('.')}. {FBX_ADVICE}")

@@ -8,7 +8,7 @@ from studio.io.fbx.binary import element
 from studio.io.fbx.document import WHOLE_SCENE, FbxDocument, animated
 from studio.io.fbx.euler import euler_curves
 from studio.io.fbx.take_writer import (
-    CURVES_SHARE,
+    CURVES_PROGRESS,
     WORLD_TO_FILE,
     geometry,
     node,
@@ -31,7 +31,7 @@ def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
     for number, take in enumerate(stage.takes):
 
         def reported(share: float, number: int = number) -> None:
-            progress(CURVES_SHARE * (number + share) / len(stage.takes), f"Writing {path.name}")
+            progress(CURVES_PROGRESS * (number + share) / len(stage.takes), f"Writing {path.name}")
 
         performer = document.add("Model", take.name, "Null", node(), within=WHOLE_SCENE)
         document.add("NodeAttribute", take.name, "Null", [element("TypeFlags", "Null")], within=performer)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from studio.core.mesh.appearance import Material
 from studio.core.mesh.joint_skin import JointSkin
-from studio.core.rotations import IDENTITY
+from studio.core.rotations import IDENTITY_QUATERNION
 from studio.io.export import Take, plain_material, skin_of
 from studio.io.fbx.binary import FbxElement, Long, block, element, encode_document
 from studio.io.fbx.document import (
@@ -32,13 +32,13 @@ FloatArray = NDArray[np.float64]
 Share = Callable[[float], None]
 """Hears a share of the work from 0 to 1; it may raise to cancel."""
 
-CENTIMETRES = 100.0
+CENTIMETRES_PER_METRE = 100.0
 """A metre."""
 WORLD_TO_FILE = [1, 2, 0]
 """Y up, facing +Z: file x is world Y (left), y is Z (up), z is X (forward)."""
 _TRAVELS = 1e-7
 """Metres by which a joint must leave its offset to have curves of its position."""
-CURVES_SHARE = 0.8
+CURVES_PROGRESS = 0.8
 """The share of the work after which all curves are made."""
 _LINEAR = 4
 """The flag of keys that are interpolated linearly."""
@@ -53,13 +53,13 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
     skin. Read back, every joint is within 0.01 mm and 0.01 degrees. Raises StudioError when the file cannot be written.
     """
     document = FbxDocument(take.name, take.frame_rate, take.poses.frame_count)
-    put_take(document, take, WHOLE_SCENE, lambda share: progress(CURVES_SHARE * share, f"Writing {path.name}"))
+    put_take(document, take, WHOLE_SCENE, lambda share: progress(CURVES_PROGRESS * share, f"Writing {path.name}"))
     write_document(path, document, progress)
 
 
 def write_document(path: Path, document: FbxDocument, progress: Progress) -> None:
-    """Write what is finished, from ``CURVES_SHARE`` of the work on."""
-    write_pieces(path, _reported(document.elements(), lambda: progress(CURVES_SHARE, f"Writing {path.name}")))
+    """Write what is finished, from ``CURVES_PROGRESS`` of the work on."""
+    write_pieces(path, _reported(document.elements(), lambda: progress(CURVES_PROGRESS, f"Writing {path.name}")))
     progress(1.0, f"Wrote {path.name}")
 
 
@@ -97,7 +97,11 @@ def _put_joints(document: FbxDocument, take: Take, parent: Long, progress: Share
     skeleton, poses = take.skeleton, take.poses
     offsets = positions_in_file(skeleton.offsets)
     travels = np.abs(poses.local_translations - skeleton.offsets).max(axis=(0, 2)) > _TRAVELS
-    rests = take.rest_rotations if take.rest_rotations is not None else np.tile(IDENTITY, (skeleton.joint_count, 1))
+    rests = (
+        take.rest_rotations
+        if take.rest_rotations is not None
+        else np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1))
+    )
     joints: list[Long] = []
     for joint, name in enumerate(skeleton.names):
         progress(joint / skeleton.joint_count)
@@ -257,7 +261,7 @@ def _put_skin(
 
 def positions_in_file(points: FloatArray) -> FloatArray:
     """Centimetres in the file's axes of metres (..., 3) in the world."""
-    return np.asarray(CENTIMETRES * points[..., WORLD_TO_FILE])
+    return np.asarray(CENTIMETRES_PER_METRE * points[..., WORLD_TO_FILE])
 
 
 def _turned_vectors(directions: FloatArray) -> FloatArray:

@@ -17,7 +17,7 @@ from studio.core.body.embodiment import (
     segment_weights,
     segments_of_joints,
 )
-from studio.core.body.humanoid import LIMBS, BodyMap
+from studio.core.body.humanoid import LIMB_PARTS, BodyMap
 from studio.core.body.reference_pose import faults
 from studio.core.body.rehanging import Rehanging, rehang
 from studio.core.body.skeleton import Skeleton
@@ -26,7 +26,7 @@ from studio.core.captures.capture import Guess
 from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Appearance, Material
-from studio.core.mesh.rig import STILL, Rig
+from studio.core.mesh.rig import NO_SEGMENT, Rig
 from studio.io.figure.body_maps import find_body, loose_feet, loose_hands, named_sides, similar_joints
 from studio.io.figure.figure import NO_SKELETON, Figure, MeshPiece
 from studio.io.guessing import find_unit, said_unit
@@ -38,7 +38,7 @@ from studio.io.up_axis import turn_to_world
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-PLAIN = "#B4BEC8"
+PLAIN_COLOUR = "#B4BEC8"
 MOST_INFLUENCES = 8
 """Joints from which a vertex of a rig hangs."""
 _LIMB_DEPTH = 3
@@ -125,7 +125,7 @@ def _rehung(figure: Figure, new: Rehanging) -> Figure:
 
 def _check_limbs(figure: Figure, body_map: BodyMap) -> None:
     """Every bone of the limbs has a length that is seen beside the others."""
-    for limb, parts in LIMBS.items():
+    for limb, parts in LIMB_PARTS.items():
         joints = [body_map[part] for part in parts]
         bones = np.linalg.norm(np.diff(figure.positions[joints], axis=0), axis=1)
         if bones.min() <= 1e-3 * bones.max():
@@ -289,7 +289,7 @@ def _rig(
         toe = len(spine) + 13 + 4 * side
         if is_rolled:
             own[own == toe] = toe - 1
-    own[list(body.skeleton.path(0, spine[0]))[:-1]] = STILL
+    own[list(body.skeleton.path(0, spine[0]))[:-1]] = NO_SEGMENT
     place = np.argsort(order)
     strongest = np.argsort(-weights, axis=1, kind="stable")[:, :MOST_INFLUENCES]
     kept = np.take_along_axis(weights, strongest, axis=1)
@@ -360,7 +360,7 @@ def _appearance(pieces: Sequence[MeshPiece]) -> Appearance | None:
     if all(piece.material is None for piece in pieces):
         return None
     for piece in pieces:
-        material = piece.material or Material("", PLAIN)
+        material = piece.material or Material("", PLAIN_COLOUR)
         if id(piece.material) not in place:
             place[id(piece.material)] = len(materials)
             materials.append(material)
@@ -372,7 +372,9 @@ def _appearance(pieces: Sequence[MeshPiece]) -> Appearance | None:
 def _colour(appearance: Appearance | None) -> str:
     """The colour of most triangles, by which the character is known on timeline and stage."""
     if appearance is None:
-        return PLAIN
+        return PLAIN_COLOUR
     most = int(np.bincount(appearance.triangle_materials).argmax())
     material = appearance.materials[most]
-    return PLAIN if material.texture is not None or material.colour in ("#FFFFFF", "#000000") else material.colour
+    return (
+        PLAIN_COLOUR if material.texture is not None or material.colour in ("#FFFFFF", "#000000") else material.colour
+    )

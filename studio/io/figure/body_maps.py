@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.body_matching import LOOSE_VARIATION, MOST_VARIATION, BodySearch, Match
-from studio.core.body.humanoid import LIMBS, BodyMap, BodyPart, is_spine, part_called
+from studio.core.body.humanoid import LIMB_PARTS, BodyMap, BodyPart, is_spine, part_called
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
 from studio.resources_folder import resources_folder
@@ -71,7 +71,7 @@ def _best_match(skeleton: Skeleton, positions: FloatArray, fixed: dict[BodyPart,
     """The body found, and the family of its names; bones may drift only where no body has constant ones."""
     by_name = _joints_by_name(skeleton)
     every = _candidates(_all_families(), by_name) | fixed
-    limbs = {part: fixed.get(part) for parts in LIMBS.values() for part in parts}
+    limbs = {part: fixed.get(part) for parts in LIMB_PARTS.values() for part in parts}
     if all(limbs.values()):
         known = {part: joints[0] for part, joints in limbs.items() if joints}
         return "the joints chosen", BodySearch(skeleton, positions).around(known, every)
@@ -102,7 +102,7 @@ def _loose_ends(skeleton: Skeleton, *limbs: str) -> dict[int, int]:
     candidates = _candidates(_all_families(), _joints_by_name(skeleton))
     ends: dict[int, int] = {}
     for limb in limbs:
-        root, middle, end = (next(iter(candidates[part]), -1) for part in LIMBS[limb])
+        root, middle, end = (next(iter(candidates[part]), -1) for part in LIMB_PARTS[limb])
         if min(root, middle, end) < 0 or len(skeleton.path(root, middle)) < 2:
             continue
         if skeleton.path(middle, end) or (skeleton.path(end, root) and end != 0):
@@ -123,7 +123,7 @@ def named_sides(skeleton: Skeleton) -> NDArray[np.int64]:
 
 def similar_joints(skeleton: Skeleton, limb: str) -> list[str]:
     """Names that might belong to ``limb`` (``left arm``), to be offered when it was not found."""
-    parts = LIMBS.get(limb, (BodyPart.PELVIS, BodyPart.HEAD))
+    parts = LIMB_PARTS.get(limb, (BodyPart.PELVIS, BodyPart.HEAD))
     words = {_plain(word) for part in parts for word in _all_families().names[part]}
     side = limb.split()[0]
     near = [

@@ -13,7 +13,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 MOST_VERTICES = 500_000
-MOST_JOINTS = 5_000
+MOST_FIGURE_JOINTS = 5_000
 NO_SKELETON = "has no skeleton (bones), so its mesh cannot move. Rig it first, and export it with its skeleton."
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.io.figure.figure import MOST_JOINTS, NO_SKELETON, Figure, rotations_of
+from studio.io.figure.figure import MOST_FIGURE_JOINTS, NO_SKELETON, Figure, rotations_of
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.container import GltfFile
 from studio.io.gltf.meshes import MeshReader
@@ -36,8 +36,8 @@ def figures_in(file: GltfFile) -> list[Figure]:
     joints = _joints(skins, bones, nodes)
     if not joints:
         raise StudioError(f"{path.name} {NO_SKELETON}")
-    if len(joints) > MOST_JOINTS:
-        raise StudioError(f"{path.name} has more than {MOST_JOINTS:,} joints. Export only the figure's own.")
+    if len(joints) > MOST_FIGURE_JOINTS:
+        raise StudioError(f"{path.name} has more than {MOST_FIGURE_JOINTS:,} joints. Export only the figure's own.")
     poses = [nodes.world]
     if skins and not bones:
         poses.insert(0, _bind_world(nodes, skins))

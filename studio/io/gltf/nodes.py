@@ -11,7 +11,7 @@ from studio.io.json_record import Record
 
 FloatArray = NDArray[np.float64]
 
-MOST_NODES = 50_000
+MOST_GLTF_NODES = 50_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,9 +50,9 @@ class Nodes:
 def read_nodes(root: Record) -> Nodes:
     """All nodes. Raises StudioError when they are no forest or a transformation is no number."""
     records = root.records("nodes")
-    if len(records) > MOST_NODES:
+    if len(records) > MOST_GLTF_NODES:
         raise StudioError(
-            f"{root.where} has {len(records):,} nodes; the studio takes {MOST_NODES:,}. Simplify the file."
+            f"{root.where} has {len(records):,} nodes; the studio takes {MOST_GLTF_NODES:,}. Simplify the file."
         )
     parents = [-1] * len(records)
     children = [record.indices("children", len(records)) for record in records]

@@ -9,7 +9,7 @@ from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 from studio.core.errors import StudioError
-from studio.io.figure.figure import MOST_JOINTS, MOST_VERTICES, Figure, MeshPiece
+from studio.io.figure.figure import MOST_FIGURE_JOINTS, MOST_VERTICES, Figure, MeshPiece
 from studio.io.hanim.geometry import ShapeSurface, surface_of
 from studio.io.hanim.looks import Looks
 from studio.io.hanim.scene import MOST_VISITS, SceneNode, walk
@@ -17,7 +17,7 @@ from studio.io.hanim.scene import MOST_VISITS, SceneNode, walk
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-HUMANOID, JOINT = ("HAnimHumanoid", "Humanoid"), ("HAnimJoint", "Joint")
+HUMANOID_NODES, JOINT_NODES = ("HAnimHumanoid", "Humanoid"), ("HAnimJoint", "Joint")
 _BODY = ("skeleton", "humanoidBody")
 _PLACED = ("Transform", "HAnimSite", "Site")
 _MOST_INFLUENCES = 8
@@ -26,10 +26,10 @@ _SAME = 1e-9
 
 def figure_of(scene: list[SceneNode], path: Path) -> Figure:
     """The humanoid with most joints, standing as its centres say; StudioError when there is none."""
-    humanoids = [node for node in walk(scene) if node.kind in HUMANOID]
+    humanoids = [node for node in walk(scene) if node.kind in HUMANOID_NODES]
     if not humanoids:
         raise StudioError(f"{path.name} shows no humanoid: no HAnimHumanoid or Humanoid is in it. Export one.")
-    humanoid = max(humanoids, key=lambda node: sum(inner.kind in JOINT for inner in walk(node.nodes(*_BODY))))
+    humanoid = max(humanoids, key=lambda node: sum(inner.kind in JOINT_NODES for inner in walk(node.nodes(*_BODY))))
     return _Reader(humanoid, Looks(path)).figure(path)
 
 
@@ -48,7 +48,7 @@ class _Reader:
     def figure(self, path: Path) -> Figure:
         """Walk the body, then its skin."""
         whole = _matrix(self.humanoid)
-        joints = [node for node in walk(self.humanoid.nodes(*_BODY)) if node.kind in JOINT]
+        joints = [node for node in walk(self.humanoid.nodes(*_BODY)) if node.kind in JOINT_NODES]
         if not joints:
             raise StudioError(
                 f"{path.name}: its humanoid has no joints in 'skeleton' or 'humanoidBody'. Export it again."
@@ -75,7 +75,7 @@ class _Reader:
             self.visits += 1
             if self.visits > MOST_VISITS:
                 raise StudioError(f"{node.where}: USE shows more than {MOST_VISITS:,} nodes. Simplify the file.")
-            if node.kind in JOINT:
+            if node.kind in JOINT_NODES:
                 matrix = matrix if centred else matrix @ _matrix(node)
                 joint = self._add(node, matrix, joint)
             elif node.kind == "Shape":
@@ -86,8 +86,10 @@ class _Reader:
             waiting += [(inner, matrix, joint) for inner in reversed(node.nodes("children"))]
 
     def _add(self, node: SceneNode, matrix: FloatArray, parent: int) -> int:
-        if len(self.names) >= MOST_JOINTS:
-            raise StudioError(f"{node.where}: it has more than {MOST_JOINTS:,} joints. Export only the figure's own.")
+        if len(self.names) >= MOST_FIGURE_JOINTS:
+            raise StudioError(
+                f"{node.where}: it has more than {MOST_FIGURE_JOINTS:,} joints. Export only the figure's own."
+            )
         name = node.text("name") or node.definition or f"joint {len(self.names)}"
         if name in self.names:
             name = f"{name} ({len(self.names)})"

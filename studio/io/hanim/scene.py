@@ -12,13 +12,13 @@ from studio.core.errors import StudioError
 
 FloatArray = NDArray[np.float64]
 
-DEEPEST = 120
+DEEPEST_NODE = 120
 """Levels of nesting; a body of H-Anim's finest level has some 60."""
 MOST_VISITS = 300_000
 """Nodes shown in all, those that USE shows again counted again."""
-MOST_NODES = 200_000
+MOST_HANIM_NODES = 200_000
 """Nodes written in one file."""
-LARGEST = 60_000_000
+LARGEST_TEXT = 60_000_000
 """Bytes of one text file."""
 
 _ALLOWED = str.maketrans("", "", "0123456789+-.eE \t\r\n\f\v,")

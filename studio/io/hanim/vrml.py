@@ -11,9 +11,9 @@ import numpy as np
 from studio.core.errors import StudioError
 from studio.io.beside import read_bytes
 from studio.io.hanim.scene import (
-    DEEPEST,
-    LARGEST,
-    MOST_NODES,
+    DEEPEST_NODE,
+    LARGEST_TEXT,
+    MOST_HANIM_NODES,
     STRING,
     FloatArray,
     SceneNode,
@@ -51,7 +51,7 @@ class _Token(NamedTuple):
 
 def read_vrml(path: Path) -> list[SceneNode]:
     """The nodes at the top of a .wrl or .x3dv file. Raises StudioError with file and line."""
-    content = _unpacked(read_bytes(path, LARGEST), path.name)
+    content = _unpacked(read_bytes(path, LARGEST_TEXT), path.name)
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -68,11 +68,11 @@ def _unpacked(content: bytes, name: str) -> bytes:
     unpacker = zlib.decompressobj(wbits=31)
     damaged = StudioError(f"{name} is packed with gzip and damaged or cut off. Copy it again.")
     try:
-        text = unpacker.decompress(content, LARGEST + 1)
+        text = unpacker.decompress(content, LARGEST_TEXT + 1)
     except zlib.error as error:
         raise damaged from error
-    if len(text) > LARGEST:
-        raise StudioError(f"{name} would unpack to more than {LARGEST / 1e6:.0f} MB. Simplify the file.")
+    if len(text) > LARGEST_TEXT:
+        raise StudioError(f"{name} would unpack to more than {LARGEST_TEXT / 1e6:.0f} MB. Simplify the file.")
     if not unpacker.eof:
         raise damaged
     return text
@@ -133,11 +133,13 @@ class _Parser:
             definition = self._word().text
             word = self._word()
         self._depth += 1
-        if self._depth > DEEPEST:
-            raise StudioError(f"{self._where(word)}: its nodes are nested more than {DEEPEST} deep. Simplify the file.")
+        if self._depth > DEEPEST_NODE:
+            raise StudioError(
+                f"{self._where(word)}: its nodes are nested more than {DEEPEST_NODE} deep. Simplify the file."
+            )
         self._nodes += 1
-        if self._nodes > MOST_NODES:
-            raise too_many("nodes", MOST_NODES, self._where(word))
+        if self._nodes > MOST_HANIM_NODES:
+            raise too_many("nodes", MOST_HANIM_NODES, self._where(word))
         node = SceneNode(word.text, self._where(word), definition, dict(self._protos.get(word.text, {})))
         self._mark("{")
         while not self._at("}"):

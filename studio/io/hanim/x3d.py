@@ -6,7 +6,7 @@ from xml.parsers import expat
 
 from studio.core.errors import StudioError
 from studio.io.beside import read_bytes
-from studio.io.hanim.scene import DEEPEST, LARGEST, MOST_NODES, SceneNode, too_many
+from studio.io.hanim.scene import DEEPEST_NODE, LARGEST_TEXT, MOST_HANIM_NODES, SceneNode, too_many
 
 _FIELDS = {
     "Appearance": "appearance",
@@ -33,7 +33,7 @@ _NO_NODES = frozenset({"X3D", "Scene", "head", "meta", "component", "unit", "ROU
 
 def read_x3d(path: Path) -> list[SceneNode]:
     """The nodes at the top of the scene of an .x3d file. Raises StudioError with file and line."""
-    return _Reader(path).read(read_bytes(path, LARGEST))
+    return _Reader(path).read(read_bytes(path, LARGEST_TEXT))
 
 
 class _Reader:
@@ -70,11 +70,11 @@ class _Reader:
         )
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
-        if len(self._open) >= 2 * DEEPEST:
-            raise StudioError(f"{self._where}: its nodes are nested more than {DEEPEST} deep. Simplify the file.")
+        if len(self._open) >= 2 * DEEPEST_NODE:
+            raise StudioError(f"{self._where}: its nodes are nested more than {DEEPEST_NODE} deep. Simplify the file.")
         self._elements += 1
-        if self._elements > MOST_NODES:
-            raise too_many("nodes", MOST_NODES, self._where)
+        if self._elements > MOST_HANIM_NODES:
+            raise too_many("nodes", MOST_HANIM_NODES, self._where)
         self._prototype += tag in ("ProtoDeclare", "ExternProtoDeclare")
         parent = next((node for node in reversed(self._open) if node is not None), None)
         if self._prototype or tag in _NO_NODES:

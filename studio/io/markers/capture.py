@@ -13,21 +13,21 @@ from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
-from studio.core.markers.body_axes import HEAD
+from studio.core.markers.body_axes import HEAD_MARKERS
 from studio.core.markers.force_plates import plate_loads, plates_height
 from studio.core.markers.label_words import part_of
 from studio.core.markers.marker_map import MarkerMap, seen_labels
-from studio.core.markers.roles import ROLE, SIDES
+from studio.core.markers.roles import ROLE, SIDE_WORDS
 from studio.core.markers.sides import exchanged_places
 from studio.core.markers.solve import SolvedBody, solve_body
 from studio.core.markers.take import FollowedBody, MarkerTake, follow
-from studio.core.markers.trial import MARKER, METRES, VIRTUAL, Trial, bare_label, subject_of, whole
-from studio.core.rotations import IDENTITY
+from studio.core.markers.trial import MARKER_KIND, METRES, VIRTUAL_KIND, Trial, bare_label, subject_of, whole
+from studio.core.rotations import IDENTITY_QUATERNION
 from studio.io.capture_guesses import chosen_reference
 from studio.io.guessing import guess_floor
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress
-from studio.io.up_axis import AXES, C3D_USE, BodyPoints, axis_called, guess_up_axis, turn_to_world
+from studio.io.up_axis import C3D_USE, FILE_AXES, BodyPoints, axis_called, guess_up_axis, turn_to_world
 
 FloatArray = NDArray[np.float64]
 
@@ -67,7 +67,7 @@ def capture_of_take(
 
 def _there(take: MarkerTake) -> MarkerMap:
     """What of the map this trial ever shows."""
-    return take.marker_map.among(seen_labels(take.trial, take.subject, (MARKER, VIRTUAL)).values())
+    return take.marker_map.among(seen_labels(take.trial, take.subject, (MARKER_KIND, VIRTUAL_KIND)).values())
 
 
 def _in_unit(take: MarkerTake, options: ImportOptions) -> tuple[MarkerTake, list[Guess]]:
@@ -156,10 +156,12 @@ def _up_axis(followed: FollowedBody, options: ImportOptions, guesses: list[Guess
         guess = guess_up_axis(_points(joints, first), C3D_USE)
     else:
         low, high = ("ankle", "hip") if "left_hip" in joints else ("wrist", "shoulder")
-        way = np.mean([joints[f"{side}_{high}"] - joints[f"{side}_{low}"] for side in SIDES], axis=0)[first:].mean(
+        way = np.mean([joints[f"{side}_{high}"] - joints[f"{side}_{low}"] for side in SIDE_WORDS], axis=0)[first:].mean(
             axis=0
         )
-        heights = {axis: way @ turn[2] / np.linalg.norm(way) + C3D_USE.get(axis, 0.0) for axis, turn in AXES.items()}
+        heights = {
+            axis: way @ turn[2] / np.linalg.norm(way) + C3D_USE.get(axis, 0.0) for axis, turn in FILE_AXES.items()
+        }
         second, best = sorted(heights, key=lambda axis: float(heights[axis]))[-2:]
         confidence = Confidence.of(float(heights[best] - heights[second]), 0.3, 0.6)
         guess = Guess("up axis", best, f"Through the trial the {high}s are above the {low}s along {best}.", confidence)
@@ -174,7 +176,7 @@ def _points(joints: Mapping[str, FloatArray], first: int) -> BodyPoints:
     both = np.stack([looked_at, np.minimum(looked_at + 1, frames - 1)])
 
     def pair(joint: str) -> FloatArray:
-        return np.stack([joints[f"{side}_{joint}"][both] for side in SIDES], axis=2)
+        return np.stack([joints[f"{side}_{joint}"][both] for side in SIDE_WORDS], axis=2)
 
     everything = np.stack([track[both] for track in joints.values()], axis=2)
     return BodyPoints(pair("shoulder"), pair("hip"), pair("knee"), pair("ankle"), None, everything)
@@ -289,9 +291,11 @@ def _not_shown(take: MarkerTake, used: MarkerMap, resting: Sequence[str]) -> Gue
     sentences = []
     for part in resting:
         if part == "head":
-            sentences.append(f"The head needs markers at three places and has {sum(role in there for role in HEAD)}.")
+            sentences.append(
+                f"The head needs markers at three places and has {sum(role in there for role in HEAD_MARKERS)}."
+            )
             continue
-        places = [f"{side}_{joint}" for joint in _PLACES[part] for side in SIDES]
+        places = [f"{side}_{joint}" for joint in _PLACES[part] for side in SIDE_WORDS]
         lacking = [ROLE[place].words.partition(",")[0].lower() for place in places if place not in there]
         lack = f"The {part} lack markers at {', '.join(lacking)}."
         sentences.append(lack if lacking else f"The {part} cannot be told from the markers at their places.")
@@ -338,7 +342,7 @@ def _cloud(take: MarkerTake, lacking: str, options: ImportOptions, guesses: list
         translations[0],
         np.zeros(len(names), dtype=bool),
     )
-    rotations = np.tile(IDENTITY, (*translations.shape[:2], 1))
+    rotations = np.tile(IDENTITY_QUATERNION, (*translations.shape[:2], 1))
     guesses += [
         Guess(
             "marker map",
@@ -360,7 +364,7 @@ def _cloud(take: MarkerTake, lacking: str, options: ImportOptions, guesses: list
         poses=PoseSequence(rotations, translations),
         frame_rate=options.frame_rate or trial.frame_rate,
         body_map=None,
-        reference_rotations=np.tile(IDENTITY, (len(names), 1)),
+        reference_rotations=np.tile(IDENTITY_QUATERNION, (len(names), 1)),
         floor=options.floor or 0.0,
         unit=trial.unit,
         up_axis=up_axis,

@@ -13,7 +13,7 @@ from studio.core.errors import StudioError
 from studio.core.markers.marker_map import MarkerMap, seen_labels
 from studio.core.markers.proposing import propose_map
 from studio.core.markers.sides import exchanged_places, with_exchanged
-from studio.core.markers.trial import MARKER, VIRTUAL, Trial, subject_of
+from studio.core.markers.trial import MARKER_KIND, VIRTUAL_KIND, Trial, subject_of
 from studio.io.json_text import read_json
 from studio.io.replacing import write_whole
 from studio.resources_folder import resources_folder
@@ -30,7 +30,7 @@ def find_map(trial: Trial, subject: str = "") -> MarkerMap:
     One of the user's where it can follow a body, else the studio's that explains most, with what a proposal adds; else
     a proposal.
     """
-    labels = list(seen_labels(trial, subject, (MARKER, VIRTUAL)).values())
+    labels = list(seen_labels(trial, subject, (MARKER_KIND, VIRTUAL_KIND)).values())
     own = _best(_read_maps()[0], labels)
     if own is not None:
         return own

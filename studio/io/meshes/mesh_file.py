@@ -24,7 +24,7 @@ LARGEST_FILE = 200_000_000
 """Bytes."""
 Y_UP = (".obj",)
 """Formats whose programs mostly write Y up."""
-UNITS = ((12.0, 1.0, "metres"), (1500.0, 0.01, "centimetres"), (np.inf, 0.001, "millimetres"))
+UNIT_BY_SIDE = ((12.0, 1.0, "metres"), (1500.0, 0.01, "centimetres"), (np.inf, 0.001, "millimetres"))
 """Longest side up to which a number is taken for metres, centimetres, millimetres."""
 _TO_Z_UP = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 
@@ -46,7 +46,7 @@ def read_mesh(path: Path) -> MeshFile:
     if not np.isfinite(points).all():
         raise StudioError(f"{path} is not readable as a mesh: a vertex is not finite. Export the mesh again.")
     side = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
-    factor, unit = next((factor, unit) for most, factor, unit in UNITS if not side > most)
+    factor, unit = next((factor, unit) for most, factor, unit in UNIT_BY_SIDE if not side > most)
     up = "Y" if suffix in Y_UP else "Z"
     try:
         mesh = TriangleMesh(factor * (points @ _TO_Z_UP.T if up == "Y" else points), triangles)

@@ -32,8 +32,8 @@ from studio.io.registry import Progress, ReadCharacter
 from studio.io.replacing import replacing_all
 from studio.resources_folder import resources_folder
 
-FORMAT = "morpho-studio character"
-VERSION = 1
+CHARACTER_FORMAT = "morpho-studio character"
+CHARACTER_VERSION = 1
 _LIMIT = 200_000_000
 _DAMAGE = (KeyError, ValueError, TypeError, ArithmeticError)
 """What comes of arrays that are no mesh."""
@@ -44,7 +44,7 @@ _LOOK = ("triangle_materials", "coordinates")
 
 def is_character(head: bytes) -> bool:
     """Whether a file that begins with ``head`` is a character of ours."""
-    return FORMAT.encode() in head
+    return CHARACTER_FORMAT.encode() in head
 
 
 def load_character(path: Path, _options: ImportOptions, progress: Progress) -> ReadCharacter:
@@ -64,8 +64,8 @@ def write_character(character: Character, path: Path) -> None:
     mesh = mesh_bytes(character.skin)
     mesh_path = path.with_suffix(".npz")
     record = {
-        "format": FORMAT,
-        "version": VERSION,
+        "format": CHARACTER_FORMAT,
+        "version": CHARACTER_VERSION,
         "name": character.name,
         "colour": character.colour,
         "mesh": mesh_path.name,
@@ -226,9 +226,9 @@ def _read_record(path: Path) -> dict[str, Any]:
         record = json_of(read_bytes(path))
     except ValueError as error:
         raise StudioError(f"{path}: not a character file. {error}") from error
-    if not isinstance(record, dict) or record.get("format") != FORMAT:
-        raise StudioError(f"{path}: not a character file: its 'format' is not '{FORMAT}'.")
-    if record.get("version") != VERSION:
+    if not isinstance(record, dict) or record.get("format") != CHARACTER_FORMAT:
+        raise StudioError(f"{path}: not a character file: its 'format' is not '{CHARACTER_FORMAT}'.")
+    if record.get("version") != CHARACTER_VERSION:
         raise StudioError(f"{path}: version {record.get('version')} is not known here. Install a newer Morpho Studio.")
     return record
 

@@ -23,7 +23,7 @@ from typing import Any
 from studio.core.captures.contacts import CONTACT_POINTS, ContactInterval, contact_point
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowProp
-from studio.core.constraints.kinds import KINDS
+from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.constraints.objections import objection
 from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
@@ -110,10 +110,10 @@ def constraint_of(record: Json, motion_id: str, where: str) -> Constraint:
     name = record.get("name")
     if isinstance(name, str):
         where += f" ('{name[:40]}')"
-    kind = KINDS.get(str(record.get("kind")))
+    kind = CONSTRAINT_KINDS.get(str(record.get("kind")))
     if kind is None:
         asked = f"not '{str(record['kind'])[:40]}'" if "kind" in record else "but it says none"
-        raise StudioError(f"{where}, kind: expected one of {', '.join(KINDS)}, {asked}.")
+        raise StudioError(f"{where}, kind: expected one of {', '.join(CONSTRAINT_KINDS)}, {asked}.")
     if strange := _paths({k: v for k, v in unknown_fields(record, kind).items() if k not in _IDS}):
         raise StudioError(f"{where}: '{strange[0]}' is not known here. Correct its name.")
     if large := too_large(record):

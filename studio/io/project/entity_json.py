@@ -17,7 +17,7 @@ from studio.core.body.morphology import Proportions
 from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import UNTURNED
-from studio.core.constraints.kinds import KINDS
+from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.errors import StudioError
 from studio.core.grounds import GROUND_KINDS
 from studio.core.grounds.ground import Ground
@@ -258,7 +258,7 @@ def _part_with_dangling(
 
 def _class_of(collection: str, record: Json) -> Any:
     if collection == "constraints":
-        return KINDS.get(str(record.get("kind")))
+        return CONSTRAINT_KINDS.get(str(record.get("kind")))
     if collection == "grounds":
         return GROUND_KINDS.get(str(record.get("kind", Ground.kind)))
     return CLASSES[collection]

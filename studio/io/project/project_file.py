@@ -41,7 +41,7 @@ __all__ = [
     "write_project",
 ]
 
-MANIFEST, PROJECT, THUMBNAIL = "manifest.json", "project.json", "thumbnail.png"
+MANIFEST_FILE, PROJECT_FILE, THUMBNAIL_FILE = "manifest.json", "project.json", "thumbnail.png"
 HISTORY = re.compile(r"history/(\d{3,9})\.json")
 KEPT_VERSIONS = 10
 _PLAIN_ID = re.compile("[0-9A-Za-z]{1,64}")
@@ -104,16 +104,16 @@ def write_project(
         )
     report(0.0, "Collecting")
     arrays: Members = {}
-    members = {PROJECT: project_json(project, arrays)}
-    members |= _earlier(path, document_id, members[PROJECT])
+    members = {PROJECT_FILE: project_json(project, arrays)}
+    members |= _earlier(path, document_id, members[PROJECT_FILE])
     members |= project.carried.get("members", {})
     members |= {name: npy_bytes(array) for name, array in sorted(arrays.items())}
     if thumbnail is not None:
-        members[THUMBNAIL] = thumbnail
-    return write_archive(path, {MANIFEST: _manifest(document_id, members), **members}, report)
+        members[THUMBNAIL_FILE] = thumbnail
+    return write_archive(path, {MANIFEST_FILE: _manifest(document_id, members), **members}, report)
 
 
-def read_project(path: Path, version: str = PROJECT) -> OpenedProject:
+def read_project(path: Path, version: str = PROJECT_FILE) -> OpenedProject:
     """The project of a file, or an earlier ``version`` of it, as far as its hashes are right.
 
     What is damaged is left out and listed. Raises StudioError when nothing can be opened.
@@ -122,7 +122,7 @@ def read_project(path: Path, version: str = PROJECT) -> OpenedProject:
     problems = [f"'{name}' in '{path.name}' is damaged." for name in dict.fromkeys(archive.damaged)]
     manifest, intact = _checked(archive, path, problems)
     versions = tuple(sorted((name for name in intact if HISTORY.fullmatch(name)), reverse=True))
-    chosen = _newest_readable(path, (version, *versions) if version == PROJECT else (version,), intact, problems)
+    chosen = _newest_readable(path, (version, *versions) if version == PROJECT_FILE else (version,), intact, problems)
     record = parsed(intact[chosen], chosen)
     schema = schema_of(record, chosen)
     read = project_of(upgraded(record, chosen), lambda name: _array(intact, name))
@@ -172,8 +172,8 @@ def _earlier(path: Path, document_id: str, current: bytes) -> dict[str, bytes]:
         return {}
     numbers = {int(found[1]): name for name in intact if (found := HISTORY.fullmatch(name))}
     kept = {number: intact[name] for number, name in numbers.items()}
-    if PROJECT in intact and intact[PROJECT] != current:
-        kept[max(kept, default=0) + 1] = intact[PROJECT]
+    if PROJECT_FILE in intact and intact[PROJECT_FILE] != current:
+        kept[max(kept, default=0) + 1] = intact[PROJECT_FILE]
     versions = {f"history/{number:03}.json": kept[number] for number in sorted(kept)[-KEPT_VERSIONS:]}
     named = {name for content in versions.values() for name in _named_in(content)}
     return versions | {name: intact[name] for name in sorted(named & intact.keys())}
@@ -187,10 +187,10 @@ def _checked(archive: Archive, path: Path, problems: list[str]) -> tuple[dict[st
     """The manifest ({} when lost) and the members whose hash is right; ``problems`` tells of the others."""
     manifest: dict[str, Json] = {}
     try:
-        found = parsed(archive.members.get(MANIFEST, b""), MANIFEST)
+        found = parsed(archive.members.get(MANIFEST_FILE, b""), MANIFEST_FILE)
         manifest = found if isinstance(found, dict) and isinstance(found.get("members"), dict) else {}
     except StudioError:
-        problems.append(f"'{MANIFEST}' in '{path.name}' is missing or damaged.")
+        problems.append(f"'{MANIFEST_FILE}' in '{path.name}' is missing or damaged.")
     sums = manifest.get("members", {})
     intact = {}
     for name, content in archive.members.items():
@@ -240,7 +240,7 @@ def _array(intact: dict[str, bytes], name: str) -> Array:
 def _with_foreign_members(project: Project, intact: dict[str, bytes], manifest: dict[str, Json]) -> Project:
     """The project with the bytes that its unknown parts name, and members that are not known here."""
     named = named_members(dict(project.carried))
-    own = (MANIFEST, PROJECT, THUMBNAIL)
+    own = (MANIFEST_FILE, PROJECT_FILE, THUMBNAIL_FILE)
     listed = {name for name in manifest.get("members", {}) if not MEMBER_NAME.fullmatch(name)}
     foreign = {
         name: content

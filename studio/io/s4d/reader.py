@@ -18,18 +18,18 @@ from studio.core.errors import StudioError
 from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import girdle_of, restore
-from studio.core.rotations import IDENTITY, to_matrix
+from studio.core.rotations import IDENTITY_QUATERNION, to_matrix
 from studio.io.beside import read_bytes
 from studio.io.json_text import json_of
 from studio.io.npy import array_of
 from studio.io.project.constraint_file import constraint_of, contacts_of
 from studio.io.project.value_json import Json, MemberCodec, from_json
-from studio.io.s4d.writer import CHANNELS, FORMAT, RECORD, ROTATIONS, TRANSLATIONS, VERSION, S4d
+from studio.io.s4d.writer import CHANNELS, RECORD, ROTATIONS, S4D_FORMAT, S4D_VERSION, TRANSLATIONS, S4d
 from studio.io.zipped import UnpacksTooFarError, unpacked
 
 FloatArray = NDArray[np.float64]
 
-MOST_JOINTS = 4096
+MOST_S4D_JOINTS = 4096
 _SPARE_BYTES = 50_000_000
 _SPARE_POSES = 2_500_000
 """Poses of single joints that any file may unfold to; each byte of it allows one more."""
@@ -85,7 +85,7 @@ def read_s4d(path: Path, motion_id: str = "") -> S4d:
     arrays = {name: _array(members[name], name, path) for name in (CHANNELS, ROTATIONS, TRANSLATIONS)}
     try:
         frames, joints = len(arrays[CHANNELS]), len(record.actor.joints)
-        if joints > MOST_JOINTS or frames * joints > _SPARE_POSES + size:
+        if joints > MOST_S4D_JOINTS or frames * joints > _SPARE_POSES + size:
             raise ValueError(f"{frames} frames of {joints} joints are more than a file of this size can hold.")
         motion = NormalizedMotion(record.name, record.frame_rate, arrays[CHANNELS], record.spine_places)
         actor = _actor(record.actor, motion, arrays)
@@ -119,10 +119,10 @@ def _record(content: bytes, path: Path) -> _Record:
         parsed = json_of(content, parse_constant=_refuse, parse_float=_finite)
     except ValueError as error:
         raise _damaged(path, f"'{RECORD}' is not readable as JSON ({error}).") from error
-    if not isinstance(parsed, dict) or parsed.get("format") != FORMAT:
+    if not isinstance(parsed, dict) or parsed.get("format") != S4D_FORMAT:
         raise _damaged(path, f"'{RECORD}' does not say that it is one.")
     version = parsed.get("version")
-    if version != VERSION:
+    if version != S4D_VERSION:
         raise StudioError(f"{path.name} has version {str(version)[:20]} of S4D. Install a newer Morpho Studio.")
     try:
         found: _Record = from_json(parsed, _Record, MemberCodec(_no_member, _no_member))
@@ -179,7 +179,7 @@ def _actor(record: _Actor, motion: NormalizedMotion, arrays: dict[str, FloatArra
     body = Morphology.from_json(record.morphology)
     if body.layout != layout or np.abs(body.packed).max() > _LARGEST:
         raise ValueError("the morphology does not fit the channels.")
-    rotations = np.tile(IDENTITY, (frames, joints, 1))
+    rotations = np.tile(IDENTITY_QUATERNION, (frames, joints, 1))
     rotations[:, list(record.rotations_of)] = arrays[ROTATIONS]
     translations = np.tile(skeleton.offsets, (frames, 1, 1))
     translations[:, list(record.translations_of)] = arrays[TRANSLATIONS]

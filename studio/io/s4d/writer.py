@@ -26,10 +26,10 @@ from studio.io.zipped import npy, write_zip
 
 FloatArray = NDArray[np.float64]
 
-FORMAT, VERSION = "S4D", 1
+S4D_FORMAT, S4D_VERSION = "S4D", 1
 RECORD, CHANNELS, ROTATIONS, TRANSLATIONS = "s4d.json", "channels.npy", "rotations.npy", "translations.npy"
 
-GRID = 2.0**-17
+NUMBER_STEP = 2.0**-17
 """What stored numbers are multiples of: 8 micrometres, or 0.0004 degrees, so that a ZIP can pack float32 well."""
 _UNROUNDED = slice(at.LIMB_SLACK, at.LIMB_OFF_PLANE + 4)
 """Channels whose square root places elbow and knee of a straight limb: kept as float32 has them."""
@@ -77,8 +77,8 @@ def pass_through_joints(actor: SourceRig) -> tuple[list[int], list[int]]:
 def _record(s4d: S4d, free: list[int], moving: list[int]) -> dict[str, Any]:
     capture, actor, notes = s4d.capture, s4d.actor, s4d.annotations
     return {
-        "format": FORMAT,
-        "version": VERSION,
+        "format": S4D_FORMAT,
+        "version": S4D_VERSION,
         "name": s4d.motion.name,
         "frame_rate": s4d.motion.frame_rate,
         "first_frame": capture.first_frame,
@@ -130,4 +130,4 @@ def _channels(channels: FloatArray) -> NDArray[np.float32]:
 
 def _on_grid(values: FloatArray) -> NDArray[np.float32]:
     """Float32 with the frames of one number side by side, as a ZIP packs them best."""
-    return np.asfortranarray(np.round(values / GRID) * GRID + 0.0, dtype="<f4")
+    return np.asfortranarray(np.round(values / NUMBER_STEP) * NUMBER_STEP + 0.0, dtype="<f4")

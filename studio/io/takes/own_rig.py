@@ -10,7 +10,7 @@ from studio.core.body.humanoid import BodyMap
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.mesh.joint_skin import FloatArray, JointSkin
-from studio.core.mesh.rig import STILL, Rig
+from studio.core.mesh.rig import NO_SEGMENT, Rig
 from studio.core.mesh.skin import bound_pose, fit_skin, segment_forms
 from studio.core.rotations import from_matrix
 from studio.io.export import Take
@@ -40,7 +40,7 @@ def on_own_rig(take: Take, suffix: str) -> Take:
     positions, rotations = _bound(rig, *segment_forms(mesh, character.build, body))
     if suffix in _Y_UP:
         rotations = rotations @ _WORLD_TO_FILE
-    moving = rig.segments != STILL
+    moving = rig.segments != NO_SEGMENT
     segments = rig.segments[moving]
     proximal = np.array(body.layout.proximal_points())
     then, axes = bound_pose(mesh, body)
@@ -86,7 +86,7 @@ def _bound(rig: Rig, forms: FloatArray, shifts: FloatArray) -> tuple[FloatArray,
     positions = np.einsum("jab,jb->ja", forms[of_joint], rig.positions) + shifts[of_joint]
     left, _, right = np.linalg.svd(forms[of_joint])
     turns = left @ right
-    is_still = rig.segments == STILL
+    is_still = rig.segments == NO_SEGMENT
     positions[is_still] = rig.positions[is_still]
     turns[is_still] = np.eye(3)
     return positions, turns @ rig.rotations

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.core.markers.subjects import with_subjects
-from studio.core.markers.trial import MARKER, Trial
+from studio.core.markers.trial import MARKER_KIND, Trial
 from studio.io.beside import read_bytes
 from studio.io.markers.unit import named_unit
 from studio.io.numbers import count_per_line, lines_of, number, table
@@ -56,7 +56,7 @@ def read_trc(path: Path, progress: Callable[[float], object] = lambda share: Non
         name=path.stem,
         source=name,
         labels=labels,
-        kinds=(MARKER,) * len(labels),
+        kinds=(MARKER_KIND,) * len(labels),
         points=points,
         residuals=np.where(unseen, -1.0, 0.0),
         frame_rate=_frame_rate(name, said, cells[:, 1], repairs),

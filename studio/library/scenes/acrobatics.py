@@ -5,9 +5,9 @@ from dataclasses import replace
 from studio.core.mesh import hand_shapes
 from studio.core.project import Performer, Project
 from studio.core.stage.clip import Clip
-from studio.library.scenes.stagehand import RATE, bodies, material
+from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, bodies, material
 
-BESIDE = 2.2
+WHEEL_SPACING = 2.2
 """Metres from one body to the next: they wheel that way, the longer legs ahead."""
 JOINED = 0.4
 """Seconds by which the cartwheel fades in over the end of the handstand."""
@@ -16,14 +16,15 @@ JOINED = 0.4
 def handstand_and_cartwheel() -> Project:
     """Five bodies from the smallest to the largest, each with one handstand and then one cartwheel."""
     stuff = material(handstand=("Handstand", "handstand"), cartwheel=("Cartwheel", "cartwheel"))
-    characters = {key: replace(each, grip=hand_shapes.OPEN) for key, each in bodies(5).items()}
+    characters = {key: replace(each, grip=hand_shapes.OPEN_GRIP) for key, each in bodies(5).items()}
     up, wheel = (stuff.captures[name].frame_count - 1 for name in ("handstand", "cartwheel"))
     clips = (
         Clip("handstand", 0, up, 0.0, "handstand"),
-        Clip("cartwheel", 0, wheel, up / RATE - JOINED, "cartwheel"),
+        Clip("cartwheel", 0, wheel, up / BUNDLED_FRAME_RATE - JOINED, "cartwheel"),
     )
     keys = sorted(characters, key=lambda key: characters[key].morphology.leg_length)
     performers = {
-        key: Performer(characters[key].name, key, clips, (0.0, BESIDE * (place - 2))) for place, key in enumerate(keys)
+        key: Performer(characters[key].name, key, clips, (0.0, WHEEL_SPACING * (place - 2)))
+        for place, key in enumerate(keys)
     }
     return Project(stuff.captures, stuff.motions, characters, performers, {}, stuff.contacts)

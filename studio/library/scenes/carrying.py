@@ -7,11 +7,11 @@ from studio.core.project import Project
 from studio.core.stage.holding import grips
 from studio.core.stage.prop import Carried, Prop
 from studio.library.scenes.papers import row
-from studio.library.scenes.stagehand import RATE, material
+from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, material
 
-WIDTHS = (0.16, 0.34, 0.52)
+BOX_WIDTHS = (0.16, 0.34, 0.52)
 """Of the boxes, in metres; all are as deep as the first is wide, and a little higher."""
-AHEAD = (0.42, 0.0, 0.36)
+HANDS_CENTRE = (0.42, 0.0, 0.36)
 """Of the middle between hands that swing, in leg lengths."""
 
 
@@ -19,11 +19,11 @@ def three_boxes() -> Project:
     """Three bodies walk with a box each."""
     stuff = material(walk=("Walk and turn", "walk_turn"))
     project = row(stuff, "walk", 3, apart=1.5)
-    last = (stuff.captures["walk_turn"].frame_count - 1) / RATE
+    last = (stuff.captures["walk_turn"].frame_count - 1) / BUNDLED_FRAME_RATE
     props, asked = {}, dict[str, Constraint]()
-    for width, (key, performer) in zip(WIDTHS, project.performers.items(), strict=True):
+    for width, (key, performer) in zip(BOX_WIDTHS, project.performers.items(), strict=True):
         name = f"Box of {performer.name.lower()}"
-        box = props[f"box {key}"] = Prop(name, (0.22, width, 0.24), held=Carried(key, AHEAD))
+        box = props[f"box {key}"] = Prop(name, (0.22, width, 0.24), held=Carried(key, HANDS_CENTRE))
         for place, grip in enumerate(grips("walk", key, f"box {key}", box, (0.0, last), 0)):
             asked[f"grip {key} {place}"] = grip
     return replace(project, props=props, constraints=asked)

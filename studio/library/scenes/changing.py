@@ -13,14 +13,14 @@ from studio.core.grounds.steps import Steps
 from studio.core.project import GROUND_ID, Project
 from studio.core.stage.clip import Clip
 from studio.library.scenes.papers import row
-from studio.library.scenes.stagehand import RATE, material
+from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, material
 
-GUARD = (240, 340)
+GUARD_SPAN = (240, 340)
 """Frames of the punch in which it only stands, both hands before the chest."""
-APART, TOGETHER = 0.45, 0.0
+APART_OFFSET, TOGETHER_OFFSET = 0.45, 0.0
 CLAPS = (0.5, 1.0, 1.5)
 """Seconds at which hands meet."""
-ARMS = (0.8, 1.0, 1.25)
+ARM_SCALES = (0.8, 1.0, 1.25)
 PALMS = tuple(BodyPoint(BodyPart(f"{side}_hand"), (0.0, 0.0, 0.08)) for side in ("left", "right"))
 RISE, TREAD = 0.10, 0.45
 
@@ -35,17 +35,17 @@ def clap() -> Project:
             name=("Short arms", "Usual arms", "Long arms")[place],
             proportions=Proportions(upper_arms=factor, forearms=factor),
         )
-        for place, factor in enumerate(ARMS)
+        for place, factor in enumerate(ARM_SCALES)
     }
-    clips = (Clip("rest", *GUARD, id="clip"),)
+    clips = (Clip("rest", *GUARD_SPAN, id="clip"),)
     performers = {
         name: replace(performer, name=characters[own].name, character_id=own, clips=clips)
         for (name, performer), own in zip(project.performers.items(), characters, strict=True)
     }
-    begin, end = (frame / RATE for frame in GUARD)
-    beats = [(begin + CLAPS[0] - 0.25, APART)]
+    begin, end = (frame / BUNDLED_FRAME_RATE for frame in GUARD_SPAN)
+    beats = [(begin + CLAPS[0] - 0.25, APART_OFFSET)]
     for second in CLAPS:
-        beats += [(begin + second, TOGETHER), (begin + second + 0.25, APART)]
+        beats += [(begin + second, TOGETHER_OFFSET), (begin + second + 0.25, APART_OFFSET)]
     times, distances = zip(*beats, strict=True)
     hands = DistanceConstraint(
         "rest", "Clap", PALMS[0], Chain(), 0, ActivationCurve(begin, begin + 0.25, end - 0.05, end),

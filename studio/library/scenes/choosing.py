@@ -17,20 +17,20 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.prop import Prop, PropShape
 from studio.io.importing import load_capture
 from studio.library.indexing import bundled_library
-from studio.library.scenes.stagehand import RATE, bodies, material
+from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, bodies, material
 from studio.library.searching import Result, StrikeQuery, find
 from studio.library.striking import EASED_IN, aimed, tried
 
-BODIES = ("child", "adult_woman", "giant")
-CALM = (240, 300)
+FIGHTER_BODIES = ("child", "adult_woman", "giant")
+GUARD_FRAMES = (240, 300)
 """Frames of the punch in which the fighter only stands on guard; the strike takes over from the last one."""
-AHEAD, HEIGHT = 0.7, 1.1
+TARGET_AHEAD, TARGET_HEIGHT = 0.7, 1.1
 """Metres: of the target before the root and above the ground."""
-BALL = 0.12
+BALL_DIAMETER = 0.12
 """Metres across."""
-BESIDE = 2.0
+FIGHTER_SPACING = 2.0
 """Metres from one body to the next."""
-FEW = 4
+MOST_STRIKES_TRIED = 4
 """Strikes that are tried, as far as the target is met."""
 
 
@@ -40,15 +40,15 @@ def one_target() -> Project:
     guard, _ = normalize(stuff.captures["straight_punch"])
     library, people = bundled_library(), bodies(5)
     project = Project(stuff.captures, stuff.motions, {}, {}, {}, stuff.contacts)
-    for place, key in enumerate(BODIES):
-        asked = target_of(guard, CALM[1], people[key].morphology)
-        best = tried(find(library, asked, FEW), asked)[0].found
-        project = _with_fighter(project, key, people[key], BESIDE * (1 - place), asked, best)
+    for place, key in enumerate(FIGHTER_BODIES):
+        asked = target_of(guard, GUARD_FRAMES[1], people[key].morphology)
+        best = tried(find(library, asked, MOST_STRIKES_TRIED), asked)[0].found
+        project = _with_fighter(project, key, people[key], FIGHTER_SPACING * (1 - place), asked, best)
     return project
 
 
 def target_of(
-    guard: NormalizedMotion, frame: int, body: Morphology, place: tuple[float, float] = (AHEAD, HEIGHT)
+    guard: NormalizedMotion, frame: int, body: Morphology, place: tuple[float, float] = (TARGET_AHEAD, TARGET_HEIGHT)
 ) -> StrikeQuery:
     """What a body is to hit from a frame of its guard: ``place`` is ahead of its root, and above the ground."""
     pose = replace(guard, channels=guard.channels[frame : frame + 1])
@@ -60,19 +60,28 @@ def _with_fighter(
     project: Project, key: str, character: Character, y: float, asked: StrikeQuery, found: Result
 ) -> Project:
     """One more body that stands on guard and then does what was found for it."""
-    motion_id, target, begins = found.clip.take.motion.name, f"target {key}", (CALM[1] - CALM[0] + 1) / RATE
+    motion_id, target, begins = (
+        found.clip.take.motion.name,
+        f"target {key}",
+        (GUARD_FRAMES[1] - GUARD_FRAMES[0] + 1) / BUNDLED_FRAME_RATE,
+    )
     capture = load_capture(Path(found.clip.take.path))
     contacts = {f"{motion_id} {place}": each for place, each in enumerate(detected_contacts(capture, motion_id))}
     clip = Clip(motion_id, found.start, found.clip.label.last, begins, f"{key} strike", ease=EASED_IN * found.seconds)
-    performer = Performer(character.name, key, (Clip("guard", *CALM, id=f"{key} guard"), clip), (0.0, y))
+    performer = Performer(character.name, key, (Clip("guard", *GUARD_FRAMES, id=f"{key} guard"), clip), (0.0, y))
     x, aside, z = np.asarray(asked.place).tolist()
-    ball = Prop(f"Target of {character.name.lower()}", (BALL, BALL, BALL), (x, y + aside, z), shape=PropShape.BALL)
+    ball = Prop(
+        f"Target of {character.name.lower()}",
+        (BALL_DIAMETER, BALL_DIAMETER, BALL_DIAMETER),
+        (x, y + aside, z),
+        shape=PropShape.BALL,
+    )
     return replace(
         project,
         captures={**project.captures, motion_id: capture},
         motions={**project.motions, motion_id: Motion(motion_id.replace("_", " ").capitalize(), motion_id)},
         contacts={**project.contacts, **contacts},
-        characters={**project.characters, key: replace(character, grip=hand_shapes.FIST)},
+        characters={**project.characters, key: replace(character, grip=hand_shapes.FIST_GRIP)},
         performers={**project.performers, key: performer},
         props={**project.props, target: ball},
         constraints={**project.constraints, target: aimed(found, clip, FollowProp(target), asked.body)},

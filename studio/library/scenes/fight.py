@@ -24,33 +24,33 @@ from studio.core.stage.conditions import (
 )
 from studio.core.stage.manners import KeepDistance
 from studio.core.stage.scope import Scope
-from studio.library.scenes.stagehand import RATE, around, bodies, hit_at, material
+from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, around, bodies, hit_at, material
 
-KICK, PUNCH = 152, 181
+KICK_FRAME, PUNCH_FRAME = 152, 181
 """Frames of the captures at which the leg and the arm are stretched most."""
-REACH = 1.7
+FIGHT_DISTANCE = 1.7
 """Leg lengths between two who fight, of the mean of their legs: as far as kick and punch go by themselves."""
-BESIDE = 2.2
+PAIR_SPACING = 2.2
 """Metres from one pair to the next."""
-ANKLE = BodyPoint(BodyPart.RIGHT_SHANK, at_end=True)
-FOREARM = BodyPoint(BodyPart.LEFT_FOREARM, (0.0, 0.0, 0.12))
-FIST = BodyPoint(BodyPart.RIGHT_HAND, (0.0, 0.0, 0.09))
-BEFORE_CHEST = BodyPoint(BodyPart.THORAX, (0.24, 0.0, -0.02))
+KICKING_ANKLE = BodyPoint(BodyPart.RIGHT_SHANK, at_end=True)
+WARDING_FOREARM = BodyPoint(BodyPart.LEFT_FOREARM, (0.0, 0.0, 0.12))
+RIGHT_FIST = BodyPoint(BodyPart.RIGHT_HAND, (0.0, 0.0, 0.09))
+POINT_BEFORE_CHEST = BodyPoint(BodyPart.THORAX, (0.24, 0.0, -0.02))
 BEFORE_BELLY = BodyPoint(BodyPart.PELVIS, (0.24, 0.0, 0.02))
-SMALL = 0.9
+CHEST_KICK_STATURE = 0.9
 """Of the other's stature, below which a leg does not reach the chest."""
 CHIN = BodyPoint(BodyPart.HEAD, (0.12, 0.0, 0.03))
 BACK = (-0.22, 0.0, -0.05)
 """Leg lengths by which a head leans back from a fist."""
-LEG, PUNCHING, LEAN = Chain(root=1.0), Chain(trunk=0.6, root=0.6), Chain(trunk=1.0)
-GUARD, LOW_GUARD = Chain(), Chain(trunk=0.8)
+KICK_CHAIN, PUNCHING, LEAN_CHAINS = Chain(root=1.0), Chain(trunk=0.6, root=0.6), Chain(trunk=1.0)
+GUARD_CHAINS, LOW_GUARD = Chain(), Chain(trunk=0.8)
 
 
-KICKS, WARDS = 1.0, 0.65
+KICK_SECONDS, WARD_DELAY = 1.0, 0.65
 """Seconds of the stage at which the timeline has the kick begin, and how much later it is warded off."""
 ON_GUARD = 1.4
 """Leg lengths from hips to hips, as they stand on guard at the beginning."""
-AT_REACH, FAR = KeepDistance(distance=ON_GUARD, room=0.12, legs=True), ON_GUARD + 0.3
+AT_REACH, BEYOND_KICK = KeepDistance(distance=ON_GUARD, room=0.12, legs=True), ON_GUARD + 0.3
 """How they stand while it plays live; from more leg lengths nobody kicks."""
 
 
@@ -67,22 +67,22 @@ def fight_training(pairs: int = 4) -> Project:
     stuff = material(
         rest=("Rest", "straight_punch"), kick=("Kick", "front_kick"), ward_off=("Ward off, punch", "straight_punch")
     )
-    characters = {key: replace(each, grip=hand_shapes.FIST) for key, each in bodies(2 * pairs).items()}
+    characters = {key: replace(each, grip=hand_shapes.FIST_GRIP) for key, each in bodies(2 * pairs).items()}
     keys = sorted(characters, key=lambda key: characters[key].morphology.stature)
     fighters = [Pair(*keys[place : place + 2]) for place in range(0, 2 * pairs, 2)]
     performers: dict[str, Performer] = {}
     constraints: dict[str, Constraint] = {}
     for place, pair in enumerate(fighters):
-        apart = REACH * (_leg(characters[pair.white]) + _leg(characters[pair.red])) / 2
-        across = BESIDE * (place - (pairs - 1) / 2)
+        apart = FIGHT_DISTANCE * (_leg(characters[pair.white]) + _leg(characters[pair.red])) / 2
+        across = PAIR_SPACING * (place - (pairs - 1) / 2)
         for key, x, heading, clips, colour in (
             (pair.white, 0.0, 0.0, _white(pair.white), "White"),
             (pair.red, apart, math.pi, _red(pair.red), "Red"),
         ):
             name = f"{colour} {place + 1}, {characters[key].name.lower()}"
             performers[key] = Performer(name, key, clips, (x, across), heading)
-        small = characters[pair.white].morphology.stature < SMALL * characters[pair.red].morphology.stature
-        constraints |= _asked(pair, BEFORE_BELLY if small else BEFORE_CHEST)
+        small = characters[pair.white].morphology.stature < CHEST_KICK_STATURE * characters[pair.red].morphology.stature
+        constraints |= _asked(pair, BEFORE_BELLY if small else POINT_BEFORE_CHEST)
     behaviours = {"white": _kicking(fighters), "red": _warding(fighters)}
     contacts = {key: each for key, each in stuff.contacts.items() if isinstance(each.point, ContactPoint)}
     # Hands on guard are near each other, but who wards off with one does not take the other along.
@@ -94,7 +94,7 @@ def _kicking(fighters: Sequence[Pair]) -> Behaviour:
     guard = State("Guard", Clip("rest", 240, 340, id="guard"), manners=(AT_REACH,))
     kick = State("Kick", Clip("kick", 90, 240, id="kick"), False, event="kick", place=(288.0, 0.0))
     ways = (
-        Transition("Guard", "Kick", (KeyCondition("X"), DistanceCondition(AT_REACH.gap, FAR)), 0.3),
+        Transition("Guard", "Kick", (KeyCondition("X"), DistanceCondition(AT_REACH.gap, BEYOND_KICK)), 0.3),
         Transition("Kick", "Guard", (ClipEndCondition(),), 0.3),
     )
     cast = tuple(Role(pair.white, pair.red) for pair in fighters)
@@ -108,7 +108,7 @@ def _warding(fighters: Sequence[Pair]) -> Behaviour:
     ward = State("Ward off, punch", Clip("ward_off", 100, 230, id="ward off"), False, place=(528.0, 0.0))
     ways = (
         Transition("Guard", "Wait", (EventCondition("kick"),), 0.3),
-        Transition("Wait", ward.name, (TimeCondition(WARDS - 2 / RATE),), 0.3),
+        Transition("Wait", ward.name, (TimeCondition(WARD_DELAY - 2 / BUNDLED_FRAME_RATE),), 0.3),
         Transition(ward.name, "Guard", (ClipEndCondition(),), 0.3),
     )
     cast = tuple(Role(pair.red, pair.white) for pair in fighters)
@@ -122,42 +122,44 @@ def _leg(character: Character) -> float:
 def _white(key: str) -> tuple[Clip, ...]:
     return (
         Clip("rest", 240, 300, 0.0, f"{key} before"),
-        Clip("kick", 90, 240, KICKS, f"{key} kick"),
+        Clip("kick", 90, 240, KICK_SECONDS, f"{key} kick"),
         Clip("rest", 240, 340, 3.5, f"{key} after"),
     )
 
 
 def _red(key: str) -> tuple[Clip, ...]:
-    wards = KICKS + WARDS
+    wards = KICK_SECONDS + WARD_DELAY
     return (
         Clip("rest", 240, 339, 0.0, f"{key} before"),
         Clip("ward_off", 100, 230, wards, f"{key} ward off"),
-        Clip("rest", 240, 320, wards + 130 / RATE, f"{key} after"),
+        Clip("rest", 240, 320, wards + 130 / BUNDLED_FRAME_RATE, f"{key} after"),
     )
 
 
 def _asked(pair: Pair, kicked: BodyPoint) -> dict[str, Constraint]:
     """Of one pair: each of its own fighter alone, after the other's adapted body."""
     white, red = Scope(performer_id=pair.white), Scope(performer_id=pair.red)
-    met = 100 + round(((KICK - 90) / RATE - WARDS) * RATE)  # frames of the one motion at which the other's are
-    hit = 90 + round((WARDS + (PUNCH - 100) / RATE) * RATE)
-    guard = LOW_GUARD if kicked is BEFORE_BELLY else GUARD
+    met = 100 + round(
+        ((KICK_FRAME - 90) / BUNDLED_FRAME_RATE - WARD_DELAY) * BUNDLED_FRAME_RATE
+    )  # frames of the one motion at which the other's are
+    hit = 90 + round((WARD_DELAY + (PUNCH_FRAME - 100) / BUNDLED_FRAME_RATE) * BUNDLED_FRAME_RATE)
+    guard = LOW_GUARD if kicked is BEFORE_BELLY else GUARD_CHAINS
     asked = (
         PositionConstraint(
-            "kick", "Kick", ANKLE, LEG, 0, hit_at(KICK), scope=white,
+            "kick", "Kick", KICKING_ANKLE, KICK_CHAIN, 0, hit_at(KICK_FRAME), scope=white,
             target=FollowPerformer(pair.red, kicked),
         ),
         PositionConstraint(
-            "ward_off", "Forearm meets ankle", FOREARM, guard, 0, around(met, 17, 0), scope=red,
-            target=FollowPerformer(pair.white, ANKLE, awaits=True),
+            "ward_off", "Forearm meets ankle", WARDING_FOREARM, guard, 0, around(met, 17, 0), scope=red,
+            target=FollowPerformer(pair.white, KICKING_ANKLE, awaits=True),
         ),
         PositionConstraint(
-            "ward_off", "Fist meets head", FIST, PUNCHING, 0, hit_at(PUNCH), scope=red,
+            "ward_off", "Fist meets head", RIGHT_FIST, PUNCHING, 0, hit_at(PUNCH_FRAME), scope=red,
             target=FollowPerformer(pair.white, CHIN, awaits=True),
         ),
         PositionConstraint(
-            "kick", "Lean away", CHIN, LEAN, 0, around(hit, 20, 4), scope=white,
-            target=OwnPlace(CHIN, hit / RATE, BACK),
+            "kick", "Lean away", CHIN, LEAN_CHAINS, 0, around(hit, 20, 4), scope=white,
+            target=OwnPlace(CHIN, hit / BUNDLED_FRAME_RATE, BACK),
         ),
     )  # fmt: skip
     return {f"{pair.white} {each.name}": each for each in asked}

@@ -15,14 +15,14 @@ from studio.core.project import GROUND_ID, Performer, Project
 from studio.core.stage.clip import Clip
 from studio.core.stage.prop import Prop, PropShape
 from studio.core.stage.scope import Scope
-from studio.library.scenes.stagehand import RATE, SourceMotions, around, bodies, material
+from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, SourceMotions, around, bodies, material
 
-ALWAYS = ActivationCurve(-1.0, 0.0, 60.0, 61.0)
+WHOLE_TAKE = ActivationCurve(-1.0, 0.0, 60.0, 61.0)
 RIGHT_WRIST, RIGHT_ELBOW = (
     BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True),
     BodyPoint(BodyPart.RIGHT_UPPER_ARM, at_end=True),
 )
-REACHING = Chain(trunk=1.0, root=1.0)
+REACH_CHAIN = Chain(trunk=1.0, root=1.0)
 
 
 def five_bodies() -> Project:
@@ -36,17 +36,17 @@ def table() -> Project:
     props, asked = {}, dict[str, Constraint]()
     for key, performer in project.performers.items():
         name = f"Table of {performer.name.lower()}"
-        x, y = AHEAD, performer.position[1]
-        props[f"table {key}"] = Prop(name, TABLE, (x, y, TABLE[2] / 2), shape=PropShape.TABLE)
-        top = FollowProp(f"table {key}", (0.0, 0.0, -TABLE[2] / 2), share=(0.0, 0.0, 1.0))
+        x, y = TABLE_AHEAD, performer.position[1]
+        props[f"table {key}"] = Prop(name, TABLE_SIZE, (x, y, TABLE_SIZE[2] / 2), shape=PropShape.TABLE)
+        top = FollowProp(f"table {key}", (0.0, 0.0, -TABLE_SIZE[2] / 2), share=(0.0, 0.0, 1.0))
         asked[f"body {key}"] = AreaConstraint(
-            "reach", f"Arms and trunk outside {name}", RIGHT_WRIST, Chain(), 0, ALWAYS, scope=Scope(key),
-            shape=AreaShape.TABLE, centre=top, size=TABLE, whole=True,
+            "reach", f"Arms and trunk outside {name}", RIGHT_WRIST, Chain(), 0, WHOLE_TAKE, scope=Scope(key),
+            shape=AreaShape.TABLE, centre=top, size=TABLE_SIZE, whole=True,
         )  # fmt: skip
     return replace(project, props=props, constraints=asked)
 
 
-AHEAD, TABLE = 0.75, (0.8, 0.9, 1.0)
+TABLE_AHEAD, TABLE_SIZE = 0.75, (0.8, 0.9, 1.0)
 """Metres: how far ahead a table stands, and its length, breadth and height."""
 
 
@@ -56,19 +56,25 @@ def balance() -> Project:
     kept, free = project.performers
     renamed = {kept: "With balance", free: "Without balance"}
     performers = {key: replace(project.performers[key], name=name) for key, name in renamed.items()}
-    far = OwnPlace(RIGHT_WRIST, FAR / RATE, (0.35, 0.0, -0.15))
+    far = OwnPlace(RIGHT_WRIST, FAR_TARGET_FRAME / BUNDLED_FRAME_RATE, (0.35, 0.0, -0.15))
     asked: dict[str, Constraint] = {
         "reach": PositionConstraint(
-            "reach", "Reach farther", RIGHT_WRIST, REACHING, 1, around(FAR, 30, 20), target=far
+            "reach", "Reach farther", RIGHT_WRIST, REACH_CHAIN, 1, around(FAR_TARGET_FRAME, 30, 20), target=far
         ),
         "balance": BalanceConstraint(
-            "reach", "Balance", BodyPoint(BodyPart.PELVIS), Chain(root=1.0), 0, ALWAYS, scope=Scope(performer_id=kept)
+            "reach",
+            "Balance",
+            BodyPoint(BodyPart.PELVIS),
+            Chain(root=1.0),
+            0,
+            WHOLE_TAKE,
+            scope=Scope(performer_id=kept),
         ),
     }
     return replace(project, performers=performers, constraints=asked)
 
 
-FAR = 250
+FAR_TARGET_FRAME = 250
 """Frame of the reach at which it is asked to go farther."""
 
 
@@ -82,14 +88,14 @@ def wrist_before_elbow() -> Project:
     )
     asked: dict[str, Constraint] = {
         "wrist": PositionConstraint(
-            "reach", "Wrist", RIGHT_WRIST, REACHING, 0, around(FAR, 30, 20),
-            target=OwnPlace(RIGHT_WRIST, FAR / RATE, (0.0, 0.02, 0.03)),
+            "reach", "Wrist", RIGHT_WRIST, REACH_CHAIN, 0, around(FAR_TARGET_FRAME, 30, 20),
+            target=OwnPlace(RIGHT_WRIST, FAR_TARGET_FRAME / BUNDLED_FRAME_RATE, (0.0, 0.02, 0.03)),
         )
     }  # fmt: skip
     for key, aside in ((near, (0.0, 0.02, 0.03)), (far, (0.0, 0.4, 0.6))):
         asked[f"elbow {key}"] = PositionConstraint(
-            "reach", "Elbow", RIGHT_ELBOW, REACHING, 1, around(FAR, 30, 20),
-            target=OwnPlace(RIGHT_ELBOW, FAR / RATE, aside), scope=Scope(performer_id=key),
+            "reach", "Elbow", RIGHT_ELBOW, REACH_CHAIN, 1, around(FAR_TARGET_FRAME, 30, 20),
+            target=OwnPlace(RIGHT_ELBOW, FAR_TARGET_FRAME / BUNDLED_FRAME_RATE, aside), scope=Scope(performer_id=key),
         )  # fmt: skip
     return replace(project, constraints=asked)
 

@@ -14,39 +14,41 @@ from studio.core.stage import behaviour_edits as edits
 from studio.core.stage.behaviour import Behaviour, Role, State, Transition
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import ClipEndCondition, Condition, DistanceCondition, EventCondition, KeyCondition
-from studio.core.stage.manners import FIST, FOREARM, HEAD, KeepDistance, LeanAway, Meet
+from studio.core.stage.manners import ARM_POINT, FIST_POINT, HEAD_POINT, KeepDistance, LeanAway, Meet
 from studio.core.stage.whom import FollowPartner
-from studio.library.scenes.stagehand import RATE, bodies, hit_at, material
+from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, bodies, hit_at, material
 
-PUNCH = 181
+ARM_STRETCHED_FRAME = 181
 """Frame of the capture at which the arm is stretched most."""
-FIRST, LAST, CALM = 140, 230, 240
+PUNCH_FIRST, PUNCH_LAST, GUARD_FROM = 140, 230, 240
 """Frames at which a punch begins and ends, and from which on the fighter only stands on guard."""
-HIT = (PUNCH - FIRST) / RATE
+HIT = (ARM_STRETCHED_FRAME - PUNCH_FIRST) / BUNDLED_FRAME_RATE
 """Seconds from the beginning of a punch to its hit."""
-APART = 1.25
+SPARRING_DISTANCE = 1.25
 """Metres from one to the other."""
-NEAR = 1.7
+PUNCH_DISTANCE = 1.7
 """Metres from which a punch is worth while."""
-CLEAR = 0.3
+HEAD_CLEARANCE = 0.3
 """Metres that a head keeps from a fist."""
-BEFORE_CHEST = BodyPoint(BodyPart.THORAX, (0.24, 0.0, 0.0))
-LOW, HIGH = "low punch", "high punch"
-KEYS = {"adult_woman": ("X", "C"), "tall_man": ("N", "M")}
+CHEST_TARGET = BodyPoint(BodyPart.THORAX, (0.24, 0.0, 0.0))
+LOW_PUNCH, HIGH_PUNCH = "low punch", "high punch"
+PUNCH_KEYS = {"adult_woman": ("X", "C"), "tall_man": ("N", "M")}
 """By fighter the keys of a low and of a high punch."""
-REACHING = Chain(trunk=1.0, root=1.0)
+PUNCH_CHAIN = Chain(trunk=1.0, root=1.0)
 
 
 def sparring() -> Project:
     """The scene; StudioError where a bundled file cannot be read."""
     stuff = material(rest=("Guard", "straight_punch"), punch=("Punch", "straight_punch"))
-    people = {key: replace(each, grip=hand_shapes.FIST) for key, each in bodies(5).items() if key in KEYS}
+    people = {key: replace(each, grip=hand_shapes.FIST_GRIP) for key, each in bodies(5).items() if key in PUNCH_KEYS}
     performers, behaviours = {}, {}
-    for place, (key, other) in enumerate((tuple(KEYS), tuple(KEYS)[::-1])):
-        guard = Clip("rest", CALM, CALM + 99, id=f"{key} guard")
-        x, heading = place * APART, place * math.pi
+    for place, (key, other) in enumerate((tuple(PUNCH_KEYS), tuple(PUNCH_KEYS)[::-1])):
+        guard = Clip("rest", GUARD_FROM, GUARD_FROM + 99, id=f"{key} guard")
+        x, heading = place * SPARRING_DISTANCE, place * math.pi
         performers[key] = Performer(people[key].name, key, (guard,), (x, 0.0), heading)
-        behaviours[key] = replace(fighter(*KEYS[key], upright_head(people[other].morphology)), cast=(Role(key, other),))
+        behaviours[key] = replace(
+            fighter(*PUNCH_KEYS[key], upright_head(people[other].morphology)), cast=(Role(key, other),)
+        )
     return Project(stuff.captures, stuff.motions, people, performers, contacts=stuff.contacts, behaviours=behaviours)
 
 
@@ -58,20 +60,23 @@ def upright_head(body: Morphology) -> BodyPoint:
 
 def fighter(low: str, high: str, head: BodyPoint) -> Behaviour:
     """On guard until a key lets it punch, at the chest or at the ``head``, or its partner does."""
-    guard = Clip("rest", CALM, CALM + 99, id="guard")
-    punch, answer = Clip("punch", FIRST, LAST, id="punch"), Clip("rest", CALM, CALM + 60, id="answer")
-    met = CALM + round(HIT * RATE)
-    at_chest = Meet(FollowPartner(BEFORE_CHEST), FIST, hit_at(PUNCH), REACHING)
-    at_head = Meet(FollowPartner(head), FIST, hit_at(PUNCH), REACHING)
-    behaviour = Behaviour("Fighter", (State("Guard", guard, manners=(KeepDistance(distance=APART),)),))
-    near = DistanceCondition(distance=NEAR)
+    guard = Clip("rest", GUARD_FROM, GUARD_FROM + 99, id="guard")
+    punch, answer = (
+        Clip("punch", PUNCH_FIRST, PUNCH_LAST, id="punch"),
+        Clip("rest", GUARD_FROM, GUARD_FROM + 60, id="answer"),
+    )
+    met = GUARD_FROM + round(HIT * BUNDLED_FRAME_RATE)
+    at_chest = Meet(FollowPartner(CHEST_TARGET), FIST_POINT, hit_at(ARM_STRETCHED_FRAME), PUNCH_CHAIN)
+    at_head = Meet(FollowPartner(head), FIST_POINT, hit_at(ARM_STRETCHED_FRAME), PUNCH_CHAIN)
+    behaviour = Behaviour("Fighter", (State("Guard", guard, manners=(KeepDistance(distance=SPARRING_DISTANCE),)),))
+    near, fist = DistanceCondition(distance=PUNCH_DISTANCE), FollowPartner(FIST_POINT)
     for state, conditions in (
-        (State("Ward off", answer, False, (Meet(FollowPartner(FIST), FOREARM, hit_at(met, 9)),), "", (288.0, -104.0)),
-         (EventCondition(LOW),)),
-        (State("Lean away", answer, False, (LeanAway(FollowPartner(FIST), HEAD, CLEAR),), "", (288.0, 104.0)),
-         (EventCondition(HIGH),)),
-        (State("Low punch", punch, False, (at_chest,), LOW, (-288.0, -104.0)), (KeyCondition(low), near)),
-        (State("High punch", punch, False, (at_head,), HIGH, (-288.0, 104.0)), (KeyCondition(high), near)),
+        (State("Ward off", answer, False, (Meet(fist, ARM_POINT, hit_at(met, 9)),), "", (288.0, -104.0)),
+         (EventCondition(LOW_PUNCH),)),
+        (State("Lean away", answer, False, (LeanAway(fist, HEAD_POINT, HEAD_CLEARANCE),), "", (288.0, 104.0)),
+         (EventCondition(HIGH_PUNCH),)),
+        (State("Low punch", punch, False, (at_chest,), LOW_PUNCH, (-288.0, -104.0)), (KeyCondition(low), near)),
+        (State("High punch", punch, False, (at_head,), HIGH_PUNCH, (-288.0, 104.0)), (KeyCondition(high), near)),
     ):  # fmt: skip
         behaviour = _with_answer(behaviour, state, conditions)
     return behaviour

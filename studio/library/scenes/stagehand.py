@@ -16,10 +16,10 @@ from studio.io.importing import load_capture
 from studio.io.project.character_file import bundled_characters
 from studio.resources_folder import example_captures_folder
 
-RATE = 60.0
+BUNDLED_FRAME_RATE = 60.0
 """Frames a second of the bundled captures."""
 CHEST = BodyPoint(BodyPart.THORAX)
-HEAD = BodyPoint(BodyPart.HEAD, at_end=True)
+HEAD_TOP = BodyPoint(BodyPart.HEAD, at_end=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,10 +60,21 @@ def bodies(count: int) -> dict[str, Character]:
 def hit_at(frame: int, ease: int = 9) -> ActivationCurve:
     """Full in one frame, coming and going in ``ease`` frames: a blow touches for a moment and goes on."""
     first, last = frame - 0.5, frame + 0.5
-    return ActivationCurve((first - ease) / RATE, first / RATE, last / RATE, (last + ease) / RATE, EaseShape.SMOOTH)
+    return ActivationCurve(
+        (first - ease) / BUNDLED_FRAME_RATE,
+        first / BUNDLED_FRAME_RATE,
+        last / BUNDLED_FRAME_RATE,
+        (last + ease) / BUNDLED_FRAME_RATE,
+        EaseShape.SMOOTH,
+    )
 
 
 def around(frame: int, ease: int = 14, hold: int = 3) -> ActivationCurve:
     """Full for ``hold`` frames to each side of one, coming and going in ``ease`` frames."""
     first, last = frame - hold, frame + hold
-    return ActivationCurve((first - ease) / RATE, first / RATE, last / RATE, (last + ease) / RATE)
+    return ActivationCurve(
+        (first - ease) / BUNDLED_FRAME_RATE,
+        first / BUNDLED_FRAME_RATE,
+        last / BUNDLED_FRAME_RATE,
+        (last + ease) / BUNDLED_FRAME_RATE,
+    )

@@ -17,11 +17,11 @@ from studio.core.stage.conditions import (
     KeyCondition,
     TimeCondition,
 )
-from studio.core.stage.whom import PELVIS, Whom
+from studio.core.stage.whom import PELVIS_POINT, Whom
 from studio.panels.behaviour.part_editor import PartEditor, PointChoice, WhomRows
 from studio.panels.fields import Choice, NumberField, Section, press_button
 
-KINDS: dict[str, tuple[str, Condition]] = {
+CONDITION_KINDS: dict[str, tuple[str, Condition]] = {
     "closer": ("Closer than", DistanceCondition()),
     "farther": ("Farther than", DistanceCondition(closer=False)),
     "time": ("A time has passed", TimeCondition()),
@@ -29,12 +29,12 @@ KINDS: dict[str, tuple[str, Condition]] = {
     "event": ("An event", EventCondition("attack")),
     "key": ("A key", KeyCondition("K")),
 }
-HEAD = BodyPoint(BodyPart.HEAD)
-UNITS = ((False, "Metres"), (True, "Leg lengths"))
+DEFAULT_POINT = BodyPoint(BodyPart.HEAD)
+DISTANCE_UNITS = ((False, "Metres"), (True, "Leg lengths"))
 
 
 def kind_of(condition: Condition) -> str:
-    """By which of ``KINDS`` a condition goes."""
+    """By which of ``CONDITION_KINDS`` a condition goes."""
     if isinstance(condition, DistanceCondition):
         return "closer" if condition.closer else "farther"
     return condition.kind
@@ -49,7 +49,7 @@ class ConditionSection(Section):
         remove = press_button("Remove", lambda: put(None, "Remove condition"), "link")
         remove.setAccessibleName(f"Remove condition: {title}")
         self.head.addWidget(remove)
-        self._kind = Choice("Waits for", [(key, text) for key, (text, _) in KINDS.items()])
+        self._kind = Choice("Waits for", [(key, text) for key, (text, _) in CONDITION_KINDS.items()])
         self._kind.chosen.connect(self._set_kind)
         self.add_row("Waits for", self._kind)
         match condition:
@@ -88,14 +88,14 @@ class ConditionSection(Section):
             NumberField("Distance", "m", 0.0, 100.0, 0.05), lambda far: self._set("Set distance", distance=far)
         )
         self.add_row("Distance", self._distance)
-        self._legs = Choice("Counted in", UNITS)
+        self._legs = Choice("Counted in", DISTANCE_UNITS)
         self._legs.setToolTip(
             "Leg lengths are the mean of both bodies', so that one behaviour fits bodies of any size."
         )
         self._legs.chosen.connect(lambda legs: self._set_gap(legs=legs))
         self.add_row("Counted in", self._legs)
         self._flat = Choice("Measured", [(True, "Over the ground"), (False, "From point to point")])
-        self._flat.chosen.connect(lambda flat: self._set_gap(flat=flat, point=PELVIS if flat else HEAD))
+        self._flat.chosen.connect(lambda flat: self._set_gap(flat=flat, point=PELVIS_POINT if flat else DEFAULT_POINT))
         self.add_row("Measured", self._flat)
         self._point = PointChoice("Own point", lambda point: self._set_gap(point=point))
         self._point_caption = self.add_row("Own point", self._point)
@@ -116,7 +116,7 @@ class ConditionSection(Section):
             self._set(f"Set {field}", **{field: self._name.text()})
 
     def _set_kind(self, kind: Any) -> None:
-        new = KINDS[kind][1]
+        new = CONDITION_KINDS[kind][1]
         if isinstance(new, DistanceCondition) and isinstance(self._condition, DistanceCondition):
             new = replace(self._condition, closer=new.closer)
         self._put(lambda: new, "Choose condition")

@@ -20,9 +20,9 @@ from studio.panels.behaviour.figures import Arrow, Box, StateItem, TransitionIte
 from studio.panels.behaviour.words import clip_words, condition_words, manner_words
 
 SCENE = QRectF(-4000.0, -4000.0, 8000.0, 8000.0)
-GRID = 24.0
-ZOOM, SMALLEST, LARGEST = 1.0015, 0.25, 2.5
-MARGIN = 16.0
+DIAGRAM_GRID = 24.0
+ZOOM_PER_STEP, LEAST_ZOOM, MOST_ZOOM = 1.0015, 0.25, 2.5
+DIAGRAM_MARGIN = 16.0
 
 
 class Diagram(QGraphicsView):
@@ -86,10 +86,10 @@ class Diagram(QGraphicsView):
         for item in (*self.states.values(), *self.arrows, *(each.words for each in self.arrows)):
             area = area.united(item.boundingRect())
         room = self.viewport().rect().adjusted(0, 0, -1, -1)
-        area.adjust(-MARGIN, -MARGIN, MARGIN, MARGIN)
+        area.adjust(-DIAGRAM_MARGIN, -DIAGRAM_MARGIN, DIAGRAM_MARGIN, DIAGRAM_MARGIN)
         scale = min(room.width() / area.width(), room.height() / area.height(), 1.0)
         self.resetTransform()
-        self.scale(max(scale, SMALLEST), max(scale, SMALLEST))
+        self.scale(max(scale, LEAST_ZOOM), max(scale, LEAST_ZOOM))
         self.centerOn(area.center())
         self._whole = True
 
@@ -232,7 +232,10 @@ class Diagram(QGraphicsView):
         if turned.x() or event.modifiers() & Qt.KeyboardModifier.ShiftModifier:
             self.pan(QPoint((turned.x() or turned.y()) // 2, 0))
             return
-        factor = min(max(ZOOM ** turned.y() * self.transform().m11(), SMALLEST), LARGEST) / self.transform().m11()
+        factor = (
+            min(max(ZOOM_PER_STEP ** turned.y() * self.transform().m11(), LEAST_ZOOM), MOST_ZOOM)
+            / self.transform().m11()
+        )
         mouse = event.position().toPoint()
         before = self.mapToScene(mouse)
         self.scale(factor, factor)
@@ -313,9 +316,9 @@ class Diagram(QGraphicsView):
         seen = self.mapToScene(self.viewport().rect()).boundingRect()
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setPen(QPen(QColor(colours.CONTROL), 1.8))
-        across = range(int(seen.left() // GRID), int(seen.right() // GRID) + 1)
-        for row in range(int(seen.top() // GRID), int(seen.bottom() // GRID) + 1):
-            painter.drawPoints([QPointF(column * GRID, row * GRID) for column in across])
+        across = range(int(seen.left() // DIAGRAM_GRID), int(seen.right() // DIAGRAM_GRID) + 1)
+        for row in range(int(seen.top() // DIAGRAM_GRID), int(seen.bottom() // DIAGRAM_GRID) + 1):
+            painter.drawPoints([QPointF(column * DIAGRAM_GRID, row * DIAGRAM_GRID) for column in across])
 
     def drawForeground(self, painter: QPainter, area: QRectF | object) -> None:
         """What a gesture shows."""
@@ -360,9 +363,11 @@ class Diagram(QGraphicsView):
         taken = [item.rect for item in self.states.values()]
         taken += [area for arrow in self.arrows for area in (arrow.boundingRect(), arrow.label)]
         place = self.mapToScene(self.viewport().rect().center())
-        new = Box("State", "holds its pose", (), (0.0, 0.0)).rect.adjusted(-GRID, -MARGIN, GRID, MARGIN)
+        new = Box("State", "holds its pose", (), (0.0, 0.0)).rect.adjusted(
+            -DIAGRAM_GRID, -DIAGRAM_MARGIN, DIAGRAM_GRID, DIAGRAM_MARGIN
+        )
         while any(new.translated(place).intersects(each) for each in taken):
-            place += QPointF(0.0, GRID)
+            place += QPointF(0.0, DIAGRAM_GRID)
         return place
 
 

@@ -9,15 +9,15 @@ from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem, QWidget
 
 from studio.document import colours
 
-WIDTHS = (132.0, 220.0)
+STATE_WIDTHS = (132.0, 220.0)
 """The narrowest and the widest box."""
-TITLE, LINE, PADDING = 20.0, 15.0, 9.0
+TITLE_PX, LINE_PX, PADDING_PX = 20.0, 15.0, 9.0
 RADIUS = 5.0
 RIM = 7.0
 """How far from its edge inwards, and half as far outwards, a box is taken to draw an arrow from."""
 BOW, NEXT_BOW = 22.0, 34.0
 """How far the way there is from the way back, and from another way there."""
-ARROW, REACH = 9.0, 12.0
+ARROW_PX, ARROW_REACH_PX = 9.0, 12.0
 ALONG = 0.58
 """How far along its way the words stand: there and back do not meet."""
 LOOP = 44.0
@@ -52,8 +52,8 @@ class Box:
         lines = (self.plays, *self.manners)
         title = QFontMetricsF(font(13, bold=True)).horizontalAdvance(self.name) + 10.0 * len(self.dots)
         widest = max(title, *(QFontMetricsF(font(11)).horizontalAdvance(each) for each in lines))
-        width = min(max(widest + 2 * PADDING + 6.0, WIDTHS[0]), WIDTHS[1])
-        height = TITLE + LINE * len(lines) + PADDING + 3.0
+        width = min(max(widest + 2 * PADDING_PX + 6.0, STATE_WIDTHS[0]), STATE_WIDTHS[1])
+        height = TITLE_PX + LINE_PX * len(lines) + PADDING_PX + 3.0
         return QRectF(self.place[0] - width / 2, self.place[1] - height / 2, width, height)
 
 
@@ -110,19 +110,19 @@ class StateItem(QGraphicsItem):
             _paint_head(painter, tip, 0.0)
 
     def _paint_words(self, painter: QPainter) -> None:
-        inner = self.rect.adjusted(PADDING, 5.0, -PADDING, 0.0)
-        title = QRectF(inner.left(), inner.top(), inner.width() - 10.0 * len(self.box.dots), TITLE)
+        inner = self.rect.adjusted(PADDING_PX, 5.0, -PADDING_PX, 0.0)
+        title = QRectF(inner.left(), inner.top(), inner.width() - 10.0 * len(self.box.dots), TITLE_PX)
         _write(painter, title, self.box.name, font(13, bold=True), colours.TEXT)
         inks = (colours.TEXT_SECOND, *(colours.kind_colour("distance") for _ in self.box.manners))
         for place, (text, ink) in enumerate(zip((self.box.plays, *self.box.manners), inks, strict=True)):
-            line = QRectF(inner.left(), inner.top() + TITLE + place * LINE, inner.width(), LINE)
+            line = QRectF(inner.left(), inner.top() + TITLE_PX + place * LINE_PX, inner.width(), LINE_PX)
             _write(painter, line, text, font(11), ink)
 
     def _paint_dots(self, painter: QPainter) -> None:
         painter.setPen(Qt.PenStyle.NoPen)
         for place, colour in enumerate(self.box.dots):
             painter.setBrush(QColor(colour))
-            centre = QPointF(self.rect.right() - PADDING - 3.0 - 10.0 * place, self.rect.top() + 14.0)
+            centre = QPointF(self.rect.right() - PADDING_PX - 3.0 - 10.0 * place, self.rect.top() + 14.0)
             painter.drawEllipse(centre, 3.5, 3.5)
 
 
@@ -151,12 +151,12 @@ class TransitionItem(QGraphicsItem):
 
     def boundingRect(self) -> QRectF:
         """The way and its head."""
-        return self._path.boundingRect().adjusted(-REACH, -REACH, REACH, REACH)
+        return self._path.boundingRect().adjusted(-ARROW_REACH_PX, -ARROW_REACH_PX, ARROW_REACH_PX, ARROW_REACH_PX)
 
     def takes(self, place: QPointF) -> bool:
         """Whether the mouse is on it."""
         stroker = QPainterPathStroker()
-        stroker.setWidth(REACH)
+        stroker.setWidth(ARROW_REACH_PX)
         return self.label.contains(place) or stroker.createStroke(self._path).contains(place)
 
     def paint(self, painter: QPainter, _option: QStyleOptionGraphicsItem, _widget: QWidget | None = None) -> None:
@@ -198,7 +198,7 @@ class WordsItem(QGraphicsItem):
         painter.setBrush(QColor(colours.SELECTED_ROW if arrow.selected else colours.PANEL))
         painter.drawRoundedRect(label, 4.0, 4.0)
         for place, text in enumerate(arrow.words):
-            line = QRectF(label.left() + 6.0, label.top() + 2.0 + place * LINE, label.width(), LINE)
+            line = QRectF(label.left() + 6.0, label.top() + 2.0 + place * LINE_PX, label.width(), LINE_PX)
             _write(painter, line, text, font(11), colours.TEXT if arrow.selected else colours.TEXT_SECOND)
 
 
@@ -219,7 +219,7 @@ def _label(arrow: Arrow, middle: QPointF) -> QRectF:
     """Where the words stand: on a straight line, and outside of a bent one, so that those of two do not meet."""
     metrics = QFontMetricsF(font(11))
     width = max(metrics.horizontalAdvance(each) for each in arrow.words) + 12.0
-    height = LINE * len(arrow.words) + 4.0
+    height = LINE_PX * len(arrow.words) + 4.0
     aside = _aside(arrow)
     share = 1.0 if arrow.bow else 0.0
     middle = middle + QPointF(aside.x() * (width / 2 - 8.0), aside.y() * (height / 2 - 4.0)) * share
@@ -256,7 +256,7 @@ def _loop(arrow: Arrow) -> tuple[QPainterPath, float]:
 
 
 def _paint_head(painter: QPainter, tip: QPointF, angle: float) -> None:
-    back = [QPointF(math.cos(angle + turn), math.sin(angle + turn)) * ARROW for turn in (2.7, -2.7)]
+    back = [QPointF(math.cos(angle + turn), math.sin(angle + turn)) * ARROW_PX for turn in (2.7, -2.7)]
     painter.save()
     painter.setPen(Qt.PenStyle.NoPen)
     painter.drawPolygon(QPolygonF([tip, tip + back[0], tip + back[1]]))

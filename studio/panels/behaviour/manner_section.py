@@ -10,16 +10,16 @@ from PySide6.QtWidgets import QCheckBox
 
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.project import Project
-from studio.core.stage.manners import WHOLE, KeepDistance, LeanAway, Manner, Meet
+from studio.core.stage.manners import WHOLE_CLIP, KeepDistance, LeanAway, Manner, Meet
 from studio.core.stage.whom import Whom
-from studio.panels.behaviour.condition_section import UNITS
+from studio.panels.behaviour.condition_section import DISTANCE_UNITS
 from studio.panels.behaviour.part_editor import PartEditor, PointChoice, WhomRows
 from studio.panels.fields import Choice, NumberField, Section, press_button
 
 TITLES: dict[type, str] = {KeepDistance: "Keeps its distance", LeanAway: "Leans away", Meet: "Meets"}
-FAR = 100.0
+MANNER_LIMIT = 100.0
 TIMES = ("start", "full", "full_end", "end")
-FIRST = ActivationCurve(0.0, 0.2, 0.8, 1.0)
+FIRST_MEETING = ActivationCurve(0.0, 0.2, 0.8, 1.0)
 """When a point meets another, until it is told otherwise: seconds of the motion."""
 
 
@@ -43,7 +43,7 @@ class MannerSection(Section):
             case KeepDistance():
                 self._add_number("Distance", "distance")
                 self._add_number("Tolerance", "room")
-                self._legs = Choice("Counted in", UNITS)
+                self._legs = Choice("Counted in", DISTANCE_UNITS)
                 self._legs.chosen.connect(lambda legs: self._set(legs=legs))
                 self.add_row("Counted in", self._legs)
             case LeanAway():
@@ -64,25 +64,28 @@ class MannerSection(Section):
             for field in self._numbers.values():
                 field.setSuffix(f" {manner.gap.unit}")
         if isinstance(manner, Meet):
-            whole = manner.activation == WHOLE
+            whole = manner.activation == WHOLE_CLIP
             with QSignalBlocker(self._always):
                 self._always.setChecked(whole)
             for field, time in zip(self._times, TIMES, strict=True):
                 field.setEnabled(not whole)
-                field.show_value(getattr(FIRST if whole else manner.activation, time))
+                field.show_value(getattr(FIRST_MEETING if whole else manner.activation, time))
 
     def _add_number(self, label: str, name: str) -> None:
-        field = NumberField(label, "m", 0.0, FAR, 0.05)
+        field = NumberField(label, "m", 0.0, MANNER_LIMIT, 0.05)
         self._numbers[name] = self._editor.bind(field, lambda metres: self._set(**{name: metres}))
         self.add_row(label, field)
 
     def _add_times(self) -> None:
         self._always = QCheckBox("as long as the clip plays")
         self._always.setAccessibleName("Meets as long as the clip plays")
-        self._always.toggled.connect(lambda on: self._set(activation=WHOLE if on else FIRST))
+        self._always.toggled.connect(lambda on: self._set(activation=WHOLE_CLIP if on else FIRST_MEETING))
         self.add_row("When", self._always)
         for label, names in (("Fade in  s", TIMES[:2]), ("Fade out  s", TIMES[2:])):
-            fields = [NumberField(f"{label} {name.replace('_', ' ')}", "", -FAR, FAR, 0.05) for name in names]
+            fields = [
+                NumberField(f"{label} {name.replace('_', ' ')}", "", -MANNER_LIMIT, MANNER_LIMIT, 0.05)
+                for name in names
+            ]
             for field, name in zip(fields, names, strict=True):
                 field.setToolTip("Seconds of the motion. Drag sideways to change.")
                 self._editor.bind(field, partial(self._set_time, name))

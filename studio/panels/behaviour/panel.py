@@ -12,7 +12,7 @@ from studio.panels.behaviour.diagram import Diagram
 from studio.panels.fields import Choice, labelled, press_button
 
 NOBODY = "Select a body. Then say here how it behaves while the stage plays live."
-NOTHING = (
+NO_BEHAVIOUR_HINT = (
     "{name} plays its row of clips. Start with one of these, or choose a behaviour above: the body then plays"
     " states, and events take it from one to the next."
 )
@@ -72,7 +72,7 @@ class BehaviourPanel(QWidget):
             widget.setVisible(role is not None)
         for button in self._tools:
             button.setVisible(behaviour is not None)
-        self._words.setText(NOTHING.format(name=performer.name) if performer else NOBODY)
+        self._words.setText(NO_BEHAVIOUR_HINT.format(name=performer.name) if performer else NOBODY)
         self._ready.setVisible(performer is not None)
         self._pages.setCurrentIndex(1 if behaviour else 0)
         self.diagram.show_behaviour(behaviour_id)

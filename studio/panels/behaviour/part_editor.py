@@ -8,7 +8,7 @@ from studio.core.constraints.follow import FollowPerformer, FollowProp
 from studio.core.errors import StudioError
 from studio.core.project import Project
 from studio.core.stage.behaviour import Behaviour
-from studio.core.stage.whom import PELVIS, FollowPartner, Whom
+from studio.core.stage.whom import PELVIS_POINT, FollowPartner, Whom
 from studio.document.behaviours import BehaviourEdit, behaviour_with, edit_behaviour
 from studio.panels.behaviour.words import point_choices, point_name
 from studio.panels.editor import Editor
@@ -72,7 +72,7 @@ class WhomRows:
     def show_whom(self, whom: Whom, project: Project, with_point: bool = True) -> None:
         """Show what the document says; a prop has no points, nor has what is measured over the ground."""
         self._whom = whom
-        point = getattr(whom, "point", PELVIS)
+        point = getattr(whom, "point", PELVIS_POINT)
         choices: list[tuple[object, str]] = [(("partner", ""), "Partner")]
         choices += [(("performers", key), each.name) for key, each in project.performers.items()]
         choices += [(("props", key), each.name) for key, each in project.props.items()]
@@ -84,7 +84,7 @@ class WhomRows:
 
     def _chosen(self, value: Any) -> None:
         kind, key = value
-        point = getattr(self._whom, "point", PELVIS)
+        point = getattr(self._whom, "point", PELVIS_POINT)
         made: dict[str, Whom] = {
             "partner": FollowPartner(point),
             "performers": FollowPerformer(key, point),

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QCheckBox, QLineEdit, QVBoxLayout, QWidget
 from studio.core.project import new_id
 from studio.core.stage import behaviour_edits as edits
 from studio.core.stage.behaviour import State
-from studio.core.stage.clip import FASTEST, SLOWEST, Clip
+from studio.core.stage.clip import FASTEST_CLIP, SLOWEST_CLIP, Clip
 from studio.core.stage.clip_row import players_of
 from studio.core.stage.manners import KeepDistance, LeanAway, Manner, Meet
 from studio.document.behaviours import state_key
@@ -18,10 +18,10 @@ from studio.document.document import Document
 from studio.engine.live import Live
 from studio.panels.behaviour.manner_section import TITLES, MannerSection
 from studio.panels.behaviour.part_editor import PartEditor
-from studio.panels.fields import SIDE, Choice, NumberField, Section, labelled
+from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, labelled
 
 ADD = "Add a manner"
-NEW: dict[str, Manner] = {TITLES[type(each)]: each for each in (KeepDistance(), LeanAway(), Meet())}
+NEW_MANNERS: dict[str, Manner] = {TITLES[type(each)]: each for each in (KeepDistance(), LeanAway(), Meet())}
 
 
 class StateEditor(PartEditor):
@@ -37,8 +37,8 @@ class StateEditor(PartEditor):
         self.column.addLayout(self._box)
         below = QWidget()
         row = QVBoxLayout(below)
-        row.setContentsMargins(SIDE, 12, SIDE, 0)
-        self._add = Choice("Add a manner", [(None, ADD), *((title, title) for title in NEW)])
+        row.setContentsMargins(FIELD_ICON_PX, 12, FIELD_ICON_PX, 0)
+        self._add = Choice("Add a manner", [(None, ADD), *((title, title) for title in NEW_MANNERS)])
         self._add.chosen.connect(self._add_manner)
         row.addWidget(self._add)
         row.addWidget(labelled("The constraints of the clip act too, as long as the state lasts.", "hint"))
@@ -69,7 +69,8 @@ class StateEditor(PartEditor):
         self._last = self.bind(NumberField("Last frame", "", 0, 1e6, 1, 0), lambda frame: self._trim(last=frame))
         section.add_row("Frames", self._first, self._last)
         self._speed = self.bind(
-            NumberField("Speed", "×", SLOWEST, FASTEST, 0.05), lambda speed: self._set_clip("Change speed", speed=speed)
+            NumberField("Speed", "×", SLOWEST_CLIP, FASTEST_CLIP, 0.05),
+            lambda speed: self._set_clip("Change speed", speed=speed),
         )
         section.add_row("Speed", self._speed)
         self._loop, self._mirrored = QCheckBox("until the state is left"), QCheckBox("left and right swapped")
@@ -182,7 +183,7 @@ class StateEditor(PartEditor):
 
     def _add_manner(self, title: Any) -> None:
         if title is not None:
-            self._set(f"{self.entity.name}: {title.lower()}", manners=(*self.entity.manners, NEW[title]))
+            self._set(f"{self.entity.name}: {title.lower()}", manners=(*self.entity.manners, NEW_MANNERS[title]))
 
     def _putter(self, place: int) -> Callable[[Any, str], None]:
         def put(make: Callable[[], Manner] | None, text: str) -> None:

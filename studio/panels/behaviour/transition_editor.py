@@ -14,7 +14,7 @@ from studio.document.document import Document
 from studio.engine.live import Live
 from studio.panels.behaviour.condition_section import ConditionSection
 from studio.panels.behaviour.part_editor import PartEditor
-from studio.panels.fields import SIDE, Choice, NumberField, Section, labelled, press_button
+from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, labelled, press_button
 
 
 class TransitionEditor(PartEditor):
@@ -46,7 +46,7 @@ class TransitionEditor(PartEditor):
         self.column.addLayout(self._box)
         below = QWidget()
         row = QVBoxLayout(below)
-        row.setContentsMargins(SIDE, 12, SIDE, 0)
+        row.setContentsMargins(FIELD_ICON_PX, 12, FIELD_ICON_PX, 0)
         row.addWidget(press_button("Add condition", self._add))
         row.addWidget(labelled("All conditions have to hold in the same frame.", "hint"))
         self.column.addWidget(below)

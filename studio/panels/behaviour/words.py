@@ -14,18 +14,18 @@ from studio.core.stage.conditions import (
     KeyCondition,
     TimeCondition,
 )
-from studio.core.stage.manners import FIST, FOREARM, HEAD, KeepDistance, LeanAway, Manner
+from studio.core.stage.manners import ARM_POINT, FIST_POINT, HEAD_POINT, KeepDistance, LeanAway, Manner
 from studio.core.stage.whom import FollowPartner, Whom
-from studio.engine.point_names import POINTS, point_words
+from studio.engine.point_names import POINT_NAMES, point_words
 
-LEFT_FIST = BodyPoint(BodyPart.LEFT_HAND, FIST.offset)
-RIGHT_FOREARM = BodyPoint(BodyPart.RIGHT_FOREARM, FOREARM.offset)
+LEFT_FIST = BodyPoint(BodyPart.LEFT_HAND, FIST_POINT.offset)
+RIGHT_FOREARM = BodyPoint(BodyPart.RIGHT_FOREARM, ARM_POINT.offset)
 NAMED = {
-    HEAD: "head",
-    FIST: "right fist",
+    HEAD_POINT: "head",
+    FIST_POINT: "right fist",
     LEFT_FIST: "left fist",
     RIGHT_FOREARM: "right forearm",
-    FOREARM: "left forearm",
+    ARM_POINT: "left forearm",
 }
 """Points of fights that are no joints."""
 _UPRIGHT = (BodyPart.PELVIS, BodyPart.ABDOMEN, BodyPart.THORAX, BodyPart.NECK, BodyPart.HEAD)
@@ -46,7 +46,7 @@ def _offset_words(point: BodyPoint) -> str:
 
 def point_choices() -> list[tuple[BodyPoint, str]]:
     """Every point that has a name, those of fights first."""
-    joints = {BodyPoint(part, at_end=at_end): name for (part, at_end), name in POINTS.items()}
+    joints = {BodyPoint(part, at_end=at_end): name for (part, at_end), name in POINT_NAMES.items()}
     return [(point, name.capitalize()) for point, name in {**NAMED, **joints}.items()]
 
 

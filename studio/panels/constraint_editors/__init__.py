@@ -10,7 +10,7 @@ from studio.panels.constraint_editors.orientation import OrientationEditor
 from studio.panels.constraint_editors.position import PositionEditor
 from studio.panels.constraint_editors.upright import UprightEditor
 
-EDITORS: dict[str, type[ConstraintEditor]] = {
+CONSTRAINT_EDITORS: dict[str, type[ConstraintEditor]] = {
     "position": PositionEditor,
     "orientation": OrientationEditor,
     "look_at": LookAtEditor,
@@ -24,4 +24,4 @@ EDITORS: dict[str, type[ConstraintEditor]] = {
 
 def editor_of_kind(kind: str) -> type[ConstraintEditor]:
     """The form for a kind of constraint."""
-    return EDITORS.get(kind, ConstraintEditor)
+    return CONSTRAINT_EDITORS.get(kind, ConstraintEditor)

@@ -6,7 +6,7 @@ from studio.core.constraints.activation import EaseShape
 from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section, Segments
 
-LONGEST = 3600.0
+LONGEST_ACTIVATION = 3600.0
 
 
 class ActivationSection(Section):
@@ -16,7 +16,7 @@ class ActivationSection(Section):
         super().__init__("Activation")
         self._editor = editor
         step = 1.0 / editor.document.playhead.frame_rate
-        make = lambda name: NumberField(name, "", 0.0, LONGEST, step, 3)  # noqa: E731
+        make = lambda name: NumberField(name, "", 0.0, LONGEST_ACTIVATION, step, 3)  # noqa: E731
         self._start = editor.bind(make("Start"), self._set_start)
         self._end = editor.bind(make("End"), self._set_end)
         self._ease_in = editor.bind(make("Ease in"), self._set_ease_in)

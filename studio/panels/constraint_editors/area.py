@@ -11,16 +11,16 @@ from studio.panels.constraint_editors.target_rows import NumberRows, TargetRows
 from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.fields import Choice, NumberField, Section, Segments
 
-SHAPES = (
+SHAPE_CHOICES = (
     (AreaShape.TABLE, "Table"),
     (AreaShape.BOX, "Box"),
     (AreaShape.SPHERE, "Sphere"),
     (AreaShape.CYLINDER, "Cylinder"),
     (AreaShape.HALF_SPACE, "Half-space"),
 )
-MESH = (AreaShape.MESH, "Mesh")
+MESH_CHOICE = (AreaShape.MESH, "Mesh")
 """Offered where one is loaded: it comes from a file."""
-SIZES = {
+SIZE_FIELDS = {
     AreaShape.SPHERE: ("Diameter  m", (True, False, False)),
     AreaShape.CYLINDER: ("Width, height", (True, False, True)),
     AreaShape.HALF_SPACE: ("Normal", (True, True, True)),
@@ -28,8 +28,8 @@ SIZES = {
 }
 """What the three numbers of a size mean, and which of them are used; the others are a box's edges."""
 TURNED = (AreaShape.TABLE, AreaShape.BOX, AreaShape.MESH)
-LEAST = 0.001
-UP, METRE = (0.0, 0.0, 1.0), (1.0, 1.0, 1.0)
+LEAST_AREA_SIZE = 0.001
+AREA_UP, METRE_SIZE = (0.0, 0.0, 1.0), (1.0, 1.0, 1.0)
 
 
 class AreaEditor(ConstraintEditor):
@@ -37,7 +37,7 @@ class AreaEditor(ConstraintEditor):
 
     def add_kind_rows(self, section: Section) -> None:
         """Shape, side, centre, size, heading."""
-        self._shape = Choice("Shape", SHAPES)
+        self._shape = Choice("Shape", SHAPE_CHOICES)
         self._shape.chosen.connect(self._set_shape)
         section.add_row("Shape", self._shape)
         self._side = Segments("Point stays", [("outside", "Outside"), ("inside", "Inside"), ("on", "On it")])
@@ -61,14 +61,14 @@ class AreaEditor(ConstraintEditor):
         if area is None:
             return
         if area.mesh is not None and not self._shape.offers(AreaShape.MESH):
-            self._shape.add(*MESH)
+            self._shape.add(*MESH_CHOICE)
         self._shape.show_value(area.shape)
         self._side.show_value("on" if area.on_surface else "inside" if area.inside else "outside")
         self._whole.setChecked(area.whole)
         self._whole.setEnabled(not (area.inside or area.on_surface))
-        words, used = SIZES.get(area.shape, ("Size  m", (True, True, True)))
+        words, used = SIZE_FIELDS.get(area.shape, ("Size  m", (True, True, True)))
         self._size.caption.setText(words)
-        self._size.set_least(-1.0 if area.shape is AreaShape.HALF_SPACE else LEAST)
+        self._size.set_least(-1.0 if area.shape is AreaShape.HALF_SPACE else LEAST_AREA_SIZE)
         self._size.show_values(area.size)
         self._size.set_visible(*used)
 
@@ -105,7 +105,7 @@ class AreaEditor(ConstraintEditor):
         old = self.entity.shape
         size = self.entity.size
         if shape is not old and AreaShape.HALF_SPACE in (shape, old):
-            size = UP if shape is AreaShape.HALF_SPACE else METRE
+            size = AREA_UP if shape is AreaShape.HALF_SPACE else METRE_SIZE
         self._set("Choose shape of", shape=shape, size=size)
 
     def _set_heading(self, degrees: float) -> None:

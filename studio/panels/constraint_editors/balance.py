@@ -9,8 +9,8 @@ from studio.panels.constraint_editors.target_rows import TargetRows
 from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.fields import NumberField, Section, Segments
 
-OWN, PLACE, SUPPORT = "own", "place", "support"
-CENTIMETRE = 0.01
+OWN_BALANCE, PLACE_BALANCE, SUPPORT_BALANCE = "own", "place", "support"
+BALANCE_STEP = 0.01
 WIDEST_MARGIN = 10.0
 
 
@@ -21,7 +21,9 @@ class BalanceEditor(ConstraintEditor):
 
     def add_kind_rows(self, section: Section) -> None:
         """Over what, the place if it is given, the margin of a support, whether its height counts."""
-        self._mode = Segments("Centre of mass", [(OWN, "Own"), (PLACE, "Place"), (SUPPORT, "Feet")])
+        self._mode = Segments(
+            "Centre of mass", [(OWN_BALANCE, "Own"), (PLACE_BALANCE, "Place"), (SUPPORT_BALANCE, "Feet")]
+        )
         self._mode.chosen.connect(self._set_mode)
         section.add_row("Mass over", self._mode)
         self._source = TargetRows(self, section, "place")
@@ -36,24 +38,24 @@ class BalanceEditor(ConstraintEditor):
     def refresh_moment(self) -> None:
         """Fetch what depends on the playhead."""
         place = self.entity.place
-        mode = OWN if place is None else SUPPORT if isinstance(place, Support) else PLACE
+        mode = OWN_BALANCE if place is None else SUPPORT_BALANCE if isinstance(place, Support) else PLACE_BALANCE
         self._mode.show_value(mode)
         self._source.refresh()
-        now = self._source.now() if mode == PLACE else None
-        height = mode == PLACE and len(now or ()) == 3
-        self._place.set_visible(mode == PLACE, mode == PLACE, height)
+        now = self._source.now() if mode == PLACE_BALANCE else None
+        height = mode == PLACE_BALANCE and len(now or ()) == 3
+        self._place.set_visible(mode == PLACE_BALANCE, mode == PLACE_BALANCE, height)
         if now is not None:
             self._place.show_values((*now, 0.0)[:3])
         for widget in (self._margin, self._margin_caption):
-            widget.setVisible(mode == SUPPORT)
+            widget.setVisible(mode == SUPPORT_BALANCE)
         if isinstance(place, Support):
-            self._margin.show_value(place.margin / CENTIMETRE)
+            self._margin.show_value(place.margin / BALANCE_STEP)
         self._vertical.setChecked(self.entity.vertical)
 
     def _set_mode(self, mode: str) -> None:
         """A given place begins where the active body's centre of mass is now."""
         now = (mass_now(self) or (0.0, 0.0, 0.0))[:2]
-        place = {OWN: None, PLACE: now, SUPPORT: Support()}[mode]
+        place = {OWN_BALANCE: None, PLACE_BALANCE: now, SUPPORT_BALANCE: Support()}[mode]
         self.change(f"Choose place of {self.entity.name}", place=place)
 
     def _set_place(self, place: tuple[float, ...]) -> None:
@@ -61,7 +63,7 @@ class BalanceEditor(ConstraintEditor):
         self._source.put(place[:2] if flat else place, f"Move place of {self.entity.name}")
 
     def _set_margin(self, centimetres: float) -> None:
-        self.change(f"Set margin of {self.entity.name}", place=Support(centimetres * CENTIMETRE))
+        self.change(f"Set margin of {self.entity.name}", place=Support(centimetres * BALANCE_STEP))
 
     def _set_vertical(self, vertical: bool) -> None:
         self.change(f"{'Hold' if vertical else 'Free'} height of {self.entity.name}", vertical=vertical)

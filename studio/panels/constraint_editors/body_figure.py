@@ -8,28 +8,28 @@ from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
 from studio.document import colours
 
-WIDTH, HEIGHT = 104, 172
+BODY_FIGURE_WIDTH, BODY_FIGURE_HEIGHT = 104, 172
 SCALE = 0.8
-MIDDLE = WIDTH / 2
+BODY_FIGURE_MIDDLE = BODY_FIGURE_WIDTH / 2
 
 
 def _mirrored(name: str, left: QRectF) -> dict[BodyPart, QRectF]:
-    right = QRectF(2 * MIDDLE - left.right(), left.y(), left.width(), left.height())
+    right = QRectF(2 * BODY_FIGURE_MIDDLE - left.right(), left.y(), left.width(), left.height())
     return {BodyPart(f"left_{name}"): left, BodyPart(f"right_{name}"): right}
 
 
-SHAPES: dict[BodyPart, QRectF] = {
-    BodyPart.HEAD: QRectF(MIDDLE - 11, 2, 22, 24),
-    BodyPart.THORAX: QRectF(MIDDLE - 17, 40, 34, 30),
-    BodyPart.ABDOMEN: QRectF(MIDDLE - 14, 72, 28, 14),
-    BodyPart.PELVIS: QRectF(MIDDLE - 16, 88, 32, 15),
-    **_mirrored("clavicle", QRectF(MIDDLE - 24, 30, 21, 8)),
-    **_mirrored("upper_arm", QRectF(MIDDLE - 31, 40, 11, 29)),
-    **_mirrored("forearm", QRectF(MIDDLE - 34, 71, 10, 27)),
-    **_mirrored("hand", QRectF(MIDDLE - 36, 100, 11, 13)),
-    **_mirrored("thigh", QRectF(MIDDLE - 16, 105, 14, 30)),
-    **_mirrored("shank", QRectF(MIDDLE - 15, 137, 12, 24)),
-    **_mirrored("foot", QRectF(MIDDLE - 19, 163, 16, 8)),
+SEGMENT_SHAPES: dict[BodyPart, QRectF] = {
+    BodyPart.HEAD: QRectF(BODY_FIGURE_MIDDLE - 11, 2, 22, 24),
+    BodyPart.THORAX: QRectF(BODY_FIGURE_MIDDLE - 17, 40, 34, 30),
+    BodyPart.ABDOMEN: QRectF(BODY_FIGURE_MIDDLE - 14, 72, 28, 14),
+    BodyPart.PELVIS: QRectF(BODY_FIGURE_MIDDLE - 16, 88, 32, 15),
+    **_mirrored("clavicle", QRectF(BODY_FIGURE_MIDDLE - 24, 30, 21, 8)),
+    **_mirrored("upper_arm", QRectF(BODY_FIGURE_MIDDLE - 31, 40, 11, 29)),
+    **_mirrored("forearm", QRectF(BODY_FIGURE_MIDDLE - 34, 71, 10, 27)),
+    **_mirrored("hand", QRectF(BODY_FIGURE_MIDDLE - 36, 100, 11, 13)),
+    **_mirrored("thigh", QRectF(BODY_FIGURE_MIDDLE - 16, 105, 14, 30)),
+    **_mirrored("shank", QRectF(BODY_FIGURE_MIDDLE - 15, 137, 12, 24)),
+    **_mirrored("foot", QRectF(BODY_FIGURE_MIDDLE - 19, 163, 16, 8)),
 }
 
 
@@ -54,19 +54,19 @@ class BodyFigure(QWidget):
         self._under: BodyPart | None = None
 
     def sizeHint(self) -> QSize:
-        return QSize(round(SCALE * WIDTH), round(SCALE * HEIGHT))
+        return QSize(round(SCALE * BODY_FIGURE_WIDTH), round(SCALE * BODY_FIGURE_HEIGHT))
 
     def show_weights(self, weights: dict[BodyPart, float], point: BodyPoint) -> None:
         """Weights from 0 (locked) to 1 (free) by segment, and the point that is constrained."""
         self._weights = weights
-        shape = SHAPES.get(point.part)
+        shape = SEGMENT_SHAPES.get(point.part)
         self._point = None if shape is None else _place(point, shape)
         self.update()
 
     def part_at(self, place: QPointF) -> BodyPart | None:
         """The segment under a point of the widget, if it can be clicked."""
         place = place / SCALE
-        grown = ((part, shape.adjusted(-2, -2, 2, 2)) for part, shape in SHAPES.items())
+        grown = ((part, shape.adjusted(-2, -2, 2, 2)) for part, shape in SEGMENT_SHAPES.items())
         return next((part for part, shape in grown if shape.contains(place) and part in self._weights), None)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
@@ -99,7 +99,7 @@ class BodyFigure(QWidget):
         with QPainter(self) as painter:
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             painter.scale(SCALE, SCALE)
-            for part, shape in SHAPES.items():
+            for part, shape in SEGMENT_SHAPES.items():
                 colour = colours.EDGE
                 if self._weights.get(part, 0.0) > 0.0:
                     share = 0.35 + 0.65 * self._weights[part]
@@ -119,4 +119,4 @@ class BodyFigure(QWidget):
             font.setPixelSize(12)
             painter.setFont(font)
             painter.drawText(QPointF(8, 24), "L")
-            painter.drawText(QPointF(WIDTH - 14, 24), "R")
+            painter.drawText(QPointF(BODY_FIGURE_WIDTH - 14, 24), "R")

@@ -6,13 +6,13 @@ from dataclasses import replace
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QWidget
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.base import LINKS, Constraint
+from studio.core.constraints.base import CHAIN_LINKS, Constraint
 from studio.panels.constraint_editors.body_figure import BodyFigure
 from studio.panels.constraint_editors.segment_weights import SegmentWeights, weight_field
 from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section, labelled
 
-TRUNK = (BodyPart.ABDOMEN, BodyPart.THORAX)
+TRUNK_SEGMENTS = (BodyPart.ABDOMEN, BodyPart.THORAX)
 
 
 def link_words(point: BodyPart) -> dict[str, str]:
@@ -24,13 +24,13 @@ def link_words(point: BodyPart) -> dict[str, str]:
         names = (f"{side.capitalize()} leg", f"{side.capitalize()} foot", "Clavicle")
     else:
         names = ("Neck, head", "End segment", "Clavicle")
-    return dict(zip(LINKS, (*names, "Trunk", "Pelvis, root", "Free arms", "Free leg"), strict=True))
+    return dict(zip(CHAIN_LINKS, (*names, "Trunk", "Pelvis, root", "Free arms", "Free leg"), strict=True))
 
 
 def link_parts(constraint: Constraint) -> dict[str, tuple[BodyPart, ...]]:
     """The segments of each link that counts for a constraint."""
     side, _, bone = constraint.point.part.value.partition("_")
-    links: dict[str, tuple[BodyPart, ...]] = {"trunk": TRUNK, "root": (BodyPart.PELVIS,)}
+    links: dict[str, tuple[BodyPart, ...]] = {"trunk": TRUNK_SEGMENTS, "root": (BodyPart.PELVIS,)}
     if bone in ("clavicle", "upper_arm", "forearm", "hand"):
         links["limb"] = (BodyPart(f"{side}_upper_arm"), BodyPart(f"{side}_forearm"))
         links["end_segment"] = (BodyPart(f"{side}_hand"),)
@@ -75,14 +75,14 @@ class ChainSection(Section):
         grid = QGridLayout()
         grid.setHorizontalSpacing(8)
         grid.setVerticalSpacing(2)
-        for place, link in enumerate(LINKS):
+        for place, link in enumerate(CHAIN_LINKS):
             name = labelled("", "second")
             field = weight_field("Weight")
             self._editor.bind(field, self._setter(link))
             grid.addWidget(name, place, 0)
             grid.addWidget(field, place, 1)
             self._names[link], self._weights[link] = name, field
-        grid.setRowStretch(len(LINKS) + 1, 1)
+        grid.setRowStretch(len(CHAIN_LINKS) + 1, 1)
         return grid
 
     def refresh(self) -> None:

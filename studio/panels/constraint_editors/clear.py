@@ -6,7 +6,7 @@ from studio.core.constraints.clear import Arms
 from studio.panels.constraint_editors.common import CENTIMETRE, ConstraintEditor
 from studio.panels.fields import NumberField, Section, Segments, labelled
 
-ARMS = ((Arms.BOTH, "Both"), (Arms.LEFT, "Left"), (Arms.RIGHT, "Right"))
+ARM_CHOICES = ((Arms.BOTH, "Both"), (Arms.LEFT, "Left"), (Arms.RIGHT, "Right"))
 
 
 class ClearEditor(ConstraintEditor):
@@ -17,7 +17,7 @@ class ClearEditor(ConstraintEditor):
 
     def add_kind_rows(self, section: Section) -> None:
         """Arms, margin, what gives way."""
-        self._arms = Segments("Arms", ARMS)
+        self._arms = Segments("Arms", ARM_CHOICES)
         self._arms.chosen.connect(lambda arms: self.change(f"Choose arms of {self.entity.name}", arms=arms))
         section.add_row("Arms", self._arms)
         self._margin = self.bind(NumberField("Margin", "cm", 0.0, 50.0, 0.5, 1), self._set_margin)

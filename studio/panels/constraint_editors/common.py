@@ -11,7 +11,7 @@ from studio.core.constraints.target import is_moving
 from studio.core.stage.scope import Scope
 from studio.document.document import Document
 from studio.engine.live import Live
-from studio.engine.point_names import POINTS, point_words
+from studio.engine.point_names import POINT_NAMES, point_words
 from studio.panels.constraint_editors.activation import ActivationSection
 from studio.panels.constraint_editors.chain import ChainSection
 from studio.panels.constraint_editors.priority import PrioritySection
@@ -25,7 +25,7 @@ CENTIMETRE = 0.01
 
 def point_choices() -> list[tuple[object, str]]:
     """Every place on the body that has a name."""
-    return [(point, name.capitalize()) for point, name in POINTS.items()]
+    return [(point, name.capitalize()) for point, name in POINT_NAMES.items()]
 
 
 class ConstraintEditor(Editor):

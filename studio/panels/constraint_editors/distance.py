@@ -6,7 +6,7 @@ from studio.engine.point_names import point_words
 from studio.panels.constraint_editors.common import ConstraintEditor, point_choices
 from studio.panels.constraint_editors.present import place_now
 from studio.panels.constraint_editors.target_rows import NumberRows, TargetRows
-from studio.panels.constraint_editors.vector_row import FAR, VectorRow
+from studio.panels.constraint_editors.vector_row import VECTOR_LIMIT, VectorRow
 from studio.panels.fields import Choice, NumberField, Section
 
 OUTSIDE = None
@@ -17,7 +17,7 @@ class DistanceEditor(ConstraintEditor):
 
     def add_kind_rows(self, section: Section) -> None:
         """Distance, other end, and the place if it is outside."""
-        self._distance = self.bind(NumberField("Distance", "m", 0.0, FAR, 0.005, 3), self._set_distance)
+        self._distance = self.bind(NumberField("Distance", "m", 0.0, VECTOR_LIMIT, 0.005, 3), self._set_distance)
         self._length = NumberRows(self, section, "distance")
         section.add_row("Distance", self._distance, self._length.keyed)
         self._other = Choice("Distance from", [(OUTSIDE, "A place outside"), *point_choices()])

@@ -9,7 +9,7 @@ from studio.document.priorities import put_priorities, ties_of, ties_with_moved
 from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section
 
-ROW = 30
+PRIORITY_ROW_PX = 30
 ID = Qt.ItemDataRole.UserRole
 
 
@@ -64,7 +64,7 @@ class PrioritySection(Section):
             shown = [(self._list.item(k).data(ID), self._list.item(k).text()) for k in range(self._list.count())]
             if rows != shown:
                 self._fill(rows)
-        self._list.setFixedHeight(ROW * len(rows))
+        self._list.setFixedHeight(PRIORITY_ROW_PX * len(rows))
         order = list(constraints)
         place = order.index(self._editor.entity_id)
         ties = ties_of(constraints, order)
@@ -80,7 +80,7 @@ class PrioritySection(Section):
         for key, text in rows:
             item = QListWidgetItem(text)
             item.setData(ID, key)
-            item.setSizeHint(QSize(0, ROW))
+            item.setSizeHint(QSize(0, PRIORITY_ROW_PX))
             self._list.addItem(item)
             if key == self._editor.entity_id:
                 self._list.setCurrentItem(item)

@@ -13,8 +13,8 @@ from studio.engine.residuals import Residual, missed_by, unsolved_words, worst_r
 from studio.panels.editor import Editor
 from studio.panels.fields import Section
 
-ROW, COLUMNS, BETWEEN = 18, 2, 16
-DOT = 16
+RESIDUAL_ROW_PX, RESIDUAL_COLUMNS, RESIDUAL_GAP_PX = 18, 2, 16
+RESIDUAL_DOT_PX = 16
 WIDEST = "0000 mm*"
 """Room that every amount is given, so that nothing jumps while it changes."""
 
@@ -84,12 +84,12 @@ class ResidualTable(QWidget):
     @property
     def columns(self) -> int:
         """As many as leave every name whole."""
-        metrics, room = self.fontMetrics(), (self.width() - BETWEEN) // COLUMNS
+        metrics, room = self.fontMetrics(), (self.width() - RESIDUAL_GAP_PX) // RESIDUAL_COLUMNS
         names = max((metrics.horizontalAdvance(each.name) for each in self.residuals), default=0)
-        return COLUMNS if DOT + names + 6 + metrics.horizontalAdvance(WIDEST) <= room else 1
+        return RESIDUAL_COLUMNS if RESIDUAL_DOT_PX + names + 6 + metrics.horizontalAdvance(WIDEST) <= room else 1
 
     def sizeHint(self) -> QSize:
-        return QSize(200, ROW * max(-(-len(self.residuals) // self.columns), 1))
+        return QSize(200, RESIDUAL_ROW_PX * max(-(-len(self.residuals) // self.columns), 1))
 
     def resizeEvent(self, _: QResizeEvent) -> None:
         self.updateGeometry()
@@ -98,9 +98,17 @@ class ResidualTable(QWidget):
         with QPainter(self) as painter:
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             columns = self.columns
-            width = (self.width() - BETWEEN) // COLUMNS if columns == COLUMNS else self.width()
+            width = (
+                (self.width() - RESIDUAL_GAP_PX) // RESIDUAL_COLUMNS if columns == RESIDUAL_COLUMNS else self.width()
+            )
             for place, residual in enumerate(self.residuals):
-                self._paint(painter, place // columns * ROW, place % columns * (width + BETWEEN), width, residual)
+                self._paint(
+                    painter,
+                    place // columns * RESIDUAL_ROW_PX,
+                    place % columns * (width + RESIDUAL_GAP_PX),
+                    width,
+                    residual,
+                )
 
     def _paint(self, painter: QPainter, top: int, left: int, width: int, residual: BodyResidual) -> None:
         baseline, metrics = top + 13, painter.fontMetrics()
@@ -111,7 +119,7 @@ class ResidualTable(QWidget):
         start = left + width - metrics.horizontalAdvance(text)
         name = metrics.elidedText(residual.name, Qt.TextElideMode.ElideRight, start - left - 22)
         painter.setPen(QColor(colours.TEXT))
-        painter.drawText(left + DOT, baseline, name)
+        painter.drawText(left + RESIDUAL_DOT_PX, baseline, name)
         painter.setPen(QColor(colour))
         painter.drawText(start, baseline, text)
 

@@ -17,18 +17,18 @@ from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.constraints.target import own_place_of, with_own_place
 from studio.engine.moments import TargetContext
 from studio.engine.performance import motion_time, stage_time
-from studio.engine.point_names import POINTS, point_words
+from studio.engine.point_names import POINT_NAMES, point_words
 from studio.panels.constraint_editors.present import moment_now
 from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, Section, labelled, press_button, short
 
-FIXED, KEYED = "fixed", Keys.kind
-OWN = OwnPlace.kind
-KINDS = (
-    (OWN, "Per character"),
-    (FIXED, "Shared"),
-    (KEYED, "Keyed over time"),
+FIXED_KIND, KEYED_KIND = "fixed", Keys.kind
+OWN_KIND = OwnPlace.kind
+PLACE_KINDS = (
+    (OWN_KIND, "Per character"),
+    (FIXED_KIND, "Shared"),
+    (KEYED_KIND, "Keyed over time"),
     *RULES,
     (FollowBody.kind, "Follow own body"),
     (FollowPerformer.kind, "Follow character"),
@@ -44,9 +44,9 @@ SPOTS = (
     ((0.0, 0.0, 1.0), "Top"),
     ((0.0, 0.0, -1.0), "Bottom"),
 )
-ONLY_PLACES = (KINDS[0], *RULES)
+ONLY_PLACES = (PLACE_KINDS[0], *RULES)
 """What no turn can be."""
-NARROW = 30
+SIGN_BUTTON_PX = 30
 """Pixels of a button with one sign."""
 WRISTS = (BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True), BodyPoint(BodyPart.LEFT_FOREARM, at_end=True))
 
@@ -56,13 +56,13 @@ class TargetRows:
 
     def __init__(self, editor: Editor, section: Section, field: str, turns: bool = False) -> None:
         self._editor, self._field, self._turns = editor, field, turns
-        self._kind = Choice("Target is", [kind for kind in KINDS if not turns or kind not in ONLY_PLACES])
+        self._kind = Choice("Target is", [kind for kind in PLACE_KINDS if not turns or kind not in ONLY_PLACES])
         self._kind.chosen.connect(self._choose)
         self._kind_caption = section.add_row("Target is", self._kind)
         self._thing = Choice("Follows", ())
         self._thing.chosen.connect(self._choose_thing)
         self._thing_caption = section.add_row("Follows", self._thing)
-        self._point = Choice("Point followed", [(point, name.capitalize()) for point, name in POINTS.items()])
+        self._point = Choice("Point followed", [(point, name.capitalize()) for point, name in POINT_NAMES.items()])
         self._point.chosen.connect(self._choose_point)
         self._point_caption = section.add_row("Its point", self._point)
         self._spot = Choice("Place on the prop", SPOTS)
@@ -116,7 +116,7 @@ class TargetRows:
         """Show what it is; nothing where the value is no target."""
         target = self.target
         kind = _kind_of(target)
-        known = kind in dict(KINDS)
+        known = kind in dict(PLACE_KINDS)
         things = self._things(str(kind)) if known else ()
         self._kind.show_value(kind)
         for widget in (self._kind, self._kind_caption):
@@ -216,7 +216,7 @@ class TargetRows:
             editor.document.problem.emit("There is no prop on the stage. Add one with Prop > Add box, then choose it.")
             self.refresh()
             return
-        text = f"{dict(KINDS)[kind]}: {editor.entity.name}"
+        text = f"{dict(PLACE_KINDS)[kind]}: {editor.entity.name}"
         editor.put(lambda: replace(editor.entity, **{self._field: self._first(kind, things)}), text)
 
     def _first(self, kind: str, things: Sequence[tuple[Any, str]]) -> Any:
@@ -236,9 +236,9 @@ class TargetRows:
                 parts = capture.body_map.parts if capture.body_map else {}
                 return FollowTracked(capture.skeleton.names[parts.get(own.part, 0)])
         now = self._known_now()
-        if kind == FIXED:
+        if kind == FIXED_KIND:
             return now
-        if kind == OWN:
+        if kind == OWN_KIND:
             return self._own_place(now)
         own = self._own_place(now) if self._is_per_character else None
         if kind in dict(RULES):
@@ -322,7 +322,7 @@ class KeyRow:
         for button, name in zip(self._buttons, ("Key before", "Next key", "Set key", "Delete key"), strict=True):
             button.setAccessibleName(name)
             button.setToolTip(f"{name} at the playhead" if name in ("Set key", "Delete key") else name)
-            button.setFixedWidth(NARROW)
+            button.setFixedWidth(SIGN_BUTTON_PX)
         self._caption = section.add_row("Keys", self._words, *self._buttons)
 
     def refresh(self, known: bool = True) -> None:
@@ -418,10 +418,10 @@ class NumberRows:
 
 
 def _kind_of(target: object) -> str | None:
-    """The kind as ``KINDS`` lists it; None where the value is no target."""
+    """The kind as ``PLACE_KINDS`` lists it; None where the value is no target."""
     if isinstance(target, KeyedOwnPlace):
-        return KEYED
-    return getattr(target, "kind", FIXED if isinstance(target, tuple) else None)
+        return KEYED_KIND
+    return getattr(target, "kind", FIXED_KIND if isinstance(target, tuple) else None)
 
 
 _THINGS = ("performer_id", "prop_id", "joint")

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QLabel
 from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section
 
-FAR = 1000.0
+VECTOR_LIMIT = 1000.0
 
 
 class VectorRow:
@@ -27,7 +27,7 @@ class VectorRow:
         self._values: list[float] = [0.0] * len(axes)
         self._put = put
         self.fields = [
-            editor.bind(NumberField(f"{label} {axis}", "", -FAR, FAR, 0.01, 3), partial(self._set, k))
+            editor.bind(NumberField(f"{label} {axis}", "", -VECTOR_LIMIT, VECTOR_LIMIT, 0.01, 3), partial(self._set, k))
             for k, axis in enumerate(axes)
         ]
         self.caption: QLabel = section.add_row(f"{label}  {unit}".rstrip(), *self.fields)

@@ -7,12 +7,12 @@ from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QTreeWidget, QTreeWidgetItem, QVBoxLayout, QWidget
 
 from studio.core.markers.marker_map import MarkerMap, seen_labels
-from studio.core.markers.roles import ROLE, ROLES, SIDES
+from studio.core.markers.roles import ROLE, ROLES, SIDE_WORDS
 from studio.core.markers.take import MarkerTake
 from studio.core.markers.trial import bare_label, subject_of, whole
 from studio.document import colours
 from studio.io.markers.maps import find_map, fitted, known_maps, save_map
-from studio.panels.fields import SIDE, Choice, Section, labelled, press_button
+from studio.panels.fields import FIELD_ICON_PX, Choice, Section, labelled, press_button
 from studio.panels.markers.cloud import MarkerCloud
 from studio.panels.markers.figure import MarkerFigure
 
@@ -84,7 +84,7 @@ class MarkerAssistant(QWidget):
     def _make_list(self) -> QWidget:
         box = QWidget()
         column = QVBoxLayout(box)
-        column.setContentsMargins(SIDE, 8, SIDE, 0)
+        column.setContentsMargins(FIELD_ICON_PX, 8, FIELD_ICON_PX, 0)
         self.list = QTreeWidget()
         self.list.setHeaderLabels(["Marker", "Place", "Seen"])
         self.list.setRootIsDecorated(False)
@@ -181,7 +181,7 @@ class MarkerAssistant(QWidget):
         self.cloud.show_markers(tuple(seen_labels(self._trial, self.subject)), (), ())
         left, right = (
             {label for role, labels in self.marker_map.markers.items() if role.startswith(side) for label in labels}
-            for side in SIDES
+            for side in SIDE_WORDS
         )
         self.cloud.face(left - right, right - left)
 

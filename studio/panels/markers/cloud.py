@@ -14,11 +14,11 @@ from studio.io.up_axis import turn_to_world
 
 FloatArray = NDArray[np.float64]
 
-WIDTH = 250
-MARGIN = 22
-DOT = 4.0
-REACH = 10.0
-TURN = 0.012
+CLOUD_WIDTH = 250
+CLOUD_MARGIN = 22
+CLOUD_DOT_PX = 4.0
+CLOUD_REACH = 10.0
+RADIANS_PER_PIXEL = 0.012
 """Radians a pixel of a drag."""
 CLICK = 4
 """Pixels within which a press and a release are a click and no drag."""
@@ -47,7 +47,7 @@ class MarkerCloud(QWidget):
         self._under = ""
 
     def sizeHint(self) -> QSize:
-        return QSize(WIDTH, 2 * WIDTH)
+        return QSize(CLOUD_WIDTH, 2 * CLOUD_WIDTH)
 
     def show_markers(self, labels: Collection[str], used: Collection[str], marked: Collection[str]) -> None:
         """The labels (with subject) that are shown; bare ones that have a place, and that lie at the chosen one."""
@@ -91,7 +91,7 @@ class MarkerCloud(QWidget):
         points = points - 0.5 * (points[seen].min(axis=0) + points[seen].max(axis=0))
         across = np.cos(self._angle) * points[:, 1] - np.sin(self._angle) * points[:, 0]
         sizes = self.width(), self.height()
-        scale = min((size - 2 * MARGIN) / 2 / extent for size, extent in zip(sizes, self._extent, strict=True))
+        scale = min((size - 2 * CLOUD_MARGIN) / 2 / extent for size, extent in zip(sizes, self._extent, strict=True))
         middle = QPointF(self.width() / 2, self.height() / 2)
         return {
             self._labels[k]: middle + QPointF(-scale * across[k], -scale * points[k, 2]) for k in np.flatnonzero(seen)
@@ -101,7 +101,7 @@ class MarkerCloud(QWidget):
         """The marker under a point of the widget; empty beside all."""
         near = {label: (dot - place).manhattanLength() for label, dot in self.dots().items()}
         label = min(near, key=lambda each: near[each], default="")
-        return label if label and near[label] < 1.4 * REACH else ""
+        return label if label and near[label] < 1.4 * CLOUD_REACH else ""
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         self._press, self._dragged = event.position(), False
@@ -111,7 +111,7 @@ class MarkerCloud(QWidget):
             moved = event.position() - self._press
             if self._dragged or moved.manhattanLength() > CLICK:
                 self._dragged, self._press = True, event.position()
-                self._angle -= TURN * moved.x()
+                self._angle -= RADIANS_PER_PIXEL * moved.x()
         self._under = self.label_at(event.position())
         self.update()
 
@@ -133,13 +133,13 @@ class MarkerCloud(QWidget):
                 used = label in self._used
                 painter.setPen(QPen(QColor(colours.WINDOW), 1.0))
                 painter.setBrush(QColor(colours.KINDS["position"] if used else colours.TEXT_SECOND))
-                painter.drawEllipse(dot, DOT, DOT)
+                painter.drawEllipse(dot, CLOUD_DOT_PX, CLOUD_DOT_PX)
             for label in dict.fromkeys((*self._marked, self._under)):
                 if label in dots:
                     painter.setPen(QPen(QColor(colours.SELECTED_HANDLE), 1.5))
                     painter.setBrush(Qt.BrushStyle.NoBrush)
-                    painter.drawEllipse(dots[label], DOT + 4, DOT + 4)
-                    painter.drawText(dots[label] + QPointF(DOT + 8, 4), label)
+                    painter.drawEllipse(dots[label], CLOUD_DOT_PX + 4, CLOUD_DOT_PX + 4)
+                    painter.drawText(dots[label] + QPointF(CLOUD_DOT_PX + 8, 4), label)
             painter.setPen(QColor(colours.TEXT_THIRD))
             words = "As recorded. Drag to turn." if dots else "No marker is seen in this frame."
             painter.drawText(QPointF(8, self.height() - 8), words)

@@ -9,10 +9,10 @@ from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 from studio.core.markers.roles import ROLE, ROLES
 from studio.document import colours
 
-WIDTH, HEIGHT = 300, 520
-MARGIN = 24
-DOT = 5.0
-REACH = 11.0
+ROLE_FIGURE_WIDTH, ROLE_FIGURE_HEIGHT = 300, 520
+ROLE_FIGURE_MARGIN = 24
+ROLE_DOT_PX = 5.0
+ROLE_REACH = 11.0
 """Pixels from a dot within which a click means it."""
 
 _LIMBS: tuple[tuple[tuple[float, float], tuple[float, float], float], ...] = (
@@ -43,7 +43,7 @@ class MarkerFigure(QWidget):
         self._under = ""
 
     def sizeHint(self) -> QSize:
-        return QSize(WIDTH, HEIGHT)
+        return QSize(ROLE_FIGURE_WIDTH, ROLE_FIGURE_HEIGHT)
 
     def show_map(self, markers: Mapping[str, Sequence[str]], role: str) -> None:
         """Labels by role, and the role that is chosen."""
@@ -59,7 +59,7 @@ class MarkerFigure(QWidget):
         role, distance = min(
             ((role.id, (self.place_of(role.id) - point).manhattanLength()) for role in ROLES), key=lambda pair: pair[1]
         )
-        return role if distance < 1.4 * REACH else ""
+        return role if distance < 1.4 * ROLE_REACH else ""
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         role = self.role_at(event.position())
@@ -94,8 +94,8 @@ class MarkerFigure(QWidget):
             for role in ROLES:
                 self._paint_dot(painter, role.id)
             painter.setPen(QColor(colours.TEXT_THIRD))
-            painter.drawText(QPointF(MARGIN - 10, MARGIN + 4), "L")
-            painter.drawText(QPointF(WIDTH - MARGIN, MARGIN + 4), "R")
+            painter.drawText(QPointF(ROLE_FIGURE_MARGIN - 10, ROLE_FIGURE_MARGIN + 4), "L")
+            painter.drawText(QPointF(ROLE_FIGURE_WIDTH - ROLE_FIGURE_MARGIN, ROLE_FIGURE_MARGIN + 4), "R")
 
     def _paint_body(self, painter: QPainter) -> None:
         painter.setPen(Qt.PenStyle.NoPen)
@@ -127,14 +127,17 @@ class MarkerFigure(QWidget):
         if role == self._role:
             painter.setPen(QPen(QColor(colours.SELECTED_HANDLE), 2.0))
             painter.setBrush(Qt.BrushStyle.NoBrush)
-            painter.drawEllipse(place, DOT + 5, DOT + 5)
+            painter.drawEllipse(place, ROLE_DOT_PX + 5, ROLE_DOT_PX + 5)
         edge = colours.SELECTED_HANDLE if role == self._under else colours.TEXT_THIRD
         painter.setPen(QPen(QColor(colours.WINDOW if filled else edge), 1.2))
         painter.setBrush(QColor(colours.KINDS["position"]) if filled else QColor(colours.PANEL))
-        size = DOT if filled else DOT - 1.5
+        size = ROLE_DOT_PX if filled else ROLE_DOT_PX - 1.5
         painter.drawEllipse(place, size, size)
 
 
 def _place(across: float, up: float) -> QPointF:
-    width = (WIDTH - 2 * MARGIN) / 2
-    return QPointF(WIDTH / 2 - across * width * 1.55, MARGIN + (1.0 - up) * (HEIGHT - 2 * MARGIN))
+    width = (ROLE_FIGURE_WIDTH - 2 * ROLE_FIGURE_MARGIN) / 2
+    return QPointF(
+        ROLE_FIGURE_WIDTH / 2 - across * width * 1.55,
+        ROLE_FIGURE_MARGIN + (1.0 - up) * (ROLE_FIGURE_HEIGHT - 2 * ROLE_FIGURE_MARGIN),
+    )

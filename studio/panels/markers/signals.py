@@ -11,16 +11,16 @@ from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QHBoxLayout, QTreeWidget, QTreeWidgetItem, QVBoxLayout, QWidget
 
 from studio.core.markers.force_plates import plate_force, sample_times
-from studio.core.markers.trial import MARKER, VIRTUAL, ForcePlate, Trial, bare_label
+from studio.core.markers.trial import MARKER_KIND, VIRTUAL_KIND, ForcePlate, Trial, bare_label
 from studio.document import colours
-from studio.panels.fields import SIDE, labelled
+from studio.panels.fields import FIELD_ICON_PX, labelled
 
 FloatArray = NDArray[np.float64]
 Curves = list[tuple[str, FloatArray, FloatArray]]
 """Name, times and values."""
 
 LIST_WIDTH = 210
-AXES = ("x", "y", "z")
+SIGNAL_AXES = ("x", "y", "z")
 
 
 class SignalPlot(QWidget):
@@ -33,7 +33,7 @@ class SignalPlot(QWidget):
         super().__init__()
         self._trial, self._seek = trial, seek
         row = QHBoxLayout(self)
-        row.setContentsMargins(SIDE, SIDE, SIDE, 0)
+        row.setContentsMargins(FIELD_ICON_PX, FIELD_ICON_PX, FIELD_ICON_PX, 0)
         self.list = QTreeWidget()
         self.list.setHeaderHidden(True)
         self.list.setFixedWidth(LIST_WIDTH)
@@ -131,13 +131,15 @@ class SignalPlot(QWidget):
             for column, (label, unit) in enumerate(zip(trial.analog.labels, trial.analog.units, strict=True)):
                 samples = trial.analog.samples[:, column]
                 self._add(analog, label, partial(_one, label, times, samples), unit)
-            points = self._group("Computed by a model", any(kind not in (MARKER, VIRTUAL) for kind in trial.kinds))
+            points = self._group(
+                "Computed by a model", any(kind not in (MARKER_KIND, VIRTUAL_KIND) for kind in trial.kinds)
+            )
             frames = np.arange(trial.frame_count) / trial.frame_rate
             for column, (label, kind) in enumerate(zip(trial.labels, trial.kinds, strict=True)):
                 track = trial.points[:, column]
-                if kind == MARKER and trial.ever_seen[column]:
+                if kind == MARKER_KIND and trial.ever_seen[column]:
                     self._markers[label] = self._add(markers, label, partial(_axes, label, frames, track), trial.unit)
-                elif kind not in (MARKER, VIRTUAL):
+                elif kind not in (MARKER_KIND, VIRTUAL_KIND):
                     self._add(points, label, partial(_axes, label, frames, track), kind)
         for group in (plates, markers, analog, points):
             group.setExpanded(group.childCount() <= 24)
@@ -172,7 +174,7 @@ def _one(name: str, times: FloatArray, values: FloatArray) -> Curves:
 
 
 def _axes(name: str, times: FloatArray, values: FloatArray) -> Curves:
-    return [(f"{name} {axis}", times, values[:, place]) for place, axis in enumerate(AXES)]
+    return [(f"{name} {axis}", times, values[:, place]) for place, axis in enumerate(SIGNAL_AXES)]
 
 
 def _events_words(trial: Trial) -> str:

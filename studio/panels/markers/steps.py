@@ -7,7 +7,7 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
 
 from studio.core.markers.cleaning import FillLongGaps, FillShortGaps, LowPass, Step, StepReport, UndoSwaps
-from studio.panels.fields import SIDE, Choice, NumberField, Section, labelled, press_button
+from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, labelled, press_button
 
 OFFERED: tuple[tuple[Callable[[], Step], str], ...] = (
     (UndoSwaps, "Undo swaps"),
@@ -31,7 +31,7 @@ class StepList(QWidget):
         self._rows = QVBoxLayout()
         column.addLayout(self._rows)
         row = QHBoxLayout()
-        row.setContentsMargins(SIDE, SIDE, SIDE, 0)
+        row.setContentsMargins(FIELD_ICON_PX, FIELD_ICON_PX, FIELD_ICON_PX, 0)
         self.add = Choice("Add a step", list(OFFERED))
         self.add.setPlaceholderText("Add a step")
         self.add.setCurrentIndex(-1)
@@ -67,7 +67,7 @@ class StepList(QWidget):
             self._rows.addWidget(self._make_row(place, step))
         if not self.steps:
             note = labelled("The points are used as they were recorded.", "hint")
-            note.setContentsMargins(SIDE, SIDE, SIDE, 0)
+            note.setContentsMargins(FIELD_ICON_PX, FIELD_ICON_PX, FIELD_ICON_PX, 0)
             self._rows.addWidget(note)
 
     def _make_row(self, place: int, step: Step) -> Section:

@@ -19,9 +19,9 @@ from studio.timeline.tracks.value_curves import (
 
 LOCK = 5.0
 """Pixels below which a drag does not change time, or value, so that a hand need not be exact."""
-STEPS = {"m": 0.01, "°": 5.0, "×": 0.01}
+SNAP_STEPS = {"m": 0.01, "°": 5.0, "×": 0.01}
 """What values catch on with Ctrl, by unit."""
-FINE = 0.1
+FINE_KEY_DRAG = 0.1
 Modifier = Qt.KeyboardModifier
 
 
@@ -52,9 +52,9 @@ class DragCurveKeys(TimelineGesture):
         caught = snapped(self.shown.axis, self._time + way.x() / self.shown.axis.scale, self._magnets, free)
         seconds = caught.time - self._time if self._is_moved else 0.0
         rise = self._curves.value_of(self.shown, self._area, channel.unit, -way.y()) if self._is_raised else 0.0
-        rise *= FINE if self.modifiers & Modifier.ShiftModifier else 1.0
+        rise *= FINE_KEY_DRAG if self.modifiers & Modifier.ShiftModifier else 1.0
         old = float(self._values[self._grabbed.place])
-        step = STEPS.get(channel.unit, 0.0)
+        step = SNAP_STEPS.get(channel.unit, 0.0)
         if self._is_raised and step and self.modifiers & Modifier.ControlModifier:
             rise = round((old + rise) / step) * step - old
         before = self._drag.before[channel.field]
@@ -95,7 +95,7 @@ class DragTangent(TimelineGesture):
     def update(self, position: QPointF, free: bool) -> None:
         """The end of the handle follows the mouse."""
         channel, shown = self._handle.channel, self.shown
-        share = FINE if self.modifiers & Modifier.ShiftModifier else 1.0
+        share = FINE_KEY_DRAG if self.modifiers & Modifier.ShiftModifier else 1.0
         way = self._begin + (position - self._press) * share - self._key
         begin = own_times(shown, channel.field, shown.axis.time_at(self._key.x()))
         end = own_times(shown, channel.field, shown.axis.time_at(self._key.x() + way.x()))

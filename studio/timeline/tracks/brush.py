@@ -4,7 +4,7 @@ from PySide6.QtCore import QPointF, QRect, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QFontMetrics, QGuiApplication, QPainter, QPen, QPolygonF
 
 from studio.document import colours
-from studio.timeline.shown import LABEL_WIDTH
+from studio.timeline.shown import ROW_LABEL_WIDTH
 
 LABEL_INDENT = 14
 KEY_REACH = 5.0
@@ -78,4 +78,4 @@ def paint_bar(painter: QPainter, bar: QRectF, fill: QColor, radius: float, edge:
 
 def time_area(row: QRect) -> QRect:
     """The part of a row that lies over time."""
-    return row.adjusted(LABEL_WIDTH, 0, 0, 0)
+    return row.adjusted(ROW_LABEL_WIDTH, 0, 0, 0)

@@ -7,14 +7,14 @@ from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QColor, QPainter, QPolygonF
 
 from studio.core.normalized.compose import Composite
-from studio.core.normalized.joining import FARTHEST
+from studio.core.normalized.joining import FOOT_STEP_LIMIT
 from studio.core.normalized.pieces import Played
 from studio.core.stage.clip import Clip
 from studio.document import colours
 from studio.timeline.shown import RowContext
 from studio.timeline.tracks.brush import hairline, translucent
 
-HEAD = 4.0
+CHANGE_HALF_WIDTH = 4.0
 """Pixels of half a mark's head."""
 
 
@@ -35,8 +35,8 @@ class TakeOver:
         at = f"{clip.start + self.after:.3f} s"
         if self.cut:
             return (
-                f"The body jumps at {at}: this begins more than {FARTHEST:g} leg lengths away, farther than a step. "
-                "Let it begin where the last one ends, or move it nearer"
+                f"The body jumps at {at}: this begins more than {FOOT_STEP_LIMIT:g} leg lengths away, farther than a"
+                " step. Let it begin where the last one ends, or move it nearer"
             )
         if self.fades:
             return f"Fades in from {at} on, as hands, knees or seat stand in the row, or a layer over it has them stand"
@@ -74,5 +74,5 @@ def paint_take_over(painter: QPainter, bar: QRectF, x: float, cut: bool) -> None
     painter.setPen(hairline(translucent(colour, 0.9), 1.2))
     painter.drawLine(QPointF(x, bar.top()), QPointF(x, bar.bottom()))
     painter.setBrush(QColor(colour))
-    corners = ((-HEAD, 0.0), (HEAD, 0.0), (0.0, HEAD))
+    corners = ((-CHANGE_HALF_WIDTH, 0.0), (CHANGE_HALF_WIDTH, 0.0), (0.0, CHANGE_HALF_WIDTH))
     painter.drawPolygon(QPolygonF([QPointF(x + dx, bar.top() + dy) for dx, dy in corners]))

@@ -12,8 +12,8 @@ from studio.timeline.shown import Hit, ItemPart, RowContext, label_area
 from studio.timeline.tracks.brush import LABEL_INDENT, font, hairline, paint_dot, paint_fold, paint_label, translucent
 from studio.timeline.tracks.change import paint_take_over, take_over
 
-HEIGHT = 24
-EDGE_REACH = 5.0
+CLIP_ROW_HEIGHT = 24
+CLIP_EDGE_REACH = 5.0
 """Pixels at a bar's ends by which it is trimmed; a quarter of a short bar."""
 TINT, SELECTED_TINT = 0.28, 0.6
 CURVE_STEPS = 16
@@ -189,7 +189,7 @@ def folds(shown: RowContext, performer_id: str) -> bool:
 def clip_hit(bars: list[tuple[Clip, QRectF]], performer_id: str, point: QPointF) -> Hit:
     """An end of a clip, its body, or the empty place between these ``bars``."""
     for clip, bar in reversed(bars):
-        reach = min(EDGE_REACH, bar.width() / 4)
+        reach = min(CLIP_EDGE_REACH, bar.width() / 4)
         if not bar.adjusted(-reach / 2, 0, reach / 2, 0).contains(point):
             continue
         part = ItemPart.BODY

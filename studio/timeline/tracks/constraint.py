@@ -13,23 +13,23 @@ from studio.timeline.subject import Body
 from studio.timeline.tracks.brush import hairline, paint_dot, paint_fold, paint_label, translucent
 from studio.timeline.tracks.strip import PITCH, paint_strip, paint_unknown
 
-ABOVE, CURVE, BETWEEN, BELOW = 6, 19, 2, 3
-HANDLE_REACH = 6.0
+CURVE_TOP_PX, CURVE, STRIP_GAP_PX, STRIP_BOTTOM_PX = 6, 19, 2, 3
+ACTIVATION_HANDLE_REACH = 6.0
 RAMP_POINTS = 48
 ROOM_FOR_LABEL = 44
-FOLDED = 22
+FOLDED_CONSTRAINT_HEIGHT = 22
 """Pixels of a folded row: a low curve, and the strip of who misses it most."""
 LOW_ABOVE, LOW_CURVE = 2, 11
 
 
 def height(body_count: int) -> int:
     """Pixels of a row with so many strips, or of its two lines of text."""
-    return max(ABOVE + CURVE + BETWEEN + PITCH * body_count + BELOW, ROOM_FOR_LABEL)
+    return max(CURVE_TOP_PX + CURVE + STRIP_GAP_PX + PITCH * body_count + STRIP_BOTTOM_PX, ROOM_FOR_LABEL)
 
 
 def baseline(row: QRect) -> int:
     """The pixel at which the activation is 0; a curve's height above it is 1."""
-    return row.top() + (LOW_ABOVE if is_folded(row) else ABOVE) + curve_height(row)
+    return row.top() + (LOW_ABOVE if is_folded(row) else CURVE_TOP_PX) + curve_height(row)
 
 
 def curve_height(row: QRect) -> int:
@@ -39,7 +39,7 @@ def curve_height(row: QRect) -> int:
 
 def is_folded(row: QRect) -> bool:
     """Whether a row is only a line high."""
-    return row.height() <= FOLDED
+    return row.height() <= FOLDED_CONSTRAINT_HEIGHT
 
 
 def handle_points(shown: RowContext, row: QRect, constraint: Constraint) -> dict[ItemPart, QPointF]:
@@ -101,7 +101,7 @@ def paint_constraint_label(painter: QPainter, row: QRect, shown: RowContext, con
     order = shown.project.places_of(constraint.motion_id)[constraint_id]
     area = label_area(row)
     folded = is_folded(row)
-    top = QRect(area.left(), area.top() + (1 if folded else ABOVE - 2), area.width(), 20)
+    top = QRect(area.left(), area.top() + (1 if folded else CURVE_TOP_PX - 2), area.width(), 20)
     name_colour = colours.TEXT if constraint.enabled else colours.TEXT_THIRD
     paint_fold(painter, top, folded)
     if constraint.scope.is_narrow:  # the dot of whom alone it is asked
@@ -121,7 +121,7 @@ def constraint_hit(shown: RowContext, row: QRect, constraint_id: str, point: QPo
     near = {
         part: place
         for part, place in handle_points(shown, row, constraint).items()
-        if within(point, place.x(), place.y(), HANDLE_REACH)
+        if within(point, place.x(), place.y(), ACTIVATION_HANDLE_REACH)
     }
     if near:
         return Hit("constraints", constraint_id, _nearest(near, point))
@@ -162,7 +162,7 @@ def _curve_path(shown: RowContext, row: QRect, constraint: Constraint) -> QPaint
 
 def strip_top(row: QRect, place: int) -> int:
     """The pixel at which the strip of the ``place``-th body begins."""
-    return baseline(row) + 1 + BETWEEN + PITCH * place
+    return baseline(row) + 1 + STRIP_GAP_PX + PITCH * place
 
 
 def _paint_strips(painter: QPainter, row: QRect, shown: RowContext, constraint_id: str) -> None:

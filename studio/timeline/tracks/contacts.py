@@ -9,10 +9,10 @@ from studio.document import colours
 from studio.timeline.shown import EDGES, Hit, ItemPart, RowContext, label_area
 from studio.timeline.tracks.brush import paint_bar, paint_fold, paint_label, translucent
 
-HEIGHT, FOLDED = 24, 13
-LINE, THIN_LINE = 7, 3
+CONTACT_LINE_HEIGHT, FOLDED_CONTACT_HEIGHT = 24, 13
+CONTACT_LINE_PX, THIN_LINE = 7, 3
 """Pixels of a row, and of one of its lines, as high as it is and folded."""
-EDGE_REACH = 5.0
+CONTACT_EDGE_REACH = 5.0
 LEAST_BAR = 3.0
 EDGE_FIELDS = {ItemPart.FIRST: "first", ItemPart.LAST: "last"}
 LANES: dict[str, tuple[ContactPoint | Touch, ...]] = {
@@ -29,14 +29,14 @@ LANES: dict[str, tuple[ContactPoint | Touch, ...]] = {
     },
 }
 """The rows and the points whose contacts lie in them, from above."""
-ALWAYS = ("left foot", "right foot")
+PERMANENT_ROWS = ("left foot", "right foot")
 """Rows that are there without a contact, too."""
 FILLS = (colours.mixed(colours.KINDS["contact"], colours.PANEL, 0.30), colours.KINDS["contact"])
 
 
 def rows_with(points: set[ContactPoint | Touch]) -> tuple[str, ...]:
     """The rows of a motion whose contacts are of these points: feet always, others where they touch."""
-    return tuple(row for row, lanes in LANES.items() if row in ALWAYS or not points.isdisjoint(lanes))
+    return tuple(row for row, lanes in LANES.items() if row in PERMANENT_ROWS or not points.isdisjoint(lanes))
 
 
 def row_of(point: ContactPoint | Touch) -> str:
@@ -46,7 +46,7 @@ def row_of(point: ContactPoint | Touch) -> str:
 
 def lane(row: QRect, point: ContactPoint | Touch) -> QRectF:
     """The height at which a point's contacts lie in its row."""
-    lanes, line = LANES[row_of(point)], THIN_LINE if is_folded(row) else LINE
+    lanes, line = LANES[row_of(point)], THIN_LINE if is_folded(row) else CONTACT_LINE_PX
     middle = row.top() + row.height() / 2
     top = middle - line / 2 if len(lanes) == 1 else middle + 0.5 - (line + 1) * (1 - lanes.index(point))
     return QRectF(row.left(), round(top), row.width(), line)
@@ -54,7 +54,7 @@ def lane(row: QRect, point: ContactPoint | Touch) -> QRectF:
 
 def is_folded(row: QRect) -> bool:
     """Whether a row is as low as can be."""
-    return row.height() <= FOLDED
+    return row.height() <= FOLDED_CONTACT_HEIGHT
 
 
 def contact_bar(shown: RowContext, row: QRect, contact: ContactInterval) -> QRectF:
@@ -124,7 +124,7 @@ def contacts_hit(shown: RowContext, row: QRect, row_id: str, point: QPointF) -> 
     """A contact or its end; else the lane, named by its point."""
     lanes = LANES[row_id]
     touching = lanes[0] if point.y() < row.top() + row.height() / 2 else lanes[-1]
-    reach = EDGE_REACH + LEAST_BAR
+    reach = CONTACT_EDGE_REACH + LEAST_BAR
     first, last = shown.frame_at(point.x() - reach), shown.frame_at(point.x() + reach)
     hits = [
         (distance, Hit("contacts", key, part))
@@ -140,10 +140,10 @@ def contacts_hit(shown: RowContext, row: QRect, row_id: str, point: QPointF) -> 
 
 def _grip(bar: QRectF, x: float) -> list[tuple[float, ItemPart]]:
     """The part of a bar at ``x`` with its distance; ends reach beyond the bar, and leave a third as body."""
-    reach = min(EDGE_REACH, bar.width() / 3)
-    if bar.left() - EDGE_REACH <= x <= bar.left() + reach:
+    reach = min(CONTACT_EDGE_REACH, bar.width() / 3)
+    if bar.left() - CONTACT_EDGE_REACH <= x <= bar.left() + reach:
         return [(abs(x - bar.left()), ItemPart.FIRST)]
-    if bar.right() - reach <= x <= bar.right() + EDGE_REACH:
+    if bar.right() - reach <= x <= bar.right() + CONTACT_EDGE_REACH:
         return [(abs(x - bar.right()), ItemPart.LAST)]
     return [(0.0, ItemPart.BODY)] if bar.left() < x < bar.right() else []
 

@@ -8,16 +8,16 @@ from studio.document import colours
 from studio.document.keyed_fields import fields_of
 from studio.timeline.shown import Hit, ItemPart, RowContext, label_area
 from studio.timeline.tracks.brush import paint_bar, paint_label, translucent
-from studio.timeline.tracks.clip import EDGE_REACH, paint_clip_text, seen_part
+from studio.timeline.tracks.clip import CLIP_EDGE_REACH, paint_clip_text, seen_part
 
-HEIGHT = 22
+HOLD_ROW_HEIGHT = 22
 
 
 def rows_of(shown: RowContext) -> list[tuple[str, str, int]]:
     """Kind, id and height of the rows of props that are held for a while, or have keys."""
     props = shown.project.props.items()
     return [
-        ("props", key, HEIGHT)
+        ("props", key, HOLD_ROW_HEIGHT)
         for key, each in props
         if any(not hold.is_always for hold in each.holds) or fields_of("props", key, each)
     ]
@@ -61,11 +61,11 @@ def hold_hit(shown: RowContext, row: QRect, prop_id: str, point: QPointF) -> Hit
 def hold_under(shown: RowContext, prop: Prop, x: float) -> InHand | Carried | None:
     """The hold whose bar, or an end of it, is at ``x`` of its row."""
     for hold in prop.holds:
-        bar = hold_bar(shown, QRect(0, 0, 1, HEIGHT), hold)
+        bar = hold_bar(shown, QRect(0, 0, 1, HOLD_ROW_HEIGHT), hold)
         if bar.left() - _reach(bar) <= x <= bar.right() + _reach(bar):
             return hold
     return None
 
 
 def _reach(bar: QRectF) -> float:
-    return min(EDGE_REACH, bar.width() / 4)
+    return min(CLIP_EDGE_REACH, bar.width() / 4)

@@ -17,14 +17,14 @@ from studio.timeline.tracks.layer import INDENT
 
 FloatArray = NDArray[np.float64]
 
-HEIGHT = 22
+KEY_ROW_HEIGHT = 22
 SUMMARY = "summary"
 """The kind of the dope sheet's row that shows the keys of all the others."""
 SHEET = "sheet"
 """The kind of a row of the dope sheet; its id names the field."""
-APART = 3.0
+MERGED_KEYS_PX = 3.0
 """Pixels between keys below which they are drawn as one bar."""
-BAR = 3.0
+MERGED_BAR_PX = 3.0
 """Pixels of half the height of such a bar."""
 FIELD_NAMES = {"proportions": "measures"}
 
@@ -59,8 +59,8 @@ def sheet_fields(shown: RowContext) -> dict[KeyedField, Keyed]:
 
 def rows_of(shown: RowContext) -> list[tuple[str, str, int]]:
     """Kind, id and height of the dope sheet's rows, the summary first."""
-    rows = [(SHEET, sheet_id(field), HEIGHT) for field in sheet_fields(shown)]
-    return [(SUMMARY, "", HEIGHT), *rows]
+    rows = [(SHEET, sheet_id(field), KEY_ROW_HEIGHT) for field in sheet_fields(shown)]
+    return [(SUMMARY, "", KEY_ROW_HEIGHT), *rows]
 
 
 def fields_in(shown: RowContext, row: TimelineRow) -> tuple[KeyedField, ...]:
@@ -148,12 +148,18 @@ def _paint_diamonds(
     if not len(times):
         return
     xs = np.unique(np.round(shown.axis.left + (times - shown.axis.start) * shown.axis.scale, 1))
-    breaks = np.flatnonzero(np.diff(xs) >= APART) + 1
+    breaks = np.flatnonzero(np.diff(xs) >= MERGED_KEYS_PX) + 1
     for run in np.split(xs, breaks):
         left, right = float(run[0]), float(run[-1])
         if right > left:
             edge = colours.SELECTED_HANDLE if selected else None
-            paint_bar(painter, QRectF(left, y - BAR, right - left, 2.0 * BAR), translucent(colour, 0.7), BAR, edge)
+            paint_bar(
+                painter,
+                QRectF(left, y - MERGED_BAR_PX, right - left, 2.0 * MERGED_BAR_PX),
+                translucent(colour, 0.7),
+                MERGED_BAR_PX,
+                edge,
+            )
             paint_key(painter, QPointF(right, y), colour, selected)
         paint_key(painter, QPointF(left, y), colour, selected)
 
@@ -202,7 +208,7 @@ def paint_growth_label(painter: QPainter, area: QRect) -> None:
 
 def growth_rows(shown: RowContext, performer_id: str) -> list[tuple[str, str, int]]:
     """Kind, id and height of the row of a performer whose body grows."""
-    return [("growth", performer_id, HEIGHT)] if growth_fields(shown, performer_id) else []
+    return [("growth", performer_id, KEY_ROW_HEIGHT)] if growth_fields(shown, performer_id) else []
 
 
 def growth_fields(shown: RowContext, performer_id: str) -> tuple[KeyedField, ...]:

@@ -10,21 +10,21 @@ from studio.document import colours
 from studio.timeline.shown import Hit, ItemPart, RowContext, label_area
 from studio.timeline.tracks.brush import font, paint_label, translucent
 
-HEIGHT = 20
-POLE, GRIP, MARGIN = 2.0, 5.0, 4.0
+LABEL_ROW_HEIGHT = 20
+LABEL_POLE_PX, LABEL_GRIP_PX, LABEL_MARGIN_PX = 2.0, 5.0, 4.0
 """Pixels of a flag's pole, beside an end that the mouse takes hold of, and around the name."""
 PIXELS = 11
 
 
 def rows_of(shown: RowContext) -> list[tuple[str, str, int]]:
     """Kind, id and height of the row of labels; none while the motion has no label."""
-    return [("labels", "", HEIGHT)] if shown.project.labels_of(shown.subject.motion_id) else []
+    return [("labels", "", LABEL_ROW_HEIGHT)] if shown.project.labels_of(shown.subject.motion_id) else []
 
 
 def flag_area(shown: RowContext, row: QRect, label: Label) -> QRectF:
     """Rectangle of a label's flag: from its first frame over its stretch, at least as wide as its name."""
     left, right = shown.x_of_frame(label.first), shown.x_of_frame(label.last)
-    width = QFontMetrics(font(PIXELS)).horizontalAdvance(label.name) + 2 * MARGIN + POLE
+    width = QFontMetrics(font(PIXELS)).horizontalAdvance(label.name) + 2 * LABEL_MARGIN_PX + LABEL_POLE_PX
     return QRectF(left, row.top() + 3.0, max(right - left, width), row.height() - 6.0)
 
 
@@ -37,15 +37,17 @@ def paint_labels(painter: QPainter, row: QRect, shown: RowContext) -> None:
         area, end = flag_area(shown, row, label), shown.x_of_frame(label.last)
         painter.fillRect(area, translucent(colour, 0.12))
         painter.fillRect(QRectF(area.left(), area.top(), end - area.left(), area.height()), translucent(colour, 0.25))
-        painter.fillRect(QRectF(area.left() - POLE / 2, row.top() + 1.0, POLE, row.height() - 2.0), QColor(colour))
+        painter.fillRect(
+            QRectF(area.left() - LABEL_POLE_PX / 2, row.top() + 1.0, LABEL_POLE_PX, row.height() - 2.0), QColor(colour)
+        )
         if label.last > label.first:
-            corners = ((end, area.top()), (end, area.bottom()), (end - GRIP, area.bottom()))
+            corners = ((end, area.top()), (end, area.bottom()), (end - LABEL_GRIP_PX, area.bottom()))
             painter.setPen(Qt.PenStyle.NoPen)
             painter.setBrush(QColor(colour))
             painter.drawPolygon(QPolygonF([QPointF(*corner) for corner in corners]))
         painter.setPen(QColor(colours.TEXT))
         side = Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft
-        painter.drawText(area.adjusted(POLE + MARGIN / 2, 0.0, 0.0, 0.0), side, label.name)
+        painter.drawText(area.adjusted(LABEL_POLE_PX + LABEL_MARGIN_PX / 2, 0.0, 0.0, 0.0), side, label.name)
 
 
 def paint_labels_label(painter: QPainter, row: QRect) -> None:
@@ -63,11 +65,11 @@ def _parts(shown: RowContext, row: QRect, x: float) -> Iterator[tuple[float, str
     """First frame, id and part of each label at the pixel ``x``."""
     for key, label in shown.project.labels_of(shown.subject.motion_id).items():
         area, end = flag_area(shown, row, label), shown.x_of_frame(label.last)
-        if not area.left() - GRIP <= x <= max(area.right(), end + GRIP):
+        if not area.left() - LABEL_GRIP_PX <= x <= max(area.right(), end + LABEL_GRIP_PX):
             continue
         part = ItemPart.BODY
-        if label.last > label.first and abs(x - end) <= GRIP:
+        if label.last > label.first and abs(x - end) <= LABEL_GRIP_PX:
             part = ItemPart.LAST
-        elif label.last > label.first and abs(x - area.left()) <= GRIP:
+        elif label.last > label.first and abs(x - area.left()) <= LABEL_GRIP_PX:
             part = ItemPart.FIRST
         yield label.first, key, part

@@ -11,9 +11,9 @@ from studio.timeline.shown import RowContext, label_area
 from studio.timeline.tracks.brush import paint_label
 from studio.timeline.tracks.clip import CURVE_STEPS, clip_bar, clip_text, paint_clip_bar, paint_clip_text, seen_part
 
-HEIGHT = 22
+LAYER_ROW_HEIGHT = 22
 INDENT = 28
-LEAST = 0.3
+LEAST_BAR_PART = 0.3
 """Of the row: how high a bar is at least."""
 
 
@@ -21,7 +21,7 @@ def rows_of(shown: RowContext, performer_id: str) -> list[tuple[str, str, int]]:
     """Kind, id and height of the rows of a performer's layers, one a region."""
     layers = shown.project.performers[performer_id].layers
     regions = dict.fromkeys(each.region for each in layers)
-    return [("layer", f"{performer_id}/{region}", HEIGHT) for region in regions]
+    return [("layer", f"{performer_id}/{region}", LAYER_ROW_HEIGHT) for region in regions]
 
 
 def performer_of(row_id: str) -> str:
@@ -37,7 +37,7 @@ def clip_bars(shown: RowContext, row: QRect, row_id: str) -> list[tuple[Clip, QR
 def paint_layers(painter: QPainter, row: QRect, shown: RowContext, row_id: str) -> None:
     """Bars that rise and fall as the layers fade."""
     for layer, (clip, bar) in zip(_layers(shown, row_id), clip_bars(shown, row, row_id), strict=True):
-        low = bar.adjusted(0, (1.0 - max(layer.weight, LEAST)) * bar.height(), 0, 0)
+        low = bar.adjusted(0, (1.0 - max(layer.weight, LEAST_BAR_PART)) * bar.height(), 0, 0)
         paint_clip_bar(painter, shown, performer_of(row_id), clip, _outline(shown, low, layer))
         paint_clip_text(painter, layer_text(shown, layer), seen_part(shown, bar))
 

@@ -11,13 +11,13 @@ from PySide6.QtWidgets import QWidget
 from studio.document import colours
 from studio.engine.scheduler import SolveScheduler
 from studio.timeline.curves import Curve, CurveQuery, Quantity, error_measure, plotted_constraint, seen_curve
-from studio.timeline.shown import LABEL_WIDTH, RowContext, label_area
+from studio.timeline.shown import ROW_LABEL_WIDTH, RowContext, label_area
 from studio.timeline.tracks.brush import font, paint_fold, paint_label, translucent
 
-LEAST_HEIGHT, MOST_HEIGHT, FOLDED = 54, 120, 22
+LEAST_HEIGHT, MOST_HEIGHT, FOLDED_PLOT_HEIGHT = 54, 120, 22
 HEADROOM = 1.12
-LINE = 1.25
-AT_ONCE = 10_000
+CURVE_LINE_PX = 1.25
+MOST_FRAMES_AT_ONCE = 10_000
 """Frames of a motion up to which its curve is made at once."""
 NOISE = 1e-6
 """What is no more than this, in any unit, is rounding, and drawn as nought."""
@@ -69,7 +69,7 @@ class PlotPicture(QObject):
             before = self._known.get(key)
             if adapted is None or (before is not None and before[0] == basis):
                 known |= {key: before} if adapted is not None and before is not None else {}
-            elif adapted.frame_count <= AT_ONCE:
+            elif adapted.frame_count <= MOST_FRAMES_AT_ONCE:
                 known[key] = basis, asked.curve(body, adapted)
             else:
                 self._ask_worker(key, basis, partial(asked.curve, body, adapted))
@@ -109,7 +109,7 @@ class PlotPicture(QObject):
 
     def paint(self, painter: QPainter, row: QRect, shown: RowContext) -> None:
         """The curves over the axis' own stretch of time, so that they line up with the bars to the pixel."""
-        area = row.adjusted(LABEL_WIDTH, 4, 0, -3)
+        area = row.adjusted(ROW_LABEL_WIDTH, 4, 0, -3)
         axis = shown.axis
         if self._widget.size() != area.size():
             self._widget.resize(area.size())
@@ -120,7 +120,7 @@ class PlotPicture(QObject):
         for y in (low, high):
             painter.fillRect(area.left(), round(y), area.width(), 1, translucent(colours.EDGE, 0.7))
         for line, curve in zip(self._lines, self.curves, strict=False):
-            pen = pg.mkPen(QColor(curve.colour), width=LINE * painter.device().devicePixelRatio())
+            pen = pg.mkPen(QColor(curve.colour), width=CURVE_LINE_PX * painter.device().devicePixelRatio())
             pen.setCapStyle(Qt.PenCapStyle.FlatCap)  # other caps would show where segments meet
             line.setPen(pen)
             times, values = seen_curve(curve, axis)
@@ -139,16 +139,16 @@ class PlotPicture(QObject):
 
     def paint_label(self, painter: QPainter, row: QRect, shown: RowContext) -> None:
         """What is plotted, its unit and its greatest value, at the height where that lies."""
-        area, folded = label_area(row), row.height() <= FOLDED
-        line = QRect(0, row.top() + (1 if folded else 4), LABEL_WIDTH - 44, 20)
+        area, folded = label_area(row), row.height() <= FOLDED_PLOT_HEIGHT
+        line = QRect(0, row.top() + (1 if folded else 4), ROW_LABEL_WIDTH - 44, 20)
         paint_fold(painter, line, folded)
         if folded:
             paint_label(painter, line, self.title(shown), colours.TEXT)
             return
-        paint_label(painter, QRect(0, row.top() + 4, LABEL_WIDTH - 44, 20), self.title(shown), colours.TEXT)
+        paint_label(painter, QRect(0, row.top() + 4, ROW_LABEL_WIDTH - 44, 20), self.title(shown), colours.TEXT)
         count = len(self.curves)
         note = f"{self.quantity.unit(shown)} · {count} {'body' if count == 1 else 'bodies'}"
-        paint_label(painter, QRect(0, row.top() + 22, LABEL_WIDTH, 18), note, colours.TEXT_THIRD, 11)
+        paint_label(painter, QRect(0, row.top() + 22, ROW_LABEL_WIDTH, 18), note, colours.TEXT_THIRD, 11)
         painter.setFont(font(10))
         painter.setPen(QColor(colours.TEXT_THIRD))
         for value in (0.0, self.top) if self.curves else ():

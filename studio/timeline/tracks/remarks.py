@@ -7,24 +7,30 @@ from PySide6.QtGui import QColor, QPainter, QPolygonF
 
 from studio.core.captures.remarks import Remark
 from studio.document import colours
-from studio.timeline.shown import LABEL_WIDTH, RowContext
+from studio.timeline.shown import ROW_LABEL_WIDTH, RowContext
 
-HEAD, LINE = 4.0, 2
+REMARK_HALF_WIDTH, REMARK_LINE_PX = 4.0, 2
 """Pixels of half a mark's head, and of the line along the frames that it is about."""
 
 
 def paint_remarks(painter: QPainter, ruler: QRect, shown: RowContext) -> None:
     """A small head where something odd begins, and a line for as long as it lasts."""
     painter.save()
-    painter.setClipRect(ruler.adjusted(LABEL_WIDTH, 0, 0, 0), Qt.ClipOperation.IntersectClip)
+    painter.setClipRect(ruler.adjusted(ROW_LABEL_WIDTH, 0, 0, 0), Qt.ClipOperation.IntersectClip)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     painter.setPen(Qt.PenStyle.NoPen)
     painter.setBrush(QColor(colours.PARTLY))
-    low, seen = ruler.bottom() + 1.0 - LINE, -HEAD
+    low, seen = ruler.bottom() + 1.0 - REMARK_LINE_PX, -REMARK_HALF_WIDTH
     for _, left, right in _marks(shown):
-        painter.fillRect(round(left), round(low), max(round(right - left), LINE), LINE, QColor(colours.PARTLY))
-        if left - seen >= HEAD:  # of hundreds in a row not every head is drawn
-            corners = ((-HEAD, -2.0 * HEAD), (HEAD, -2.0 * HEAD), (0.0, 0.0))
+        painter.fillRect(
+            round(left), round(low), max(round(right - left), REMARK_LINE_PX), REMARK_LINE_PX, QColor(colours.PARTLY)
+        )
+        if left - seen >= REMARK_HALF_WIDTH:  # of hundreds in a row not every head is drawn
+            corners = (
+                (-REMARK_HALF_WIDTH, -2.0 * REMARK_HALF_WIDTH),
+                (REMARK_HALF_WIDTH, -2.0 * REMARK_HALF_WIDTH),
+                (0.0, 0.0),
+            )
             painter.drawPolygon(QPolygonF([QPointF(left + dx, low + dy) for dx, dy in corners]))
             seen = left
     painter.restore()
@@ -32,7 +38,11 @@ def paint_remarks(painter: QPainter, ruler: QRect, shown: RowContext) -> None:
 
 def remark_text(shown: RowContext, x: float) -> str:
     """The sentences of the marks at a pixel; empty where there is none."""
-    there = (remark.sentence for remark, left, right in _marks(shown) if left - HEAD <= x <= right + HEAD)
+    there = (
+        remark.sentence
+        for remark, left, right in _marks(shown)
+        if left - REMARK_HALF_WIDTH <= x <= right + REMARK_HALF_WIDTH
+    )
     return "\n".join(dict.fromkeys(there))
 
 

@@ -10,10 +10,10 @@ from PySide6.QtGui import QColor, QPainter
 from studio.document import colours
 from studio.document.playhead import Playhead
 from studio.timeline.axis import TimeAxis
-from studio.timeline.shown import LABEL_WIDTH
+from studio.timeline.shown import ROW_LABEL_WIDTH
 from studio.timeline.tracks.brush import font, translucent
 
-HEIGHT = 24
+RULER_HEIGHT = 24
 MAJOR_SPACING = 64
 MINOR_SPACING = 7
 
@@ -37,10 +37,10 @@ def paint_ruler(painter: QPainter, area: QRect, axis: TimeAxis, playhead: Playhe
     if live:
         painter.setFont(font(11))
         painter.setPen(QColor(colours.LIVE))
-        label = QRect(area.left(), area.top(), LABEL_WIDTH, area.height())
+        label = QRect(area.left(), area.top(), ROW_LABEL_WIDTH, area.height())
         painter.drawText(label, Qt.AlignmentFlag.AlignCenter, "LIVE (playhead paused)")
     painter.save()
-    painter.setClipRect(area.adjusted(LABEL_WIDTH, 0, 0, 0), Qt.ClipOperation.IntersectClip)
+    painter.setClipRect(area.adjusted(ROW_LABEL_WIDTH, 0, 0, 0), Qt.ClipOperation.IntersectClip)
     _paint_overview(painter, area, axis)
     for x in _ticks(axis, _multiples(axis, _step(axis, MINOR_SPACING))):
         painter.fillRect(x, area.bottom() - 3, 1, 4, translucent(colours.TEXT_THIRD, 0.45))
@@ -58,7 +58,7 @@ def paint_ruler(painter: QPainter, area: QRect, axis: TimeAxis, playhead: Playhe
 def _paint_range(painter: QPainter, area: QRect, axis: TimeAxis, playhead: Playhead) -> None:
     first, last = round(axis.x_of_frame(playhead.first)), round(axis.x_of_frame(playhead.last))
     shade = translucent(colours.WINDOW, 0.55)
-    painter.fillRect(LABEL_WIDTH, area.top(), max(first - LABEL_WIDTH, 0), area.height(), shade)
+    painter.fillRect(ROW_LABEL_WIDTH, area.top(), max(first - ROW_LABEL_WIDTH, 0), area.height(), shade)
     painter.fillRect(last + 1, area.top(), max(area.right() - last, 0), area.height(), shade)
 
 
@@ -67,8 +67,8 @@ def _paint_overview(painter: QPainter, area: QRect, axis: TimeAxis) -> None:
     share = axis.width / axis.scale / (axis.end - axis.begin)
     if share < 1.0:
         begin = (axis.start - axis.begin) / (axis.end - axis.begin)
-        painter.fillRect(LABEL_WIDTH, area.top(), area.width(), 2, QColor(colours.CONTROL))
-        left, width = LABEL_WIDTH + round(begin * axis.width), max(round(share * axis.width), 8)
+        painter.fillRect(ROW_LABEL_WIDTH, area.top(), area.width(), 2, QColor(colours.CONTROL))
+        left, width = ROW_LABEL_WIDTH + round(begin * axis.width), max(round(share * axis.width), 8)
         painter.fillRect(left, area.top(), width, 2, QColor(colours.TEXT_THIRD))
 
 

@@ -6,7 +6,7 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QBrush, QColor, QPainter
 
 from studio.document import colours
-from studio.timeline.shown import LABEL_WIDTH, RowContext
+from studio.timeline.shown import ROW_LABEL_WIDTH, RowContext
 from studio.timeline.strips import Strip, strip_heights
 from studio.timeline.tracks.brush import paint_dot, translucent
 
@@ -14,7 +14,7 @@ PITCH = 5
 ROOM_FOR_DOT = 10
 MISSED = 3
 """From this state on the height tells how much."""
-COLOURS = (
+STRIP_COLOURS = (
     colours.PANEL,
     colours.PANEL,
     colours.HELD,
@@ -25,19 +25,19 @@ COLOURS = (
 
 def paint_unknown(painter: QPainter, axis_right: float, left: float, right: float, top: int, colour: str) -> None:
     """A hatched line where it is not known yet how a constraint holds."""
-    begin, end = max(left, LABEL_WIDTH + ROOM_FOR_DOT), min(right, axis_right + 20)
+    begin, end = max(left, ROW_LABEL_WIDTH + ROOM_FOR_DOT), min(right, axis_right + 20)
     if begin < end:
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
         hatch = QBrush(translucent(colours.TEXT_THIRD, 0.7), Qt.BrushStyle.BDiagPattern)
         painter.fillRect(QRectF(begin, top + 1, end - begin, PITCH - 1), hatch)
-        paint_dot(painter, QPointF(max(left - 8.0, LABEL_WIDTH + 4.0), top + PITCH - 0.5), 2.0, colour)
+        paint_dot(painter, QPointF(max(left - 8.0, ROW_LABEL_WIDTH + 4.0), top + PITCH - 0.5), 2.0, colour)
 
 
 def paint_strip(
     painter: QPainter, shown: RowContext, strip: Strip, left: float, right: float, top: int, colour: str
 ) -> None:
     """A line from pixel ``left`` to ``right`` at the bottom of its five pixels; the body's dot before it."""
-    xs = np.arange(round(max(left, LABEL_WIDTH + ROOM_FOR_DOT)), round(min(right, shown.axis.right + 20)) + 1)
+    xs = np.arange(round(max(left, ROW_LABEL_WIDTH + ROOM_FOR_DOT)), round(min(right, shown.axis.right + 20)) + 1)
     active = np.flatnonzero(strip.state_indices)
     if not len(xs) or not len(active):
         return
@@ -50,8 +50,8 @@ def paint_strip(
     for begin, end in zip([0, *edges.tolist()], [*edges.tolist(), len(xs)], strict=True):
         height = max(round(float(heights[begin]) * scale), 1) / scale
         area = QRectF(float(xs[begin]), bottom - height, end - begin, height)
-        painter.fillRect(area, QColor(COLOURS[states[begin]]))
-    paint_dot(painter, QPointF(max(left - 8.0, LABEL_WIDTH + 4.0), top + PITCH - 0.5), 2.0, colour)
+        painter.fillRect(area, QColor(STRIP_COLOURS[states[begin]]))
+    paint_dot(painter, QPointF(max(left - 8.0, ROW_LABEL_WIDTH + 4.0), top + PITCH - 0.5), 2.0, colour)
 
 
 def _columns(

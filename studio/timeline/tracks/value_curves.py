@@ -12,17 +12,17 @@ from PySide6.QtGui import QColor, QPainter, QPolygonF
 from studio.document import colours
 from studio.document.channels import Channel, Side, channels_of, handle_of, key_values, values_at
 from studio.document.keyed_fields import Keyed, KeyedField, KeyRef, keyed_value, selected_fields
-from studio.timeline.shown import LABEL_WIDTH, RowContext, within
+from studio.timeline.shown import ROW_LABEL_WIDTH, RowContext, within
 from studio.timeline.tracks.brush import font, hairline, paint_dot, paint_key, translucent
 
 FloatArray = NDArray[np.float64]
 
-REACH = 7.0
+CURVE_KEY_REACH = 7.0
 """Pixels within which a key or a handle is taken hold of."""
-EMPTY = "Select something that has keys, or press S to set one"
+NO_KEYS_HINT = "Select something that has keys, or press S to set one"
 SAMPLE = 2.0
 """Pixels between the points of a curve."""
-ROOM = 0.12
+CURVE_FRAME_MARGIN = 0.12
 """What of the height stays free above and below curves that are framed."""
 LEAST_SPAN = {"m": 0.05, "°": 5.0, "×": 0.05, "": 1.0}
 """The least difference of values that is framed, by unit."""
@@ -161,7 +161,7 @@ class ValueCurves:
     def hit(self, shown: RowContext, area: QRect, position: QPointF) -> HandleRef | None:
         """The handle, or else the key, under the mouse; of several the nearest, in the active channel first."""
         for candidates in (self.handles(shown, area), self.points(shown, area)):
-            near = [(each, at) for each, at in candidates if within(position, at.x(), at.y(), REACH)]
+            near = [(each, at) for each, at in candidates if within(position, at.x(), at.y(), CURVE_KEY_REACH)]
             if near:
                 return min(
                     near, key=lambda each: (each[1] - position).manhattanLength() - (each[0].channel == self.active)
@@ -177,7 +177,7 @@ class ValueCurves:
         if not channels:
             painter.setFont(font(12))
             painter.setPen(QColor(colours.TEXT_THIRD))
-            painter.drawText(area, Qt.AlignmentFlag.AlignCenter, EMPTY)
+            painter.drawText(area, Qt.AlignmentFlag.AlignCenter, NO_KEYS_HINT)
         else:
             self._paint_scale(painter, area, shown, (self.active or channels[0][0]).unit)
         for channel, keyed in channels:
@@ -227,7 +227,7 @@ class ValueCurves:
 
 def plot_area(row: QRect) -> QRect:
     """Where the curves lie in the plot."""
-    return row.adjusted(LABEL_WIDTH, 10, 0, -10)
+    return row.adjusted(ROW_LABEL_WIDTH, 10, 0, -10)
 
 
 def colour_of(channel: Channel) -> str:
@@ -257,7 +257,7 @@ def _framed(values: Iterable[float], unit: str) -> ValueRange:
     low, high = float(every.min()), float(every.max())
     span = max(high - low, LEAST_SPAN.get(unit, 0.1))
     middle = (low + high) / 2.0
-    return ValueRange(middle - span * (0.5 + ROOM), middle + span * (0.5 + ROOM))
+    return ValueRange(middle - span * (0.5 + CURVE_FRAME_MARGIN), middle + span * (0.5 + CURVE_FRAME_MARGIN))
 
 
 def _paint_legend(painter: QPainter, area: QRect, channels: list[Channel]) -> None:

@@ -4,7 +4,7 @@ import numpy as np
 
 from studio.core.body.morphology import Morphology
 from studio.core.kernels import layout as at
-from studio.core.normalized.encode import FORWARD
+from studio.core.normalized.encode import BODY_FORWARD
 from studio.core.normalized.normalize import heading
 from studio.core.rotations import frame_along, from_matrix, normalized, shortest_arc, sign_continuous
 
@@ -23,14 +23,14 @@ def channels_of(body: Morphology, points: FloatArray, rotations: FloatArray, fra
     channels[:, at.YAW] = yaw
     put = _QuaternionWriter(channels)
     put(at.PELVIS, _about_z(-yaw) @ pelvis)
-    carrier = rotations[:, neck] @ frame_along(body.neck_rest, FORWARD).T
+    carrier = rotations[:, neck] @ frame_along(body.neck_rest, BODY_FORWARD).T
     put(at.NECK, _local(rotations[:, thorax], carrier))
     put(at.HEAD, _local(carrier, rotations[:, head]))
     for segment in range(1, layout.spine_count):
         put(at.SPINE + 4 * (segment - 1), _local(pelvis, rotations[:, segment]))
     for side in range(2):
         arm, leg = layout.spine_count + 2 + 4 * side, layout.spine_count + 10 + 4 * side
-        carrier = rotations[:, arm] @ frame_along(body.clavicle_rest[side], FORWARD).T
+        carrier = rotations[:, arm] @ frame_along(body.clavicle_rest[side], BODY_FORWARD).T
         put(at.CLAVICLE + 4 * side, _local(rotations[:, thorax], carrier))
         put(at.HAND + 4 * side, _local(rotations[:, arm + 2], rotations[:, arm + 3]))
         put(at.FOOT + 4 * side, _local(pelvis, rotations[:, leg + 2]))

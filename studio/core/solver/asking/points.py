@@ -3,7 +3,7 @@
 from functools import cache, lru_cache
 
 from studio.core.body.canonical import BodyLayout, BodyPart
-from studio.core.constraints.base import CLAVICLES, TRUNK, BodyPoint, Chain, limb_bones
+from studio.core.constraints.base import CLAVICLES, TRUNK_PARTS, BodyPoint, Chain, limb_bones
 
 
 @lru_cache(maxsize=1024)
@@ -31,7 +31,7 @@ def limb_weights(part: BodyPart, chain: Chain) -> tuple[bool, tuple[float, ...],
     limb = limb_of(part)
     if limb < 0:
         return False, (), chain.limb
-    parents, bones = (*TRUNK, CLAVICLES[limb]) if limb < 2 else TRUNK, limb_bones(part)
+    parents, bones = (*TRUNK_PARTS, CLAVICLES[limb]) if limb < 2 else TRUNK_PARTS, limb_bones(part)
     parts = tuple(chain.weight(bone) for bone in bones)
     helped = chain.root > 0.0 or any(chain.weight(parent) > 0.0 for parent in parents)
     return helped, parts, max(parts[:1] if part == bones[0] else parts)

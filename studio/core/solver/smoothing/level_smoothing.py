@@ -22,7 +22,7 @@ from studio.core.kernels.records import SMOOTHED_LEVEL, HigherLevelPoses
 from studio.core.kernels.search.joints import ROOT_TRANSLATION
 from studio.core.kernels.time.acceleration_peaks import ADDED_PEAK, TOTAL_PEAK, write_smoothed_peaks
 from studio.core.kernels.time.smoothed_frames import SMOOTHING_VIOLATION
-from studio.core.quality.metrics import QUIET
+from studio.core.quality.metrics import QUIET_PEAK
 from studio.core.runs import runs_of
 from studio.core.solver.smoothing.limb_coordinates import LimbCoordinates
 from studio.core.solver.smoothing.root_reach import RootReach
@@ -202,8 +202,8 @@ def own_peaks(standing: Standing, searched: IntArray, legs_asked: bool) -> Float
     layout = standing.morphology.layout
     peaks = standing.peaks if legs_asked else standing.peaks[: layout.spine_count + THIGH_SEGMENT]
     joints = peaks[searched[(searched != ROOT_TRANSLATION) & (searched < len(peaks))]]
-    leg = max(QUIET, *(peaks[layout.segment(part)] for part in LEG_BONES)) if legs_asked else QUIET
-    most = peaks.max(initial=QUIET)
+    leg = max(QUIET_PEAK, *(peaks[layout.segment(part)] for part in LEG_BONES)) if legs_asked else QUIET_PEAK
+    most = peaks.max(initial=QUIET_PEAK)
     return np.array([min(max(leg, standing.root_peak), most), joints.max(initial=leg), most])
 
 

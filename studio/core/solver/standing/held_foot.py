@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from studio.core.kernels.support.sole import HEEL_STANDS
 from studio.core.normalized.differences import rotation_vectors
-from studio.core.normalized.transition import LONGEST, halts_of, pace_left, place_left
+from studio.core.normalized.transition import MOST_TRANSITION, halts_of, pace_left, place_left
 from studio.core.rotations import from_matrix, sign_continuous
 from studio.core.runs import runs_of
 from studio.core.solver.standing.stepping import FootFlight
@@ -65,7 +65,7 @@ class HeldFoot:
     def rest(self) -> int:
         """First such frame; 0 where it comes late, or after a flight."""
         rests = int(self._whole.argmax())
-        soon = self._whole.any() and 2.0 * rests <= LONGEST * self.rate
+        soon = self._whole.any() and 2.0 * rests <= MOST_TRANSITION * self.rate
         return rests if soon and self.states[:rests].all() else 0
 
     @property

@@ -23,7 +23,7 @@ from studio.core.kernels.solve_clip import place_frames
 from studio.core.normalized.differences import rotation_vectors
 from studio.core.normalized.encode import encode
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.transition import SHORTEST, halts_of, pace_left, place_left, seconds_of
+from studio.core.normalized.transition import LEAST_TRANSITION, halts_of, pace_left, place_left, seconds_of
 from studio.core.rotations import from_matrix, sign_continuous
 from studio.core.solver.standing.blends import smooth_drops
 from studio.core.solver.standing.footing import Footing, foot_contacts, leg_extensions
@@ -307,7 +307,7 @@ class _Change:
             motion.channels[on], rows if len(rows) == 1 else rows[on], rotations[on], ankles,
             np.ascontiguousarray(footing.soft_thresholds[:, on]), np.ascontiguousarray(footing.states[:, on]), needed,
         )  # fmt: skip
-        return smooth_drops(needed, self.rate) * (1.0 - place_left(self.times, SHORTEST))
+        return smooth_drops(needed, self.rate) * (1.0 - place_left(self.times, LEAST_TRANSITION))
 
     def swung_foot(
         self, side: int, flight: FootFlight, base: FootPath, positions: FloatArray, rotations: FloatArray
