@@ -1,7 +1,9 @@
 """The bar at the top: name, menus, tools, the document, the search for actions."""
 
+from dataclasses import dataclass
+
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QResizeEvent
+from PySide6.QtGui import QAction, QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenuBar, QPushButton, QSizePolicy, QToolButton, QWidget
 
 from studio.app.action_set import ActionSet
@@ -12,6 +14,22 @@ SEARCH_WIDTH, LEAST_SEARCH = 232, 64
 KEYS_FROM = 180
 """Pixels of the search beside whose words its keys have room."""
 PRODUCT_FROM = 1100
+
+
+@dataclass(frozen=True)
+class ToolButton:
+    """A tool in the bar: ``Q select``, or its key alone where there is no room."""
+
+    button: QToolButton
+    action: QAction
+    words: str
+
+    def shorten(self, short: bool) -> None:
+        """Show the key alone, or all words."""
+        words = self.words.partition(" ")[0] if short else self.words
+        if self.action.iconText() != words:
+            self.action.setIconText(words)
+            self.button.setText(words)  # now, and not with the next event: its width is asked at once
 
 
 class TopBar(QWidget):
@@ -35,8 +53,10 @@ class TopBar(QWidget):
         actions.fill(self.menus)
         row.addWidget(self.menus)
         row.addSpacing(16)
+        self._tools: list[ToolButton] = []
         for action in actions.tools():
             button = QToolButton()
+            self._tools.append(ToolButton(button, action, action.iconText()))
             button.setDefaultAction(action)
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
             button.setAccessibleName(action.text())
@@ -55,17 +75,28 @@ class TopBar(QWidget):
         self._fit()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Menus are never lost: the search gives way first, then the name of the program."""
+        """Menus are never lost: the program gives way first, then the search, words of tools, document, tools."""
         super().resizeEvent(event)
         self._fit()
 
     def _fit(self) -> None:
         self._product.setVisible(self.width() >= PRODUCT_FROM)
-        others = (self._row.itemAt(place) for place in range(self._row.count() - 1))
-        taken = sum(item.sizeHint().width() + self._row.spacing() for item in others if item is not None)
-        room = self.width() - taken - self._row.contentsMargins().left() - self._row.contentsMargins().right()
+        for short, named, tools in ((False, True, True), (True, True, True), (True, False, True), (True, False, False)):
+            for tool in self._tools:
+                tool.shorten(short)
+                tool.button.setVisible(tools)  # the menu View has them, and keys choose them
+            self._label.setVisible(named)  # the title of the window says it as well
+            if (room := self._room()) >= LEAST_SEARCH:
+                break
         self._search.setFixedWidth(min(max(room, LEAST_SEARCH), SEARCH_WIDTH))
         self._keys.setVisible(room >= KEYS_FROM)
+
+    def _room(self) -> int:
+        """Pixels that everything else leaves to the search."""
+        others = (self._row.itemAt(place) for place in range(self._row.count() - 1))
+        taken = sum(item.sizeHint().width() + self._row.spacing() for item in others if item is not None)
+        margins = self._row.contentsMargins()
+        return self.width() - taken - margins.left() - margins.right()
 
 
 def _search_button(actions: ActionSet) -> tuple[QPushButton, QLabel]:
