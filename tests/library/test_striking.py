@@ -24,7 +24,7 @@ from studio.library.indexing import bundled_library, index
 from studio.library.library import Library
 from studio.library.scenes.choosing import target_of
 from studio.library.searching import StrikeQuery, find, outline, place_before
-from studio.library.striking import SEEN, Blow, aimed, make_strike, tried
+from studio.library.striking import VISIBLE_MISS, Blow, aimed, make_strike, tried
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "captures"
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}
@@ -83,7 +83,7 @@ def test_what_is_promised_to_meet_its_target_does_so_from_the_motion_that_plays(
         strike = make_strike(replace(playing, last=frame), frame, Blow.of(each.found), body, place)
         adapted = adapt(replace(strike.request(), eased=True), strike.hit, strike.hit)
         missed = float(np.linalg.norm(place_of(strike.constraint.point, adapted)[0] - place))
-        assert not each.hits or missed < 2.0 * SEEN, each.found.clip.name
+        assert not each.hits or missed < 2.0 * VISIBLE_MISS, each.found.clip.name
 
 
 def test_a_blow_that_is_begun_a_frame_before_its_hit_is_aimed_all_the_same(library):
