@@ -158,3 +158,52 @@ def drop_an_own_capture(qtbot, window, walk):
     solved(window)
     assert document.project.motions[document.active_motion_id].name == "walk"
     assert all(window.bench.viewport.posed[key].motion.frame_count == 40 for key in document.project.performers)
+
+
+def test_the_first_minute_can_be_walked_by_keys_alone(window):
+    """Playhead, joint, constraint, shared target, its height and the end of its hold: no mouse, all undone by keys."""
+    document, viewport = window.bench.document, window.bench.viewport
+    before = document.project
+    press(Qt.Key.Key_Space)
+    press(Qt.Key.Key_Home)
+    for _ in range(HEIGHT_OF_KICK):
+        press(Qt.Key.Key_Right)
+    assert document.playhead.frame == HEIGHT_OF_KICK
+    solved(window)
+    press(Qt.Key.Key_J, Qt.KeyboardModifier.ShiftModifier)
+    QTest.keyClicks(QApplication.focusWidget(), "right ball")
+    press(Qt.Key.Key_Return)
+    assert viewport.joint_picked.joint.name == "right ball of foot"
+    press(Qt.Key.Key_C)
+    solved(window)
+    _, constraint_id = document.selection.current
+    assert all(miss < HELD for miss in misses(window, constraint_id).values())
+    tab_to("Target is")
+    press(Qt.Key.Key_Down)
+    tab_to("Target Z")
+    press(Qt.Key.Key_A, Qt.KeyboardModifier.ControlModifier)
+    QTest.keyClicks(QApplication.focusWidget(), "1.8")
+    press(Qt.Key.Key_Return)
+    solved(window)
+    assert document.project.constraints[constraint_id].target[2] == pytest.approx(1.8)
+    assert misses(window, constraint_id)["child"] > SHORT
+    curve = document.project.constraints[constraint_id].activation
+    tab_to("full end")
+    press(Qt.Key.Key_Right)
+    assert document.project.constraints[constraint_id].activation.full_end == pytest.approx(curve.full_end + 1 / 60)
+    for _ in range(document.undo_stack.index()):
+        press(Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert document.project == before
+
+
+def press(key, modifiers=NONE):
+    QTest.keyClick(QApplication.focusWidget() or QApplication.activeWindow(), key, modifiers)
+
+
+def tab_to(words):
+    """Go on with Tab until what has the keyboard is called so."""
+    for _ in range(100):
+        press(Qt.Key.Key_Tab)
+        if words in QApplication.focusWidget().accessibleName():
+            return
+    raise AssertionError(f"no widget called {words} is reached with Tab")
