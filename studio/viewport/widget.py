@@ -525,7 +525,7 @@ class Viewport(Canvas):
         event.accept()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Esc takes back a drag or lets go of the picked joint; the view's own keys."""
+        """Cancel a drag or let go of the picked joint by Esc; nudge what the gizmo moves."""
         key = Qt.Key(event.key())
         if key == Qt.Key.Key_Escape and (self.cancel_gesture() or self.joint_picked is not None):
             self.pick(None)
@@ -536,21 +536,10 @@ class Viewport(Canvas):
 
     @property
     def _keys(self) -> dict[Qt.Key, Callable[[], object]]:
+        """Keys that turn and move by steps; all others are those of actions, which a key map may change."""
         return {
-            Qt.Key.Key_F: self.frame_selection,
-            Qt.Key.Key_A: self.frame_all,
-            Qt.Key.Key_C: self.add_constraint_at_pick,
-            Qt.Key.Key_Q: partial(self.set_tool, "select"),
-            Qt.Key.Key_W: partial(self.set_tool, "move"),
-            Qt.Key.Key_E: partial(self.set_tool, "rotate"),
-            Qt.Key.Key_R: partial(self.set_tool, "scale"),
-            Qt.Key.Key_T: self.next_gizmo_space,
             **{Qt.Key[f"Key_{axis.upper()}"]: partial(self.choose_nudged_axis, axis) for axis in GIZMO_AXES},
             Qt.Key.Key_Plus: partial(self.nudge, 1.0),
             Qt.Key.Key_Equal: partial(self.nudge, 1.0),
             Qt.Key.Key_Minus: partial(self.nudge, -1.0),
-            Qt.Key.Key_1: partial(self.set_view, "front"),
-            Qt.Key.Key_3: partial(self.set_view, "side"),
-            Qt.Key.Key_7: partial(self.set_view, "top"),
-            Qt.Key.Key_0: partial(self.set_view, "perspective"),
         }

@@ -172,10 +172,16 @@ def test_esc_while_a_body_is_turned_turns_it_back(studio):
     assert document.undo_stack.count() == 0
 
 
-def test_the_select_tool_hides_the_gizmo_and_w_brings_it_back(studio):
+def test_the_view_leaves_the_keys_of_actions_to_the_key_map(studio):
+    viewport, _, _ = studio
+    QTest.keyClick(viewport, Qt.Key.Key_Q)
+    assert viewport.tool == "move"
+
+
+def test_the_select_tool_hides_the_gizmo_and_the_move_tool_brings_it_back(studio):
     viewport, document, _ = studio
     select_constraint(viewport, document)
-    QTest.keyClick(viewport, Qt.Key.Key_Q)
+    viewport.set_tool("select")
     assert viewport.gizmo() is None
-    QTest.keyClick(viewport, Qt.Key.Key_W)
+    viewport.set_tool("move")
     assert viewport.gizmo() is not None

@@ -37,7 +37,7 @@ def test_c_constrains_the_picked_joint_where_it_is_as_one_undo_step(studio):
     viewport, document, _ = studio
     QTest.mouseClick(viewport, LEFT, NONE, joint_pixel(viewport, "performer 0", "left wrist"))
     place = viewport.posed["performer 0"]
-    QTest.keyClick(viewport, Qt.Key.Key_C)
+    viewport.add_constraint_at_pick()
     collection, constraint_id = document.selection.current
     constraint = document.project.constraints[constraint_id]
     assert collection == "constraints"
