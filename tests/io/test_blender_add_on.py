@@ -1,0 +1,78 @@
+"""The add-on in ``examples/blender``: rigs of other programs stand in Blender as the studio streams a body."""
+
+import os
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studio.core.body.standing import standing_points
+from studio.core.normalized.normalize import normalize
+from studio.core.normalized.realize import realize
+from studio.io.importing import load_capture
+from studio.live.streamer import packets_of
+from studio.live.vmc import bone_segments, t_pose_axes
+from tests.io.blender import VARIABLE
+
+ROOT = Path(__file__).parents[2]
+ADD_ON, SCRIPT = ROOT / "examples" / "blender" / "morpho_studio_live.py", Path(__file__).with_name("in_blender_live.py")
+MIXAMO = {"UpperArm": "Arm", "LowerArm": "ForeArm", "UpperLeg": "UpLeg", "LowerLeg": "Leg", "Toes": "ToeBase",
+          "Chest": "Spine1", "UpperChest": "Spine2"}  # fmt: skip
+BLENDER = {"UpperArm": "upper_arm", "LowerArm": "forearm", "UpperLeg": "thigh", "LowerLeg": "shin", "Toes": "toe",
+           "Hips": "pelvis", "Foot": "foot", "Hand": "hand", "Shoulder": "shoulder", "Spine": "spine", "Chest": "chest",
+           "UpperChest": "upper_chest", "Neck": "neck", "Head": "head"}  # fmt: skip
+
+
+def mixamo(side: str, name: str) -> str:
+    return f"mixamorig:{side}{MIXAMO.get(name, name)}"
+
+
+def blender(side: str, name: str) -> str:
+    return f"{BLENDER[name]}.{side[0]}" if side else BLENDER[name]
+
+
+@pytest.mark.parametrize("lowered", [0.0, 1.0])
+@pytest.mark.parametrize("named", [mixamo, blender])
+@pytest.mark.parametrize("turned", [(0.0, 0.0, 0.0), (np.pi / 2, 0.0, 0.0)])
+def test_a_rig_stands_where_the_streamed_body_does(tmp_path: Path, lowered: float, named, turned) -> None:
+    """Joints within 2 mm; in a T-pose or with arms lowered by 57 degrees, Z or Y up inside the armature."""
+    python = os.environ.get(VARIABLE)
+    if not python:
+        pytest.skip(f"{VARIABLE} names no Python with Blender's package bpy")
+    motion, actor = normalize(load_capture(ROOT / "examples" / "captures" / "front_kick.bvh"))
+    body, frame = actor.morphology, 154
+    positions, rotations = (each[frame] for each in realize(motion, body))
+    layout, segments = body.layout, bone_segments(body.layout)
+    axes = t_pose_axes(body).copy()
+    for side, sign in enumerate((1.0, -1.0)):
+        turn = -sign * lowered
+        about_x = np.array([[1, 0, 0], [0, np.cos(turn), -np.sin(turn)], [0, np.sin(turn), np.cos(turn)]])
+        arm = layout.spine_count + 3 + 4 * side
+        axes[arm : arm + 3] = about_x @ axes[arm : arm + 3]
+    rest = standing_points(body, axes)
+    near, far = layout.proximal_points(), layout.distal_points()
+    names = [each.name for each in segments]
+    split = [next((side for side in ("Left", "Right") if name.startswith(side)), "") for name in names]
+    given = [named(side, name[len(side) :]) for side, name in zip(split, names, strict=True)]
+    np.savez(
+        tmp_path / "in.npz",
+        names=given,
+        parents=[names.index(each.parent) if each.parent else -1 for each in segments],
+        heads=_in_blender(rest[[near[each.segment] for each in segments]]),
+        tails=_in_blender(rest[[far[each.segment] for each in segments]]),
+        packets=[packet.hex() for packet in packets_of(positions, rotations, body, 0.0)],
+        turned=turned,
+    )
+    environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
+    command = [python, str(SCRIPT), str(ADD_ON), str(tmp_path / "in.npz"), str(tmp_path / "out.npz")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment)
+    assert done.returncode == 0, done.stdout + done.stderr
+    wanted = _in_blender(positions[[near[each.segment] for each in segments]])
+    off = np.linalg.norm(np.load(tmp_path / "out.npz")["heads"] - wanted, axis=1)
+    assert dict(zip(names, np.round(off, 4), strict=True)) == {name: pytest.approx(0.0, abs=0.002) for name in names}
+
+
+def _in_blender(points: np.ndarray) -> np.ndarray:
+    """Places (N, 3) of a body that looks along X, as one that looks along -Y."""
+    return points @ np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
