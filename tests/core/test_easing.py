@@ -181,7 +181,12 @@ def test_a_wish_that_sways_brings_what_a_lever_needs_to_follow_it(hertz: float, 
     positions, rotations = (np.broadcast_to(each, (count, *each.shape)) for each in still)
     way = metres * np.sin(2.0 * np.pi * hertz * times)[:, None] * [1.0, 0.0, 0.0]
     follow = FollowTracked("sway")
-    targets = Targets(times, {follow: Track(positions[:, WOMAN.layout.wrist(1)] + way, np.eye(3)[None])}, lambda: way)
+    targets = Targets(
+        times,
+        {follow: Track(positions[:, WOMAN.layout.wrist(1)] + way, np.eye(3)[None])},
+        lambda: way,
+        WOMAN.leg_length,
+    )
     rows = pack_tasks([replace(target("right_forearm", (0, 0, 0)), target=follow)], WOMAN.layout, targets)
     brings = target_accelerations(rows, 0, np.ones((1, count)), positions, rotations, WOMAN, rate)
     push, speed = metres * (2.0 * np.pi * hertz) ** 2, metres * 2.0 * np.pi * hertz
