@@ -206,8 +206,7 @@ class Fighter:
         return True
 
     def step(self, target: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """Advance by one frame and return its positions (K+23, 3) and rotations (K+18, 3, 3), aimed at the ``target``.
-        """
+        """Advance by one frame and return its positions (K+23, 3) and rotations (K+18, 3, 3), aimed at ``target``."""
         place = np.array(target, dtype=np.float64)
         self._places.append(place)
         if self._order is not None and self._wanted is None and self._played_for(KEEPING_STEP_SECONDS):
