@@ -32,8 +32,7 @@ USUAL_LEG = 0.85
 COMING_DOWN = 0.12
 """Seconds in which a foot that begins to stand is lowered to the ground and levelled."""
 TORN = 0.15
-"""Horizontal distance between the received and the shown ankle, in leg lengths, at which a standing foot is released.
-"""
+"""Horizontal distance of the received from the shown ankle, in leg lengths, at which a standing foot is released."""
 CLIMBING = 0.1
 """Smoothing time of ``DampedHeight`` in seconds."""
 GROUND_LOOK_AHEAD = 0.15
