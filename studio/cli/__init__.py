@@ -1,1 +1,1 @@
-"""The headless verbs, one file each."""
+"""The verbs of the command line, one file each; none needs a window."""

@@ -1,4 +1,4 @@
-"""``adapt``: a capture on many characters, as files, with a report of what was reached."""
+"""``adapt``: adapt a capture to many characters, write the motions as files, and report their quality."""
 
 import math
 from argparse import Namespace
@@ -41,7 +41,7 @@ ACTOR_WORD = "actor"
 
 
 def run(arguments: Namespace) -> int:
-    """Adapt, export, report."""
+    """Adapt, export and report."""
     if arguments.stage is not None:
         return run_stage(arguments)
     if arguments.one_file:
@@ -64,16 +64,16 @@ def run(arguments: Namespace) -> int:
 
 
 def file_name(capture: Path, key: str, asked: "AdaptSettings") -> str:
-    """Of the motion of one character."""
+    """Name of the file of one character's motion."""
     return f"{capture.stem}_{key}{asked.suffix}"
 
 
 @dataclass(frozen=True)
 class AdaptSettings:
-    """What the command line asks of every capture: whom to adapt to, by what, written as what."""
+    """Settings of the command line that apply to any capture: characters, constraints, ground and output."""
 
     characters: Mapping[str, Character | None]
-    """None is the body that a capture was recorded from, whatever the capture."""
+    """Characters by their names; None is the body that a capture was recorded from, whatever the capture."""
     places: Mapping[str, Placement]
     constraints: Path | None
     ground: Ground
@@ -87,7 +87,7 @@ class AdaptSettings:
 
 
 def asked_by(arguments: Namespace) -> AdaptSettings:
-    """The arguments of ``adapt`` as they hold for any capture; StudioError for a character or format there is not."""
+    """Settings from the arguments of ``adapt``. Raises StudioError for a character or format that does not exist."""
     suffix = f".{arguments.format.lower().lstrip('.')}"
     known = known_formats().suffixes("motion_writer")
     if suffix not in known:
@@ -114,9 +114,10 @@ def asked_by(arguments: Namespace) -> AdaptSettings:
 
 
 def placed(said: Sequence[Sequence[str]], characters: Iterable[str]) -> dict[str, Placement]:
-    """Where each of ``characters`` stands, by what was ``said`` (name, x, y, degrees); else where the motion begins.
+    """Placement of each of ``characters``, from the arguments ``said`` (name, x, y, degrees); by default where the
+    motion begins.
 
-    Raises StudioError for a character that does not take part, and for what are no numbers.
+    Raises StudioError for a character that does not take part, and for invalid numbers.
     """
     places = dict.fromkeys(characters, Placement())
     for name, *numbers in said:
@@ -134,7 +135,7 @@ def placed(said: Sequence[Sequence[str]], characters: Iterable[str]) -> dict[str
 
 
 def adapt_file(path: Path, options: ImportOptions, asked: AdaptSettings, folder: Path) -> Record:
-    """Adapt one capture to all characters asked for, write their files into ``folder``, and report."""
+    """Adapt one capture to all characters of the settings, write their files into ``folder``, and return the report."""
     own = None if asked.constraints is None else read_constraints(asked.constraints, ADAPTED_MOTION_ID)
     compile_first()
     ready = ready_capture(path, options, all_frames=asked.all_frames)
@@ -188,7 +189,7 @@ def adapt_file(path: Path, options: ImportOptions, asked: AdaptSettings, folder:
 def adapt_to(
     character: Character | None, key: str, ready: ReadyCapture, request: AdaptRequest, asked: AdaptSettings, path: Path
 ) -> Record:
-    """One character's file, or the actor's own for None, and its part of the report."""
+    """Write the file of one character, or of the actor for None, and return its part of the report."""
     place = asked.places[key]
     adapted, record = character_report(request, ready.source, ready.capture.first_frame, by_frame=asked.by_frame)
     if character is None:
@@ -216,7 +217,7 @@ def check_frames(asked: ConstraintFile, ready: ReadyCapture, path: Path) -> None
 
 
 def print_report(report: Record) -> None:
-    """The report as tables: one line a character, one line a constraint and character."""
+    """Print the report as tables: one line a character, one line a constraint and character."""
     print(f"{report['source']}: {report['frames']} frames at {report['frame_rate']:g} Hz\n")
     titles = ("character", *QUALITY_TITLES.values(), "us/frame")
     keys = (*QUALITY_TITLES, "microseconds_per_frame")

@@ -1,4 +1,4 @@
-"""The arguments of every verb: what `VERB --help` shows, without what the verbs compute with."""
+"""Arguments of every verb, for `VERB --help`, without importing what the verbs compute with."""
 
 from argparse import REMAINDER, ArgumentParser, RawDescriptionHelpFormatter
 from collections.abc import Callable
@@ -31,14 +31,14 @@ port = whole(1, 65_535, "a port")
 
 
 def add_info_arguments(parser: ArgumentParser) -> None:
-    """Files, and how to print."""
+    """Add the files and the output format."""
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="capture, character or project")
     parser.add_argument("--json", action="store_true", help="a list with one object a file")
     add_import_options(parser)
 
 
 def add_convert_arguments(parser: ArgumentParser) -> None:
-    """What to read and what to write."""
+    """Add the files to read and to write, and their options."""
     parser.add_argument("source", type=Path, metavar="IN", help="any capture or character that the studio reads")
     parser.add_argument("target", type=Path, metavar="OUT", help="the new file; its suffix says the format")
     parser.add_argument("--json", action="store_true", help="one object: what was written, guessed and repaired")
@@ -48,7 +48,7 @@ def add_convert_arguments(parser: ArgumentParser) -> None:
 
 
 def add_adapt_arguments(parser: ArgumentParser) -> None:
-    """Capture, characters, constraints, where to write."""
+    """Add the capture or stage, and the options of adaptation."""
     parser.add_argument("capture", type=Path, nargs="?", metavar="CAPTURE", help="a motion of a human body")
     parser.add_argument(
         "--stage", type=Path, metavar="PROJECT|SCENE", help="all performers of a project or scene instead"
@@ -60,7 +60,7 @@ def add_adapt_arguments(parser: ArgumentParser) -> None:
 
 
 def add_batch_arguments(parser: ArgumentParser) -> None:
-    """Those of ``adapt``, with a folder for the capture, and where to work."""
+    """Add the options of ``adapt``, with a folder for the capture, and the processes or cluster to use."""
     parser.add_argument("folder", type=Path, metavar="FOLDER", help="captures, in folders below it too")
     add_adaptation_options(parser)
     parser.add_argument(
@@ -75,14 +75,14 @@ def add_batch_arguments(parser: ArgumentParser) -> None:
 
 
 def add_index_arguments(parser: ArgumentParser) -> None:
-    """Folders, where the library is."""
+    """Add the folders and the library."""
     parser.add_argument("folders", nargs="*", type=Path, metavar="FOLDER", help="captures here and in folders below")
     add_library_options(parser)
     parser.add_argument("--json", action="store_true", help="print clips and problems as JSON instead of a table")
 
 
 def add_search_arguments(parser: ArgumentParser) -> None:
-    """The pose, the body, the place, what is wanted."""
+    """Add the pose, the body, the target, and the filters of clips."""
     parser.add_argument("capture", type=Path, metavar="CAPTURE", help="the motion that the character is in")
     parser.add_argument(
         "--frame",
@@ -118,7 +118,7 @@ def add_search_arguments(parser: ArgumentParser) -> None:
 
 
 def add_live_arguments(parser: ArgumentParser) -> None:
-    """Who fights, against what, and where it is seen; or which stage plays, and the keys that are pressed meanwhile."""
+    """Add the fighter, its target and output; or the stage that plays, and the keys pressed meanwhile."""
     parser.add_argument("--stage", type=Path, metavar="PROJECT|SCENE", help="play a stage with its behaviours")
     parser.add_argument(
         "--press",
@@ -152,12 +152,12 @@ def add_live_arguments(parser: ArgumentParser) -> None:
 
 
 def add_formats_arguments(parser: ArgumentParser) -> None:
-    """How to print."""
+    """Add the output format."""
     parser.add_argument("--json", action="store_true", help="one object: formats, and failures as sentences")
 
 
 def add_render_arguments(parser: ArgumentParser) -> None:
-    """What to draw, as what, how large."""
+    """Add the scene to draw, the kind of file and its size."""
     parser.add_argument("source", type=Path, metavar="PROJECT|SCENE|CAPTURE", help="a project, a scene or a capture")
     parser.add_argument(
         "--out",
@@ -191,7 +191,7 @@ def add_render_arguments(parser: ArgumentParser) -> None:
 
 
 def add_bench_arguments(parser: ArgumentParser) -> None:
-    """On what, how often."""
+    """Add the capture and character to measure on, and the number of runs."""
     parser.add_argument("capture", nargs="?", type=Path, help="a human motion; a bundled one by default")
     parser.add_argument("--character", default="adult_woman", metavar="NAME|FILE", help="adult_woman by default")
     parser.add_argument(
@@ -205,7 +205,7 @@ def add_bench_arguments(parser: ArgumentParser) -> None:
 
 
 def add_adaptation_options(parser: ArgumentParser) -> None:
-    """What holds for one capture as for many: characters, constraints, where to write, how to read."""
+    """Add the options of ``adapt`` and ``batch``: characters, constraints, output and import."""
     parser.formatter_class = RawDescriptionHelpFormatter
     parser.epilog = SPACE + str(help_file())
     parser.add_argument(
@@ -254,7 +254,7 @@ def add_adaptation_options(parser: ArgumentParser) -> None:
 
 
 def add_import_options(parser: ArgumentParser) -> None:
-    """Unit, up axis, frame rate, floor, reference pose, body map."""
+    """Add the options of reading: unit, up axis, frame rate, floor, reference pose, markers, body map."""
     group = parser.add_argument_group("reading", "What a file does not say is guessed; say it here to overrule.")
     group.add_argument("--unit", help="m, dm, cm, mm, inch, foot, cmu, unknown, or metres a unit")
     group.add_argument(
@@ -283,7 +283,7 @@ def add_import_options(parser: ArgumentParser) -> None:
 
 
 def add_export_options(parser: ArgumentParser) -> None:
-    """Names of the joints, the pose in which every angle is zero, which frames, and where the root is."""
+    """Add the options of writing: joint names, rest pose, range, frame rate and root."""
     group = parser.add_argument_group("writing")
     group.add_argument(
         "--joint-names",
@@ -314,12 +314,12 @@ def add_export_options(parser: ArgumentParser) -> None:
 
 
 def add_output_options(parser: ArgumentParser) -> None:
-    """How to say that files may be replaced."""
+    """Add the option that lets files be replaced."""
     parser.add_argument("--overwrite", action="store_true", help="replace files that are there already")
 
 
 def add_library_options(parser: ArgumentParser) -> None:
-    """Where the motion library is, and whether it is to have what comes with the studio."""
+    """Add the folder of the motion library, and the option that adds the bundled strikes to it."""
     parser.add_argument(
         "--library",
         type=Path,
@@ -331,12 +331,12 @@ def add_library_options(parser: ArgumentParser) -> None:
 
 
 def library_folder() -> Path:
-    """Where the user's own library has its catalogue."""
+    """Folder of the catalogue of the user's own library."""
     return Path(platformdirs.user_data_path("morpho-studio", appauthor=False)) / "library"
 
 
 def add_script_arguments(parser: ArgumentParser) -> None:
-    """The script, and what is left for it."""
+    """Add the script and its own arguments."""
     parser.add_argument("file", type=Path, metavar="FILE.py", help="a Python script that uses studio.api")
     parser.add_argument("arguments", nargs=REMAINDER, metavar="ARGUMENT", help="arguments of the script itself")
 

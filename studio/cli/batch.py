@@ -1,4 +1,4 @@
-"""``batch``: every capture of a folder on characters, by many processes; what is done and unchanged is skipped."""
+"""``batch``: adapt every capture of a folder to characters, in many processes; unchanged results are skipped."""
 
 import signal
 import sys
@@ -19,11 +19,13 @@ from studio.jobs.adaptation import make_folder
 from studio.startup.kernel_warm_up import compile_first
 
 _OWN = ("folder", "out", "overwrite", "json", "scheduler", "workers", "capture")
-"""Arguments on which no result depends."""
+"""Arguments that no result depends on."""
 
 
 def run(arguments: Namespace) -> int:
-    """Adapt what is not done yet, one line on standard error a file; then the summary. 1 when any file failed."""
+    """Adapt captures without a current result, one line on standard error a file; then write the summary. Returns 1 if
+    any file failed.
+    """
     adapt.asked_by(arguments)
     if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, signal.default_int_handler)
@@ -58,7 +60,7 @@ def _run(jobs: Sequence[BatchJob], scheduler: str | None, workers: int | None) -
 
 
 def _refuse_others_folder(out: Path, overwrite: bool) -> None:
-    """Raise StudioError where files are that no batch has written, and one might replace."""
+    """Raise StudioError if the folder holds files that no batch has written, as one might be replaced."""
     if out.is_dir() and any(out.iterdir()) and not (out / REPORTS).is_dir() and not overwrite:
         raise StudioError(
             f"'{out}' holds files that no batch has written. Choose another folder, or have those of its names replaced"
@@ -67,7 +69,7 @@ def _refuse_others_folder(out: Path, overwrite: bool) -> None:
 
 
 def _absolute(asked: dict[str, object]) -> dict[str, object]:
-    """A worker may have another working folder."""
+    """The arguments with absolute paths, as a worker may have another working folder."""
     asked["character"] = [str(Path(name).resolve()) if Path(name).is_file() else name for name in asked["character"]]  # type: ignore[attr-defined]
     for key in FILES_ASKED_FOR:
         asked[key] = Path(str(asked[key])).resolve() if asked[key] else None

@@ -1,4 +1,4 @@
-"""The jobs of a batch on a Dask cluster that is already there."""
+"""Jobs of a batch on a running Dask cluster."""
 
 from collections.abc import Iterator, Sequence
 
@@ -10,9 +10,9 @@ _PATIENCE = 10.0
 
 
 def run_there(jobs: Sequence[BatchJob], scheduler: str) -> Iterator[Record]:
-    """The record of each job as it is done by the workers of the ``scheduler`` at that address.
+    """Record of each job as soon as the workers of the ``scheduler`` at that address have done it.
 
-    The job of a worker that dies is given to another.
+    The job of a worker that dies is given to another one.
     """
     try:
         from distributed import Client, as_completed

@@ -1,4 +1,4 @@
-"""The jobs of a batch: one capture each, known by the content of all that its result depends on."""
+"""Jobs of a batch: one capture each, identified by the content of all that its result depends on."""
 
 import hashlib
 import json
@@ -18,31 +18,31 @@ from studio.startup.process import prepare_process
 
 Record = dict[str, Any]
 REPORTS = "reports"
-"""The folder, in that of the batch, of a report for each capture."""
+"""Subfolder of the batch's folder with a report for each capture."""
 FILES_ASKED_FOR = ("constraints", "ground", "body_map", "marker_map")
 
 
 @dataclass(frozen=True)
 class BatchJob:
-    """A capture to be adapted; plain values, so that any process on any machine can take it."""
+    """Capture to be adapted; plain values, so that any process on any machine can take it."""
 
     name: str
-    """The capture's path from the folder of the batch, with slashes."""
+    """Path of the capture relative to the folder of the batch, with slashes."""
     capture: Path
     folder: Path
-    """Where the adapted files go."""
+    """Folder for the adapted files."""
     report: Path
-    """A JSON file that tells what was done; it is written last."""
+    """JSON file with the record of the job; it is written last."""
     size: int
-    """Bytes of the capture."""
+    """Size of the capture in bytes."""
     digest: str
-    """Of capture, characters, constraints and options: the same digest means the same result."""
+    """Digest of capture, characters, constraints and options: the same digest means the same result."""
     arguments: Mapping[str, Any]
-    """Those of ``adapt``."""
+    """Arguments of ``adapt``."""
 
 
 def find_jobs(source: Path, out: Path, arguments: Mapping[str, Any]) -> list[BatchJob]:
-    """A job for every capture in ``source`` and below, those already under ``out`` aside. Raises StudioError."""
+    """Job for every capture in ``source`` and below, except those under ``out``. Raises StudioError."""
     if not source.is_dir():
         raise StudioError(f"'{source}' is not a folder. Name the folder that holds the captures.")
     suffixes, own = known_formats().suffixes("capture_reader"), out.resolve()
@@ -66,18 +66,18 @@ def find_jobs(source: Path, out: Path, arguments: Mapping[str, Any]) -> list[Bat
 
 
 def done_before(job: BatchJob) -> Record | None:
-    """The record of an earlier run whose inputs were the same and whose files are still as it wrote them."""
+    """Record of an earlier run with the same inputs, whose files are still as it wrote them; None if there is none."""
     try:
         record: Record = json.loads(job.report.read_bytes())
         written = dict(record["written"])
         same = record["digest"] == job.digest and all(_hash(Path(path)) == known for path, known in written.items())
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        return None  # no report, or none of ours: the job is done anew
+        return None  # no report, or not one of a batch: the job is done again
     return record if same else None
 
 
 def work(job: BatchJob) -> Record:
-    """Adapt one capture, in whatever process this is; what goes wrong is told in the record and stops nothing."""
+    """Adapt one capture in this process and return its record; an error is reported in the record and stops nothing."""
     prepare_process()
     from studio.cli.adapt import adapt_file, asked_by
     from studio.cli.import_options import import_options
@@ -99,12 +99,12 @@ def work(job: BatchJob) -> Record:
 
 
 def failure(job: BatchJob, error: str) -> Record:
-    """The record of a capture that could not be adapted."""
+    """Record of a capture that could not be adapted."""
     return {"name": job.name, "digest": job.digest, "error": error, "characters": []}
 
 
 def died(job: BatchJob) -> Record:
-    """The record of a capture of which the processes died that read it."""
+    """Record of a capture on which the worker processes died."""
     return failure(job, f"{job.name}: every worker that was given this file died of it. Look at it alone.")
 
 

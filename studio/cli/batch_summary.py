@@ -1,4 +1,4 @@
-"""What a batch reached: a table for other programs, and a page of plots for people."""
+"""Summary of a batch: a table for other programs, and a page of plots for people."""
 
 import csv
 from collections.abc import Sequence
@@ -27,24 +27,24 @@ PLOTS = (
 CHART_COLOURS = ("#4f8fba", "#d98e3f", "#6a9f58", "#b65c7a", "#8a77b5", "#55a9a4", "#a68a5b", "#888888")
 CHART_WIDTH, CHART_HEIGHT, CHART_LEFT, CHART_BOTTOM = 900, 220, 60, 30
 SMALLEST_SCALE = 0.1
-"""Of an axis: less than that of a millimetre is nothing to look at."""
+"""Minimum top value of an axis: less than that of a millimetre is too small to matter."""
 STYLE = "body{font:14px sans-serif;margin:2em;color:#222}table{border-collapse:collapse}td{padding:2px 12px 2px 0}"
 
 
 def rows_of(records: Sequence[Record]) -> list[Row]:
-    """A row for each capture and character; one with the error for a capture that failed."""
+    """Row for each capture and character; one with the error for a capture that failed."""
     return [row for record in records for row in _rows(record)]
 
 
 def write_summary(folder: Path, records: Sequence[Record]) -> None:
-    """``summary.csv`` and ``summary.html`` in ``folder``. Raises StudioError when they cannot be written."""
+    """Write ``summary.csv`` and ``summary.html`` into ``folder``. Raises StudioError if they cannot be written."""
     rows = rows_of(records)
     write_rows(folder / "summary.csv", rows)
     write_whole(folder / "summary.html", _page(records, rows).encode())
 
 
 def write_rows(path: Path, rows: Sequence[Row]) -> None:
-    """Rows as CSV with a line of titles. Raises StudioError when they cannot be written."""
+    """Write rows as CSV with a line of titles. Raises StudioError if they cannot be written."""
     table = StringIO()
     writer = csv.DictWriter(table, SUMMARY_COLUMNS)
     writer.writeheader()
@@ -86,7 +86,7 @@ def _page(records: Sequence[Record], rows: Sequence[Row]) -> str:
 
 
 def _plot(title: str, unit: str, column: str, rows: Sequence[Row], colours: dict[str, str]) -> str:
-    """One dot a row, the captures side by side; nothing where no row has a figure."""
+    """Plot with one dot a row, the captures side by side; empty if no row has a value."""
     captures = {name: place for place, name in enumerate(dict.fromkeys(row["capture"] for row in rows))}
     values = [(row, float(row[column])) for row in rows if row[column] is not None]
     if not values:

@@ -1,4 +1,4 @@
-"""The jobs of a batch on worker processes of this machine: each has one job at a time; one that dies is replaced."""
+"""Jobs of a batch on worker processes of this machine: each does one job at a time; one that dies is replaced."""
 
 import gc
 import multiprocessing
@@ -20,15 +20,15 @@ from studio.jobs.adaptation import ready_capture
 from studio.resources_folder import example_captures_folder
 
 FORK = sys.platform == "linux"
-"""Workers are forks: each has all that is imported and every kernel that is loaded; a new process takes seconds."""
+"""True if workers are forks, which inherit all imports and loaded kernels; a new process takes seconds."""
 ATTEMPTS = 2
-"""Workers that may die of a job before it counts as failed."""
+"""Number of workers that may die of a job before it counts as failed."""
 WORKER_STOP_SECONDS = 5.0
-"""Seconds for a worker that is stopped to take away what it has half written."""
+"""Seconds that a stopped worker has to remove half-written files."""
 
 
 class Worker:
-    """A process and the job that it is at."""
+    """Worker process and its current job."""
 
     def __init__(self) -> None:
         context = _context()
@@ -39,13 +39,13 @@ class Worker:
         self.job: BatchJob | None = None
 
     def give(self, job: BatchJob) -> None:
-        """Let it do a job."""
+        """Send a job to the process."""
         self.job = job
-        with suppress(BrokenPipeError):  # one that died idle is found out as one that dies of a job
+        with suppress(BrokenPipeError):  # a worker that died idle is noticed like one that dies of a job
             self.pipe.send(job)
 
     def end(self) -> None:
-        """Stop it, whatever it does."""
+        """Stop the process, even in the middle of a job."""
         self.process.terminate()
         self.process.join(WORKER_STOP_SECONDS)
         self.process.kill()
@@ -58,7 +58,7 @@ def _context() -> "multiprocessing.context.ForkContext | multiprocessing.context
 
 
 def serve(pipe: Connection) -> None:
-    """In a worker: one job after the other, until there are no more or whoever gives them is gone."""
+    """Main loop of a worker: one job after the other, until there are no more or the parent process is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that gives the jobs
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     parent = multiprocessing.parent_process()
@@ -71,7 +71,9 @@ def serve(pipe: Connection) -> None:
 
 
 def load_kernels() -> None:
-    """Load what all jobs call, once for all workers: a bundled capture is read and adapted, and nothing is written."""
+    """Load the kernels that all jobs call, once for all workers: a bundled capture is adapted, and nothing is
+    written.
+    """
     ready = ready_capture(min(example_captures_folder().glob("*.bvh"), key=lambda path: path.stat().st_size), GUESS_ALL)
     body = next(iter(bundled_characters().values())).morphology
     request = AdaptRequest(ready.motion, body, ready.contacts, actor=ready.actor.morphology, clears=True)
@@ -79,15 +81,16 @@ def load_kernels() -> None:
 
 
 def run_here(jobs: Sequence[BatchJob], count: int | None) -> Iterator[Record]:
-    """The record of each job as it is done, the largest captures first; ``count`` processes, as many as cores for None.
+    """Record of each job as soon as it is done, the largest captures first, by ``count`` processes; None for as many as
+    cores.
 
-    The job of a worker that dies is given to another.
+    The job of a worker that dies is given to another one.
     """
     waiting = deque(sorted(jobs, key=lambda job: job.size, reverse=True))
     count = min(count or os.cpu_count() or 1, len(jobs))
     if FORK and count > 1:
         load_kernels()
-    gc.freeze()  # a fork that looked among all that is loaded for what is lost would copy it
+    gc.freeze()  # else the garbage collector of a fork would copy all that is loaded
     workers, deaths = [Worker() for _ in range(count)], Counter[str]()
     try:
         for worker in workers:
@@ -115,7 +118,7 @@ def run_here(jobs: Sequence[BatchJob], count: int | None) -> Iterator[Record]:
 
 
 def _answer(worker: Worker) -> Record | None:
-    """What a worker has done; None where it died."""
+    """Record of a worker's job; None if it died."""
     worker.job = None
     try:
         record: Record = worker.pipe.recv()

@@ -1,4 +1,4 @@
-"""``bench``: how long the studio's jobs take on this machine, beside the paper's figures and our aims."""
+"""``bench``: measure the times of the studio's jobs on this machine, beside the paper's figures and our aims."""
 
 import sys
 from argparse import Namespace
@@ -29,7 +29,7 @@ USUAL_EXAMPLE = "reach_grasp.bvh"
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A job with the microseconds that the paper took for one of it, and our aim."""
+    """Job with the microseconds that the paper took for one unit of it, and our aim."""
 
     job: BenchJob
     paper: float | None = None
@@ -37,7 +37,7 @@ class Case:
 
 
 def run(arguments: Namespace) -> int:
-    """Measure every case by the processor's time, and print."""
+    """Measure every case in processor time, and print the results."""
     path = arguments.capture or bundled_capture()
     [character] = chosen_characters([arguments.character]).values()
     print(f"Measuring on {path.name}; the first run compiles, which may take a minute.", file=sys.stderr)
@@ -53,7 +53,7 @@ def run(arguments: Namespace) -> int:
 
 
 def bundled_capture() -> Path:
-    """The example to measure on: a body that stands and reaches, or whichever there is."""
+    """Path of the example to measure on: a body that stands and reaches, or the first one there is."""
     files = sorted(example_captures_folder().glob("*.bvh"), key=lambda file: (file.name != USUAL_EXAMPLE, file.name))
     if not files:
         raise StudioError("No example capture is bundled. Name one: `bench CAPTURE`.")
@@ -61,7 +61,9 @@ def bundled_capture() -> Path:
 
 
 def frame_cases(ready: ReadyCapture, character: Character) -> list[Case]:
-    """What is done for every frame of a clip: whole clips, conversion included; and the least that it could take."""
+    """Cases that run for every frame of a clip: whole clips, conversion included, and forward kinematics as the lower
+    bound.
+    """
     motion, contacts = clip_of(ready)
     body, count = character.morphology, motion.frame_count
     standing = AdaptRequest(motion, body, contacts)
@@ -78,7 +80,7 @@ def frame_cases(ready: ReadyCapture, character: Character) -> list[Case]:
 
 
 def file_cases(path: Path, ready: ReadyCapture, character: Character) -> list[Case]:
-    """What is done now and then."""
+    """Cases that run occasionally: skin, import and normalisation."""
     body = character.morphology
     adapted = adapt(AdaptRequest(ready.motion, body, ready.contacts))
     pose = adapted.positions[0].copy(), adapted.rotations[0].copy()

@@ -1,7 +1,7 @@
-"""What ``bench`` measures: whole clips on one character, each as the studio does it.
+"""Cases of ``bench``: whole clips on one character, each solved as in the studio.
 
-The tasks are those by which the papers' authors tell their times. Their targets move as the body does, each always as
-far before its shoulder, so that how far they lie beyond its reach can be said, and measured.
+The tasks are those for which the papers' authors report times. Their targets move with the body, each at a fixed offset
+from its shoulder, so their distance beyond the limb's reach can be stated, and measured.
 """
 
 from dataclasses import dataclass, replace
@@ -30,15 +30,15 @@ from studio.jobs.adaptation import ADAPTED_MOTION_ID, ReadyCapture
 FloatArray = NDArray[np.float64]
 
 FRAMES = 1200
-"""Length of the clips that are adapted."""
+"""Maximum length in frames of the clips that are adapted."""
 TARGET_BEYOND_REACH = 0.1
-"""Metres by which a target lies beyond the arm's reach: in every frame, as the arm alone is solved."""
+"""Residual in metres of a target beyond the arm's reach, in every frame, as the arm alone is solved."""
 NEAR_TARGET = 0.8
-"""Arm lengths from the shoulder to what can be reached."""
+"""Distance of a reachable target from the shoulder, in arm lengths."""
 FAR_TARGET = 2.0
-"""Arm lengths from the shoulder: out of reach with every limit of the joints lifted, too."""
+"""Distance from the shoulder in arm lengths that is out of reach even with all joint limits lifted."""
 ELBOW_OFFSET = 0.15
-"""Metres between where an elbow may be once its wrist is held and where it is wanted."""
+"""Distance in metres from the elbow's position, with its wrist held, to the elbow's target."""
 
 WHOLE_CASE = ActivationCurve(-1.0, -1.0, 1e6, 1e6)
 LIMB, WITH_TRUNK, WHOLE_CHAIN = Chain(clavicle=0.0), Chain(trunk=1.0), Chain(trunk=1.0, root=1.0)
@@ -49,9 +49,9 @@ BENCH_UPPER_ARMS = BodyPart.LEFT_UPPER_ARM, BodyPart.RIGHT_UPPER_ARM
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """One row of the table: what is asked, microseconds a frame that the paper took, and our aim.
+    """Row of the table: name, request, microseconds a frame that the paper took, and our aim.
 
-    ``reachable`` says whether the highest constraint can be met in most frames.
+    ``reachable`` is True if the constraint of highest priority can be met in most frames.
     """
 
     name: str
@@ -62,13 +62,13 @@ class Task:
 
     @property
     def highest(self) -> Constraint:
-        """The constraint for a place that the others yield to."""
+        """Position constraint of the highest priority, which the others yield to."""
         places = [each for each in self.request.constraints if isinstance(each, PositionConstraint)]
         return min(places, key=lambda each: each.priority)
 
 
 def make_tasks(motion: NormalizedMotion, contacts: tuple[ContactInterval, ...], body: Morphology) -> tuple[Task, ...]:
-    """The rows of the table on one clip and one body, from the easiest to the worst."""
+    """Rows of the table for one clip and one body, from the easiest to the hardest."""
     right, left = 1, 0
     standing = stand(motion, body, contacts, Ground())
     near, beyond = before_shoulder(standing, right, NEAR_TARGET), beyond_arm(standing, right)
@@ -113,7 +113,7 @@ def make_tasks(motion: NormalizedMotion, contacts: tuple[ContactInterval, ...], 
 
 
 def clip_of(ready: ReadyCapture, longest: int = FRAMES) -> tuple[NormalizedMotion, tuple[ContactInterval, ...]]:
-    """A capture from where its motion begins, ``longest`` frames at most, with its contacts."""
+    """Motion of a capture from its first frame on, at most ``longest`` frames, with its contacts."""
     first = ready.capture.first_frame
     motion = ready.motion
     channels = motion.channels[first : first + longest]
@@ -126,25 +126,27 @@ def clip_of(ready: ReadyCapture, longest: int = FRAMES) -> tuple[NormalizedMotio
 
 
 def wrist(side: int, target: str, chain: Chain, priority: int = 0) -> PositionConstraint:
-    """A wrist that is to be at the ``target`` all the time."""
+    """Position constraint of a wrist on the ``target``, active all the time."""
     return _position(BENCH_FOREARMS[side], target, chain, priority)
 
 
 def before_shoulder(standing: Standing, side: int, reach: float) -> FloatArray:
-    """(F, 3) places ``reach`` arm lengths before, and a little outside and below, a shoulder."""
+    """Positions (F, 3) ``reach`` arm lengths before, and a little outside and below, a shoulder."""
     length = float(standing.morphology.still.arm[side].sum())
     return np.asarray(_shoulder(standing, side) + reach * length * _ways(standing, side))
 
 
 def beyond_arm(standing: Standing, side: int) -> FloatArray:
-    """(F, 3) places that the arm alone misses by ``TARGET_BEYOND_REACH``, as it is solved."""
+    """Positions (F, 3) that the arm alone misses by ``TARGET_BEYOND_REACH``, as it is solved."""
     far = before_shoulder(standing, side, FAR_TARGET)
     missed = hold(standing, (wrist(side, "far", LIMB),), tracks={_follow("far"): _track(far)}).residuals[0]
     return np.asarray(far - (missed - TARGET_BEYOND_REACH)[:, None] * _ways(standing, side))
 
 
 def elbow_aside(solved: AdaptedMotion, side: int) -> tuple[PositionConstraint, Track]:
-    """Elbow of lower priority, with its target: ``ELBOW_OFFSET`` further from the line shoulder-wrist than it is."""
+    """Position constraint of the elbow at lower priority, and its target: ``ELBOW_OFFSET`` further from the line
+    shoulder-wrist.
+    """
     layout = solved.morphology.layout
     shoulder, elbow, end = (solved.positions[:, layout.collar(side) + k] for k in (1, 2, 3))
     axis = normalized(end - shoulder)
@@ -158,7 +160,7 @@ def _shoulder(standing: Standing, side: int) -> FloatArray:
 
 
 def _ways(standing: Standing, side: int) -> FloatArray:
-    """(F, 3) unit directions forwards, a little outwards and down."""
+    """Unit directions (F, 3) forwards, a little outwards and down."""
     yaw = standing.motion.channels[:, at.YAW]
     forward, out = 0.9, 0.3 - 0.6 * side
     x, y = forward * np.cos(yaw) - out * np.sin(yaw), forward * np.sin(yaw) + out * np.cos(yaw)
@@ -179,7 +181,7 @@ def _position(part: BodyPart, target: str, chain: Chain, priority: int) -> Posit
 
 
 def places_of(task: Task, constraint: PositionConstraint) -> FloatArray:
-    """(F, 3) where a task's position is wanted."""
+    """Target positions (F, 3) of a task's position constraint."""
     if not isinstance(constraint.target, FollowTracked):
         raise TypeError(f"'{constraint.name}' is not a target of a task.")
     track = task.request.tracks[constraint.target]

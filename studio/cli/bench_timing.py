@@ -1,8 +1,8 @@
-"""Times that a busy machine does not spoil: processor time of this process, cases by turns, median and best.
+"""Timing that a busy machine does not distort: processor time of this process, cases in turn, median and best.
 
-What counts is the processor time that the process used, on all its threads: neither waiting for a turn nor help from a
-second core is counted. All cases are run once in every round, one after the other, so a minute in which the machine is
-slow is slow for all of them, and each case's median is over the same rounds.
+The processor time of all threads of the process is measured, without the time spent waiting for a processor. All cases
+run once in every round, one after the other, so a minute in which the machine is slow affects all of them, and each
+case's median is over the same rounds.
 """
 
 import statistics
@@ -11,12 +11,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 LONG_ENOUGH = 0.02
-"""Seconds of work between two looks at the clock, at least."""
+"""Minimum seconds of work between two readings of the clock."""
 
 
 @dataclass(frozen=True)
 class BenchJob:
-    """Something to be timed: ``work`` does it ``count`` times in one call."""
+    """Job to be timed: ``work`` does it ``count`` times in one call."""
 
     name: str
     work: Callable[[], object]
@@ -25,14 +25,14 @@ class BenchJob:
 
 @dataclass(frozen=True)
 class JobTiming:
-    """Microseconds for one of what a job does."""
+    """Microseconds for one of the ``count`` units of a job."""
 
     median: float
     best: float
 
 
 def time_jobs(jobs: Sequence[BenchJob], rounds: int) -> list[JobTiming]:
-    """The times of all ``jobs`` over ``rounds``; first calls, which compile and fill caches, do not count."""
+    """Times of all ``jobs`` over ``rounds``; first calls, which compile and fill caches, do not count."""
     repeats = []
     for job in jobs:
         job.work()
@@ -45,7 +45,7 @@ def time_jobs(jobs: Sequence[BenchJob], rounds: int) -> list[JobTiming]:
 
 
 def _seconds(job: BenchJob, repeats: int) -> float:
-    """Processor seconds of one call, the mean over ``repeats``."""
+    """Processor time of one call in seconds, the mean over ``repeats``."""
     start = time.process_time()
     for _ in range(repeats):
         job.work()

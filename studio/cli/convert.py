@@ -1,4 +1,4 @@
-"""``convert``: a motion in another file format, with its own joints and frame rate; or a character."""
+"""``convert``: write a motion in another file format, with its own joints and frame rate; or a character."""
 
 from argparse import Namespace
 from collections.abc import Iterable
@@ -21,7 +21,7 @@ from studio.startup.kernel_warm_up import tell_what_reading_waits_for
 
 
 def run(arguments: Namespace) -> int:
-    """Read, write, and say what had to be guessed or repaired on the way."""
+    """Read, write, and print what was guessed or repaired."""
     if _writes_characters(arguments.target):
         refuse_replacing([arguments.target], arguments.source, arguments.overwrite)
         return _convert_character(arguments)
@@ -71,7 +71,7 @@ def _print_changes(guesses: Iterable[str], repairs: Iterable[str]) -> None:
 
 
 def _take_of(source: Path, options: ImportOptions) -> Take:
-    """The motion in a file, or the character in one that can hold no motion: it stands for one frame."""
+    """Motion of a file; a file that can only hold a character gives one frame in which it stands."""
     if not format_of(source, "capture_reader", "character_reader").capture_reader:
         still = load_character(source, options)
         standing = take_of_standing(still.character)
@@ -82,14 +82,14 @@ def _take_of(source: Path, options: ImportOptions) -> Take:
 
 
 def _writes_characters(target: Path) -> bool:
-    """Whether the file is to hold a character: its suffix is that of a character and of no motion."""
+    """True if the file is to hold a character: its suffix is that of a character and of no motion."""
     known = known_formats()
     suffix = target.suffix.lower()
     return suffix in known.suffixes("character_writer") and suffix not in known.suffixes("motion_writer")
 
 
 def _convert_character(arguments: Namespace) -> int:
-    """A character's file, or the actor of a capture, as a character in another format."""
+    """Convert a character's file, or the actor of a capture, to a character in another format."""
     read = _character_of(arguments.source, import_options(arguments))
     written = format_for(arguments.target, "character_writer")
     written.write_character(arguments.target, read.character, lambda share, text: None)

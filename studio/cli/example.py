@@ -1,4 +1,4 @@
-"""What the studio does where no window can be seen: its job, on the bundled example."""
+"""Example for machines without a display: the bundled example is adapted and drawn."""
 
 from pathlib import Path
 

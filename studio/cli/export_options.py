@@ -6,7 +6,7 @@ from studio.io.export_options import ExportOptions
 
 
 def export_options(arguments: Namespace) -> ExportOptions:
-    """What the user chose."""
+    """Export options of the command line."""
     begin, end = arguments.range or (None, None)
     return ExportOptions(
         joint_names=arguments.joint_names,

@@ -1,4 +1,4 @@
-"""``formats``: the kinds of files that are known here, what can be done with each, and those that failed."""
+"""``formats``: list the known file formats, what can be done with each, and those that failed to load."""
 
 from argparse import Namespace
 
@@ -7,7 +7,7 @@ from studio.io.registry import known_formats
 
 
 def run(arguments: Namespace) -> int:
-    """List them; 1 when one that is installed beside the studio could not be added."""
+    """List the formats; returns 1 if one of an installed package could not be added."""
     known = known_formats()
     if arguments.json:
         records = [

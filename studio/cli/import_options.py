@@ -1,4 +1,4 @@
-"""Options by which the user overrules what importers guess, the same for every verb that reads captures."""
+"""Options that override the guesses of importers, the same for every verb that reads captures."""
 
 from argparse import Namespace
 from pathlib import Path
@@ -11,7 +11,7 @@ from studio.io.markers.maps import read_map
 
 
 def import_options(arguments: Namespace) -> ImportOptions:
-    """What the user said; raises StudioError when a body map or marker map cannot be read."""
+    """Import options of the command line. Raises StudioError if a body map or marker map cannot be read."""
     return ImportOptions(
         unit=arguments.unit,
         up_axis=arguments.up_axis,
@@ -25,7 +25,7 @@ def import_options(arguments: Namespace) -> ImportOptions:
 
 
 def _marker_steps(arguments: Namespace) -> tuple[Step, ...] | None:
-    """The steps of the markers dialog, in its order; None where nothing was said of them."""
+    """Cleaning steps in the order of the markers dialog; None if no argument names any."""
     if not (arguments.undo_swaps or arguments.fill_gaps is not None or arguments.smooth is not None):
         return None
     steps: list[Step] = [UndoSwaps()] if arguments.undo_swaps else []

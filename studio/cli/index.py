@@ -1,4 +1,4 @@
-"""``index``: folders of captures into the motion library."""
+"""``index``: index folders of captures into the motion library."""
 
 from argparse import Namespace
 
@@ -11,7 +11,7 @@ from studio.startup.progress import progress_line
 
 
 def run(arguments: Namespace) -> int:
-    """Index, then list what the library holds; 1 when a file or folder could not be used."""
+    """Index, then list the content of the library; returns 1 if a file or folder could not be used."""
     with Catalogue(arguments.library) as catalogue:
         folders = [*arguments.folders, *([bundled_strikes_folder()] if arguments.bundled else [])]
         report = index(catalogue, folders, progress_line())
@@ -37,7 +37,7 @@ def run(arguments: Namespace) -> int:
 
 
 def clip_record(clip: LibraryClip) -> dict[str, object]:
-    """A clip as JSON has it."""
+    """Record of a clip for JSON."""
     label = clip.label
     return {
         "clip": clip.number,

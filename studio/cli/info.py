@@ -1,4 +1,4 @@
-"""``info``: what was read from files and what was guessed, with the error of the round trip."""
+"""``info``: print the content of files, the guesses made, and the error of the round trip."""
 
 import sys
 from argparse import Namespace
@@ -48,7 +48,7 @@ _NOTHING: Record = {
 
 
 def run(arguments: Namespace) -> int:
-    """Describe every file; 1 when any cannot be read."""
+    """Describe every file; returns 1 if any cannot be read."""
     options = import_options(arguments)
     records = [described(path, options) for path in arguments.files]
     failed = [record for record in records if not record["ok"]]
@@ -62,7 +62,7 @@ def run(arguments: Namespace) -> int:
 
 
 def described(path: Path, options: ImportOptions) -> Record:
-    """All that the issue's keys ask of one file; a file that fails says why under ``error``."""
+    """Record of one file with the keys of ``_NOTHING``; for a file that fails, the reason is under ``error``."""
     record = {"file": str(path), **_NOTHING}
     try:
         return record | (_project if path.suffix.lower() == ".studio" else _foreign)(path, options)
@@ -101,7 +101,7 @@ def _capture(read: ReadCapture) -> Record:
 
 
 def _markers(take: MarkerTake, capture: Capture) -> Record:
-    """What an optical capture recorded beside the body, and which marker was taken for what."""
+    """Record of an optical capture's markers, signals, plates and events, and of the roles given to its markers."""
     trial = take.trial
     events = [{"label": f"{e.context} {e.label}".strip(), "time": e.time} for e in trial.events]
     return {
@@ -157,7 +157,7 @@ def _project(path: Path, _options: ImportOptions) -> Record:
 
 
 def lines_of(record: Record) -> list[str]:
-    """One file for a person to read."""
+    """Lines of text about one file for a person to read."""
     facts = [("error", record["error"])] if record["error"] else [("kind", record["kind"])]
     facts += [(_label(key), _words(record, key)) for key in _SHOWN if record.get(key) not in (None, {}, [])]
     facts += [(key[:-1], sentence) for key in ("assumptions", "repairs", "remarks") for sentence in record[key]]

@@ -1,4 +1,4 @@
-"""``live``: a fighter that keeps at striking distance of a tracked head and strikes, or a project's whole stage."""
+"""``live``: play a fighter that keeps striking distance of a tracked head and strikes, or a whole stage."""
 
 import select
 import sys
@@ -28,13 +28,13 @@ from studio.resources_folder import example_captures_folder
 FloatArray = NDArray[np.float64]
 
 GUARD_EXAMPLE, GUARD_SECONDS = "front_kick.bvh", 1.3
-"""The example that begins on guard, and for how long its feet stay in place."""
+"""Example that begins on guard, and the seconds for which its feet stay in place."""
 CIRCLE, SWAY = 0.5, 0.35
-"""Metres and radians a second of the head that moves where none is tracked."""
+"""Amplitude (m) and angular frequency (rad/s) of the head's motion when no head is tracked."""
 
 
 def run(arguments: Namespace) -> int:
-    """Fight, or play a stage, then say what became of it."""
+    """Fight, or play a stage, then print the report."""
     if arguments.stage is not None:
         return run_live_stage(arguments)
     library = library_with_clips(arguments)
@@ -64,13 +64,13 @@ def run(arguments: Namespace) -> int:
 
 
 def rehearse(fighter: Fighter) -> None:
-    """Let another one strike for a moment, so that nothing is compiled or fetched when it counts."""
+    """Let a second fighter strike for a moment, so that everything is compiled and loaded before the fight."""
     double = Fighter(fighter.library, fighter.body, fighter.guard)
     fight(double, lambda now: swaying(now, double.body.stature), orders_every(0.1, [ANY_STRIKE]), 1.0)
 
 
 def guard_of(path: Path | None) -> MotionPiece:
-    """What is played between blows: the first moments of a capture."""
+    """Motion that is played between blows: the first ``GUARD_SECONDS`` of a capture."""
     ready = ready_capture(path or example_captures_folder() / GUARD_EXAMPLE, GUESS_ALL)
     first = ready.capture.first_frame
     last = min(first + round(GUARD_SECONDS * ready.motion.frame_rate), ready.motion.frame_count - 1)
@@ -78,7 +78,9 @@ def guard_of(path: Path | None) -> MotionPiece:
 
 
 def target_of(arguments: Namespace, inbox: Inbox, stature: float, stack: ExitStack) -> Callable[[float], FloatArray]:
-    """Where the target is: tracked, replayed, or a head that sways by itself."""
+    """Function of seconds that returns the target's position (3,): tracked, replayed, or of a head that sways by
+    itself.
+    """
     if not arguments.head:
         return lambda now: swaying(now, stature)
     recording = read_recording(arguments.replay) if arguments.replay else None
@@ -103,13 +105,15 @@ def target_of(arguments: Namespace, inbox: Inbox, stature: float, stack: ExitSta
 
 
 def swaying(now: float, stature: float) -> FloatArray:
-    """A head that goes to and fro, as high as the fighter's own chest."""
+    """Position (3,) of a head that sways, at the height of the fighter's own chest."""
     x, y = 1.0 + CIRCLE * np.sin(SWAY * now), CIRCLE * np.sin(0.7 * SWAY * now)
     return np.array([x, y, stature * (0.78 + 0.04 * np.sin(now))])
 
 
 def typed_order(_now: float = 0.0) -> Order | None:
-    """What was typed since the last frame: ``left punch``, ``right kick``; any other line is any strike."""
+    """Order typed since the last frame: ``left punch``, ``right kick``; any other line is any strike; None without a
+    line.
+    """
     if not sys.stdin.isatty() or not select.select([sys.stdin], [], [], 0.0)[0]:
         return None
     return FIGHT_ORDERS.get(sys.stdin.readline().strip().lower(), ANY_STRIKE)

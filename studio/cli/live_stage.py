@@ -1,4 +1,4 @@
-"""``live --stage``: a project's stage played live without a window, with its behaviours, and what became of it."""
+"""``live --stage``: play a project's stage live without a window, with its behaviours, and report the results."""
 
 import math
 import time
@@ -24,7 +24,7 @@ LIVE_STAGE_STEP = 1.0 / 60.0
 
 @dataclass
 class ConstraintTally:
-    """How often a constraint was asked for fully, and met, and by how much it was missed at most."""
+    """Number of steps in which a constraint was fully active, number in which it was met, and its worst residual."""
 
     constraint: Constraint
     asked: int = 0
@@ -32,14 +32,14 @@ class ConstraintTally:
     worst: float = 0.0
 
     def add(self, miss: float) -> None:
-        """One step in which it was asked for."""
+        """Count one step in which it was fully active, with its residual ``miss`` (metres or radians)."""
         factor, met = (math.degrees(1.0), REACHED_DEG) if self.constraint.unit == "rad" else (1000.0, REACHED_MM)
         self.asked, self.held = self.asked + 1, self.held + (factor * miss <= met)
         self.worst = max(self.worst, miss)
 
     @property
     def record(self) -> Record:
-        """As it is reported."""
+        """Record for the report."""
         counts = {"steps_asked": self.asked, "steps_held": self.held}
         reached = {"reached": self.held == self.asked}
         return {"name": self.constraint.name, **residual_record(self.constraint, self.worst), **counts, **reached}
@@ -47,7 +47,7 @@ class ConstraintTally:
 
 @dataclass
 class PerformerTally:
-    """What became of one performer."""
+    """Results of one performer: steps, takeovers, steps in each state, and constraints."""
 
     name: str
     steps: int = 0
@@ -58,7 +58,7 @@ class PerformerTally:
 
     @property
     def record(self) -> Record:
-        """As it is reported."""
+        """Record for the report."""
         return {
             "name": self.name,
             "steps": self.steps,
@@ -70,7 +70,7 @@ class PerformerTally:
 
 
 def run_live_stage(arguments: Namespace) -> int:
-    """Play and report; 1 where somebody failed, which keeps nobody else from playing on."""
+    """Play and report; returns 1 if a performer failed, while the others play on."""
     project = open_project(arguments.stage)
     presses = sorted(arguments.press)
     compile_first()
@@ -85,7 +85,7 @@ def run_live_stage(arguments: Namespace) -> int:
 
 
 def played(project: Project, seconds: float, presses: Iterable[tuple[float, str]] = ()) -> Record:
-    """The report of a stage that plays live for so many of its own seconds, as fast as it can be solved.
+    """Report of a stage played live for ``seconds`` of its own time, as fast as it can be solved.
 
     Ctrl-C ends it early, with the report of the steps until then.
     """
@@ -121,7 +121,7 @@ def played(project: Project, seconds: float, presses: Iterable[tuple[float, str]
 
 
 def _note(stage: LiveStage, parts: dict[str, PerformerTally]) -> None:
-    """Add one step to what is known of everybody."""
+    """Add one step to the results of all performers."""
     for key, part in parts.items():
         part.failure = stage.failures.get(key, part.failure)
         result = stage.results.get(key)
@@ -137,7 +137,7 @@ def _note(stage: LiveStage, parts: dict[str, PerformerTally]) -> None:
 
 
 def print_report(report: Record) -> None:
-    """How fast, a line a performer, a line a constraint, and who failed."""
+    """Print the speed, a line a performer, a line a constraint, and the failures."""
     print(
         f"{report['steps']} steps, {report['steps_a_second']:.0f} a second of one processor's time, the slowest "
         f"{report['slowest_step_ms']:.1f} ms\n"

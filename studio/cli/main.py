@@ -1,4 +1,4 @@
-"""The command line: one verb a file, imported only when it runs."""
+"""Command line: one verb a file, imported only when it runs."""
 
 import json
 import os
@@ -33,7 +33,7 @@ VERBS = {
     "script": "run a Python script that uses studio.api",
 }
 WORK_FAILED, NOBODY_READS = 1, 141
-"""Exit codes; the second is that of a tool which a closed pipe ends."""
+"""Exit codes: the work failed; the reader of a pipe has closed it."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -87,7 +87,7 @@ def _run(given: Sequence[str]) -> int:
 
 
 def make_parser(verb: str | None, added: Mapping[str, plug_ins.Verb | plug_ins.Offer | None]) -> ArgumentParser:
-    """The parser with every verb named, and the options of the one asked for.
+    """Parser with the names of all verbs, and the options of ``verb``.
 
     ``added`` are the verbs of installed packages; only the one asked for is loaded.
     """
@@ -114,12 +114,12 @@ def make_parser(verb: str | None, added: Mapping[str, plug_ins.Verb | plug_ins.O
 
 
 def opened() -> tuple[str, ...]:
-    """The suffixes of what the window opens when it is named without a verb."""
+    """Suffixes of the files that the window opens when they are named without a verb."""
     return (".studio", *known_formats().suffixes("capture_reader", "character_reader"))
 
 
 def report(error: StudioError, as_json: bool) -> None:
-    """One sentence on standard error, or one JSON document on standard output."""
+    """Print an error: one sentence on standard error, or one JSON document on standard output."""
     if as_json:
         print(json.dumps({"ok": False, "error": str(error)}, ensure_ascii=False))
     else:
@@ -127,9 +127,9 @@ def report(error: StudioError, as_json: bool) -> None:
 
 
 def open_window(files: Sequence[str] | None = None) -> int:
-    """Start the window with ``files``, else with those that the process was started with.
+    """Start the window with ``files``, by default those of the process's own command line.
 
-    It is found by name, so that nothing here knows a toolkit.
+    It is found by its entry point, so that this module imports no window toolkit.
     """
     prepare_process()
     check_libraries(window=True)
@@ -143,6 +143,6 @@ def open_window(files: Sequence[str] | None = None) -> int:
 
 
 def run_example() -> int:
-    """Without a display: say so, and do the studio's job on the bundled example."""
+    """Run the bundled example, as there is no display, and print why."""
     example: Callable[[], int] = import_module("studio.cli.example").run_example
     return example()

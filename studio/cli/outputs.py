@@ -1,4 +1,4 @@
-"""What a verb writes never takes the place of a file that is there, unless it is told so."""
+"""Output files of verbs: existing files are replaced only with ``--overwrite``."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -7,7 +7,7 @@ from studio.core.errors import StudioError
 
 
 def refuse_replacing(paths: Iterable[Path], source: Path, overwrite: bool) -> None:
-    """Raise StudioError where a file that is to be written is there, or is the one that is read; before any work."""
+    """Raise StudioError if a file to be written exists already, or is the one that is read; called before any work."""
     if overwrite:
         return
     for path in paths:

@@ -1,4 +1,4 @@
-"""What verbs print: tables for people, one JSON document for machines, progress beside both."""
+"""Printed output of verbs: tables for people, one JSON document for machines."""
 
 import json
 from collections.abc import Sequence
@@ -8,7 +8,7 @@ STOPPED = 130
 
 
 def print_json(value: object) -> None:
-    """The one document on standard output, in ASCII, so that no terminal or pipe can refuse a letter of it."""
+    """Print the one JSON document on standard output, in ASCII, so that any terminal or pipe accepts it."""
     print(json.dumps(value, indent=1, allow_nan=False))
 
 
@@ -20,11 +20,11 @@ QUALITY_TITLES = {
     "acceleration_ratio": "acceleration ratio",
     "speed_ratio": "speed ratio",
 }
-"""Titles of a motion's figures in tables, by their names in reports."""
+"""Titles in tables of the quality measures of a motion, by their names in reports."""
 
 
 def print_table(titles: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """Columns as wide as they need; the first stands left, the others right."""
+    """Print columns as wide as they need; the first is aligned left, the others right."""
     widths = [max(len(row[column]) for row in (titles, *rows)) for column in range(len(titles))]
     for row in (titles, ["-" * width for width in widths], *rows):
         cells = [
@@ -35,5 +35,5 @@ def print_table(titles: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
 
 
 def counted(number: int, thing: str) -> str:
-    """``1 character``, ``3 characters``."""
+    """Number and noun, such as ``1 character``, ``3 characters``."""
     return f"{number} {thing}" if number == 1 else f"{number} {thing}s"

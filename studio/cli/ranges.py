@@ -1,4 +1,4 @@
-"""Numbers of the command line: every one is finite and within the range of what it means."""
+"""Numbers of the command line: each is finite and within the range of its meaning."""
 
 from argparse import ArgumentTypeError
 from collections.abc import Callable
@@ -6,7 +6,7 @@ from math import isfinite
 
 
 def number(least: float, most: float, meaning: str) -> Callable[[str], float]:
-    """Parser of a number from ``least`` to ``most``, called by ``meaning``. It raises ArgumentTypeError."""
+    """Parser of a number from ``least`` to ``most``; ``meaning`` names it in the ArgumentTypeError that it raises."""
 
     def parsed(text: str) -> float:
         return _within(text, _value(text, float), least, most, meaning)
@@ -15,7 +15,9 @@ def number(least: float, most: float, meaning: str) -> Callable[[str], float]:
 
 
 def whole(least: int, most: int, meaning: str) -> Callable[[str], int]:
-    """Parser of a whole number from ``least`` to ``most``, called by ``meaning``; it raises ArgumentTypeError."""
+    """Parser of a whole number from ``least`` to ``most``; ``meaning`` names it in the ArgumentTypeError that it
+    raises.
+    """
 
     def parsed(text: str) -> int:
         return int(_within(text, _value(text, int), least, most, meaning))
@@ -36,7 +38,7 @@ def size(least: int, most: int) -> Callable[[str], tuple[int, int]]:
 
 
 def key_press(text: str) -> tuple[float, str]:
-    """Second and key of ``KEY@SECONDS``. Raises ArgumentTypeError."""
+    """Seconds and key of ``KEY@SECONDS``. Raises ArgumentTypeError."""
     key, _, when = text.rpartition("@")
     seconds = _value(when, float)
     if not key or not 0.0 <= seconds <= LONGEST_SECONDS:
@@ -45,7 +47,7 @@ def key_press(text: str) -> tuple[float, str]:
 
 
 LONGEST_SECONDS = 86_400.0
-"""Seconds that a motion or a session may last."""
+"""Maximum seconds of a motion or a session."""
 
 
 def _value(text: str, kind: Callable[[str], float]) -> float:

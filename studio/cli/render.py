@@ -1,4 +1,4 @@
-"""``render``: a project, or a capture on characters, as a picture or a film."""
+"""``render``: draw a project, or a capture on characters, as a picture or a film."""
 
 from argparse import Namespace
 from collections.abc import Callable, Iterator, Sequence
@@ -27,7 +27,7 @@ Pixels = NDArray[np.uint8]
 
 
 def run(arguments: Namespace) -> int:
-    """Stage, adapt, draw."""
+    """Stage, adapt and draw."""
     suffix = arguments.out.suffix.lower()
     if suffix not in (".png", ".mp4", ""):
         sentence = "says no kind of picture. End its name with .png or .mp4, or name a new folder for many pictures."
@@ -65,7 +65,7 @@ def run(arguments: Namespace) -> int:
 
 
 def staged_project(arguments: Namespace) -> Project:
-    """The project to be drawn: the one of the file, or a capture on the chosen characters side by side."""
+    """Project to draw: that of the file, or a capture on the chosen characters side by side."""
     if is_project(arguments.source):
         if arguments.character:
             raise StudioError("A project has its own characters: --character goes with a capture.")
@@ -76,7 +76,9 @@ def staged_project(arguments: Namespace) -> Project:
 
 
 def renderer(kind: str) -> Callable[..., Any]:
-    """The function that draws a ``picture`` or a ``film``, found by name so that nothing here knows a toolkit."""
+    """Function that draws a ``picture`` or a ``film``, found by its entry point, so that this module imports no
+    toolkit.
+    """
     found = entry_points(group="morpho_studio.render", name=kind)
     if not found:
         raise StudioError("Nothing that draws is installed. Install Morpho Studio with `pip install -e .` first.")
@@ -85,7 +87,7 @@ def renderer(kind: str) -> Callable[..., Any]:
 
 
 def told_of(frames: Iterator[Pixels], count: int, progress: Progress, name: str) -> Iterator[Pixels]:
-    """The same frames, telling how far they are."""
+    """The same frames; reports the progress after each."""
     for done, frame in enumerate(frames, 1):
         yield frame
         progress(done / count, name)

@@ -9,7 +9,7 @@ from studio.startup.kernel_warm_up import compile_first
 
 
 def run(arguments: Namespace) -> int:
-    """Run the file as ``__main__``, with its own arguments in ``sys.argv``; an error of its own shows its traceback."""
+    """Run the file as ``__main__``, with its own arguments in ``sys.argv``; an error in it shows its traceback."""
     if not arguments.file.is_file():
         raise StudioError(f"There is no script '{arguments.file}'.")
     compile_first()

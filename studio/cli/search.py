@@ -1,4 +1,4 @@
-"""``search``: which clip of the motion library hits a place best, for a character in a pose, and why."""
+"""``search``: find the clips of the motion library that hit a place best, for a character in a pose, with reasons."""
 
 from argparse import Namespace
 from dataclasses import replace
@@ -14,7 +14,7 @@ from studio.library.searching import Result, StrikeQuery, find, place_before
 
 
 def run(arguments: Namespace) -> int:
-    """Search and list."""
+    """Search and print the results."""
     found = find(library_with_clips(arguments), asked_by(arguments), arguments.count)
     if arguments.json:
         print_json({"ok": True, "results": [result_record(each) for each in found]})
@@ -25,7 +25,7 @@ def run(arguments: Namespace) -> int:
 
 
 def asked_by(arguments: Namespace) -> StrikeQuery:
-    """The arguments as the library takes them. Raises StudioError for a frame beyond the end."""
+    """Query of the library from the arguments. Raises StudioError for a frame beyond the end."""
     ready = ready_capture(arguments.capture, GUESS_ALL)
     motion, frame = ready.motion, arguments.frame
     if not 0 <= frame < motion.frame_count:
@@ -49,7 +49,7 @@ def asked_by(arguments: Namespace) -> StrikeQuery:
 
 
 def result_record(found: Result) -> dict[str, object]:
-    """A result as JSON has it."""
+    """Record of a result for JSON."""
     numbers = {"posture_m": found.posture, "reach_m": found.reach, "cost": found.cost, "seconds_to_hit": found.seconds}
     return {
         **clip_record(found.clip),

@@ -1,4 +1,4 @@
-"""``adapt --stage``: all performers of a project as the window plays them, each as a file with its report."""
+"""``adapt --stage``: adapt all performers of a project as the window plays them, and write and report their motions."""
 
 from argparse import Namespace
 from collections.abc import Iterable
@@ -26,11 +26,11 @@ from studio.jobs.performances import performances
 from studio.startup.kernel_warm_up import compile_first
 
 OF_CAPTURES = ("capture", "character", "constraints", "ground", "place")
-"""Arguments that a project answers itself."""
+"""Arguments that a project provides itself."""
 
 
 def run_stage(arguments: Namespace) -> int:
-    """Adapt, export and report; 1 where somebody failed, which keeps nobody else from being written."""
+    """Adapt, export and report; returns 1 if a performer failed, while the others are written."""
     given = [name for name in OF_CAPTURES if getattr(arguments, name)]
     if given:
         what = "another motion" if given[0] == "capture" else f"--{given[0]}"
@@ -76,7 +76,7 @@ def run_stage(arguments: Namespace) -> int:
 
 
 def told(project: Project, arguments: Namespace) -> Project:
-    """The project with joints freed or jolts left as the command line says, else as each performer has it."""
+    """``project`` with joint limits and temporal smoothing disabled where the command line says so."""
     performers = [
         (
             key,
@@ -89,7 +89,7 @@ def told(project: Project, arguments: Namespace) -> Project:
 
 
 def file_names(project: Project, suffix: str) -> dict[str, str]:
-    """A name for every performer who is shown and plays something; numbered where several have one."""
+    """File name of every visible performer with clips; numbered if several have the same name."""
     names: dict[str, str] = {}
     for key, performer in project.performers.items():
         if performer.visible and performer.clips:
@@ -107,7 +107,7 @@ def _free(stem: str, taken: Iterable[str], suffix: str) -> str:
 
 
 def performer_record(project: Project, key: str, performance: Performance, path: Path, *, by_frame: bool) -> Record:
-    """A performer's part of the report."""
+    """Part of the report about a performer."""
     request, composite = performance.request, performance.composite
     source = played_on(composite.motion, request.actor or request.morphology.still)
     performer = project.performers[key]
@@ -124,7 +124,7 @@ def performer_record(project: Project, key: str, performance: Performance, path:
 
 
 def print_stage(report: Record) -> None:
-    """A line a performer, a line a constraint, and who failed."""
+    """Print a line a performer, a line a constraint, and the failures."""
     rows = [[each["name"], *(f"{each[key]:.2f}" for key in QUALITY_TITLES)] for each in report["performers"]]
     print_table(("performer", *QUALITY_TITLES.values()), rows)
     lines = [

@@ -1,1 +1,1 @@
-"""The motion library: folders of captures, the clips cut from them, and the search for one that hits."""
+"""The motion library: folders of captures, the clips found in them, and the search for a clip that hits."""

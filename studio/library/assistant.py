@@ -1,9 +1,9 @@
-"""Proposes which stretches of a motion are strikes, of which limb, and when they hit: by speed and by reach.
+"""Proposed strikes of a motion: their frames, limb and moment of the hit, found by speed and reach.
 
-A strike goes out fast from a bent limb to where it is stretched farthest across the ground, and that is taken for the
-hit. What is fast without it is none: blocks and waves reach not far out from where they began, jumps and runs carry
-both arms or the whole body, victory poses go up. While a leg kicks, arms only keep the balance.
-Speeds are in limb lengths a second, reaches and heights in limb lengths; all numbers were chosen on real captures.
+A strike moves fast from a bent limb out to its greatest horizontal reach, which is taken for the hit. Fast motions
+without that are no strikes: blocks and waves do not reach far from where they began, jumps and runs carry both arms or
+the whole body, victory poses go up. While a leg kicks, arms only keep the balance. Speeds are in limb lengths a second,
+reaches and heights in limb lengths; all numbers were chosen on real captures.
 """
 
 from dataclasses import dataclass
@@ -20,42 +20,50 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 LIMB_SWING_SECONDS, HIT_WINDOW, HIT_SPACING = 0.45, 0.15, 0.4
-"""Seconds in which a limb goes out, in which a hit is the farthest, and that two hits of a limb lie apart at least."""
+"""Seconds of a limb's swing, seconds on either side in which a hit has the greatest reach, and minimum seconds between
+two hits of a limb.
+"""
 SPAN = 1 / 30
 """Seconds before and after a frame between which a speed is measured."""
 SECONDS_BEFORE_HIT, SECONDS_AFTER_HIT = 0.6, 0.5
 """Seconds of a clip before and after its hit."""
 KICKING = 0.6
-"""Seconds round a raised leg in which arms keep the balance."""
+"""Seconds before and after a raised leg in which arms only keep the balance."""
 ARM_STRIKE = {"reach": 0.6, "rise": 0.36, "speed": 6.0, "outward": 3.3, "bent": 0.66}
 LEG_STRIKE = {"reach": 0.75, "rise": 0.3, "speed": 2.8, "outward": 1.5}
-"""The least reach, how much of it was gained, and how fast, as a whole and outward; an arm was bent at least so far."""
+"""Minimum reach, gain in reach, speed and outward speed of a strike; the arm's stretch was ``bent`` or less before."""
 PUNCH_HEIGHTS, KICK_HEIGHT = (-0.55, 0.5), -0.35
-"""Of the wrist about the shoulder, of the ankle about the hip."""
+"""Lowest and highest wrist above the shoulder, and lowest ankle above the hip, in limb lengths."""
 FIST_BEHIND_SHOULDER = -0.3
-"""How far behind its shoulder a fist may hit."""
+"""Least distance of a fist ahead of its shoulder in limb lengths; negative is behind."""
 STANDING_HIPS, UPRIGHT_HEAD = 0.6, {True: 0.45, False: 0.3}
-"""Hips above the ground in leg lengths; head above the hips in metres a metre of trunk and neck, for arms and legs."""
+"""Minimum height of the hips above the ground in leg lengths; and of the head above the hips, as a fraction of the
+length of trunk, neck and head, for the strikes of arms (True) and of legs (False).
+"""
 SUPPORT_ANKLE = -0.7
-"""The ankle of the other leg about its hip: farther up, both legs are in the air."""
+"""Highest ankle of the other leg above its hip, in leg lengths: above that both legs are in the air."""
 RUNNING = 2.0
-"""Leg lengths a second."""
+"""Mean speed of the hips, in leg lengths a second, above which the body runs."""
 ALIKE = 0.6
-"""Part of a reach and a speed that the other arm may have at the same time: more, and both do one thing together."""
+"""Fraction of a punch's gain in reach and of its speed: if the other arm exceeds both at the same time, both arms do
+one thing together.
+"""
 RETRACTED = 0.6
-"""Part of its reach below which an arm has come back, and may hit again at once."""
+"""Fraction of its reach below which an arm is drawn back, and may hit again at once."""
 BURST, FAST = 0.135, 8.5
-"""Seconds for which a fist goes out faster than half its best; one as fast as this may take longer, as hooks do."""
+"""Longest time in seconds in which a fist goes out faster than half its peak speed, and the speed from which on it may
+take longer, as in hooks.
+"""
 KICK_RETURN_SECONDS, HELD_REACH = 0.3, 0.9
-"""Seconds in which a leg comes back if it kicked, and the part of its reach above which it stays out."""
+"""Seconds in which a leg comes back after a kick, and the fraction of its reach above which it stays out."""
 BEAT, IN_TURN = 0.7, 4
-"""Seconds from one leg's swing to the other's, and how many of those in turn are a dance."""
+"""Maximum seconds from one leg's swing to the other's, and the number of alternate swings that make a dance."""
 
 
 @dataclass(frozen=True, eq=False)
 class LimbTrack:
-    """One limb over F frames: ``reach`` across the ground and ``stretch`` from its root, ``speed`` about the hips (all
-    (F,)), ``from_root`` (F, 3); in limb lengths.
+    """Motion of one limb over F frames: horizontal ``reach`` and ``stretch`` from its root, ``speed`` relative to the
+    hips, ``outward`` speed of the reach (all (F,)), and ``from_root`` (F, 3); in limb lengths (a second).
     """
 
     reach: FloatArray
@@ -67,7 +75,9 @@ class LimbTrack:
 
 @dataclass(frozen=True, eq=False)
 class BodyTrack:
-    """A body over F frames, as far as the assistant asks: all four limbs, headings (F, 2), and how it stands (F,)."""
+    """Motion of a body over F frames, as the assistant needs it: all four limbs, headings (F, 2), heights and speed
+    (F,).
+    """
 
     limbs: tuple[LimbTrack, ...]
     heading: FloatArray
@@ -84,7 +94,9 @@ class BodyTrack:
 def propose(
     positions: FloatArray, rotations: FloatArray, body: Morphology, rate: float, first_frame: int = 0
 ) -> list[ClipLabel]:
-    """Strikes of a motion on its own actor's body, in time; positions (F, K+23, 3) and rotations (F, K+18, 3, 3)."""
+    """Proposed strikes of a motion on its own actor's body, in order of time; positions (F, K+23, 3) and rotations (F,
+    K+18, 3, 3).
+    """
     if len(positions) < 2:
         return []
     track = body_track(positions, rotations, body, rate)
@@ -97,7 +109,7 @@ def propose(
 
 
 def body_track(positions: FloatArray, rotations: FloatArray, body: Morphology, rate: float) -> BodyTrack:
-    """Read off a body what the assistant asks."""
+    """Measure the motion of a body as the assistant needs it."""
     layout = body.layout
     hips = 0.5 * (positions[:, layout.hip(0)] + positions[:, layout.hip(1)])
     forward = rotations[:, 0, :2, 0]
@@ -134,7 +146,7 @@ def _slope(values: FloatArray, rate: float) -> FloatArray:
 
 
 def _peaks(track: BodyTrack, limb: Limb, first_frame: int) -> list[int]:
-    """Frames in which a limb is stretched farthest for some time."""
+    """Frames in which the reach of a limb is the greatest within ``HIT_WINDOW``."""
     reach = track.limbs[limb].reach
     farthest = maximum_filter1d(reach, 2 * max(round(HIT_WINDOW * track.rate), 1) + 1, mode="nearest")
     frames = np.flatnonzero(reach >= farthest)
@@ -164,7 +176,7 @@ def _kicks(track: BodyTrack, limb: Limb, frame: int) -> bool:
 
 
 def _is_shown(track: BodyTrack, limb: Limb, frame: int) -> bool:
-    """Whether a leg stays where it is; nothing is said of one whose motion ends before that."""
+    """True if a leg stays stretched after ``frame``; False if its motion ends too soon to tell."""
     reach, after = track.limbs[limb].reach, track.window(frame, 0.0, KICK_RETURN_SECONDS)
     return bool(after.stop <= len(reach) and reach[after].min() > HELD_REACH * reach[frame])
 
@@ -189,7 +201,9 @@ def _punches(track: BodyTrack, limb: Limb, frame: int, swing: slice, gained: flo
 
 
 def _burst(outward: FloatArray, thrown: slice) -> float:
-    """Frames, and parts of them, round the best of ``outward`` in which it is more than half of that."""
+    """Length in frames, with fractions, of the interval around the peak of ``outward`` in which it exceeds half the
+    peak.
+    """
     best = thrown.start + int(outward[thrown].argmax())
     half = 0.5 * outward[best]
     slow = np.flatnonzero(outward <= half)
@@ -213,7 +227,7 @@ def _raises_a_leg(track: BodyTrack, frame: int) -> bool:
 
 
 def _without_dance(hits: list[tuple[int, Limb]], rate: float) -> list[tuple[int, Limb]]:
-    """``hits`` but for those of legs that swing in turn to a beat."""
+    """``hits`` without those of legs that swing alternately to a beat."""
     kicks = sorted(hit for hit in hits if not hit[1].is_arm)
     turns = [list[tuple[int, Limb]]()]
     for kick in kicks:
@@ -225,7 +239,7 @@ def _without_dance(hits: list[tuple[int, Limb]], rate: float) -> list[tuple[int,
 
 
 def _apart(track: BodyTrack, limb: Limb, frames: list[int]) -> list[int]:
-    """Of hits too near each other the farthest; an arm that came back between them hit twice."""
+    """Frames of hits without the shorter ones of those too near each other; an arm drawn back between two hit twice."""
     reach, kept = track.limbs[limb].reach, list[int]()
 
     def one_with(frame: int, other: int) -> bool:

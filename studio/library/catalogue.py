@@ -1,8 +1,8 @@
-"""The catalogue of a library: what is known of files, actors, takes and clips, in SQLite and arrays beside it.
+"""Catalogue of a library: files, actors, takes and clips, in SQLite and arrays beside it.
 
-It lies in a folder of its own, never among the captures. What indexing finds again is computed anew where it is
-damaged. The labels that a person confirmed are in a file beside it too (``confirmed_labels``): either restores the
-other. A catalogue of a newer version is only read, and one that another process holds is waited for.
+It lies in a folder of its own, never among the captures. Indexed entries are computed again if they are damaged. Labels
+confirmed by a person are also in a file beside it (``confirmed_labels``): each restores the other. A catalogue of a
+newer version is opened read-only, and one that another process has locked is waited for.
 """
 
 import json
@@ -57,14 +57,16 @@ _COLUMNS = {
 }
 _WITHOUT_TAKE = "take IS NULL OR take NOT IN (SELECT id FROM takes)"
 _BAD_VALUES = (ValueError, TypeError, KeyError, ArithmeticError, AttributeError, LookupError, StudioError)
-"""Raised by a row that is not as it was written."""
+"""Exceptions raised by a row that is damaged."""
 _BAD_DATABASE = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_FORMAT, sqlite3.SQLITE_ERROR)
-"""Primary codes of errors that come of the content of the file, not of who else uses it or of the disk."""
+"""Primary codes of SQLite errors caused by the content of the file, not by other processes or the disk."""
 
 
 @dataclass(frozen=True)
 class FileState:
-    """What a file was when it was looked at; ``problem`` is why it is not in the library, empty if it is."""
+    """State of a file when it was read: ``size`` in bytes, time when it ``changed`` in nanoseconds; ``problem`` says
+    why it is not in the library, empty if it is.
+    """
 
     size: int
     changed: int
@@ -85,7 +87,7 @@ class LibraryTake:
     motion: NormalizedMotion
     contacts: tuple[ContactInterval, ...]
     checksum: int | None = None
-    """Of its channels; None in libraries of former versions."""
+    """Checksum of its channels; None in libraries of former versions."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +106,7 @@ class CatalogueClip:
 
 @dataclass(frozen=True, eq=False)
 class Actor:
-    """Who performed takes: everybody whose skeleton is the same."""
+    """Actor of takes: all captures with the same skeleton have the same actor."""
 
     number: int
     name: str
@@ -112,17 +114,17 @@ class Actor:
 
 
 class Catalogue:
-    """What was indexed, in ``folder``; close it, or use it in a ``with``. One for each thread.
+    """Catalogue in ``folder``; close it, or use it in a ``with``. Each thread needs its own.
 
-    Every method raises StudioError where another process holds the file too long, or the disk does not do its work.
+    Every method raises StudioError if another process locks the file too long, or the disk fails.
     """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.repaired = ""
-        """Sentences that tell what was damaged and is made anew."""
+        """Sentences that say what was damaged and has been made again."""
         self.read_only = ""
-        """The sentence that tells why nothing can be changed; empty where it can."""
+        """Sentence that says why nothing can be changed; empty if it can."""
         self._database: sqlite3.Connection | None = None
         try:
             with self._refusing():
@@ -139,22 +141,24 @@ class Catalogue:
         self.close()
 
     def close(self) -> None:
-        """Let go of the file."""
+        """Close the database."""
         if self._database is not None:
             self._database.close()
 
     def remark(self, sentence: str) -> None:
-        """Add a sentence to what was repaired."""
+        """Add a sentence to ``repaired``."""
         self.repaired = f"{self.repaired} {sentence}".strip()
 
     @property
     def remarks(self) -> str:
-        """What the user has to know of it, in sentences; empty where all is well."""
+        """Sentences for the user about its state; empty if all is well."""
         return f"{self.repaired} {self.read_only}".strip()
 
     @contextmanager
     def changing(self) -> Iterator[None]:
-        """All that is written in the block, or nothing of it. Raises StudioError where nothing can be written."""
+        """Transaction: all that the block writes is stored, or nothing. Raises StudioError if nothing can be
+        written.
+        """
         if self.read_only:
             raise StudioError(self.read_only)
         with self._refusing(), self._connection:
@@ -163,19 +167,19 @@ class Catalogue:
 
     @contextmanager
     def unchanging(self) -> Iterator[None]:
-        """All that is read in the block is of one moment, whoever writes meanwhile."""
+        """Transaction: all that the block reads is of one moment, whatever other processes write."""
         with self._refusing(), self._connection:
             self._connection.execute("BEGIN")
             yield
 
     def paths(self) -> list[str]:
-        """Every file that was looked at."""
+        """Paths of all files that were read or tried, sorted."""
         return sorted(path for (path,) in self._rows("SELECT path FROM files") if isinstance(path, str))
 
     def files(self) -> dict[str, FileState]:
-        """Every file whose entries are whole, by its path; the others of ``paths`` are to be read again."""
+        """State of each file whose entries are complete, by its path; the others of ``paths`` must be read again."""
         if self._rows(f"SELECT 1 FROM clips WHERE {_WITHOUT_TAKE} LIMIT 1"):
-            return {}  # nobody knows which take lost a clip
+            return {}  # the take that lost a clip is unknown
         takes = {take.path: take for take in self.takes().values()}
         labels = self._labels()
         counts = dict(self._rows("SELECT take, count(*) FROM clips GROUP BY take"))
@@ -204,7 +208,7 @@ class Catalogue:
         }
 
     def forget(self, path: str) -> None:
-        """Leave out a file with all that came from it, but for the labels that somebody confirmed."""
+        """Remove a file with all that came from it, except the labels that a person confirmed."""
         for (number,) in self._rows("SELECT id FROM takes WHERE path = ?", path):
             self._channels_file(number).unlink(missing_ok=True)
         for table in ("takes", "files"):
@@ -212,12 +216,12 @@ class Catalogue:
         self._connection.execute(f"DELETE FROM clips WHERE {_WITHOUT_TAKE}")
 
     def note(self, path: str, state: FileState) -> None:
-        """A file was looked at; what came from it before is forgotten."""
+        """Store the state of a file, and remove what came from it before."""
         self.forget(path)
         self._connection.execute("INSERT INTO files VALUES (?, ?, ?, ?)", (path, *asdict(state).values()))
 
     def actor(self, bones: str, name: str, body: Morphology) -> Actor:
-        """The actor with these ``bones`` (any text that tells skeletons apart), added when there is none."""
+        """Actor with these ``bones`` (any text that identifies the skeleton), added if there is none."""
         rows = self._rows("SELECT id, name, body FROM actors WHERE bones = ?", bones)
         for found in _parsed(rows, _actor):
             return found
@@ -249,7 +253,7 @@ class Catalogue:
         return int(added.lastrowid or 0)
 
     def change_clip(self, number: int, label: ClipLabel, path: HitPath) -> None:
-        """Put another label in the place of a clip's own; one that is confirmed is stored among those of its file."""
+        """Replace the label and path of a clip; a label that is confirmed is also stored among those of its file."""
         rows = self._rows("SELECT takes.path, label FROM clips, takes WHERE takes.id = take AND clips.id = ?", number)
         labels = self._labels()
         self._connection.execute(
@@ -262,11 +266,11 @@ class Catalogue:
                 write_labels(self.folder, labels | {file: (*kept, label)})
 
     def remove_clip(self, number: int) -> None:
-        """Leave out one clip."""
+        """Remove one clip."""
         self._connection.execute("DELETE FROM clips WHERE id = ?", (number,))
 
     def confirmed(self, path: str) -> list[ClipLabel]:
-        """The labels of a file's take that somebody gave."""
+        """Labels of a file's take that a person confirmed."""
         return list(self._labels().get(path, ()))
 
     def actors(self) -> dict[int, Actor]:
@@ -281,7 +285,7 @@ class Catalogue:
     def takes(self) -> dict[int, LibraryTake]:
         """All takes by their number; their channels stay on disk until they are read.
 
-        Those whose entries or channels are lost, or are being forgotten by another process, are left out.
+        Takes whose entries or channels are lost, or are being removed by another process, are left out.
         """
         actors = self.actors()
         rows = self._rows(
@@ -291,7 +295,7 @@ class Catalogue:
         return {take.number: take for take in _parsed(rows, lambda row: self._take(row, actors))}
 
     def _take(self, row: tuple[Any, ...], actors: dict[int, Actor]) -> LibraryTake:
-        """Raises ValueError or its like where the row or the channels are damaged."""
+        """Take of a row. Raises one of ``_BAD_VALUES`` if the row or the channels are damaged."""
         number, path, actor, name, rate, places, contacts = row
         stored = self._stored(number)
         spine_places = np.array(json.loads(places), dtype=np.float64)
@@ -309,7 +313,7 @@ class Catalogue:
         return self.folder / f"take_{take}.npy"
 
     def _stored(self, take: int) -> StoredArray | None:
-        """The channels of a take on the disk; None where they are not there."""
+        """Channels of a take on disk; None if they cannot be read."""
         with suppress(OSError, ValueError):
             found = stored_array(self._channels_file(take))
             if found.values.dtype == np.float64 and len(found.values):
@@ -328,7 +332,7 @@ class Catalogue:
 
     @contextmanager
     def _refusing(self) -> Iterator[None]:
-        """Raises StudioError for whatever SQLite raises in the block."""
+        """Context that raises StudioError for any error of SQLite or the disk in its block."""
         try:
             yield
         except (sqlite3.Error, UnicodeError, OSError) as error:
@@ -361,7 +365,7 @@ class Catalogue:
         self._settle_labels(rescued)
 
     def _opened(self) -> sqlite3.Connection:
-        """A connection to tables that are whole. Raises sqlite3.DatabaseError, also where they are not."""
+        """Connection to a checked database, made if there is none. Raises sqlite3.DatabaseError if it is damaged."""
         file = self.folder / DATABASE
         if file.exists() and not file.is_file():
             raise StudioError(f"'{file}' is no ordinary file. Remove it, or choose another library.")
@@ -398,7 +402,7 @@ class Catalogue:
         )
 
     def _put_aside(self, file: Path) -> Path:
-        """Rename a damaged file, and a journal that belongs to it, to a name that is free."""
+        """Rename a damaged file, and its journal, to a free name, and return the new path."""
         numbers = ("", *(f"-{number}" for number in range(2, 10_000)))
         aside = next(
             path for path in (self.folder / f"{file.name}.damaged{each}" for each in numbers) if not path.exists()
@@ -409,7 +413,9 @@ class Catalogue:
         return aside
 
     def _settle_labels(self, rescued: Labels) -> None:
-        """Make the file of confirmed labels whole, and enter the files that are known to have been in the catalogue."""
+        """Restore the file of confirmed labels, and add files that are known to have been in the catalogue, to be read
+        again.
+        """
         known = {path: labels for path, labels in (rescued or self._labels_in_database()).items() if labels}
         try:
             labels = read_labels(self.folder)
@@ -440,7 +446,7 @@ class Catalogue:
                     self.note(path, TO_BE_READ)
 
     def _labels(self) -> Labels:
-        """The confirmed labels."""
+        """Confirmed labels, by path."""
         with suppress(ValueError, NewerLabels):
             if (found := read_labels(self.folder)) is not None:
                 return found
@@ -464,13 +470,13 @@ def _connected(file: Path, options: str) -> sqlite3.Connection:
 def _make_tables(database: sqlite3.Connection) -> None:
     with database:
         database.execute("BEGIN IMMEDIATE")
-        if not database.execute("SELECT 1 FROM sqlite_master").fetchone():  # nobody else has just made them
+        if not database.execute("SELECT 1 FROM sqlite_master").fetchone():  # unless another process has just made them
             for statement in _TABLES:
                 database.execute(statement)
 
 
 def _rescued(aside: Path) -> Labels:
-    """Every path that can be read in a damaged catalogue, with the labels that were confirmed there."""
+    """Paths that can be read in a damaged catalogue, with the labels that were confirmed there."""
     with closing(_connected(aside, "immutable=1")) as database:
         paths = _readable(database, "SELECT path FROM files")
         labels = _readable(database, "SELECT takes.path, label FROM clips, takes WHERE takes.id = take AND confirmed")
@@ -487,7 +493,7 @@ def _readable(database: sqlite3.Connection, question: str) -> list[tuple[Any, ..
 
 
 def _code(error: Exception) -> int:
-    """Primary code of an error of SQLite; -1 of another."""
+    """Primary code of an SQLite error; -1 for any other error."""
     code: int = getattr(error, "sqlite_errorcode", -1)
     return code & 0xFF if code >= 0 else code
 
@@ -499,14 +505,14 @@ def _damaged(reason: str) -> sqlite3.DatabaseError:
 
 
 def _parsed(rows: Iterable[tuple[Any, ...]], make: Callable[[tuple[Any, ...]], T]) -> Iterator[T]:
-    """What ``make`` makes of the rows, without those that are damaged."""
+    """Result of ``make`` for each row, without rows that are damaged."""
     for row in rows:
         with suppress(*_BAD_VALUES):
             yield make(row)
 
 
 def _grouped(rows: Iterable[tuple[Any, ...]]) -> Labels:
-    """Confirmed labels by path, of rows of path and label."""
+    """Confirmed labels by path, from rows of path and label."""
     found: Labels = {}
     for path, label in _parsed(rows, lambda row: (str(row[0]), _label(row[1]))):
         found[path] = (*found.get(path, ()), replace(label, confirmed=True))

@@ -1,4 +1,4 @@
-"""What the library knows of a clip: a stretch of a take in which a limb does something."""
+"""Labels of clips: stretches of a take in which a limb does something."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -12,7 +12,7 @@ from studio.core.constraints.base import BodyPoint
 
 
 class Limb(IntEnum):
-    """The limb that hits; the number is that of the limb everywhere."""
+    """Limb that hits; its number is that of the limb everywhere."""
 
     LEFT_ARM = 0
     RIGHT_ARM = 1
@@ -21,7 +21,7 @@ class Limb(IntEnum):
 
     @property
     def words(self) -> str:
-        """``left arm``."""
+        """Name in words, such as ``left arm``."""
         return self.name.lower().replace("_", " ")
 
     @property
@@ -35,18 +35,18 @@ class Limb(IntEnum):
 
 
 class Kind(StrEnum):
-    """What a clip is for (P09 section 3.3.1)."""
+    """Purpose of a clip (P09 section 3.3.1)."""
 
     PUNCH = "punch"
     KICK = "kick"
     WARD_OFF = "ward off"
     GRASP = "grasp"
     NONE = "no strike"
-    """What was proposed and is none: it is kept, so that it is not proposed again, and never found."""
+    """Proposal that is no strike: it is stored so that it is not proposed again, and is never found."""
 
 
 class HitSegment(StrEnum):
-    """What of the limb meets the target."""
+    """Part of the limb that meets the target."""
 
     FIST = "fist"
     ELBOW = "elbow"
@@ -56,11 +56,11 @@ class HitSegment(StrEnum):
 
 
 SEGMENTS = {True: (HitSegment.FIST, HitSegment.ELBOW), False: (HitSegment.BALL, HitSegment.HEEL, HitSegment.KNEE)}
-"""Those that an arm has (True), and those of a leg."""
+"""Parts that an arm can hit with (True), and a leg (False)."""
 
 
 def hit_point(limb: Limb, segment: HitSegment, body: Morphology) -> BodyPoint:
-    """The point of ``body`` that meets the target; a fist is in the middle of the hand."""
+    """Point of ``body`` that meets the target; that of a fist is the middle of the hand."""
     side = ("left", "right")[limb.side]
     match segment:
         case HitSegment.FIST:
@@ -92,7 +92,7 @@ class ClipLabel:
     segment: HitSegment
     tags: tuple[str, ...] = ()
     confirmed: bool = False
-    """Whether somebody said so, or it was proposed."""
+    """True if a person confirmed the label, False if it was only proposed."""
 
     def __post_init__(self) -> None:
         for name, kind in (("limb", Limb), ("kind", Kind), ("segment", HitSegment)):
@@ -103,12 +103,12 @@ class ClipLabel:
             raise ValueError(f"The {self.limb.words} has no {self.segment}.")
 
     def to_json(self) -> dict[str, Any]:
-        """A record for JSON."""
+        """Record for JSON."""
         return asdict(self)
 
     @classmethod
     def from_json(cls, record: Mapping[str, Any]) -> Self:
-        """Inverse of ``to_json``. Raises KeyError, TypeError or ValueError where it is no record of a label."""
+        """Inverse of ``to_json``. Raises KeyError, TypeError or ValueError if it is not the record of a label."""
         first, last, hit, limb = (index(record[name]) for name in ("first", "last", "hit", "limb"))
         kind, segment = Kind(record["kind"]), HitSegment(record["segment"])
         return cls(

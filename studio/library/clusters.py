@@ -1,6 +1,7 @@
-"""Poses of a library in groups, as P09 (3.3.2) has them: a map to look at, not what the search goes by.
+"""Clusters of a library's poses, as in P09 (3.3.2): a map to look at, not used by the search.
 
-K-means over what of a pose does not change with a turn or a shift: how far each joint is from the middle, and how high.
+K-means over features of a pose that do not change with a turn or a shift: the distance of each joint from the middle,
+and its height.
 """
 
 import warnings
@@ -22,9 +23,9 @@ CLUSTER_LINKS = 4
 
 @dataclass(frozen=True, eq=False)
 class PoseMap:
-    """``clusters`` (F,) the group of each row of a table; of G groups: ``centroids`` (G, 40), ``representatives`` (G,)
-    the row that lies nearest to each, ``links`` (G, L) the groups whose representatives are most similar, the
-    nearest first.
+    """Map of poses: ``clusters`` (F,) has the cluster of each row of a table; of G clusters ``centroids`` (G, 40),
+    ``representatives`` (G,) the row nearest to each, ``links`` (G, L) the clusters whose representatives are most
+    similar, the nearest first.
     """
 
     clusters: IntArray
@@ -33,8 +34,8 @@ class PoseMap:
     links: IntArray
 
     def places(self, rows: ArrayLike) -> FloatArray:
-        """(G, 2) where the groups of a table's ``rows`` (F, 64) lie when their distances are drawn flat as well as that
-        goes (classical scaling), the widest way first.
+        """Positions (G, 2) of the clusters in the plane that preserves the distances of their poses best (classical
+        scaling), the axis of greatest extent first; ``rows`` (F, 64) are those of the table.
         """
         poses = np.asarray(rows)[self.representatives]
         if not len(poses):
@@ -46,7 +47,7 @@ class PoseMap:
         return np.column_stack([flat, np.zeros(len(flat))])[:, :2]
 
     def clips_of(self, cluster: int, table: SearchTable) -> IntArray:
-        """The clips that have poses in a group, the one with most of them first."""
+        """Indices of the clips with poses in a cluster, the clip with most of them first."""
         rows = np.flatnonzero(self.clusters == cluster)
         counts = np.bincount(np.searchsorted(table.first_rows, rows, "right") - 1, minlength=table.clip_count)
         order = np.argsort(-counts, kind="stable")
@@ -54,13 +55,15 @@ class PoseMap:
 
 
 def unturned(rows: ArrayLike) -> FloatArray:
-    """(F, 40) what of pose rows (F, 64) neither turn nor shift change; Euclidean, it is never more than D."""
+    """Features (F, 40) of pose rows (F, 64) that neither turn nor shift changes; their Euclidean distance is
+    at most D.
+    """
     poses = np.asarray(rows, dtype=np.float64)
     return np.concatenate([np.hypot(poses[:, : at.Y], poses[:, at.Y : at.Z]), poses[:, at.Z : at.SQUARE]], axis=1)
 
 
 def map_of(table: SearchTable, count: int, seed: int = 0) -> PoseMap:
-    """At most ``count`` groups of a table's poses; the same seed gives the same groups."""
+    """Map of a table's poses with at most ``count`` clusters; the same seed gives the same clusters."""
     features = unturned(table.rows)
     count = min(count, len(features))
     if count == 0:

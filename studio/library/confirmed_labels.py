@@ -1,4 +1,4 @@
-"""The labels that a person confirmed, in a file of their own beside the catalogue: what nothing can compute again."""
+"""Labels confirmed by a person, in a file of their own beside the catalogue, as they cannot be computed again."""
 
 import hashlib
 import json
@@ -19,14 +19,14 @@ Labels = dict[str, tuple[ClipLabel, ...]]
 
 
 class NewerLabels(StudioError):  # noqa: N818 - it names the matter
-    """The file is of a newer version."""
+    """Error: the file of labels was written by a newer version."""
 
 
 def read_labels(folder: Path) -> Labels | None:
-    """The confirmed labels in ``folder``; None where there is no such file.
+    """Confirmed labels in ``folder``, by the path of their capture; None if there is no such file.
 
-    Raises StudioError where it cannot be read, NewerLabels where a newer version wrote it, and ValueError where it
-    is damaged: its digest is that of its content.
+    Raises StudioError if it cannot be read, NewerLabels if a newer version wrote it, and ValueError if it is damaged,
+    so that its digest is not that of its content.
     """
     path = folder / CONFIRMED_LABELS
     if not path.exists():
@@ -44,7 +44,7 @@ def read_labels(folder: Path) -> Labels | None:
 
 
 def write_labels(folder: Path, labels: Mapping[str, Sequence[ClipLabel]]) -> None:
-    """Put ``labels`` in the place of those in ``folder``, whole or not at all. Raises StudioError."""
+    """Replace the labels in ``folder`` by ``labels``, completely or not at all. Raises StudioError."""
     records = {path: [label.to_json() for label in found] for path, found in labels.items() if found}
     digest = _digest(json.dumps(records, sort_keys=True))
     content = {"version": LABELS_VERSION, "digest": digest, "labels": records}

@@ -1,4 +1,4 @@
-"""Files that hold the same motion of the same actor: of such copies one is listed."""
+"""Copies: files with the same motion of the same actor, of which one is listed."""
 
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable
@@ -10,7 +10,9 @@ from studio.library.catalogue import CatalogueClip, LibraryTake
 
 
 def takes_once(takes: Collection[LibraryTake], clips: Iterable[CatalogueClip]) -> set[int]:
-    """The numbers of ``takes`` without copies: of equal ones that whose file is there, and that somebody labelled."""
+    """Numbers of ``takes`` without copies; of equal ones that whose file exists, then that with most
+    confirmed labels.
+    """
     confirmed = Counter(clip.take for clip in clips if clip.label.confirmed)
     alike = defaultdict(list)
     for take in takes:

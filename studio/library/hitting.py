@@ -1,4 +1,4 @@
-"""Where the hit point of a clip goes while it can hit (P09 section 3.3.1)."""
+"""Path of a clip's hit point while the clip can hit (P09 section 3.3.1)."""
 
 from dataclasses import dataclass
 
@@ -13,15 +13,15 @@ from studio.library.clips import ClipLabel, HitSegment, Limb, hit_point
 FloatArray = NDArray[np.float64]
 
 NEAR_ITS_REACH = 0.85
-"""Part of the reach at the hit from which on a limb can hit."""
+"""Fraction of the reach at the hit from which on a limb can hit."""
 HIT_SEARCH_SECONDS = 0.15
-"""Seconds on either side of the hit beyond which it cannot."""
+"""Maximum seconds before and after the hit in which the limb can hit."""
 
 
 @dataclass(frozen=True, eq=False)
 class HitPath:
-    """Frames ``first`` to ``last`` in which a clip can hit, both included, and ``places`` (T, 3) of its hit point then,
-    in metres, in the motion's space on the actor's body.
+    """Path of the hit point in frames ``first`` to ``last`` (both included), in which the clip can hit: ``places`` (T,
+    3) in metres, in the motion's space on the actor's body.
     """
 
     first: int
@@ -30,12 +30,14 @@ class HitPath:
 
     @property
     def box(self) -> FloatArray:
-        """(2, 3) the bounding box of the path: its lowest and its highest corner."""
+        """Bounding box (2, 3) of the path: its lowest and its highest corner."""
         return np.asarray([self.places.min(axis=0), self.places.max(axis=0)])
 
 
 def hit_path(positions: FloatArray, rotations: FloatArray, body: Morphology, rate: float, label: ClipLabel) -> HitPath:
-    """The path of a clip's hit point, from a motion on its actor's body (F, K+23, 3) and (F, K+18, 3, 3)."""
+    """Path of a clip's hit point, from a motion on its actor's body: positions (F, K+23, 3), rotations (F,
+    K+18, 3, 3).
+    """
     places = hit_places(positions, rotations, body, label.limb, label.segment)
     root = positions[:, limb_root(body.layout, label.limb)]
     reach = np.linalg.norm((places - root)[:, :2], axis=1)
@@ -52,19 +54,19 @@ def hit_path(positions: FloatArray, rotations: FloatArray, body: Morphology, rat
 def hit_places(
     positions: FloatArray, rotations: FloatArray, body: Morphology, limb: Limb, segment: HitSegment
 ) -> FloatArray:
-    """(F, 3) where a hit point is on a body, in metres."""
+    """Positions (F, 3) of a hit point on a body, in metres."""
     point = hit_point(limb, segment, body)
     origin, carrier = point_indices(point, body.layout)
     return np.asarray(positions[:, origin] + rotations[:, carrier] @ np.array(point.offset))
 
 
 def limb_root(layout: BodyLayout, limb: Limb) -> int:
-    """The point about which a limb swings: shoulder or hip."""
+    """Index of the point about which a limb swings: shoulder or hip."""
     return layout.collar(limb.side) + 1 if limb.is_arm else layout.hip(limb.side)
 
 
 def limb_size(body: Morphology, limb: Limb) -> float:
-    """Metres from the root along the bones to the end of a limb: the size(Limb) of P09 equation 1."""
+    """Length in metres from the root along the bones to the end of a limb: the size(Limb) of P09 equation 1."""
     side = limb.side
     if limb.is_arm:
         hand = 0.5 * float(np.linalg.norm(body.hand[side]))

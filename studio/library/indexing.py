@@ -1,6 +1,6 @@
-"""Folders of captures and S4D files brought into a catalogue: only what changed, a file at a time.
+"""Indexing of folders of captures and S4D files into a catalogue: only changed files, one at a time.
 
-A file that cannot be used is noted with the reason, and so is a folder that is not there; all else goes on.
+A file that cannot be used is stored with the reason, a missing folder is reported; the others are indexed.
 """
 
 import hashlib
@@ -28,13 +28,13 @@ from studio.library.library import Library
 from studio.resources_folder import bundled_strikes_folder
 
 Progress = Callable[[float, str], object]
-"""Hears a share from 0 to 1 and what is being done; it raises to cancel."""
+"""Callback for the fraction done (0 to 1) and the current activity; it raises an exception to cancel."""
 
 
 @dataclass(frozen=True)
 class IndexReport:
-    """What became of the files: how many were ``read`` now, ``kept`` from before and ``forgotten``; ``problems`` by
-    file or folder.
+    """Numbers of files that were ``read`` now, ``kept`` from before and ``forgotten``; ``problems`` by file
+    or folder.
     """
 
     read: int
@@ -44,9 +44,9 @@ class IndexReport:
 
 
 def index(catalogue: Catalogue, folders: Iterable[Path], progress: Progress = lambda share, text: None) -> IndexReport:
-    """Bring ``folders``, with those below them, into the catalogue; what other folders gave stays.
+    """Index ``folders``, with those below them, into the catalogue; entries of other folders stay.
 
-    Cancelled by ``progress``, it keeps what has been read. A folder that is not there keeps what it gave before.
+    If ``progress`` cancels it, files already read are kept. A missing folder keeps its former entries.
     """
     roots = [folder.resolve() for folder in folders]
     problems = {str(root): "The folder is not there." for root in roots if not root.is_dir()}
@@ -70,7 +70,7 @@ def index(catalogue: Catalogue, folders: Iterable[Path], progress: Progress = la
 
 
 def whole_library(catalogue: Catalogue, progress: Progress = lambda share, text: None) -> Library:
-    """The library of a catalogue; files whose entries are damaged are read again first, where they are still there."""
+    """Library of a catalogue; files whose entries are damaged are read again first, if they still exist."""
     if not catalogue.read_only:
         whole = catalogue.files()
         damaged = [Path(path) for path in catalogue.paths() if path not in whole and os.path.isfile(path)]
@@ -81,20 +81,20 @@ def whole_library(catalogue: Catalogue, progress: Progress = lambda share, text:
 
 
 def bundled_library() -> Library:
-    """The strikes that come with the studio, read anew."""
+    """Library of the strikes that come with the studio, indexed in a temporary folder."""
     with TemporaryDirectory(ignore_cleanup_errors=True) as place, Catalogue(Path(place)) as catalogue:
         index(catalogue, [bundled_strikes_folder()])
         return Library.of(catalogue)
 
 
 def captures_in(folder: Path) -> list[Path]:
-    """Every file below ``folder`` whose name is that of a capture."""
+    """Paths of all files below ``folder`` with the suffix of a capture."""
     suffixes = known_formats().suffixes("capture_reader")
     return [path for path in folder.rglob("*") if path.suffix.lower() in suffixes and path.is_file()]
 
 
 def corrected(catalogue: Catalogue, clip_number: int, label: ClipLabel) -> None:
-    """Put ``label`` in the place of a clip's, as somebody says it is. StudioError when the clip is gone."""
+    """Replace the label of a clip by ``label``, as confirmed by a person. Raises StudioError if the clip is gone."""
     clip = next((each for each in catalogue.clips() if each.number == clip_number), None)
     if clip is None:
         raise StudioError("That clip is no longer in the library: its file went or was read again. Search again.")
@@ -134,7 +134,9 @@ def _read(catalogue: Catalogue, path: Path, state: FileState) -> FileState:
 
 
 def unsaid(said: list[ClipLabel], proposed: list[ClipLabel]) -> list[ClipLabel]:
-    """What is ``proposed`` and not what somebody has ``said`` already: each who spoke meant the strike nearest by."""
+    """Labels ``proposed`` without those that the labels ``said`` by a person replace: each replaces the nearest one
+    that hits within its frames.
+    """
     left = list(proposed)
     for label in said:
         meant = [each for each in left if label.first <= each.hit <= label.last]
@@ -152,7 +154,7 @@ def _path_of(motion: NormalizedMotion, body: Morphology, label: ClipLabel) -> Hi
 
 
 def _bones(capture: Capture) -> str:
-    """What two captures of one actor have in common: joints, and bones to the millimetre."""
+    """Hash of a skeleton that all captures of one actor share: joints, and bones to the millimetre."""
     skeleton = capture.skeleton
     lengths = np.rint(1000.0 * skeleton.offsets[1:]).astype(np.int64).tolist()
     text = repr((skeleton.names, skeleton.parents.tolist(), lengths))
@@ -163,7 +165,7 @@ def _state(path: Path) -> FileState:
     try:
         found = path.stat()
     except OSError:
-        return FileState(-1, -1)  # it went away just now: reading it will say so
+        return FileState(-1, -1)  # it was removed just now: reading it will report that
     return FileState(found.st_size, found.st_mtime_ns)
 
 

@@ -1,4 +1,4 @@
-"""A clip opened for correction: what its take does, for whoever looks at it and says what it is."""
+"""Clip opened for labelling: the motion of its take, for the person who corrects its label."""
 
 from dataclasses import dataclass
 
@@ -15,8 +15,8 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class OpenedClip:
-    """``points`` (F, P, 3) of the whole take on its actor's body, joined by ``pairs`` (B, 2); ``speeds`` (4, F) of the
-    ends of the limbs about the hips, in limb lengths a second.
+    """Clip with ``points`` (F, P, 3) of its whole take on its actor's body, joined by ``pairs`` (B, 2), and ``speeds``
+    (4, F) of the ends of the limbs relative to the hips, in limb lengths a second.
     """
 
     clip: LibraryClip
@@ -26,7 +26,7 @@ class OpenedClip:
 
     @classmethod
     def of(cls, clip: LibraryClip) -> "OpenedClip":
-        """Pose the take and read the speeds off it, as the assistant does."""
+        """Pose the take and measure the speeds, as the assistant does."""
         body, motion = clip.actor.body, clip.take.motion
         points, rotations = realize(motion, body, play=True)
         track = body_track(points, rotations, body, motion.frame_rate)

@@ -1,4 +1,4 @@
-"""A library in use: actors, clips and the table that is searched, as values that any thread may hold."""
+"""Library in use: actors, clips and the table that is searched, as values that any thread may hold."""
 
 import json
 from contextlib import suppress
@@ -23,14 +23,16 @@ from studio.library.hitting import HitPath
 FloatArray = NDArray[np.float64]
 
 LEAST_SWING_SECONDS = 0.2
-"""Seconds that a limb needs at least until it can hit: played from later on, a blow would come out of nothing."""
+"""Minimum seconds from the start of a clip until it can hit: with less time to swing, a blow would come out
+of nothing.
+"""
 POSES, STAMP = "poses.npy", "poses.json"
-"""The table of poses, and which frames of which clips it holds."""
+"""Files of the table of poses, and of the list of clips and frames that it holds."""
 
 
 @dataclass(frozen=True, eq=False)
 class LibraryClip:
-    """A clip with its take and its actor."""
+    """Clip with its take and its actor."""
 
     number: int
     label: ClipLabel
@@ -40,12 +42,12 @@ class LibraryClip:
 
     @property
     def name(self) -> str:
-        """``straight_punch: right arm punch``."""
+        """Name such as ``straight_punch: right arm punch``."""
         return f"{self.take.motion.name}: {self.label.limb.words} {self.label.kind}"
 
     @property
     def searched(self) -> range:
-        """The frames of the take from which the clip may be played: those that leave time to swing."""
+        """Frames of the take from which the clip may be played: those that leave time to swing."""
         swung = self.path.first - round(LEAST_SWING_SECONDS * self.take.motion.frame_rate)
         return range(self.label.first, max(swung, self.label.first + 1))
 
@@ -60,7 +62,9 @@ class Library:
 
     @classmethod
     def of(cls, catalogue: Catalogue) -> "Library":
-        """What a catalogue holds, copies once. The poses stay on disk, and are written anew when clips have changed."""
+        """Library of a catalogue without copies. Its poses stay on disk, and are computed again if clips have
+        changed.
+        """
         with catalogue.unchanging():
             takes, actors, known = catalogue.takes(), catalogue.actors(), catalogue.clips()
         kept = takes_once(takes.values(), known)
@@ -74,7 +78,7 @@ class Library:
 
     @classmethod
     def of_clips(cls, clips: list[LibraryClip], poses: NDArray[np.float32] | None = None) -> "Library":
-        """A library of these clips; without ``poses`` (F, 64) they are made, in memory."""
+        """Library of these clips; without ``poses`` (F, 64) they are computed, in memory."""
         actors = tuple({clip.actor.number: clip.actor for clip in clips}.values())
         places = {actor.number: place for place, actor in enumerate(actors)}
         paths = [clip.path.places for clip in clips]
@@ -89,14 +93,14 @@ class Library:
         return cls(actors, tuple(clips), table)
 
     def place_of(self, row: int) -> tuple[LibraryClip, int]:
-        """Whose pose a row of the table is: the clip, and the frame of its take."""
+        """Clip, and frame of its take, whose pose is in ``row`` of the table."""
         number = int(np.searchsorted(self.table.first_rows, row, "right")) - 1
         clip = self.clips[number]
         return clip, clip.searched.start + row - int(self.table.first_rows[number])
 
     @cached_property
     def frame_count(self) -> int:
-        """How many frames are searched."""
+        """Number of frames that are searched."""
         return len(self.table.rows)
 
 
@@ -105,7 +109,7 @@ def _with_take(clip: CatalogueClip, take: LibraryTake, actors: dict[int, Actor])
 
 
 def _poses_of(clips: list[LibraryClip]) -> NDArray[np.float32]:
-    """(F, 64) the searched poses of all clips, each take posed once."""
+    """Searched poses (F, 64) of all clips; each take is posed once."""
     rows = [np.empty((0, at.POSE_WIDTH), dtype=np.float32)]
     posed: tuple[int, FloatArray] | None = None
     for clip in clips:
@@ -117,7 +121,7 @@ def _poses_of(clips: list[LibraryClip]) -> NDArray[np.float32]:
 
 
 def _stored_poses(catalogue: Catalogue, clips: list[LibraryClip]) -> NDArray[np.float32]:
-    """(F, 64) the poses of all clips, on disk: computed where those there are of other clips or damaged."""
+    """Poses (F, 64) of all clips, from disk; computed if those on disk are damaged or of other clips."""
     folder = catalogue.folder
     poses, said = folder / POSES, folder / STAMP
     stamp = json.dumps(

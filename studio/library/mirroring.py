@@ -1,4 +1,4 @@
-"""A library twice as large: every clip as seen in a mirror, with the other limb."""
+"""Library twice as large: each clip also mirrored, with the other limb."""
 
 from dataclasses import replace
 
@@ -10,7 +10,7 @@ from studio.library.library import Library, LibraryClip
 
 
 def with_mirrored(library: Library) -> Library:
-    """The library and its mirror image, in memory; a mirrored clip has the number of its own, below zero."""
+    """The library and its mirror image, in memory; a mirrored clip has the negative number of its original."""
     return Library.of_clips([*library.clips, *(_mirrored(clip) for clip in library.clips)])
 
 

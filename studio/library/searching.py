@@ -1,7 +1,7 @@
-"""Which clip hits a place best, for a body in a pose: what P09 section 3.3 asks, and in words why.
+"""Search for the clip that hits a place best, for a body in a pose (P09 section 3.3), with reasons in words.
 
-The performer's pose is put on every actor and the place scaled by the size of the limbs (its equation 1), so that
-every clip is judged on the body that performed it: another body may find another clip.
+The performer's pose is put on every actor and the place scaled by the size of the limbs (its equation 1), so that every
+clip is judged on the body that performed it: another body may find another clip.
 """
 
 from collections.abc import Collection
@@ -26,10 +26,11 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class StrikeQuery:
-    """``pose`` a motion of one frame, the performer's now; ``place`` (3,) where to hit, in the same space on ``body``.
+    """Query: ``pose`` is a motion of one frame, the performer's now; ``place`` (3,) is the position to hit, in the same
+    space on ``body``.
 
-    ``contacts`` are the points that stand in the pose. ``limbs``, ``kinds`` and ``tags`` leave out clips that are of
-    none of them, ``numbers`` those of other numbers; empty leaves out none.
+    ``contacts`` are the points that stand in the pose. ``limbs``, ``kinds``, ``tags`` and ``numbers`` each restrict the
+    search to clips of one of them; an empty one does not.
     """
 
     pose: NormalizedMotion
@@ -43,12 +44,12 @@ class StrikeQuery:
     reach_weight: float = 1.0
     contacts: Collection[ContactPoint] = ()
     in_box: bool = False
-    """Whether clips whose hit point stays within a box that does not hold the place are left out, as in P09."""
+    """True to leave out clips whose hit path lies in a box that does not contain the place, as in P09."""
 
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """A clip to be played from ``start`` to ``hit`` (frames of its take), and how far it is from what was asked.
+    """Clip to be played from ``start`` to ``hit`` (frames of its take), and its distances from the query.
 
     ``turn`` radians about Z bring the take onto the performer. Distances are metres on the actor's body.
     """
@@ -63,12 +64,12 @@ class Result:
 
     @property
     def seconds(self) -> float:
-        """From now to the hit."""
+        """Seconds from ``start`` to ``hit``."""
         return (self.hit - self.start) / self.clip.take.motion.frame_rate
 
     @property
     def reasons(self) -> tuple[str, str, str]:
-        """Posture, reach, time to hit, each in words."""
+        """Posture, reach and time to the hit, each in words."""
         return (
             f"fits {metres(self.posture)}",
             f"{metres(self.reach)} away unadapted",
@@ -77,12 +78,12 @@ class Result:
 
 
 def metres(length: float) -> str:
-    """A length in words."""
+    """Text of a length given in metres, in cm or m."""
     return f"{100.0 * length:.0f} cm" if length < 1.0 else f"{length:.2f} m"
 
 
 def find(library: Library, asked: StrikeQuery, count: int = 8) -> list[Result]:
-    """The ``count`` clips that fit best, the best first, each from its best frame; exact."""
+    """The ``count`` clips that fit best, the best first, each from its best frame; the search is exact."""
     query, allowed = query_of(library, asked), allowed_clips(library, asked)
     if asked.in_box and len(library.clips):
         allowed &= _boxes_hold(library, query)
@@ -90,7 +91,7 @@ def find(library: Library, asked: StrikeQuery, count: int = 8) -> list[Result]:
 
 
 def query_of(library: Library, asked: StrikeQuery) -> Query:
-    """The performer's pose on every actor, and the place scaled to each."""
+    """Query of the table: the performer's pose on every actor, and the place scaled to each."""
     place = np.asarray(asked.place, dtype=np.float64)
     away = place - realize(asked.pose, asked.body)[0][0, 0]
     poses = np.empty((len(library.actors), at.POSE_WIDTH), dtype=np.float32)
@@ -106,7 +107,7 @@ def query_of(library: Library, asked: StrikeQuery) -> Query:
 
 
 def allowed_clips(library: Library, asked: StrikeQuery) -> NDArray[np.bool_]:
-    """(C,) which clips are of what was asked."""
+    """Mask (C,) of the clips that the query allows."""
     labels = [(clip.number, clip.label) for clip in library.clips]
     return np.array(
         [
@@ -121,9 +122,9 @@ def allowed_clips(library: Library, asked: StrikeQuery) -> NDArray[np.bool_]:
 
 
 def _boxes_hold(library: Library, query: Query) -> NDArray[np.bool_]:
-    """(C,) whether the place lies in the box of a clip's hit path as seen from some frame of it.
+    """Mask (C,) of the clips whose box of the hit path, as seen from some frame, contains the place.
 
-    A clip may be turned and moved to the performer, so its box is that of distances and heights about its poses.
+    A clip may be turned and moved to the performer, so its box is that of distances and heights relative to its poses.
     """
     blocks, table = library.table.blocks, library.table
     targets = query.targets[table.actors, table.limbs][blocks.spans[:, 0]]
@@ -140,7 +141,7 @@ def _result(library: Library, found: Found) -> Result:
 
 
 def laid_on(clip: LibraryClip, frame: int, asked: StrikeQuery) -> Result:
-    """A clip from a frame of its take on, as if it had been found for that pose: how turned, how far off."""
+    """Result for a clip from a ``frame`` of its take on, as if it had been found for the query's pose."""
     motion, body = clip.take.motion, clip.actor.body
     frame = min(frame, clip.path.first)
     there = realize(replace(motion, channels=motion.channels[frame : frame + 1]), body)[0]
@@ -150,9 +151,10 @@ def laid_on(clip: LibraryClip, frame: int, asked: StrikeQuery) -> Result:
 
 
 def outline(found: Result, asked: StrikeQuery) -> FloatArray:
-    """(T, K+23, 3) a result from its start to its hit on the body that asked, laid on its pose in the pose's own space.
+    """Points (T, K+23, 3) of a result from its start to its hit on the query's body, aligned with its pose, in the
+    pose's space.
 
-    A sketch of what would play: nothing is solved, and the hit passes the place as the reasons say.
+    A sketch of what would play: nothing is solved, so the hit misses the place as the reasons say.
     """
     motion, body = found.clip.take.motion, asked.body
     points = realize(replace(motion, channels=motion.channels[found.start : found.hit + 1]), body)[0]
@@ -164,7 +166,8 @@ def outline(found: Result, asked: StrikeQuery) -> FloatArray:
 
 
 def place_before(pose: NormalizedMotion, body: Morphology, place: ArrayLike) -> FloatArray:
-    """(3,) in the space of ``pose`` what is given in metres forward and left of where its root is, above the ground.
+    """Position (3,) in the space of ``pose`` of a ``place`` given in metres forward and left of the root, and above the
+    ground.
 
     Forward is the heading of the pelvis.
     """

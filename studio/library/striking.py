@@ -1,8 +1,8 @@
-"""A clip that was found, made to hit: placed and blended in, put on the performer, driven to the target (P09 3.4).
+"""Strike made of a clip that was found: placed and blended in, put on the performer, driven to the target (P09 3.4).
 
-The clip takes over from what plays by the transition of all clips in a row. A constraint asks for the target: it eases
-in from the change on, with a leg from when that swings, is all there at the hit, and goes again. The target may move on
-until the hit.
+The clip takes over from the current motion by the transition of all clips in a row. A constraint drives it to the
+target: it fades in from the change on (for a leg, shortly before the hit), is fully active at the hit, and fades out.
+The target may move until the hit.
 """
 
 from collections.abc import Sequence
@@ -27,22 +27,22 @@ from studio.library.clips import ClipLabel, Limb, hit_point
 from studio.library.searching import Result, StrikeQuery, metres
 
 CHAIN = Chain(limb=1.0, clavicle=1.0, trunk=0.6, root=0.4)
-"""What of the body may help a limb to reach: P09 goes on from the limb to the trunk and the root."""
+"""Segments that may help a limb to reach: P09 goes on from the limb to the trunk and the root."""
 VISIBLE_MISS = 0.005
-"""Metres of a miss that nobody sees."""
+"""Residual in metres below which a miss is invisible."""
 POSE_HOLD_SECONDS = 0.5
-"""Seconds for which a pose is held to try what takes over from it."""
+"""Seconds for which a pose is held when a takeover from it is tried."""
 EASED_IN = 0.6
-"""Part of the time to the hit in which the clip takes over from what played."""
+"""Fraction of the time to the hit in which the clip blends in."""
 SWUNG = 0.25
-"""Seconds before and after its hit in which a leg is led to a target: one that is led as it is lifted goes astray."""
+"""Seconds before and after its hit in which a leg is driven to a target: driven while it is lifted, it goes astray."""
 HIT_HALF_WIDTH = 1 / 120
-"""Seconds to each side of a hit for which the target is met whole: a frame of 60 Hz, as a blow touches and goes on."""
+"""Seconds to each side of a hit at full activation: a frame of 60 Hz, as a blow touches and goes on."""
 
 
 @dataclass(frozen=True, eq=False)
 class Blow:
-    """A stretch of a motion that hits at frame ``hit`` of it, played from ``start`` on; what it was found as."""
+    """Stretch of a motion that plays from frame ``start`` and hits at frame ``hit``, with the label of its clip."""
 
     motion: NormalizedMotion
     contacts: tuple[ContactInterval, ...]
@@ -53,46 +53,46 @@ class Blow:
 
     @classmethod
     def of(cls, found: Result) -> "Blow":
-        """A clip as it was found."""
+        """Blow of a search result."""
         take, label = found.clip.take, found.clip.label
         return cls(take.motion, take.contacts, found.start, found.hit, label.last, label)
 
     @property
     def seconds(self) -> float:
-        """From its start to its hit."""
+        """Seconds from its start to its hit."""
         return (self.hit - self.start) / self.motion.frame_rate
 
     def piece(self, begins: float) -> MotionPiece:
-        """What of it plays from ``begins`` seconds on; it has taken over some time before it hits."""
+        """Piece of motion that plays from ``begins`` seconds on; its blend ends before the hit."""
         ease = min(EASED_IN * self.seconds, 1.0)
         return MotionPiece(self.motion, self.contacts, self.start, self.last, begins, ease=ease)
 
 
 @dataclass(frozen=True, eq=False)
 class Strike:
-    """What plays, with a blow behind it: ``composite`` on ``body`` with the ``constraint`` that makes it hit."""
+    """Motion with a blow in it: ``composite`` on ``body``, with the ``constraint`` that makes it hit."""
 
     composite: Composite
     body: Morphology
     constraint: PositionConstraint
     change: int
-    """The frame of the composite from which on the blow plays."""
+    """Frame of the composite from which on the blow plays."""
     hit: int
-    """The frame in which it hits."""
+    """Frame of the composite in which it hits."""
 
     def request(self, target: Place | None = None) -> AdaptRequest:
-        """What the solver is asked, with the ``target`` where it is now in the place of the first one."""
+        """Request to the solver, with ``target`` in place of the constraint's own if it is given."""
         asked = self.constraint if target is None else replace(self.constraint, target=target)
         whole = self.composite
         return AdaptRequest(whole.motion, self.body, whole.contacts, (asked,))
 
     def adapted(self, target: Place | None = None) -> AdaptedMotion:
-        """All frames solved; ``residuals[0, hit]`` is by how much the target is missed."""
+        """All frames solved; ``residuals[0, hit]`` is the residual at the hit."""
         return adapt(self.request(target))
 
 
 def make_strike(playing: MotionPiece, at_frame: int, blow: Blow, body: Morphology, target: Place) -> Strike:
-    """Let ``blow`` take over from ``playing`` at its frame ``at_frame``, and hit ``target``.
+    """Strike in which ``blow`` takes over from ``playing`` at its frame ``at_frame``, and hits ``target``.
 
     ``target`` lies in the space of the motion that plays, on ``body``; it may be keyed or follow something.
     """
@@ -104,39 +104,37 @@ def make_strike(playing: MotionPiece, at_frame: int, blow: Blow, body: Morpholog
 
 
 def strike_in(composite: Composite, change: int, blow: Blow, body: Morphology, target: Place) -> Strike:
-    """The strike that a ``composite`` is which plays ``blow`` from its frame ``change`` on, on ``body``."""
+    """Strike of a ``composite`` that plays ``blow`` from its frame ``change`` on, on ``body``."""
     hit = change + round(blow.seconds * composite.timing.frame_rate)
     return Strike(composite, body, _aim(composite, change, hit, blow.label, body, target), change, hit)
 
 
 @dataclass(frozen=True, eq=False)
 class Tried:
-    """A clip that was found, and by how many metres it ``missed`` when it was tried."""
+    """Search result with the residual ``missed`` in metres that was left when it was solved."""
 
     found: Result
     missed: float
 
     @property
     def hits(self) -> bool:
-        """Whether the target is met as well as anybody sees."""
+        """True if the residual is too small to be seen."""
         return self.missed < VISIBLE_MISS
 
     @property
     def reasons(self) -> tuple[str, ...]:
-        """As those of the result, and whether it hits in the end."""
+        """Reasons of the search result, and whether it hits after solving."""
         return (*self.found.reasons, "reached" if self.hits else f"{metres(self.missed)} short")
 
 
 def tried(found: Sequence[Result], asked: StrikeQuery) -> list[Tried]:
-    """What hits before what does not, each in the order of ``found``."""
+    """Search results, solved: those that hit before those that do not, each in the order of ``found``."""
     all_tried = [Tried(each, missed_by(each, asked)) for each in found]
     return sorted(all_tried, key=lambda each: not each.hits)
 
 
 def missed_by(found: Result, asked: StrikeQuery) -> float:
-    """Metres by which the hit misses the place although all is done to meet it, from the pose that was asked on: with
-    what stands there, and smoothed.
-    """
+    """Residual of the hit in metres after solving, played from the query's pose: with its contacts, and smoothed."""
     pose, place = asked.pose, np.asarray(asked.place, dtype=np.float64)
     held = replace(pose, channels=np.repeat(pose.channels, round(POSE_HOLD_SECONDS * pose.frame_rate), axis=0))
     x, y, z = place.tolist()
@@ -148,7 +146,7 @@ def missed_by(found: Result, asked: StrikeQuery) -> float:
 
 
 def aimed(found: Result, clip: Clip, target: Place, body: Morphology) -> PositionConstraint:
-    """What drives a clip to a target, in seconds of its motion."""
+    """Constraint that drives a clip to a target, in seconds of the clip's motion."""
     label, rate = found.clip.label, found.clip.take.motion.frame_rate
     curve = _met_at(found.hit / rate, found.start / rate, label.last / rate, label.limb)
     point = hit_point(label.limb, label.segment, body)
@@ -166,9 +164,9 @@ def _aim(
 
 
 def _met_at(hit: float, start: float, end: float, limb: Limb) -> ActivationCurve:
-    """All of it round the hit, as long before as after, between start and end, in seconds.
+    """Activation that is full around the hit, with equal fades before and after it, between start and end (s).
 
-    At once where a blow is begun that late.
+    It is full at once if the blow begins that late.
     """
     led = hit - start if limb.is_arm else min(hit - start, SWUNG)
     begin, full_end = hit - led, hit + HIT_HALF_WIDTH

@@ -1,4 +1,4 @@
-"""Compile what a search calls, or fetch it from the cache, before anybody waits for it."""
+"""Compile the kernels of the search, or load them from the cache, before the first search."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from studio.core.retrieval import Query, SearchTable, search
 
 
 def warm_up() -> None:
-    """Search a library of one clip of two frames."""
+    """Search a library of one clip of two frames, which compiles or loads the kernels."""
     one = np.ones(1, dtype=np.int64)
     table = SearchTable(np.zeros((2, at.POSE_WIDTH), np.float32), 2 * one, np.zeros((1, 3)), one, 0 * one, 0 * one)
     search(table, Query(np.zeros((1, at.POSE_WIDTH), np.float32), np.zeros((1, 4, 3))))

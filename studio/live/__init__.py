@@ -1,1 +1,1 @@
-"""Real time without a window: what comes in and goes out over the network, and a fighter that strikes."""
+"""Real-time input and output over the network, and live playback of performers, without a window."""

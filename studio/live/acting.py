@@ -1,4 +1,4 @@
-"""Behaviours while a stage plays live: what performers sense, and which state they are in."""
+"""Behaviours in live playback: what performers sense, and the acts that their states begin."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -23,12 +23,12 @@ from studio.core.stage.whom import DistanceMeasure, Whom, followed_by
 FloatArray = NDArray[np.float64]
 
 SLOWING = 0.5
-"""Seconds in which a body comes to rest that holds the pose it finds."""
+"""Seconds in which a body that holds its current pose comes to rest."""
 
 
 @dataclass(frozen=True)
 class Act:
-    """What a state lets a performer play, and what is asked of it besides; ``steps`` where it begins with a step."""
+    """Clip that a state lets a performer play, and the constraints that it adds; ``steps`` if it begins with a step."""
 
     clip: Clip
     asked: tuple[Constraint, ...] = ()
@@ -37,7 +37,7 @@ class Act:
 
 @dataclass(frozen=True)
 class StageView:
-    """The stage as it was seen last, at ``seconds``, and where each performer is in its behaviour."""
+    """Stage as last solved, at ``seconds``, and the state of each performer's behaviour."""
 
     project: Project
     results: Mapping[str, AdaptedMotion]
@@ -45,7 +45,7 @@ class StageView:
     seconds: float
 
     def place_of(self, whom: Whom, role: Role) -> FloatArray | None:
-        """(3,) of whoever is meant in a role, on the stage; None for who is not there."""
+        """Stage position (3,) of the performer or prop that ``whom`` means in a role; None if it is not there."""
         follow = followed_by(whom, role.partner_id)
         if isinstance(follow, FollowPerformer):
             result = self.results.get(follow.performer_id)
@@ -66,7 +66,7 @@ class StageView:
         return np.asarray(track.places[0] + track.rotations[0] @ offset)
 
     def unit_of(self, gap: DistanceMeasure, role: Role) -> float:
-        """Metres in which a gap is counted in a role: one, or the mean leg length of both."""
+        """Metres of one unit of a distance in a role: 1, or the mean leg length of both performers."""
         if not gap.legs:
             return 1.0
         follow = followed_by(gap.whom, role.partner_id)
@@ -75,7 +75,7 @@ class StageView:
         return sum(each.morphology.leg_length for each in bodies) / len(bodies)
 
     def state_of(self, key: str) -> tuple[State, Role] | None:
-        """The state that a performer is in, and its role; None for who has no behaviour."""
+        """State of a performer's behaviour, and its role; None without a behaviour."""
         behaviour = self.project.behaviours.get(self.project.behaviour_of(key) or "")
         state = behaviour.state(self.running[key].state) if behaviour and key in self.running else None
         role = behaviour.role_of(key) if behaviour else None
@@ -83,7 +83,7 @@ class StageView:
 
 
 def act_of(state: State, role: Role, blend: float, playing: Clip, frame: int, frame_rate: float) -> Act:
-    """What begins with a state, for who plays frame ``frame`` of the clip ``playing`` as it begins."""
+    """Act that begins with a state, for a performer that plays ``frame`` of the clip ``playing`` at that moment."""
     if state.clip is not None:
         goes_on = replace(playing, start=0.0, first=0, ease=0.0) == replace(state.clip, start=0.0, first=0, ease=0.0)
         first = frame if goes_on and state.clip.first <= frame < state.clip.last else state.clip.first
@@ -98,9 +98,9 @@ def act_of(state: State, role: Role, blend: float, playing: Clip, frame: int, fr
 
 
 def senses_of(seen: StageView, behaviour: Behaviour, role: Role, heard: Senses) -> Senses:
-    """What a performer senses: ``heard``, and how far all is that its state asks about, where all were last.
+    """Senses of a performer: ``heard``, with the distances that its state tests, measured in the last solved frame.
 
-    ``heard.gaps`` is not looked at; a gap to who is not there is left out.
+    ``heard.gaps`` is ignored; the distance to a performer or prop that is not there is left out.
     """
     gaps: dict[DistanceMeasure, float] = {}
     for gap in behaviour.gaps_from(seen.running[role.performer_id].state):

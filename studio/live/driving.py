@@ -1,4 +1,4 @@
-"""A body that comes in live, on another body: a pose in the place of a capture, with what is asked at that moment."""
+"""Live capture on another body: a received pose replaces the motion, solved with the constraints of that moment."""
 
 from dataclasses import replace
 
@@ -19,21 +19,21 @@ from studio.live.tracker import Inbox
 FloatArray = NDArray[np.float64]
 
 POSE_FRAME_RATE = 60.0
-"""Frames a second that a pose alone is said to have; nothing depends on it."""
+"""Nominal frames a second of a single pose; no result depends on it."""
 STILL_FRAMES = 2
-"""Frames of what stands still: kernels are compiled for motions of more than one."""
+"""Frames of a still motion: kernels are compiled for motions of more than one frame."""
 UNBOUNDED_SECONDS = 1e6
 
 
 class ReceivedPose:
-    """The newest body of an inbox as a still motion, whenever it is called; None while bones are missing."""
+    """Newest body of an inbox as a still motion at each call; None while bones are missing."""
 
     def __init__(self, inbox: Inbox) -> None:
         self._inbox, self._taken = inbox, -1
         self._pose: NormalizedMotion | None = None
 
     def __call__(self) -> NormalizedMotion | None:
-        """Made anew only when something has come."""
+        """Still motion of the newest pose, recomputed only if packets have arrived since the last call."""
         taken = self._inbox.counts.taken
         if taken != self._taken:
             self._taken, found = taken, vmc.posed(self._inbox.bones())
@@ -49,9 +49,10 @@ def _pose_of(positions: FloatArray, rotations: FloatArray, body: Morphology) -> 
 
 
 def driven(request: AdaptRequest, row: int, pose: NormalizedMotion, planted: Planted, seconds: float) -> AdaptedMotion:
-    """Frame ``row`` of a request with ``pose`` in the place of its motion: stood, and solved for what is asked.
+    """Frame ``row`` of a request with ``pose`` instead of its motion, grounded and solved with the constraints of that
+    frame.
 
-    ``planted`` knows how the feet stood before, ``seconds`` by the clock.
+    ``planted`` keeps the state of the feet between poses; ``seconds`` is the time of the pose by the clock.
     """
     now = Carry(-row / request.motion.frame_rate, 1.0, 0.0, (0.0, 0.0), False, -UNBOUNDED_SECONDS, UNBOUNDED_SECONDS)
     window = slice(row, row + 1)

@@ -1,4 +1,4 @@
-"""A fight in steps of one frame: a target, orders, a fighter, and what became of it all."""
+"""Fight in steps of one frame: a target, orders, a fighter and the report."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -19,13 +19,15 @@ FIGHT_ORDERS: dict[str, Order] = {
     for side in ("left", "right")
     for kind in (Kind.PUNCH, Kind.KICK)
 }
-"""What a fighter can be told; a supervisor's keys in P09."""
+"""Orders to a fighter by name; a supervisor's keys in P09."""
 ANY_STRIKE: Order = ((), ())
 
 
 @dataclass
 class FightReport:
-    """Of the whole fight: strikes, and ``latencies`` in seconds from an order to the first frame that differs."""
+    """Report of a fight: strikes, and ``latencies`` in seconds from an order to the first frame that differs.
+    ``slowest_frame`` is in seconds.
+    """
 
     hits: list[StrikeOutcome]
     latencies: list[float] = field(default_factory=list)
@@ -36,7 +38,7 @@ class FightReport:
 
     @property
     def words(self) -> str:
-        """The report in a few lines."""
+        """Summary of the report in a few lines of text."""
         missed = [1000.0 * hit.missed for hit in self.hits]
         strikes = "1 strike" if len(self.hits) == 1 else f"{len(self.hits)} strikes"
         lines = [f"{self.frames} frames, {strikes}"]
@@ -59,10 +61,11 @@ def fight(
     paced: bool = False,
     clock: Callable[[], float] = time.perf_counter,
 ) -> FightReport:
-    """Let ``fighter`` fight for some ``seconds``, a frame at a time; ``paced`` by the clock, or as fast as it goes.
+    """Let ``fighter`` fight for ``seconds``, a frame at a time; in real time if ``paced``, otherwise as fast as
+    possible.
 
-    Ctrl-C ends the fight early, with the report of what was fought until then.
-    ``clock`` is what the report goes by: ``time.thread_time`` tells what was computed, where nothing is made beside.
+    Ctrl-C ends the fight early, with the report of the fight until then. The times of the report are measured by
+    ``clock``: ``time.thread_time`` measures the computing time, if nothing is made in the background.
     """
     report, ordered, begun = FightReport(fighter.hits), 0.0, time.perf_counter()
     waiting = False
@@ -88,7 +91,7 @@ def fight(
 
 
 def orders_every(seconds: float, orders: Sequence[Order]) -> Callable[[float], Order | None]:
-    """One order after the other, again and again, one every so many ``seconds``."""
+    """Function that returns the next of ``orders``, cyclically, every ``seconds``; None in between."""
     given = [0]
 
     def order_at(now: float) -> Order | None:

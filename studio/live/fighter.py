@@ -1,8 +1,8 @@
-"""A fighter that keeps at striking distance of a target that moves, and strikes when it is told to (P09 section 4).
+"""Fighter that keeps its striking distance from a moving target, and strikes on order (P09 section 4).
 
-A finite state machine over rows of clips: it stands on guard, steps where the target has gone, and strikes. What it
-plays next is made beside the animation; until it is there, what plays goes on. Every frame is solved when it is shown,
-with the target where it is then.
+A finite state machine over sequences of clips: it stands on guard, steps after the target, and strikes. The next motion
+is made in the background while the current one plays on. Each frame is solved when it is shown, with the position of
+the target at that time.
 """
 
 import math
@@ -38,23 +38,23 @@ from studio.live.takeover import SPEED_FRAMES, Takeover, take_over
 FloatArray = NDArray[np.float64]
 
 FIGHTER_STEP, FIGHTER_TURN = 0.4, 0.7
-"""Leg lengths and radians of one step."""
+"""Maximum displacement (leg lengths) and rotation (radians) of one step."""
 FIGHTER_DISTANCE_TOLERANCE, FIGHTER_FACING_TOLERANCE = 0.12, 0.25
-"""Leg lengths and radians by which it may stand otherwise than it wants to."""
+"""Errors of distance (leg lengths) and of facing (radians) that are accepted without a step."""
 TARGET_SPEED_SECONDS = 0.2
-"""Seconds of the target's way by which it is known where it goes."""
+"""Seconds of the target's recent path from which its velocity is estimated."""
 USUAL_BLOW = 0.5
-"""Seconds to a hit for which blows are searched; each is tried for its own."""
+"""Assumed seconds to the hit during the search; each blow found is then tried with its own time."""
 CALMING = 0.4
-"""Seconds in which it comes to stand on guard."""
+"""Seconds of the blend into the guard; the stance is not corrected before they have passed."""
 TRIED, MET = 3, 0.001
-"""Strikes that are tried for a target, the best first, until one misses it by less than so many metres."""
+"""Number of strikes tried for a target, best first, and the residual (m) below which one is accepted at once."""
 STEPS_UP = 3
-"""Steps at most that it takes towards a target that no strike meets, before it strikes all the same."""
+"""Maximum number of steps towards a target that no strike meets; after them the fighter strikes anyway."""
 
 
 class FighterState(StrEnum):
-    """What a fighter does."""
+    """Activity of a fighter."""
 
     GUARD = "guard"
     STEP = "step"
@@ -63,8 +63,8 @@ class FighterState(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """What is played: a motion standing on the ground, from frame ``first`` on, and the blow that it is, if it is one,
-    with what makes it hit.
+    """Grounded motion that is played from frame ``first`` on; for a strike also the blow, the constraint that makes it
+    hit, and the frame ``hit``.
     """
 
     state: FighterState
@@ -81,7 +81,7 @@ class Plan:
 
 @dataclass(frozen=True, eq=False)
 class Coming:
-    """A plan in the making: what takes over, not yet led on from where the body is when it does."""
+    """Plan in the making: a takeover that is not yet inertialised from the pose in which it begins."""
 
     state: FighterState
     takes: Takeover
@@ -89,7 +89,7 @@ class Coming:
     strike: Strike | None = None
 
     def plan(self, before: Standing, rows: NDArray[np.int64]) -> Plan:
-        """Led on from frames ``rows`` of ``before``."""
+        """Plan inertialised from the frames ``rows`` of ``before``."""
         standing, first = self.takes.led(before, rows), self.takes.first
         if self.found is None or self.strike is None:
             return Plan(self.state, standing, first)
@@ -97,7 +97,7 @@ class Coming:
 
     @property
     def missed(self) -> float:
-        """Metres by which its hit misses the target, as it stands by itself then."""
+        """Residual of the hit in metres, before inertialisation; infinite without a strike."""
         if self.strike is None:
             return math.inf
         hit = self.strike.hit
@@ -106,7 +106,9 @@ class Coming:
 
 @dataclass(frozen=True, eq=False)
 class Begins:
-    """Where something begins: in the frames ``rows`` of ``before``, the target at ``place`` and going at ``speed``."""
+    """Start of a plan: the frames ``rows`` of ``before``, and the target's position ``place`` (3,) and velocity
+    ``speed`` (3,) (m/s).
+    """
 
     before: Standing
     rows: NDArray[np.int64]
@@ -114,15 +116,16 @@ class Begins:
     speed: FloatArray
 
     def place_in(self, seconds: float) -> FloatArray:
-        """(3,) where the target will be."""
+        """Predicted position (3,) of the target after ``seconds``."""
         return self.place + seconds * self.speed
 
 
 @dataclass(frozen=True)
 class StrikeOutcome:
-    """What became of a strike: seconds of the fight, limb, metres by which it missed, metres of bending it took.
+    """Result of a strike: seconds of the fight, limb, kind, and residual ``missed`` in metres. ``found_reach`` is the
+    distance in metres between hit and target before the clip was adapted.
 
-    ``apart`` is how far the target was from shoulder or hip, in lengths of the arm or leg without hand or foot.
+    ``apart`` is the distance of the target from shoulder or hip, in lengths of the arm or leg without hand or foot.
     """
 
     seconds: float
@@ -135,10 +138,12 @@ class StrikeOutcome:
 
 @dataclass
 class Fighter:
-    """``step`` it once a frame; ``strike`` asks for a blow. ``guard`` is what it plays between, its feet in place.
+    """Fighter: call ``step`` once a frame, and ``strike`` to order a blow. ``guard`` plays between blows, its feet in
+    place.
 
-    ``distance`` is how far from the target its root keeps, in leg lengths. With an ``executor`` blows are made beside
-    the animation, without one at once. ``follows`` says whether a blow goes for where the target is, or was.
+    ``distance`` is the distance that the root keeps from the target, in leg lengths. With an ``executor`` blows are
+    made in the background, without one at once. If ``follows``, blows track the moving target; otherwise they go for
+    the position that it had when they were made.
     """
 
     library: Library
@@ -151,13 +156,13 @@ class Fighter:
     hits: list[StrikeOutcome] = field(default_factory=list)
     _wanted: Future[Coming] | None = None
     _order: tuple[Sequence[Limb], Sequence[Kind]] | None = None
-    """What was asked for and is not under way yet."""
+    """Limbs and kinds of an order that is not under way yet; None without an order."""
     _steps_left: int = 0
     _reach: float = 0.0
     _passed: int = 0
-    """Frames that were shown of the plan."""
+    """Number of frames shown of the current plan."""
     _places: deque[FloatArray] = field(default_factory=deque)
-    """Where the target was of late."""
+    """Recent positions (3,) of the target, the newest last."""
 
     def __post_init__(self) -> None:
         whole = compose((replace(self.guard, start=0.0),))
@@ -166,33 +171,33 @@ class Fighter:
                                whole.motion.spine_places)  # fmt: skip
         self.plan = Plan(FighterState.GUARD, stand(cut, self.body, _cut(whole.contacts, *span), Ground()), 0)
         self.rate = cut.frame_rate
-        """Frames a second, whatever the rate of what it plays."""
+        """Frames a second of ``step``, whatever the rate of the motion that plays."""
         self._places = deque(maxlen=1 + round(TARGET_SPEED_SECONDS * self.rate))
 
     @property
     def frame(self) -> int:
-        """The frame of the plan that is shown next."""
+        """Frame of the plan that is shown next."""
         shown = round(self._passed * self.plan.standing.motion.frame_rate / self.rate)
         return min(self.plan.first + shown, self.plan.last)
 
     @property
     def waits(self) -> bool:
-        """Whether what answers an order is still in the making."""
+        """True while the plan for an order is being made."""
         return self._wanted is not None
 
     def change_body(self, body: Morphology) -> None:
-        """Another character goes on with what plays."""
+        """Replace the character; the current motion goes on."""
         old, leg = self.plan.standing, self.body.leg_length
         self.body = body
         channels = np.array(old.motion.channels)
-        channels[:, at.HIPS : at.HIPS + 2] *= leg / body.leg_length  # it stays where it is on the ground
+        channels[:, at.HIPS : at.HIPS + 2] *= leg / body.leg_length  # its position on the ground stays the same
         standing = stand(replace(old.motion, channels=channels), body, old.contacts, Ground())
         self.plan = replace(self.plan, standing=standing)
 
     def strike(self, target: ArrayLike, limbs: Sequence[Limb] = (), kinds: Sequence[Kind] = ()) -> bool:
-        """Strike at ``target`` (3,) as soon as a plan for it is made; False while another blow is under way.
+        """Order a strike at ``target`` (3,), begun as soon as its plan is made; False while another blow is under way.
 
-        Who is too far off for any blow that was asked for steps up to the target first.
+        If no blow that was ordered meets the target, the fighter first steps towards it.
         """
         if self._order is not None or self.plan.state is FighterState.STRIKE:
             return False
@@ -201,7 +206,7 @@ class Fighter:
         return True
 
     def step(self, target: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """The next frame, positions (K+23, 3) and rotations (K+18, 3, 3), with the target where it is now."""
+        """Advance by one frame and return its positions (K+23, 3) and rotations (K+18, 3, 3), aimed at ``target``."""
         place = np.array(target, dtype=np.float64)
         self._places.append(place)
         if self._order is not None and self._wanted is None and self._played_for(KEEPING_STEP_SECONDS):
@@ -221,7 +226,7 @@ class Fighter:
     # Plans
 
     def _ask(self, place: FloatArray) -> None:
-        """Let what was ordered be made, beside the animation where that can be."""
+        """Start making the plan for the order, in the background if there is an executor."""
         assert self._order is not None
         begins = Begins(self.plan.standing, self._rows, place, self._speed())
         order, step = self._order, self._step_up(begins.place_in(KEEPING_STEP_SECONDS)) if self._steps_left else None
@@ -237,7 +242,7 @@ class Fighter:
         self._wanted = made
 
     def _take_plan(self) -> None:
-        """Go over to what was asked for once it is there; meanwhile what plays went on."""
+        """Switch to the ordered plan if it is made; until then the current one plays on."""
         if self._wanted is None or not self._wanted.done():
             return
         made, self._wanted = self._wanted.result(), None
@@ -273,13 +278,13 @@ class Fighter:
         return replace(self.guard, start=0.0, own=own, ease=KEEPING_STEP_SECONDS)
 
     def _step_up(self, place: FloatArray) -> MotionPiece | None:
-        """What it plays to come nearer to a place; None where it is not too far off."""
+        """Step towards ``place``; None if it is not too far off."""
         turn, offset = self._correction(place)
         return self._stepping(turn, offset) if self._apart(place) - self.distance > FIGHTER_DISTANCE_TOLERANCE else None
 
     def _strike(self, begins: Begins, limbs: Sequence[Limb], kinds: Sequence[Kind], step: MotionPiece | None) -> Coming:
-        """The first of the best blows that will meet the target, else the nearest; a ``step`` up where there is one and
-        the best does not.
+        """First of the best blows whose residual is below ``MET``, otherwise the one with the least residual. If
+        ``step`` is given and the best blow misses, the result is that step; if no blow is found, the guard.
         """
         before, last = begins.before, begins.rows[-1:]
         pose = encode(before.positions[last], before.rotations[last], self.body, self.rate, "shown")
@@ -314,13 +319,13 @@ class Fighter:
 
     @property
     def _rows(self) -> NDArray[np.int64]:
-        """(SEEN,) the frames of the plan that were shown last."""
+        """Frames (SPEED_FRAMES,) of the plan that were shown last."""
         every = self.plan.standing.motion.frame_rate / self.rate
         shown = self.plan.first + np.rint((self._passed - np.arange(SPEED_FRAMES, 0, -1)) * every).astype(np.int64)
         return np.asarray(shown.clip(max(self.plan.first - 1, 0), self.plan.last))
 
     def _speed(self) -> FloatArray:
-        """(3,) metres a second of the target of late; none where blows go for where it was."""
+        """Velocity (3,) of the target in m/s, averaged over its recent positions; zero if blows do not follow it."""
         first, last = (self._places[0], self._places[-1]) if self.follows and self._places else (0.0, 0.0)
         return np.asarray(np.zeros(3) + (last - first) * self.rate / max(len(self._places) - 1, 1))
 
@@ -330,12 +335,14 @@ class Fighter:
     # Where it stands
 
     def _apart(self, place: FloatArray) -> float:
-        """Leg lengths over the ground from its root to a place."""
+        """Horizontal distance from the root to ``place``, in leg lengths."""
         root = self.plan.standing.positions[self.frame, 0]
         return float(np.linalg.norm((place - root)[:2])) / self.body.leg_length
 
     def _correction(self, place: FloatArray) -> tuple[float, FloatArray]:
-        """The turn (rad) and the way over the ground (2,), in leg lengths, of its next step."""
+        """Rotation (rad) and horizontal displacement (2,), in leg lengths, of the next step, clamped to the maximum of
+        one.
+        """
         root = self.plan.standing.positions[self.frame, 0]
         away, apart = (place - root)[:2] / self.body.leg_length, self._apart(place)
         forward = away / max(apart, 1e-9)
@@ -346,7 +353,7 @@ class Fighter:
         return float(np.clip(turn, -FIGHTER_TURN, FIGHTER_TURN)), way * forward
 
     def _stance(self) -> float:
-        """How the pelvis on guard is turned against where it looks: half sideways, as fighters stand."""
+        """Median yaw (rad) of the pelvis on guard relative to the facing direction: fighters stand half sideways."""
         return float(np.median(self.guard.motion.channels[self.guard.first : self.guard.last + 1, at.YAW]))
 
     def _stands_wrong(self, place: FloatArray) -> bool:
@@ -378,7 +385,7 @@ class Fighter:
 
 
 def _cut(contacts: Sequence[ContactInterval], first: int, last: int) -> tuple[ContactInterval, ...]:
-    """Contacts of frames ``first`` to ``last``, counted from there."""
+    """Contacts of frames ``first`` to ``last``, clipped to them and counted from ``first``."""
     return tuple(
         replace(each, first=max(each.first, first) - first, last=min(each.last, last) - first)
         for each in contacts

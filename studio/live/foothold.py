@@ -1,7 +1,7 @@
-"""One foot of a body that comes in live: what of it stands is told from the past alone (METHOD 4).
+"""Contacts of one foot of a live body, decided from past frames alone (METHOD 4).
 
-Heel or ball begin to stand where they are low and slow, and no longer do where they are clearly higher or faster. They
-stand where they were shown last; what is different at such a change dies away, so that nothing jumps.
+Heel or ball begin to stand when they are low and slow, and stop when they are clearly higher or faster. They stand
+where they were last shown; the difference at such a change decays, so that nothing jumps.
 """
 
 import math
@@ -26,23 +26,23 @@ from studio.core.solver.standing.tipping import depths_of, out_of_ground
 FloatArray = NDArray[np.float64]
 
 LIFTED, HURRYING = 1.5 * HEIGHT_MARGIN, 1.6 * STILL_SPEED
-"""Metres above the floor, and metres a second, beyond which what stands no longer does."""
+"""Height above the floor (m) and speed (m/s) above which a standing heel or ball stops standing."""
 USUAL_LEG = 0.85
-"""Metres: bodies with other legs stand by heights and speeds as many times as large."""
+"""Reference leg length in metres; the thresholds of height and speed scale with the leg length of the body."""
 COMING_DOWN = 0.12
-"""Seconds in which a foot that begins to stand is brought down to the ground, and level."""
+"""Seconds in which a foot that begins to stand is lowered to the ground and levelled."""
 TORN = 0.15
-"""Parts of the leg's length from where its sender has it at which a foot that stands lets go."""
+"""Horizontal distance of the received from the shown ankle, in leg lengths, at which a standing foot is released."""
 CLIMBING = 0.1
-"""Seconds in which a height follows another one."""
+"""Smoothing time of ``DampedHeight`` in seconds."""
 GROUND_LOOK_AHEAD = 0.15
-"""Seconds ahead, as fast as it goes, for which a foot in the air is kept above the ground."""
+"""Seconds of look-ahead, at the current velocity, for which a foot in the air is kept above the ground."""
 STRAIGHT = 3.0
-"""How many times faster than its gap at once a gap may close that is not to open again on the other side."""
+"""Longest time in which a gap decays without overshoot, as a multiple of its size / its closing speed."""
 
 
 class FootPose(NamedTuple):
-    """A foot: its ankle (3,), and how it and its toes are turned (3, 3)."""
+    """Pose of a foot: position of its ankle (3,), and rotations (3, 3) of the foot and of its toes."""
 
     ankle: FloatArray
     foot: FloatArray
@@ -51,13 +51,13 @@ class FootPose(NamedTuple):
 
 @dataclass
 class DampedHeight:
-    """A height that follows another one, critically damped."""
+    """Critically damped height that follows a goal."""
 
     value: float
     speed: float = 0.0
 
     def follow(self, goal: float, dt: float) -> float:
-        """``dt`` seconds later."""
+        """Advance by ``dt`` seconds towards ``goal`` and return the height."""
         rate = 2.0 / CLIMBING
         gap, decay = self.value - goal, math.exp(-rate * dt)
         push = self.speed + rate * gap
@@ -67,7 +67,9 @@ class DampedHeight:
 
 @dataclass(frozen=True, eq=False)
 class _Print:
-    """Where a foot stands: on its heel or its ball, at a ``place`` (3,); ``tilt`` (3, 3) of the ground there."""
+    """Footprint: the ``pivot`` that stands (bit of heel or ball), its position ``place`` (3,), and the ``tilt`` (3, 3)
+    of the ground there.
+    """
 
     pivot: int
     place: FloatArray
@@ -76,32 +78,36 @@ class _Print:
 
 @dataclass
 class Foothold:
-    """One foot on one body and ground, from frame to frame: ``step`` it, and say where it was ``shown``."""
+    """One foot on one body and ground, from frame to frame: call ``step``, then ``show`` with the pose that was
+    reached.
+    """
 
     body: Morphology
     side: int
     ground: Ground
     climb: DampedHeight
-    """The height of the ground under it, smoothed."""
+    """Smoothed height of the ground under the foot."""
     state: int = 0
-    """What stands, in bits as ``kernels.support.sole`` has them."""
+    """Parts of the foot that stand, as bits of ``kernels.support.sole``."""
     weight: float = 0.0
-    """How far it stands: eased to 1 after it begins to, and back."""
+    """Contact weight: rises to 1 after the foot begins to stand, and falls to 0 after it stops."""
     _printed: _Print | None = None
     _heading: FloatArray = field(default_factory=lambda: np.array([1.0, 0.0]))
     _own: list[FootPose] = field(default_factory=list)
     _shown: list[FootPose] = field(default_factory=list)
     _gaps: FloatArray = field(default_factory=lambda: np.zeros((2, 3, 3)))
-    """What was different in the two frames before the last change: place, turn of foot and of toes."""
+    """Differences (2, 3, 3) between the shown and the aimed foot, in the two frames before the last change:
+    displacement (m), and rotation vectors of foot and toes.
+    """
     _pace: float = math.inf
-    """Seconds between these two."""
+    """Seconds between these two frames."""
     _since: float = math.inf
-    """Seconds since then."""
+    """Seconds since the last change."""
 
     def step(self, own: FootPose, low: float, dt: float) -> FootPose:
-        """Where the foot is to be, ``dt`` seconds later, that came in as its ``own``.
+        """Target pose of the foot ``dt`` seconds later, from the received pose ``own``.
 
-        Heights that tell what stands are above ``low``.
+        Heights that decide contacts are measured above ``low`` (m).
         """
         self._climb(own, dt)
         self._since += dt
@@ -115,7 +121,7 @@ class Foothold:
         return self._out_of_ground(aimed) if state else self._above_ground(aimed)
 
     def show(self, shown: FootPose) -> None:
-        """What became of it: legs reach no farther than they do."""
+        """Store the pose that was reached: a leg may be too short for the target pose."""
         self._shown = [*self._shown[-1:], shown]
 
     def _climb(self, own: FootPose, dt: float) -> None:
@@ -129,7 +135,7 @@ class Foothold:
             self.climb.follow(float(self.ground.height_at([*points, *(points + way)]).max()), dt)
 
     def _found(self, own: FootPose, low: float, dt: float) -> int:
-        """What stands."""
+        """Parts of the foot that stand, as bits."""
         if self._printed is not None and self._is_torn(own):
             return 0
         size, points, speeds = self.body.leg_length / USUAL_LEG, self.points_of(own), np.zeros(2)
@@ -145,7 +151,7 @@ class Foothold:
         return float(np.linalg.norm((own.ankle - self._shown[-1].ankle)[:2])) > TORN * self.body.leg_length
 
     def _change(self, state: int, own: FootPose, dt: float) -> None:
-        """Another state begins: what is different between it and the last two frames shown will die away."""
+        """Change the contact state; its difference from the last two frames shown will decay."""
         seen, held = self._shown[-1] if self._shown else own, self._printed
         if state == SOLE_STANDS:
             self._heading = seen.foot[:2, 0]
@@ -162,7 +168,9 @@ class Foothold:
         self._pace, self._since = max(dt, 1e-3), dt
 
     def _print(self, pivot: int, seen: FootPose, held: _Print | None) -> _Print:
-        """Where heel or ball come to stand: below where they are seen, on the plane that the foot is on already."""
+        """Footprint of heel or ball: below its shown position, on the plane of the footprint ``held``, otherwise of the
+        ground.
+        """
         place = seen.ankle + seen.foot @ self._lever(pivot)
         if held is None:
             soles = soles_of(seen.ankle[None], seen.foot[None], sole_rows(self.body, self.side))
@@ -176,7 +184,7 @@ class Foothold:
         return _Print(pivot, np.array([*place[:2], level + (self._thickness(pivot) - height) / normal[2]]), tilt)
 
     def _aimed(self, own: FootPose) -> FootPose:
-        """Where the foot is to be by its state alone."""
+        """Target pose of the foot by its contact state alone, without the remaining gap."""
         printed = self._printed
         if printed is None:
             return own._replace(ankle=own.ankle + np.array([0.0, 0.0, self.climb.value]))
@@ -185,7 +193,7 @@ class Foothold:
         return FootPose(printed.place - turn @ self._lever(printed.pivot), turn, toe)
 
     def _above_ground(self, pose: FootPose) -> FootPose:
-        """A foot in the air raised, and its toes bent up, where it would be in the ground."""
+        """Pose of a foot in the air, raised and with its toes bent up where it would penetrate the ground."""
         ankles, feet, toes = (np.stack([each] * 2) for each in pose)
         height = float(self.ground.height_at(self.points_of(pose)).max())
         raise_swing_foot(sole_rows(self.body, self.side), np.zeros(2, np.int64), height, 1.0, ankles, feet, toes)
@@ -197,13 +205,15 @@ class Foothold:
         return FootPose(freed.ankles[0], freed.feet[0], freed.toes[0])
 
     def _gap(self, shown: FootPose, aimed: FootPose) -> FloatArray:
-        """(3, 3) from a foot as it is aimed to what was shown: what it turns about, and the turns of foot and toes."""
+        """Difference (3, 3) from the ``aimed`` to the ``shown`` foot: displacement of the pivot (m), rotation vectors
+        of foot and toes.
+        """
         place = shown.ankle + (shown.foot - aimed.foot) @ self._pivot - aimed.ankle
         turns = [Rotation.from_matrix(a @ b.T).as_rotvec() for a, b in zip(shown[1:], aimed[1:], strict=True)]
         return np.array([place, *turns])
 
     def _led(self, aimed: FootPose) -> FootPose:
-        """A foot as it is aimed, with what is left of the gap at the last change."""
+        """Target pose with the rest of the gap at the last change added to it."""
         way, foot, toe = (self._left(*gaps) for gaps in np.swapaxes(self._gaps, 0, 1))
         turned, bent = (
             Rotation.from_rotvec(foot).as_matrix() @ aimed.foot,
@@ -212,7 +222,7 @@ class Foothold:
         return FootPose(aimed.ankle + way + (aimed.foot - turned) @ self._pivot, turned, bent)
 
     def _left(self, before: FloatArray, last: FloatArray) -> FloatArray:
-        """What is left of a gap; what comes to stand does not go past where it stands."""
+        """Rest of a gap (3,) at this time; while the foot stands it closes without overshoot."""
         seconds, speed, size = GOES_ALONG, (last - before) / self._pace, float(np.linalg.norm(last))
         if self.state:
             closing = -float(speed @ last) / max(size, 1e-9)
@@ -226,7 +236,7 @@ class Foothold:
         return self._lever(self._printed.pivot if self._printed else TOE_STANDS)
 
     def _lever(self, pivot: int) -> FloatArray:
-        """(3,) from the ankle to heel or ball, in the foot's axes."""
+        """Vector (3,) in metres from the ankle to heel or ball, in the foot's axes."""
         return self._heel if pivot == HEEL_STANDS else np.asarray(self.body.foot[self.side])
 
     @property
@@ -234,16 +244,16 @@ class Foothold:
         return np.array([-self.body.heel_length[self.side], 0.0, -self.body.ankle_height[self.side]])
 
     def _thickness(self, pivot: int) -> float:
-        """Metres from the ground to a pivot: heels are on it, the joint of the toes is not."""
+        """Height of a pivot above the ground in metres: zero for the heel, that of the toe joint for the ball."""
         return 0.0 if pivot == HEEL_STANDS else float(self.body.ankle_height[self.side] + self.body.foot[self.side, 2])
 
     def points_of(self, pose: FootPose) -> FloatArray:
-        """(2, 3) the soles of heel and ball."""
+        """Points (2, 3) of the sole below heel and ball, in metres."""
         ball = pose.ankle + pose.foot @ self._lever(TOE_STANDS)
         return np.array([pose.ankle + pose.foot @ self._heel, ball - [0.0, 0.0, self._thickness(TOE_STANDS)]])
 
 
 def _level(heading: FloatArray) -> FloatArray:
-    """(3, 3) level, with its x axis along ``heading`` (2,)."""
+    """Rotation (3, 3) about the vertical whose x axis lies along ``heading`` (2,)."""
     x, y = heading / max(float(np.linalg.norm(heading)), 1e-9)
     return np.array([[x, -y, 0.0], [y, x, 0.0], [0.0, 0.0, 1.0]])

@@ -1,4 +1,4 @@
-"""Keeping at a distance while a stage plays live: when a performer steps, and where to."""
+"""Distance keeping in live playback: the time, length and rotation of a performer's steps."""
 
 import math
 from dataclasses import replace
@@ -18,19 +18,19 @@ from studio.live.acting import Act, StageView
 FloatArray = NDArray[np.float64]
 
 KEEPING_STEP_SECONDS = 0.6
-"""What a step of both feet takes."""
+"""Seconds that a step of both feet takes."""
 KEEPING_STEP, KEEPING_TURN = 0.4, 0.7
-"""Metres and radians of one step."""
+"""Maximum displacement (m) and rotation (radians) of one step."""
 KEEPING_FACING_TOLERANCE = 0.25
-"""Radians by which it may face elsewhere than it wants to."""
+"""Error of facing in radians that is accepted without a step."""
 SETTLING = 0.3
-"""Seconds after something has begun, and after a step, in which nobody steps."""
+"""Seconds after the start of an act, and after a step, in which a performer does not step."""
 
 
 def step_of(seen: StageView, key: str, act: Act, composite: Composite, frame: int) -> Act | None:
-    """What a performer begins to play so that it stands as its state wants; None where it stands well.
+    """Act of a step that corrects a performer's distance and facing; None if it needs none, or may not step yet.
 
-    It plays ``frame`` of the ``composite`` that ``act`` let it play.
+    The performer plays ``frame`` of ``composite``, which belongs to ``act``.
     """
     found = seen.state_of(key)
     kept = _kept(found[0]) if found else None
@@ -62,13 +62,13 @@ def _kept(state: State) -> KeepDistance | None:
 
 
 def _stance(act: Act, composite: Composite, frame: int) -> float:
-    """How the pelvis of a clip is turned against where it looks: fighters stand half sideways."""
+    """Median yaw (rad) of the pelvis in a clip relative to the facing direction: fighters stand half sideways."""
     yaws = composite.playing(frame).piece.motion.channels[act.clip.first : act.clip.last + 1, at.YAW]
     return float(np.median(yaws)) * (-1.0 if act.clip.mirrored else 1.0)
 
 
 def _comes_too(seen: StageView, key: str, kept: KeepDistance, role: Role) -> bool:
-    """Whether the one whom it keeps off keeps off it as well: then each goes half of the way."""
+    """True if the character that this one keeps its distance from does the same; then each takes half of the step."""
     whom = followed_by(kept.whom, role.partner_id)
     found = seen.state_of(whom.performer_id) if isinstance(whom, FollowPerformer) else None
     other = _kept(found[0]) if found else None

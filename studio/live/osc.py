@@ -1,4 +1,4 @@
-"""OSC 1.0 packets in and out. What comes in is believed in nothing: every size is checked against the bytes there."""
+"""OSC 1.0 packets in and out. Received data is not trusted: every size is checked against the bytes there."""
 
 import struct
 from collections.abc import Iterator, Sequence
@@ -9,13 +9,13 @@ Argument = int | float | str | bytes | bool | None
 BUNDLE = b"#bundle\0"
 IMMEDIATE_TIME = b"\0\0\0\0\0\0\0\1"
 LARGEST_PACKET, DEEPEST_BUNDLE, MOST_MESSAGES, MOST_ARGUMENTS, LONGEST_TEXT = 65_507, 4, 1_024, 64, 256
-"""Bytes of a packet, bundles within bundles, messages of a packet, arguments of a message, bytes of a text."""
+"""Limits: bytes of a packet, depth of nested bundles, messages of a packet, arguments of a message, bytes of a text."""
 _FIXED = {"i": ">i", "f": ">f", "h": ">q", "d": ">d"}
 _ALONE: dict[str, Argument] = {"T": True, "F": False, "N": None}
 
 
 class BadPacket(ValueError):  # noqa: N818 - it names what is the matter
-    """A packet that is no OSC, or more than is taken."""
+    """Packet that is not OSC, or exceeds a limit."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ def decode(packet: bytes) -> list[Message]:
 
 
 def encode_message(address: str, arguments: Sequence[Argument]) -> bytes:
-    """One message; numbers go out with 32 bits."""
+    """Encoded message; numbers are written with 32 bits."""
     types, values = ",", b""
     for value in arguments:
         match value:
@@ -57,7 +57,9 @@ def encode_message(address: str, arguments: Sequence[Argument]) -> bytes:
 
 
 def bundles(messages: Sequence[bytes], largest: int) -> Iterator[bytes]:
-    """Encoded messages in as few bundles as their order allows, none longer than ``largest`` bytes."""
+    """Bundles of encoded messages, in order and as few as possible, of at most ``largest`` bytes unless one message is
+    longer.
+    """
     begin = BUNDLE + IMMEDIATE_TIME
     packet = begin
     for message in messages:

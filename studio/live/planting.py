@@ -1,4 +1,4 @@
-"""A body that comes in live, set on the ground a pose at a time, with nothing known of what comes next (METHOD 4)."""
+"""Grounding of a live body, one pose at a time, without knowledge of later poses (METHOD 4)."""
 
 import math
 
@@ -20,14 +20,14 @@ from studio.live.foothold import DampedHeight, Foothold, FootPose
 FloatArray = NDArray[np.float64]
 
 FLOOR_RISES = 0.01
-"""Metres a second by which what counts as low comes up towards feet that are never lower."""
+"""Speed (m/s) at which the reference height of low feet rises while no foot comes down to it."""
 LOST = 0.5
-"""Seconds without a pose after which a body begins anew where it is."""
+"""Seconds without a pose after which the contacts of a body are reset."""
 BITS = {point: HEEL_STANDS if point.is_heel else TOE_STANDS for point in FOOT_POINTS}
 
 
 class Planted:
-    """``stand`` a body's newest pose; what it keeps from one call to the next is where the feet stand."""
+    """Grounding of a body's newest pose by ``stand``; the contacts of the feet are kept from one call to the next."""
 
     def __init__(self) -> None:
         self._request: AdaptRequest | None = None
@@ -39,11 +39,11 @@ class Planted:
 
     @property
     def states(self) -> tuple[int, ...]:
-        """What stands of each foot, in bits as ``kernels.support.sole`` has them."""
+        """Parts of each foot that stand, as bits of ``kernels.support.sole``."""
         return tuple(foot.state for foot in self._feet)
 
     def stand(self, request: AdaptRequest, seconds: float) -> Standing:
-        """The still pose of ``request`` on its body and the ground, ``seconds`` by the clock."""
+        """Grounded still motion of ``request`` on its body and ground, at ``seconds`` by the clock."""
         before, self._request = self._request, request
         same = before is not None and before.morphology is request.morphology and before.ground == request.ground
         if self._standing is None or not (same and before is not None and before.motion is request.motion):
@@ -73,7 +73,7 @@ class Planted:
         return self._standing_of(request, footing, positions, rotations)
 
     def _low_of(self, feet: list[FootPose], dt: float) -> float:
-        """Metres of the lowest heel or ball of late, which comes up slowly at most."""
+        """Height (m) of the lowest heel or ball of late; it rises slowly, and by ``GREATEST_DRIFT`` at most."""
         points = [foot.points_of(pose)[:, 2] for foot, pose in zip(self._feet, feet, strict=True)]
         lowest = float(np.min(points))
         self._lowest = min(self._lowest, lowest)
@@ -81,13 +81,13 @@ class Planted:
         return self._low
 
     def _floor_under(self, feet: list[FootPose], dt: float) -> float:
-        """Metres of the floor that the sender stands on, as feet that stand flat show it."""
+        """Height (m) of the sender's floor, smoothed, measured by feet that stand flat."""
         pairs = zip(self._feet, feet, strict=True)
         flat = [foot.points_of(pose)[:, 2].mean() for foot, pose in pairs if foot.state == SOLE_STANDS]
         return self._floor.follow(float(np.mean(flat)), dt) if flat else self._floor.value
 
     def _footing(self, request: AdaptRequest, aimed: list[FootPose], positions: FloatArray) -> Footing:
-        """What the ground asks of both frames, which are alike."""
+        """Footing of both frames of the still motion, which are alike."""
         motion, body = request.motion, request.morphology.still
         count = motion.frame_count
         states, weights = (np.array([[each] * count for each in both]) for both in (self.states, self._weights))

@@ -1,7 +1,8 @@
-"""What a performer plays live: its row as the timeline has it, or a clip that took over at any frame, without warning.
+"""Motion of a performer in live playback: its row of the timeline, or a clip that takes over at any frame, without
+warning.
 
-Whatever plays is one motion that stands on the ground whole, of which single frames are solved. A clip takes over from
-the last poses of what played before, so the new motion begins where the body is: its feet stand where they stood.
+It is always one grounded motion, of which single frames are solved. A clip takes over from the last poses of the
+previous motion, so the new one begins where the body is: its feet stand where they stood.
 """
 
 from dataclasses import dataclass, replace
@@ -26,32 +27,34 @@ from studio.live.takeover import LAST_POSE_SECONDS, SPEED_FRAMES, take_over
 FloatArray = NDArray[np.float64]
 
 SOLVE_MARGIN = 0.5
-"""Seconds around what is asked in which it has to do with how a body is solved."""
+"""Seconds before and after the activation of a constraint in which it still changes how a body is solved."""
 
 
 @dataclass(frozen=True, eq=False)
 class Playing:
-    """A motion on the ground, all that is asked in it by the constraints' ids, and what was asked before and goes."""
+    """Grounded motion, its constraints with their ids, and the constraints of the previous motion that fade out
+    (``going``).
+    """
 
     composite: Composite
     standing: Standing
     asked: tuple[tuple[str, Constraint], ...]
     going: tuple[Constraint, ...] = ()
     kept: frozenset[str] = frozenset()
-    """What was asked before it began and still is: it does not have to come."""
+    """Ids of constraints that acted before the motion began and still do: they do not fade in."""
 
     def frame_at(self, seconds: float) -> int:
-        """The frame that plays at ``seconds`` of the stage; before and after it, its first and its last one."""
+        """Frame that plays at ``seconds`` of the stage; the first one before the motion, the last one after it."""
         return round(self.composite.timing.frame_at(seconds))
 
     def time_of(self, frame: int) -> float:
-        """Seconds of its motion at which a frame plays."""
+        """Time of a frame in seconds of the motion."""
         return frame / self.composite.timing.frame_rate
 
     def active(self, frame: int) -> tuple[Constraint, ...]:
-        """What is asked in a frame and around it, in the order in which it is asked, what goes last.
+        """Constraints that act in a frame or near it, in the order of their residuals; those that fade out are last.
 
-        Limbs that are about to be asked something are no more free to keep the balance.
+        Limbs that are about to be constrained are no longer free to keep the balance.
         """
         time = self.time_of(frame)
         every = (*(each for _, each in self.asked), *self.going)
@@ -61,36 +64,36 @@ class Playing:
 
     @cached_property
     def solvable(self) -> Standing:
-        """As it stands, where constraints may bring arms into the own body: to keep them clear takes many frames.
+        """Grounded motion without arm collision, which needs many frames: constraints may bring arms into the own body.
 
-        Hands that touch each other, or the body, go on touching.
+        Hands that touch each other, or the body, keep their contacts.
         """
         contact = self.standing.self_contact
         return replace(self.standing, self_contact=contact and replace(contact, rooms=None))
 
 
 def own_row(project: Project, key: str, prepare: Prepare) -> Playing:
-    """A performer's row as the timeline has it. Raises StudioError where it cannot be played."""
+    """Motion of a performer's row, as the timeline has it. Raises StudioError if it cannot be played."""
     composite = composite_of(project, key, lambda motion_id: motion_of(project, motion_id, prepare))
     return _playing(project, key, composite, prepare)
 
 
 def restood(project: Project, key: str, playing: Playing, prepare: Prepare) -> Playing:
-    """The same motion on the performer's body and ground as they are in another ``project``."""
+    """The same motion grounded for the performer's body and ground in another ``project``."""
     changed = _playing(project, key, playing.composite, prepare, playing.kept)
     return replace(changed, going=playing.going)
 
 
 def asked_anew(project: Project, key: str, playing: Playing) -> Playing:
-    """The same motion with what another ``project`` asks in it."""
+    """The same motion with the constraints of another ``project``."""
     return replace(playing, asked=_asked(project, key, playing.composite, playing.standing, playing.kept))
 
 
 def taken_over(project: Project, key: str, before: Playing, frame: int, tracks: Tracks, prepare: Prepare) -> Playing:
-    """The only clip of a performer's row, which takes over as the clip starts from ``frame`` of what played ``before``.
+    """Motion in which the only clip of a performer's row takes over, at its start, from ``frame`` of ``before``.
 
-    What acted in that frame goes in ``COMING`` seconds, where it was (``tracks`` have where it followed), unless it is
-    asked in the clip as well.
+    Constraints that acted in that frame fade out in ``COMING`` seconds at their last targets (``tracks`` has those that
+    were followed), unless they act on the clip as well.
     """
     clip = project.performers[key].clips[0]
     pieces = pieces_of(project, key, clip, lambda motion_id: motion_of(project, motion_id, prepare))
@@ -130,7 +133,7 @@ def _asked(
 
 
 def _last_seen(before: Playing, frame: int, start: float) -> NDArray[np.int64]:
-    """(SEEN,) the frames that were seen last before ``start``: the last one again and again where it was held."""
+    """Frames (SPEED_FRAMES,) shown last before ``start``; the last one is repeated if it was held."""
     timing = before.composite.timing
     held = round((start - timing.end) * timing.frame_rate) - 1 if frame == timing.last else 0
     rows = np.arange(frame - SPEED_FRAMES + 1, frame + 1) + max(held, 0)
@@ -138,7 +141,9 @@ def _last_seen(before: Playing, frame: int, start: float) -> NDArray[np.int64]:
 
 
 def _kept(before: Playing, frame: int, project: Project, key: str, playing: Playing, begins: float) -> frozenset[str]:
-    """What acts in the last frame of what played and is asked as much in the first one of what plays."""
+    """Ids of constraints that act in ``frame`` of ``before`` and at least as strongly in the first frame of
+    ``playing``.
+    """
     time = before.time_of(frame)
     acted = {name: float(each.activation.at(time)) for name, each in before.asked}
     every = frozenset(name for name, share in acted.items() if share > 0.0)
@@ -161,7 +166,7 @@ def _going(before: Playing, frame: int, kept: frozenset[str], tracks: Tracks, be
 
 
 def _falling(curve: ActivationCurve, share: float, begins: float) -> ActivationCurve:
-    """From ``share`` at ``begins`` down to nothing within ``COMING`` seconds."""
+    """Activation that falls from ``share`` at ``begins`` (s) to zero within ``COMING`` seconds."""
     progress = np.linspace(0.0, 1.0, 257)
     passed = float(np.interp(1.0 - share, ease(progress, curve.shape), progress)) * COMING
     end = begins - passed + COMING

@@ -1,4 +1,4 @@
-"""Raw datagrams in a file, with the seconds at which they came: recorded while a session goes on, and played again."""
+"""Recording of raw datagrams with their arrival times: written to a file during a session, and replayed."""
 
 import contextlib
 import struct
@@ -14,32 +14,32 @@ from studio.live.osc import LARGEST_PACKET
 from studio.live.tracker import MOST_A_SLICE, SLICE, Inbox
 
 LATEST_DATAGRAM = 1e6
-"""Seconds after its beginning at which a datagram can have come."""
+"""Latest arrival time of a datagram, in seconds after the beginning of its recording."""
 LONGEST_PAUSE, LEAST_PAUSE = 5.0, 0.02
-"""Seconds for which a replay is silent at most, and from its end to its beginning."""
+"""Longest silence of a replay in seconds, and its pause between the end and the next beginning."""
 _RECORD = struct.Struct("<dI")
 _MAGIC = b"MSOSC1\0\0"
 
 
 def write_recording(path: Path, packets: Iterable[tuple[float, bytes]]) -> None:
-    """Raw datagrams with the seconds at which they came."""
+    """Write raw datagrams with their arrival times in seconds."""
     path.write_bytes(_MAGIC + b"".join(_RECORD.pack(seconds, len(packet)) + packet for seconds, packet in packets))
 
 
 @dataclass(frozen=True)
 class PacketRecording:
-    """The whole datagrams of a file, in order, with the seconds at which they came."""
+    """Complete datagrams of a file, in order, with their arrival times in seconds."""
 
     packets: tuple[tuple[float, bytes], ...]
     problem: str = ""
-    """The sentence that tells from where on the file is damaged or cut off; empty where all of it is whole."""
+    """Sentence that says from which byte on the file is damaged or cut off; empty if all of it is whole."""
 
     def __iter__(self) -> Iterator[tuple[float, bytes]]:
         return iter(self.packets)
 
 
 def read_recording(path: Path) -> PacketRecording:
-    """A recording up to where it is damaged or cut off. Raises StudioError where the file is no recording."""
+    """Recording up to the byte where it is damaged or cut off. Raises StudioError if the file is no recording."""
     data, at = read_bytes(path), len(_MAGIC)
     if not data.startswith(_MAGIC):
         raise StudioError(f"{path.name} is not a recording of datagrams.")
@@ -58,9 +58,10 @@ def read_recording(path: Path) -> PacketRecording:
 
 
 class Recorder:
-    """Writes datagrams as they come, from any threads, until it is closed. StudioError when it cannot write.
+    """Writer of datagrams as they arrive, from any thread, until it is closed. Raises StudioError if the file cannot be
+    written.
 
-    A disk that is full ends the recording after the last whole datagram, and ``problem`` tells it.
+    A full disk ends the recording after the last complete datagram, and ``problem`` says so.
     """
 
     def __init__(self, path: Path) -> None:
@@ -74,7 +75,7 @@ class Recorder:
             raise StudioError(f"{path} cannot be written: {error.strerror}. Choose another place.") from error
 
     def keep(self, seconds: float, packet: bytes) -> None:
-        """Write one datagram; the first one is the beginning."""
+        """Write one datagram; times are counted from the first one."""
         with self._lock:
             if self._file.closed:
                 return
@@ -88,7 +89,7 @@ class Recorder:
             self.count += 1
 
     def close(self) -> None:
-        """All is on disk, or ``problem`` tells why not."""
+        """Close the file. All datagrams are then written, or ``problem`` says why not."""
         with self._lock:
             self._close()
 
@@ -97,7 +98,7 @@ class Recorder:
         whole = self._file.tell()
         try:
             written = self._file.write(content) or 0
-            while written < len(content):  # the rest says why
+            while written < len(content):  # writing the rest raises the reason
                 written += self._file.write(content[written:]) or 0
         except OSError:
             with contextlib.suppress(OSError):
@@ -112,10 +113,10 @@ class Recorder:
 
 
 class Replay:
-    """Feeds an inbox with recorded datagrams at the pace at which they came, again and again, until it is closed.
+    """Replay of recorded datagrams into an inbox at their original pace, repeated until it is closed.
 
-    It feeds no more datagrams at a time than come over the network. Raises StudioError where the file holds none;
-    ``problem`` tells where only its beginning is whole.
+    It feeds no more datagrams at a time than are taken from the network. Raises StudioError if the file holds none;
+    ``problem`` says so if only its beginning is whole.
     """
 
     def __init__(self, path: Path, inbox: Inbox) -> None:
@@ -130,11 +131,11 @@ class Replay:
 
     @property
     def seconds(self) -> float:
-        """How long it lasts."""
+        """Length of the recording in seconds."""
         return self._packets[-1][0]
 
     def close(self) -> None:
-        """Feed no more."""
+        """Stop the replay and wait for its thread."""
         self._stopped.set()
         self._thread.join()
 

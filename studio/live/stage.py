@@ -1,8 +1,8 @@
-"""A stage that plays live: every performer a frame at a time, solver in the loop, what comes next decided as it plays.
+"""Live stage: all performers solved a frame at a time, with the next clips decided during playback.
 
-Nothing of it is known beforehand but the clips. The project may be another one at any step: targets, priorities,
-ground, bodies, who is there. In each step performers are solved leaders first, those who follow each other in sweeps
-that begin where the last step ended, so a step costs about the same whenever it is done.
+Only the clips are known in advance. The project may change at any step: targets, priorities, ground, bodies,
+performers. In each step leaders are solved first, and performers who follow each other in iterations that start from
+the result of the last step, so the cost of a step stays about the same.
 """
 
 from collections.abc import Mapping
@@ -37,42 +37,43 @@ from studio.live.take import Begun, StageTake
 Expected = dict[FollowPerformer, NDArray[np.float64]]
 
 SWEEPS, FIRST_SWEEPS = 4, 6
-"""Times that those who follow each other are solved again in a step at most; more in their first one."""
+"""Maximum iterations a step for performers who follow each other; more in their first step."""
 SOON = 1.0 / 60.0
-"""Seconds before the end of a clip, for each performer, in which what comes next may begin."""
+"""Seconds before the end of a clip, for each performer, in which the next clip may begin."""
 SETTLED = 0.1
-"""Seconds that a clip which took over plays before another one may."""
+"""Seconds that a clip plays after its takeover before another one may take over."""
 BEGUN_A_STEP = 1
-"""Clips that begin in one step, of all performers together: who is left begins in the next one."""
+"""Maximum number of clips begun in one step, of all performers together; the others begin in later steps."""
 
 
 @dataclass
 class _Part:
-    """One performer's part while it plays."""
+    """Playback state of one performer."""
 
     playing: Playing
     row: tuple[Clip, ...]
-    """The project's own row and layers when it began: other ones begin anew."""
+    """The project's row and layers when it began; if they change, the row begins again."""
     frame: int = 0
     act: Act | None = None
-    """What took over; None while its own row plays."""
+    """Act that took over; None while its own row plays."""
     wish: Act | None = None
     begun: Begun | None = None
     tracks: Tracks = field(default_factory=dict)
     result: AdaptedMotion | None = None
     passed: Mapping[float, AdaptedMotion] = field(default_factory=dict)
-    """What it was as it took or let go of something, by the seconds of the stage."""
+    """Frames solved when the performer took or released a prop, by seconds of the stage."""
 
 
 class LiveStage:
-    """``step`` it; ``project`` may be replaced before any step, and ``start`` lets a performer play a clip.
+    """Live playback: call ``step`` for each frame; ``project`` may be replaced before any step, ``start`` begins a
+    clip.
 
-    ``results`` are one frame of each performer, in its motion's space, ``failures`` why others have none. Who has a
-    behaviour is let play by it; ``send`` and ``press`` tell behaviours of events and keys.
+    ``results`` has one frame of each performer, in the space of its motion, ``failures`` the reasons why others have
+    none. A behaviour controls its performers; ``send`` and ``press`` pass events and keys to behaviours.
     """
 
     def __init__(self, project: Project, prepare: Prepare, seconds: float = 0.0) -> None:
-        """Everybody begins with its own row, as the timeline has it at ``seconds`` of the stage."""
+        """Begin all performers with their own rows, as the timeline has them at ``seconds`` of the stage."""
         self.seconds = seconds
         self.results: dict[str, AdaptedMotion] = {}
         self.failures: dict[str, str] = {}
@@ -80,7 +81,7 @@ class LiveStage:
         self._parts: dict[str, _Part] = {}
         self._paths: dict[tuple[str, ...], tuple[Paths, Paths]] = {}
         self.running: dict[str, Running] = {}
-        """Where each performer is in its behaviour, of those that have one."""
+        """State of the behaviour of each performer that has one."""
         self._events: dict[str, frozenset[str]] = {}
         self._sent: frozenset[str] = frozenset()
         self._keys: frozenset[str] = frozenset()
@@ -92,50 +93,53 @@ class LiveStage:
 
     @property
     def staged(self) -> Project:
-        """The project in which everybody's row is what it plays now: by it the ``results`` are to be read."""
+        """Project in which each performer's row is what it plays now; ``results`` refer to it."""
         return self._staged
 
     def playing(self, key: str) -> Clip | None:
-        """The clip that a performer plays now; None before its first step."""
+        """Clip that a performer plays now; None before its first step."""
         part = self._parts.get(key)
         return None if part is None else _clip_of(part)
 
     def asked(self, key: str) -> tuple[tuple[str, Constraint, float], ...]:
-        """What is asked of a performer in this step and how much, in the order of its result's residuals.
+        """Id, constraint and activation of each constraint of a performer in this step, in the order of its result's
+        residuals.
 
-        By its id in ``staged``; without one, what was asked before and goes.
+        The id is that in ``staged``; empty for a constraint of the previous motion that fades out.
         """
         playing, frame = self._parts[key].playing, self._parts[key].frame
         time, names = playing.time_of(frame), {id(each): name for name, each in playing.asked}
         return tuple((names.get(id(each), ""), each, float(each.activation.at(time))) for each in playing.active(frame))
 
     def start(self, key: str, clip: Clip, blend: float = 0.0) -> None:
-        """Let a performer go over to a clip, where its body is, in ``blend`` seconds; 0 in as many as that needs."""
+        """Let a performer change to a clip from its current pose, blended in ``blend`` seconds; 0 chooses the time that
+        it needs.
+        """
         if key in self._parts:
             self._parts[key].wish = Act(replace(clip, ease=blend, joined=True))
 
     def send(self, event: str) -> None:
-        """Everybody's behaviour hears of an event in the next step."""
+        """Send an event to all behaviours, for the next step."""
         self._sent |= {event}
 
     def press(self, key: str) -> None:
-        """Everybody's behaviour hears of a key in the next step."""
+        """Send a pressed key to all behaviours, for the next step."""
         self._keys |= {key}
 
     def record(self) -> None:
-        """Keep what is played from now on, for ``recorded``."""
+        """Start a recording of what is played, which ``recorded`` returns."""
         self._recorded_from, self._given = self.seconds, [(self.seconds, self.project)]
         self._recorded = [(key, part.begun) for key, part in self._parts.items() if part.begun is not None]
 
     def recorded(self) -> StageTake | None:
-        """What was played since ``record``; None where nothing was recorded. The recording ends."""
+        """End the recording and return what was played since ``record``; None without a recording."""
         recorded, self._recorded = self._recorded, None
         if recorded is None:
             return None
         return StageTake(self._recorded_from, self.seconds, tuple(recorded), tuple(self._given))
 
     def step(self, dt: float) -> Mapping[str, AdaptedMotion]:
-        """``dt`` seconds later: one frame of every performer that is seen, by its id."""
+        """Advance by ``dt`` seconds and return one frame of every visible performer, by its id."""
         self.seconds, self._step = self.seconds + dt, dt
         self.failures.clear()
         self._take_project()
@@ -157,7 +161,7 @@ class LiveStage:
         return solved
 
     def _remember_hands(self, results: Mapping[str, AdaptedMotion]) -> None:
-        """Keep where everybody was as something was taken or let go of: clips that play then are soon forgotten."""
+        """Store the frames in which performers took or released a prop: the clips that play then are not kept."""
         for held in (held for prop in self.project.props.values() for held in prop.holds):
             part, result = self._parts.get(held.performer_id), results.get(held.performer_id)
             for moment in (held.begin, held.end):
@@ -167,7 +171,7 @@ class LiveStage:
     # What plays
 
     def _take_project(self) -> None:
-        """Go on with the project as it is now."""
+        """Update the playback to the current project."""
         given, seen = self.project, self._seen
         players = {key: each for key, each in given.performers.items() if _plays(given, each)}
         for key, part in list(self._parts.items()):
@@ -201,7 +205,7 @@ class LiveStage:
             part.playing, part.row = asked_anew(given, key, part.playing), performer.all_clips
 
     def _is_lost(self, key: str) -> bool:
-        """Whether what a performer plays was taken away: its motion, or its clip out of the row."""
+        """True if the motion of the clip that a performer plays, or that clip in its row, was removed."""
         part, given = self._parts[key], self.project
         clip = _clip_of(part)
         return clip.motion_id not in given.motions or (
@@ -209,7 +213,9 @@ class LiveStage:
         )
 
     def _begin_row(self, key: str) -> None:
-        """Go over from where a performer is to the first clip of its row, or begin the row anew where that is short."""
+        """Begin the first clip of a performer's row from its current pose, or restart the row if that clip is too
+        short.
+        """
         part = self._parts[key]
         part.row = self.project.performers[key].all_clips
         act = self._first_of_row(part)
@@ -220,7 +226,9 @@ class LiveStage:
             self._begin(key, act)
 
     def _act(self) -> None:
-        """Let behaviours go on: who comes into another state wishes to play what that lets it play, or to step."""
+        """Advance the behaviours: a performer that enters another state requests its act, others request a step if they
+        need one.
+        """
         events, self._events = self._events, {}
         sent, keys, self._sent, self._keys = self._sent, self._keys, frozenset(), frozenset()
         seen = StageView(self.project, self.results, dict(self.running), self.seconds)
@@ -248,18 +256,20 @@ class LiveStage:
                 part.wish = step_of(seen, key, part.act, part.playing.composite, part.frame)
 
     def _ends(self, part: _Part) -> bool:
-        """Whether what a performer plays is about to end: everybody may need a step to begin what comes."""
+        """True if the motion of a performer is about to end; one step per performer is reserved to begin the next
+        clips.
+        """
         return part.playing.composite.timing.end - self.seconds < min(self._step, SOON) * len(self._parts)
 
     def _settled(self, part: _Part) -> bool:
-        """Whether enough was seen of what took over last: clips that begin sooner each keep the speed that they find,
-        and carry the body away.
+        """True if the last takeover has played for ``SETTLED`` seconds: clips that begin sooner each keep the velocity
+        that they find, and carry the body away.
         """
         return part.act is None or self.seconds - part.act.clip.start > SETTLED
 
     def _next(self, key: str, part: _Part) -> Act | None:
-        """What comes by itself: a state's clip again, or the first clip of a row; None where the last pose is held, as
-        that of a clip too short to be gone over to.
+        """Act that follows without a request: the looped clip of a state, or the first clip of a row. None if the last
+        pose is held, or the clip is too short for a transition.
         """
         behaviour = self.project.behaviours.get(self.project.behaviour_of(key) or "")
         state = behaviour.state(self.running[key].state) if behaviour and key in self.running else None
@@ -273,13 +283,13 @@ class LiveStage:
         return self._going_on(Act(part.row[0]))
 
     def _going_on(self, act: Act) -> Act | None:
-        """The same from where a body is; None where it is too short to be gone over to."""
+        """Act with its clip begun from the current pose; None if the clip is too short for a transition."""
         if act.clip.length(self.project.frame_rate_of(act.clip)) < LEAST_TRANSITION:
             return None
         return replace(act, clip=replace(act.clip, joined=True, turn=0.0, offset=(0.0, 0.0)))
 
     def _begin_clips(self) -> None:
-        """Let clips take over that are wished for, or that come where what plays is about to end."""
+        """Begin clips that were requested, or that follow a motion which is about to end."""
         waiting = []
         for key, part in self._parts.items():
             if part.result is not None and part.wish is None and self._ends(part):
@@ -292,7 +302,7 @@ class LiveStage:
             self._begin(key, wish)
 
     def _begin(self, key: str, act: Act) -> None:
-        """Let what a performer does take over now."""
+        """Let ``act`` take over now."""
         part, act = self._parts[key], replace(act, clip=replace(act.clip, start=self.seconds))
         staged = _staged(self.project, self._parts, {key: act})
         part.playing = taken_over(staged, key, part.playing, part.frame, part.tracks, self._prepare)
@@ -300,7 +310,7 @@ class LiveStage:
         self._note(key)
 
     def _note(self, key: str) -> None:
-        """Remember what a performer has just begun."""
+        """Store what a performer has just begun, and add it to the recording."""
         part = self._parts[key]
         composite, act = part.playing.composite, part.act
         if act is None:
@@ -313,8 +323,8 @@ class LiveStage:
     # Where they are
 
     def _solved(self, circle: tuple[str, ...], solved: Mapping[str, AdaptedMotion]) -> dict[str, AdaptedMotion]:
-        """One frame of performers who follow each other, mostly of one alone, after all whom they follow."""
-        awaited = {key: self._awaited(key) for key in circle}  # before tracks of the last step are gone
+        """One frame of performers who follow each other, usually of a single one, solved after all whom they follow."""
+        awaited = {key: self._awaited(key) for key in circle}  # before the tracks of the last step are replaced
         players = {key: self._player(key, circle, solved, awaited[key]) for key in circle}
         unasked = dict(paths_of(players, {key: self._unasked(key) for key in circle})) if len(circle) > 1 else {}
         if not unasked:
@@ -347,7 +357,9 @@ class LiveStage:
         return Player(request, playing.composite, placement, self._staged.props, frame, expected)
 
     def _awaited(self, key: str) -> Expected:
-        """Where those are met that a performer awaits: as they will be, by what plays now and what is asked now."""
+        """Predicted positions (3,), in the motion's space, of the points that a performer anticipates, by the motions
+        and constraints of now.
+        """
         part, found = self._parts[key], Expected()
         time = part.playing.time_of(part.frame)
         for constraint in part.playing.active(part.frame):
@@ -360,7 +372,7 @@ class LiveStage:
         return found
 
     def _place_at(self, follow: FollowPerformer, seconds: float) -> NDArray[np.float64] | None:
-        """(3,) where on the stage what is followed is at ``seconds``; None where its performer does not play."""
+        """Stage position (3,) of a followed point at ``seconds``; None if its performer does not play."""
         part = self._parts.get(follow.performer_id)
         if part is None or part.result is None:
             return None
@@ -382,7 +394,7 @@ class LiveStage:
         return replace(posed, composite=part.playing.composite, passed=part.passed)
 
     def _expected(self, circle: tuple[str, ...], unasked: Paths) -> Paths:
-        """Where all are expected that is followed: as far from where it would be unasked as in the last step."""
+        """Expected tracks of all followed points: unconstrained ones, displaced as much as in the last step."""
         known, last = self._paths.get(circle, ({}, {}))
         expected = dict(unasked) if known else {}
         for name in expected.keys() & known.keys() & last.keys():
@@ -407,7 +419,7 @@ def _motion_frame(part: _Part) -> float:
 
 
 def _staged(project: Project, parts: Mapping[str, _Part], begun: Mapping[str, Act] = MappingProxyType({})) -> Project:
-    """``project`` in which performers play what took over from their rows, and what has just ``begun``."""
+    """``project`` in which the rows of performers are the clips that took over, and those of the acts in ``begun``."""
     acts = {key: part.act for key, part in parts.items() if part.act is not None} | dict(begun)
     rows = [(key, replace(project.performers[key], clips=(act.clip,), layers=()), None) for key, act in acts.items()]
     asked = [(f"{key} {each.name}", each, None) for key, act in acts.items() for each in act.asked]
@@ -416,7 +428,7 @@ def _staged(project: Project, parts: Mapping[str, _Part], begun: Mapping[str, Ac
 
 
 def _stands_otherwise(project: Project, before: Project, performer: Performer, was: Performer) -> bool:
-    """Whether a performer stands otherwise than before, before anything is asked of it."""
+    """True if the body, ground, placement or options of a performer changed, and so its unconstrained pose."""
     bodies = [given.characters[each.character_id] for given, each in ((project, performer), (before, was))]
     manners = [(each.position, each.heading, each.limited, each.clears) for each in (performer, was)]
     return bodies[0] is not bodies[1] or project.ground is not before.ground or manners[0] != manners[1]

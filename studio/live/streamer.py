@@ -1,4 +1,4 @@
-"""Performers streamed out as VMC: bundles of at most 1,500 bytes, each bone of each frame once."""
+"""VMC output of performers: bundles of at most 1,500 bytes, each bone once a frame."""
 
 import socket
 import threading
@@ -20,7 +20,7 @@ LARGEST_BUNDLE = 1_500
 
 
 def packets_of(positions: FloatArray, rotations: FloatArray, body: Morphology, seconds: float) -> list[bytes]:
-    """One frame of a body, (K+23, 3) and (K+18, 3, 3), as datagrams."""
+    """Datagrams of one frame of a body: positions (K+23, 3), rotations (K+18, 3, 3)."""
     root = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
     messages = [
         encode_message(vmc.OK_ADDRESS, [1]),
@@ -35,7 +35,7 @@ def packets_of(positions: FloatArray, rotations: FloatArray, body: Morphology, s
 
 @dataclass(frozen=True, eq=False)
 class StreamedPose:
-    """A body as a picture shows it, to be sent to ``port``: positions (K+23, 3) and rotations (K+18, 3, 3)."""
+    """Pose of a body as displayed, to be sent to ``port``: positions (K+23, 3) and rotations (K+18, 3, 3)."""
 
     port: int
     positions: FloatArray
@@ -44,10 +44,10 @@ class StreamedPose:
 
 
 class Broadcast:
-    """Sends the newest picture's bodies from a thread of its own: ``show`` never waits, and what is late is left out.
+    """Sender of the bodies displayed last, in a thread of its own: ``show`` never waits, and late frames are dropped.
 
-    ``problem`` is why nothing arrives, in a sentence; empty while all goes well. ``close`` does not wait either:
-    whether there is a host of the name ``address`` may take seconds to find out.
+    ``problem`` is a sentence that says why nothing arrives; empty while all goes well. ``close`` does not wait either:
+    finding the host ``address`` may take seconds.
     """
 
     def __init__(self, address: str = LOOPBACK) -> None:
@@ -58,12 +58,12 @@ class Broadcast:
         self._thread.start()
 
     def show(self, bodies: list[StreamedPose], seconds: float) -> None:
-        """Send these next."""
+        """Send ``bodies`` next."""
         self._newest = seconds, bodies
         self._waiting.set()
 
     def close(self) -> None:
-        """Send no more frames."""
+        """Stop the thread."""
         self._stopped = True
         self._waiting.set()
 
@@ -92,7 +92,7 @@ class Broadcast:
 
 
 class Streamer:
-    """Sends frames to one address; use it in a ``with``. Raises StudioError where the address cannot be found."""
+    """Sender of frames to one address; use it in a ``with``. Raises StudioError if the address cannot be found."""
 
     def __init__(self, port: int, address: str = LOOPBACK) -> None:
         try:
@@ -108,11 +108,11 @@ class Streamer:
         self.close()
 
     def close(self) -> None:
-        """Send no more."""
+        """Close the socket."""
         self._socket.close()
 
     def send(self, positions: FloatArray, rotations: FloatArray, body: Morphology, seconds: float) -> None:
-        """Send one frame. Raises StudioError where the system refuses it."""
+        """Send one frame. Raises StudioError if the system refuses it."""
         try:
             for packet in packets_of(positions, rotations, body, seconds):
                 self._socket.sendto(packet, self._to)
@@ -121,6 +121,6 @@ class Streamer:
 
 
 def unreachable(address: str, error: Exception) -> StudioError:
-    """Sentence for an address that cannot be found or sent to."""
+    """Error for an address that cannot be found or sent to, with its sentence."""
     reason = getattr(error, "strerror", None) or error
     return StudioError(f"Nothing can be sent to {address}: {reason}. Choose another address.")

@@ -1,4 +1,4 @@
-"""A take: what was played live, as clips with constraints that stay editable."""
+"""Take: live playback as clips with constraints that stay editable."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -21,14 +21,16 @@ from studio.core.stage.scope import Scope
 from studio.core.stage.timing import Timing
 
 STILL_SECONDS = 0.1
-"""Seconds after which a target that is moved again stood still until then."""
+"""Seconds between two moves of a target after which it is taken to have stood still until the second one."""
 Edit = tuple[str, str, Entity]
-"""Collection, id and what is put there."""
+"""Collection, id and entity to store there."""
 
 
 @dataclass(frozen=True, eq=False)
 class Begun:
-    """What a performer began to play at ``since`` seconds: clips, where they are in one motion, what they ask."""
+    """Start of a performer's motion at ``since`` seconds: clips, their pieces in the motion, its timing and added
+    constraints.
+    """
 
     since: float
     clips: tuple[Clip, ...]
@@ -36,12 +38,14 @@ class Begun:
     timing: Timing
     asked: tuple[Constraint, ...] = ()
     own: bool = False
-    """Whether it is the performer's own row."""
+    """True if the clips are the performer's own row."""
 
 
 @dataclass(frozen=True, eq=False)
 class StageTake:
-    """From ``begin`` to ``end`` seconds of the stage: what each performer began, and the projects that were given."""
+    """Recording from ``begin`` to ``end`` seconds of the stage: the motions that each performer began, and the projects
+    in use from each time on.
+    """
 
     begin: float
     end: float
@@ -51,7 +55,7 @@ class StageTake:
 
 @dataclass(frozen=True)
 class Recorded:
-    """A clip of a take, the clip that it is of, and what a behaviour asked in it."""
+    """Clip of a take, its source clip, and the constraints that a behaviour added to it."""
 
     performer_id: str
     clip: Clip
@@ -66,10 +70,10 @@ def edits_of(
     names: Iterator[str],
     begin: float | None = None,
 ) -> list[Edit]:
-    """What makes ``project`` play the take: rows, and what is asked in them; ``names`` are new ids.
+    """Edits that make ``project`` play the take: rows of clips and their constraints; ``names`` supplies new ids.
 
-    It plays from ``begin`` seconds of the stage on, or when it was played. Raises StudioError where a motion cannot be
-    had.
+    It plays from ``begin`` seconds of the stage on, or at its recorded time. Raises StudioError if a motion cannot be
+    loaded.
     """
     later = 0.0 if begin is None else begin - take.begin
     recorded = [each for key in project.performers for each in _row(take, key, project, motion_of, names, later != 0.0)]
@@ -92,10 +96,10 @@ def _row(
     names: Iterator[str],
     cut: bool,
 ) -> Iterator[Recorded]:
-    """The clips of one performer, each where it stood, until another one took over.
+    """Clips of one performer, each at its recorded placement until the next one took over.
 
-    What played when the take began begins when it did, unless it is ``cut`` there, and what played at its end plays
-    on: how a body stands has to do with what comes before and after.
+    The motion that played when the take began begins at its own start, unless it is ``cut`` there, and the last one
+    plays to its end: grounding depends on the frames before and after.
     """
     begun = [each for whose, each in take.begun if whose == key]
     for place, each in enumerate(begun):
@@ -114,7 +118,9 @@ def _row(
 def _trimmed(
     source: Clip, played: Played, timing: Timing, begin: float, end: float, motion: NormalizedMotion
 ) -> Clip | None:
-    """What of a piece plays between two times, standing where the piece did; None where nothing does."""
+    """Clip of the part of a piece that plays from ``begin`` to ``end`` (s), at the placement of the piece; None if no
+    part does.
+    """
     piece = played.piece
     begun = timing.stage_time(max(played.first, timing.first))
     starts, ends = max(begun, begin), min(timing.stage_time(min(played.last, timing.last)), end)
@@ -132,7 +138,7 @@ def _trimmed(
 
 
 def _about(placement: Planar, motion: NormalizedMotion, first: int, is_mirrored: bool) -> Planar:
-    """``placement`` as a turn about the root in frame ``first`` and a way, as a clip has it."""
+    """``placement`` as a rotation about the root in frame ``first`` and an offset, as a clip has it."""
     shown = mirrored(motion) if is_mirrored else motion
     place = shown.channels[first, at.HIPS : at.HIPS + 2]
     c, s = np.cos(placement.turn), np.sin(placement.turn)
@@ -142,7 +148,7 @@ def _about(placement: Planar, motion: NormalizedMotion, first: int, is_mirrored:
 
 
 def _contacts(recorded: Sequence[Recorded], project: Project, names: Iterator[str]) -> list[Edit]:
-    """What stands in a clip alone stands in what was recorded of it."""
+    """Edits that copy the contacts of each source clip to the clips recorded of it."""
     return [
         ("contacts", next(names), replace(contact, scope=Scope(clip_id=each.clip.id)))
         for each in recorded
@@ -152,7 +158,9 @@ def _contacts(recorded: Sequence[Recorded], project: Project, names: Iterator[st
 
 
 def _constraints(take: StageTake, recorded: Sequence[Recorded], project: Project, names: Iterator[str]) -> list[Edit]:
-    """What is asked of the clips: what was asked of their sources alone, what behaviours asked, targets that moved."""
+    """Edits of the constraints: those scoped to source clips are copied, those of behaviours added, moved targets
+    keyed.
+    """
     edits: list[Edit] = []
     moved = _moved(take, project)
     for key, constraint in project.constraints.items():
@@ -181,11 +189,11 @@ def _concerns(constraint: Constraint, each: Recorded) -> bool:
 
 
 Path = list[tuple[float, Vector]]
-"""Seconds of the stage, and where a target was from then on."""
+"""Seconds of the stage, and the position of a target from then on."""
 
 
 def _moved(take: StageTake, project: Project) -> dict[str, Path]:
-    """The targets that were moved while it was recorded, by the constraints' ids."""
+    """Paths of the targets that were moved during the recording, by the ids of their constraints."""
     paths: dict[str, Path] = {}
     for key in project.constraints:
         path: Path = []
@@ -206,7 +214,7 @@ def _place(constraint: Constraint | None) -> Vector | None:
 
 
 def _keyed(constraint: Constraint, path: Path, clip: Clip, project: Project) -> Constraint:
-    """The constraint with its target keyed along ``path`` in the seconds of a clip's motion."""
+    """Constraint with its target keyed along ``path``, in seconds of the motion of ``clip``."""
     rate = project.frame_rate_of(clip)
     times: list[float] = []
     values: list[Vector] = []

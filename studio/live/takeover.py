@@ -1,7 +1,7 @@
-"""A motion that takes over at any frame, without warning, from one that stands on the ground: placed where the body is.
+"""Takeover: a motion that begins at any frame of a grounded one, without warning, placed where the body is.
 
-It goes on behind the last poses of what played, so its feet stand where they stood; it stands as it does by itself and
-is led on from where the body is (``solver.standing.inertialisation``).
+It follows the last poses shown, so the feet stay where they stand. It is grounded by itself and then inertialised from
+the current pose (``solver.standing.inertialisation``).
 """
 
 from collections.abc import Callable, Sequence
@@ -21,18 +21,19 @@ from studio.core.solver.standing.inertialisation import Stance, led_from
 from studio.core.solver.standing.stand import Standing, stand
 
 LAST_POSE_SECONDS = 2.0
-"""Seconds for which the last pose is held before what takes over: feet that stand go on standing there."""
+"""Seconds for which the last pose is held before the takeover, so that standing feet keep their contacts."""
 SPEED_FRAMES = 3
-"""Frames of what played before that give its speed."""
+"""Number of frames shown last from which velocities are computed."""
 ACCELERATION_SECONDS = 1.0
-"""Seconds of what played by which it is known how its joints accelerate."""
+"""Seconds of the previous motion from which the accelerations of its joints are computed."""
 
 
 @dataclass(frozen=True, eq=False)
 class Takeover:
-    """``composite``, in which what takes over plays from frame ``first`` on, ``standing`` as it does by itself.
+    """Motion ``composite`` in which the new pieces play from frame ``first`` on, grounded as ``standing`` without
+    inertialisation.
 
-    What is different then dies away in ``seconds``; 0 in as many as it needs.
+    The difference at the takeover decays in ``seconds``; 0 chooses the time that it needs.
     """
 
     composite: Composite
@@ -41,27 +42,28 @@ class Takeover:
     seconds: float
 
     def led(self, before: Standing, rows: NDArray[np.int64]) -> Standing:
-        """As it stands from where ``before`` was in its frames ``rows``, the last ones that were seen."""
+        """Grounded motion inertialised from the frames ``rows`` of ``before``, the last ones shown."""
         return led_from(self.standing, self.first, Stance.of(before, rows), self.seconds)
 
 
 def take_over(
     before: Standing, rows: NDArray[np.int64], pieces: Sequence[MotionPiece], stood: Callable[[Composite], Standing]
 ) -> Takeover:
-    """Takeover by ``pieces`` after the frames ``rows`` (``SPEED_FRAMES``,) of ``before``; ``stood`` grounds them."""
+    """Takeover by ``pieces`` after the frames ``rows`` (SPEED_FRAMES,) of ``before``; ``stood`` grounds a composite."""
     begins, ease = pieces[0].start, pieces[0].ease
     shown = _shown(before, rows, begins)
     composite = led_on(shown, pieces)
     if any(each.point not in FOOT_POINTS for each in on_ground((*shown.contacts, *composite.contacts))):
-        # who is carried by hands, knees or seat as well may turn over meanwhile: that blend is set on the ground itself
+        # a body supported by hands, knees or seat as well may turn over: its blend is grounded as a whole
         composite = go_on(shown, _played(before, int(rows[-1])), pieces)
     return Takeover(composite, stood(composite), round(composite.timing.frame_at(begins)), ease)
 
 
 def _shown(before: Standing, rows: NDArray[np.int64], start: float) -> MotionPiece:
-    """Frames of what played, on the level floor, as a piece that ends where ``start`` begins.
+    """Last frames shown, on level ground, as a piece that ends where ``start`` begins.
 
-    They are held: a foot that stands is found where it stands, whatever comes next does with it.
+    The last pose is held before them, so that a standing foot is found where it stands, whatever the next piece does
+    with it.
     """
     standing, rate = before, before.motion.frame_rate
     if not standing.ground.is_level:

@@ -1,7 +1,8 @@
-"""What comes in over the network: bones and trackers by OSC and VMC, the newest value of each.
+"""Network input: bones and trackers received by OSC and VMC, the newest value of each.
 
-Off until it is asked for; it binds loopback unless told otherwise, and takes packets of the senders that are listed.
-What is no OSC, no number or too much is counted, not told one by one. No path or address in a packet is followed.
+It is off until it is switched on; it binds loopback unless told otherwise, and takes packets of listed senders only.
+Packets that are not OSC, invalid numbers and excess values are counted, not reported one by one. No path or address in
+a packet is followed.
 """
 
 import math
@@ -23,20 +24,20 @@ FloatArray = NDArray[np.float64]
 
 PORT, LOOPBACK = 39_539, "127.0.0.1"
 TRACKED_RANGE = 100.0
-"""Metres to which places are clamped."""
+"""Metres to which the coordinates of received positions are clamped, in both directions."""
 MOST_NAMES = 256
-"""Bones and trackers that are kept: more names are refused, so that nobody fills the memory."""
+"""Maximum number of bones, and of trackers: more names are refused, which limits the memory used."""
 MOST_SENDERS = 16
-"""Senders that are remembered beside those that are listed."""
+"""Number of senders, listed ones included, beyond which unknown senders are not remembered."""
 MOST_A_SLICE, SLICE = 250, 0.05
-"""Packets that are taken in so many seconds: more are left to the system, which drops them, so that nobody's window
-waits for a thread that decodes.
+"""Maximum number of packets taken in a slice of time, and its length in seconds: the system drops the others, so that
+decoding never makes the window wait.
 """
 
 
 @dataclass
 class Counts:
-    """Packets that were taken, and those that were not: ``bad`` ones, those of ``strangers``; and refused values."""
+    """Packets taken, malformed ones (``bad``) and those of senders that are off (``strangers``); and values refused."""
 
     taken: int = 0
     bad: int = 0
@@ -46,7 +47,7 @@ class Counts:
 
 @dataclass
 class Inbox:
-    """The newest value of every bone and tracker; any thread may feed it and read it."""
+    """Newest value of every bone and tracker; any thread may feed it and read it."""
 
     counts: Counts = field(default_factory=Counts)
     _bones: dict[str, vmc.Bone] = field(default_factory=dict)
@@ -54,7 +55,7 @@ class Inbox:
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
     def feed(self, packet: bytes) -> None:
-        """Take one datagram, whatever it is."""
+        """Decode one datagram, whatever it contains, and store its values."""
         try:
             messages = decode(packet)
         except BadPacket:
@@ -66,12 +67,14 @@ class Inbox:
                 self._take(message)
 
     def bones(self) -> dict[str, vmc.Bone]:
-        """The newest value of every bone."""
+        """Newest value of every bone, by name."""
         with self._lock:
             return dict(self._bones)
 
     def place(self, names: Sequence[str]) -> FloatArray | None:
-        """(3,) the mean of the trackers or the bone of these names, in the world; None while one has not come."""
+        """Mean position (3,) of the trackers of these ``names`` in the world, or the position of the one bone named;
+        None while one is missing.
+        """
         with self._lock:
             found = [self._trackers.get(name) for name in names]
             bones = dict(self._bones)
@@ -95,7 +98,7 @@ class Inbox:
 
 
 def bone_place(bones: dict[str, vmc.Bone], name: str) -> FloatArray | None:
-    """(3,) where a bone is in the world; None while it or a bone above it is missing."""
+    """World position (3,) of a bone; None if the body is incomplete or has no such bone."""
     found = vmc.posed(bones)
     if found is None:
         return None
@@ -117,7 +120,7 @@ def _named_bone(arguments: tuple[Argument, ...]) -> tuple[str, vmc.Bone | None]:
 
 @dataclass
 class Sender:
-    """Who sends to a port: whether it is listened to, how many packets came, and when the last one (``monotonic``)."""
+    """State of a sender: ``on`` if it is listened to, number of packets, and time of the last one (``monotonic``)."""
 
     on: bool
     packets: int = 0
@@ -125,10 +128,10 @@ class Sender:
 
 
 class UdpInput:
-    """Listens until it is closed, in a thread of its own; StudioError when the address cannot be had.
+    """UDP listener in a thread of its own, until it is closed. Raises StudioError if the address cannot be bound.
 
-    ``senders`` by their addresses may be switched on and off at any time; who else sends is noted, and off.
-    ``kept`` hears every datagram that is taken, with the seconds since it began to listen.
+    ``senders`` by their addresses may be switched on and off at any time; any other sender is added, switched off.
+    ``kept`` is called with each datagram that is taken and the seconds since listening began.
     """
 
     def __init__(
@@ -152,11 +155,11 @@ class UdpInput:
 
     @property
     def port(self) -> int:
-        """Where it listens; the one it was given when asked for port 0."""
+        """Port that it listens on; the one assigned by the system if port 0 was requested."""
         return int(self._socket.getsockname()[1])
 
     def close(self) -> None:
-        """Listen no more."""
+        """Stop listening, and wait for the thread."""
         self._stopped.set()
         self._thread.join()
         self._socket.close()

@@ -1,7 +1,7 @@
-"""The Virtual Motion Capture protocol: bones in Unity's axes, turned against a T-pose.
+"""The Virtual Motion Capture protocol: bones in Unity's axes, rotated relative to a T-pose.
 
-Unity has x right, y up, z forward, left-handed; ours are x forward, y left, z up: v = (z, -x, y), and a rotation
-(x, y, z, w) becomes (-z, x, -y, w).
+Unity has x right, y up, z forward, left-handed; ours are x forward, y left, z up: v = (z, -x, y), and a rotation (x, y,
+z, w) becomes (-z, x, -y, w).
 """
 
 from dataclasses import dataclass
@@ -28,9 +28,9 @@ BONE_ADDRESS, ROOT_ADDRESS, TRACKER_ADDRESS, HMD_ADDRESS, OK_ADDRESS, TIME_ADDRE
 VMC_SPINE_BONES = ("Spine", "Chest", "UpperChest")
 VMC_ARM_BONES, VMC_LEG_BONES = ("Shoulder", "UpperArm", "LowerArm", "Hand"), ("UpperLeg", "LowerLeg", "Foot", "Toes")
 TOES_ABOVE = 0.037
-"""Leg lengths from the sole up to the joint of the toes, which no packet tells."""
+"""Height of the toe joint above the sole in leg lengths, which no packet contains."""
 SHORTEST_VMC_BONE = 1e-3
-"""Metres that a received bone has at least; a shorter one has no direction, and the usual one is taken."""
+"""Minimum length of a received bone in metres; a shorter one has no direction, and a default is used."""
 MODEL_FORWARD = np.array([1.0, 0.0, 0.0])
 NEEDED = (
     "Hips",
@@ -38,32 +38,32 @@ NEEDED = (
     "Head",
     *(f"{side}{bone}" for side in ("Left", "Right") for bone in (*VMC_ARM_BONES[1:], *VMC_LEG_BONES[:3])),
 )
-"""Bones without which there is no body."""
+"""Bones without which no body can be built."""
 
 
 @dataclass(frozen=True, eq=False)
 class Bone:
-    """A bone as it is sent: where it is in its parent (m) and how it is turned (x, y, z, w), in our axes."""
+    """Bone as sent: its position in its parent (m) and its rotation (x, y, z, w), in our axes."""
 
     place: FloatArray
     turn: FloatArray
 
 
 def from_unity(place: ArrayLike, turn: ArrayLike) -> Bone:
-    """A bone in our axes."""
+    """Bone in our axes, from its position and rotation in Unity's."""
     (x, y, z), (a, b, c, w) = np.asarray(place, dtype=np.float64), np.asarray(turn, dtype=np.float64)
     return Bone(np.array([z, -x, y]), np.array([-c, a, -b, w]))
 
 
 def to_unity(bone: Bone) -> tuple[FloatArray, FloatArray]:
-    """Place (3,) and turn (4,) in Unity's axes."""
+    """Position (3,) and rotation (4,) of a bone in Unity's axes."""
     (x, y, z), (a, b, c, w) = bone.place, bone.turn
     return np.array([-y, z, x]), np.array([b, -c, -a, w])
 
 
 @dataclass(frozen=True)
 class BoneSegment:
-    """A bone and the segment that it turns; ``parent`` is a bone, empty for the hips."""
+    """Bone and the body segment that it rotates; ``parent`` is the name of a bone, empty for the hips."""
 
     name: str
     parent: str
@@ -71,7 +71,7 @@ class BoneSegment:
 
 
 def bone_segments(layout: BodyLayout) -> tuple[BoneSegment, ...]:
-    """The bones of a body, each after its parent: of a long spine the lowest, the middle and the thorax."""
+    """Bones of a body, each after its parent; of a long spine the lowest, the middle and the thorax segment."""
     count = layout.spine_count
     inner = sorted({1, max(1, count // 2), count - 1})
     spine = [BoneSegment(name, "", segment) for name, segment in zip(VMC_SPINE_BONES, inner, strict=False)]
@@ -93,7 +93,7 @@ def bone_segments(layout: BodyLayout) -> tuple[BoneSegment, ...]:
 
 @lru_cache(maxsize=16)
 def t_pose_axes(body: Morphology) -> FloatArray:
-    """(S, 3, 3) how the canonical segments stand in the T-pose against which bones are turned."""
+    """Rotations (S, 3, 3) of the canonical segments in the T-pose that bone rotations are relative to."""
     layout = body.layout
     axes = np.tile(np.eye(3), (layout.segment_count, 1, 1))
     axes[layout.spine_count] = frame_along(body.neck_rest, MODEL_FORWARD)
@@ -107,7 +107,7 @@ def t_pose_axes(body: Morphology) -> FloatArray:
 
 
 def bones_of(positions: FloatArray, rotations: FloatArray, body: Morphology) -> dict[str, Bone]:
-    """The bones of one frame of a body: positions (K+23, 3), rotations (K+18, 3, 3)."""
+    """Bones of one frame of a body by name; positions (K+23, 3), rotations (K+18, 3, 3)."""
     world = rotations @ np.swapaxes(t_pose_axes(body), 1, 2)
     points = body.layout.proximal_points()
     segments = {each.name: each.segment for each in bone_segments(body.layout)}
@@ -123,14 +123,14 @@ def bones_of(positions: FloatArray, rotations: FloatArray, body: Morphology) -> 
 
 
 def posed(bones: dict[str, Bone]) -> tuple[FloatArray, FloatArray, Morphology] | None:
-    """Positions (K+23, 3), rotations (K+18, 3, 3) and body of received bones; None while one is missing or the trunk
-    has no length.
+    """Positions (K+23, 3), rotations (K+18, 3, 3) and body of received bones; None if a needed bone is missing or the
+    trunk has no length.
     """
     if any(name not in bones for name in NEEDED):
         return None
     if sum(float(np.linalg.norm(bones[name].place)) for name in VMC_SPINE_BONES if name in bones) < SHORTEST_VMC_BONE:
         return None
-    # Where a bone is in its parent does not change while somebody moves, but for the hips: it is one body all the time.
+    # Of all offsets from parents only the hips' changes while somebody moves; else the body comes from the cache.
     body = _body(tuple((name, *bone.place.tolist()) for name, bone in bones.items() if name != "Hips"))
     layout, axes = body.layout, t_pose_axes(body)
     world: dict[str, FloatArray] = {}
@@ -145,7 +145,7 @@ def posed(bones: dict[str, Bone]) -> tuple[FloatArray, FloatArray, Morphology] |
 
 @lru_cache(maxsize=16)
 def _body(known: tuple[tuple[str, float, float, float], ...]) -> Morphology:
-    """The measures that the places of bones tell; hands, toes, head and soles are as usual for the rest."""
+    """Body measured by the positions of bones; hands, toes, head and soles have default proportions."""
     bones = {name: np.array(place) for name, *place in known}
 
     def place(name: str, usual: tuple[float, float, float]) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Scenes made by the program from its own captures: each a project, and what to look for in it."""
+"""Scenes made by the program from its own captures: each a project, and a text about it."""
 
 from dataclasses import dataclass
 from importlib import import_module
@@ -8,13 +8,13 @@ from studio.core.project import Project
 
 @dataclass(frozen=True)
 class BundledScene:
-    """A project that is made when it is asked for, and not loaded before."""
+    """Project that is made on request, and not loaded before."""
 
     title: str
     text: str
-    """What to look for."""
+    """Text for the user: what the scene shows."""
     maker: str
-    """Module and function within this package."""
+    """Name of the module and function that make it, in this package."""
 
     def make(self) -> Project:
         """The project. Raises StudioError where a bundled file cannot be read."""

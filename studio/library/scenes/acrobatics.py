@@ -1,4 +1,6 @@
-"""A handstand and a cartwheel on all bodies (K05, section 10): hands are feet for a while, on arms of any length."""
+"""A handstand and a cartwheel on all bodies (K05, section 10): hands bear the weight for a while, on arms of any
+length.
+"""
 
 from dataclasses import replace
 

@@ -10,9 +10,9 @@ from studio.library.scenes.papers import row
 from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, material
 
 BOX_WIDTHS = (0.16, 0.34, 0.52)
-"""Of the boxes, in metres; all are as deep as the first is wide, and a little higher."""
+"""Widths of the boxes in metres; all are as deep as the first is wide, and a little higher."""
 HANDS_CENTRE = (0.42, 0.0, 0.36)
-"""Of the middle between hands that swing, in leg lengths."""
+"""Position of the middle between swinging hands, in leg lengths."""
 
 
 def three_boxes() -> Project:

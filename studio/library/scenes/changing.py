@@ -16,7 +16,7 @@ from studio.library.scenes.papers import row
 from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, material
 
 GUARD_SPAN = (240, 340)
-"""Frames of the punch in which it only stands, both hands before the chest."""
+"""Frames of the punch in which the body only stands, both hands before the chest."""
 APART_OFFSET, TOGETHER_OFFSET = 0.45, 0.0
 CLAPS = (0.5, 1.0, 1.5)
 """Seconds at which hands meet."""

@@ -1,4 +1,6 @@
-"""One target for three bodies, each with the strike of the bundled library that is found for it (P09, figures 1, 8)."""
+"""One target for three bodies; each plays the strike of the bundled library that is found for it (P09,
+figures 1, 8).
+"""
 
 from dataclasses import replace
 from pathlib import Path
@@ -25,17 +27,17 @@ FIGHTER_BODIES = ("child", "adult_woman", "giant")
 GUARD_FRAMES = (240, 300)
 """Frames of the punch in which the fighter only stands on guard; the strike takes over from the last one."""
 TARGET_AHEAD, TARGET_HEIGHT = 0.7, 1.1
-"""Metres: of the target before the root and above the ground."""
+"""Distance of the target ahead of the root, and its height above the ground, in metres."""
 BALL_DIAMETER = 0.12
-"""Metres across."""
+"""Diameter of the target in metres."""
 FIGHTER_SPACING = 2.0
 """Metres from one body to the next."""
 MOST_STRIKES_TRIED = 4
-"""Strikes that are tried, as far as the target is met."""
+"""Maximum number of strikes that are solved to choose the one that meets the target."""
 
 
 def one_target() -> Project:
-    """The scene; StudioError where a bundled file cannot be read."""
+    """Project of the scene. Raises StudioError if a bundled file cannot be read."""
     stuff = material(guard=("Guard", "straight_punch"))
     guard, _ = normalize(stuff.captures["straight_punch"])
     library, people = bundled_library(), bodies(5)
@@ -50,7 +52,9 @@ def one_target() -> Project:
 def target_of(
     guard: NormalizedMotion, frame: int, body: Morphology, place: tuple[float, float] = (TARGET_AHEAD, TARGET_HEIGHT)
 ) -> StrikeQuery:
-    """What a body is to hit from a frame of its guard: ``place`` is ahead of its root, and above the ground."""
+    """Query for a target of a body in a frame of its guard; ``place`` is metres ahead of its root, and above the
+    ground.
+    """
     pose = replace(guard, channels=guard.channels[frame : frame + 1])
     x, y, _ = realize(pose, body)[0][0, 0].tolist()
     return StrikeQuery(pose, body, (x + place[0], y, place[1]))
@@ -59,7 +63,7 @@ def target_of(
 def _with_fighter(
     project: Project, key: str, character: Character, y: float, asked: StrikeQuery, found: Result
 ) -> Project:
-    """One more body that stands on guard and then does what was found for it."""
+    """``project`` with one more body that stands on guard and then plays the strike found for it."""
     motion_id, target, begins = (
         found.clip.take.motion.name,
         f"target {key}",

@@ -29,7 +29,7 @@ from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, around, bodies, 
 KICK_FRAME, PUNCH_FRAME = 152, 181
 """Frames of the captures at which the leg and the arm are stretched most."""
 FIGHT_DISTANCE = 1.7
-"""Leg lengths between two who fight, of the mean of their legs: as far as kick and punch go by themselves."""
+"""Distance between two fighters in mean leg lengths: as far as kick and punch reach unadapted."""
 PAIR_SPACING = 2.2
 """Metres from one pair to the next."""
 KICKING_ANKLE = BodyPoint(BodyPart.RIGHT_SHANK, at_end=True)
@@ -38,7 +38,7 @@ RIGHT_FIST = BodyPoint(BodyPart.RIGHT_HAND, (0.0, 0.0, 0.09))
 POINT_BEFORE_CHEST = BodyPoint(BodyPart.THORAX, (0.24, 0.0, -0.02))
 BEFORE_BELLY = BodyPoint(BodyPart.PELVIS, (0.24, 0.0, 0.02))
 CHEST_KICK_STATURE = 0.9
-"""Of the other's stature, below which a leg does not reach the chest."""
+"""Fraction of the other's stature below which a leg does not reach the chest."""
 CHIN = BodyPoint(BodyPart.HEAD, (0.12, 0.0, 0.03))
 BACK = (-0.22, 0.0, -0.05)
 """Leg lengths by which a head leans back from a fist."""
@@ -47,23 +47,23 @@ GUARD_CHAINS, LOW_GUARD = Chain(), Chain(trunk=0.8)
 
 
 KICK_SECONDS, WARD_DELAY = 1.0, 0.65
-"""Seconds of the stage at which the timeline has the kick begin, and how much later it is warded off."""
+"""Seconds of the stage at which the kick begins on the timeline, and seconds from then to the warding off."""
 ON_GUARD = 1.4
-"""Leg lengths from hips to hips, as they stand on guard at the beginning."""
+"""Distance between the hips of a pair on guard at the beginning, in leg lengths."""
 AT_REACH, BEYOND_KICK = KeepDistance(distance=ON_GUARD, room=0.12, legs=True), ON_GUARD + 0.3
-"""How they stand while it plays live; from more leg lengths nobody kicks."""
+"""Distance kept in live playback, and the leg lengths beyond which nobody kicks."""
 
 
 @dataclass(frozen=True)
 class Pair:
-    """Who kicks and leans back, and who wards off and punches."""
+    """Pair of fighters: white kicks and leans back, red wards off and punches."""
 
     white: str
     red: str
 
 
 def fight_training(pairs: int = 4) -> Project:
-    """The scene; StudioError where a bundled file cannot be read."""
+    """Project of the scene. Raises StudioError if a bundled file cannot be read."""
     stuff = material(
         rest=("Rest", "straight_punch"), kick=("Kick", "front_kick"), ward_off=("Ward off, punch", "straight_punch")
     )
@@ -85,12 +85,12 @@ def fight_training(pairs: int = 4) -> Project:
         constraints |= _asked(pair, BEFORE_BELLY if small else POINT_BEFORE_CHEST)
     behaviours = {"white": _kicking(fighters), "red": _warding(fighters)}
     contacts = {key: each for key, each in stuff.contacts.items() if isinstance(each.point, ContactPoint)}
-    # Hands on guard are near each other, but who wards off with one does not take the other along.
+    # Hands on guard are near each other, but a hand that wards off must not drag the other along.
     return Project(stuff.captures, stuff.motions, characters, performers, constraints, contacts, behaviours=behaviours)
 
 
 def _kicking(fighters: Sequence[Pair]) -> Behaviour:
-    """Of all in white, played live: they kick on a key. What is asked of the kick is asked in any case."""
+    """Behaviour of all in white, played live: they kick on a key. The constraints of the kick act in any case."""
     guard = State("Guard", Clip("rest", 240, 340, id="guard"), manners=(AT_REACH,))
     kick = State("Kick", Clip("kick", 90, 240, id="kick"), False, event="kick", place=(288.0, 0.0))
     ways = (
@@ -102,7 +102,7 @@ def _kicking(fighters: Sequence[Pair]) -> Behaviour:
 
 
 def _warding(fighters: Sequence[Pair]) -> Behaviour:
-    """Of all in red, played live: they wait for the leg of the partner that kicks, ward it off and punch."""
+    """Behaviour of all in red, played live: they wait for the leg of the partner that kicks, ward it off and punch."""
     guard = State("Guard", Clip("rest", 240, 340, id="guard"), manners=(AT_REACH,))
     waits = State("Wait", Clip("rest", 240, 340, id="wait"), place=(264.0, -72.0))
     ward = State("Ward off, punch", Clip("ward_off", 100, 230, id="ward off"), False, place=(528.0, 0.0))
@@ -137,7 +137,7 @@ def _red(key: str) -> tuple[Clip, ...]:
 
 
 def _asked(pair: Pair, kicked: BodyPoint) -> dict[str, Constraint]:
-    """Of one pair: each of its own fighter alone, after the other's adapted body."""
+    """Constraints of one pair by their ids: each is of one fighter, and follows the other's adapted body."""
     white, red = Scope(performer_id=pair.white), Scope(performer_id=pair.red)
     met = 100 + round(
         ((KICK_FRAME - 90) / BUNDLED_FRAME_RATE - WARD_DELAY) * BUNDLED_FRAME_RATE

@@ -1,4 +1,4 @@
-"""Scenes of the first paper's figures with one motion each (K05, figures 2, 6, 12 and 13; section 7)."""
+"""Scenes of figures of the first paper, with one motion each (K05, figures 2, 6, 12 and 13; section 7)."""
 
 from dataclasses import replace
 
@@ -47,7 +47,7 @@ def table() -> Project:
 
 
 TABLE_AHEAD, TABLE_SIZE = 0.75, (0.8, 0.9, 1.0)
-"""Metres: how far ahead a table stands, and its length, breadth and height."""
+"""Distance of a table ahead of the body, and its length, breadth and height, in metres."""
 
 
 def balance() -> Project:
@@ -75,11 +75,11 @@ def balance() -> Project:
 
 
 FAR_TARGET_FRAME = 250
-"""Frame of the reach at which it is asked to go farther."""
+"""Frame of the reach in which the wrist's target is farther away."""
 
 
 def wrist_before_elbow() -> Project:
-    """The wrist's place comes before the elbow's; for one body both are within reach (figure 13)."""
+    """The wrist's target has priority over the elbow's; for one body both are within reach (figure 13)."""
     project = row(material(reach=("Reach", "reach_grasp")), "reach", 2, same=True)
     near, far = project.performers
     renamed = {near: "Elbow in reach", far: "Elbow out of reach"}
@@ -107,7 +107,7 @@ def slope() -> Project:
 
 
 def row(stuff: SourceMotions, motion_id: str, count: int, apart: float = 1.15, same: bool = False) -> Project:
-    """Performers beside each other who play one motion, on bodies of their own or all on the ``same``."""
+    """Project of performers side by side who play one motion, on bodies of their own or all on the ``same``."""
     characters = bodies(1 if same else count)
     names = list(characters) * (count if same else 1)
     capture = stuff.captures[stuff.motions[motion_id].capture_id]

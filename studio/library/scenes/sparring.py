@@ -25,20 +25,20 @@ PUNCH_FIRST, PUNCH_LAST, GUARD_FROM = 140, 230, 240
 HIT = (ARM_STRETCHED_FRAME - PUNCH_FIRST) / BUNDLED_FRAME_RATE
 """Seconds from the beginning of a punch to its hit."""
 SPARRING_DISTANCE = 1.25
-"""Metres from one to the other."""
+"""Distance between the fighters in metres."""
 PUNCH_DISTANCE = 1.7
-"""Metres from which a punch is worth while."""
+"""Distance in metres below which a fighter punches."""
 HEAD_CLEARANCE = 0.3
-"""Metres that a head keeps from a fist."""
+"""Clearance in metres that a head keeps from a fist."""
 CHEST_TARGET = BodyPoint(BodyPart.THORAX, (0.24, 0.0, 0.0))
 LOW_PUNCH, HIGH_PUNCH = "low punch", "high punch"
 PUNCH_KEYS = {"adult_woman": ("X", "C"), "tall_man": ("N", "M")}
-"""By fighter the keys of a low and of a high punch."""
+"""Keys of a low and of a high punch, by fighter."""
 PUNCH_CHAIN = Chain(trunk=1.0, root=1.0)
 
 
 def sparring() -> Project:
-    """The scene; StudioError where a bundled file cannot be read."""
+    """Project of the scene. Raises StudioError if a bundled file cannot be read."""
     stuff = material(rest=("Guard", "straight_punch"), punch=("Punch", "straight_punch"))
     people = {key: replace(each, grip=hand_shapes.FIST_GRIP) for key, each in bodies(5).items() if key in PUNCH_KEYS}
     performers, behaviours = {}, {}
@@ -53,13 +53,15 @@ def sparring() -> Project:
 
 
 def upright_head(body: Morphology) -> BodyPoint:
-    """Where the head of a body is that does not lean: a point of its pelvis, which leaning does not move."""
+    """Point of the upright head as a point of the pelvis, which does not move when the body leans."""
     height = float(np.linalg.norm(body.spine, axis=1).sum()) + body.neck + 0.5 * body.head
     return BodyPoint(BodyPart.PELVIS, (0.1, 0.0, height))
 
 
 def fighter(low: str, high: str, head: BodyPoint) -> Behaviour:
-    """On guard until a key lets it punch, at the chest or at the ``head``, or its partner does."""
+    """Behaviour of a fighter: on guard until a key makes it punch, at the chest or at the ``head``, or its partner
+    punches.
+    """
     guard = Clip("rest", GUARD_FROM, GUARD_FROM + 99, id="guard")
     punch, answer = (
         Clip("punch", PUNCH_FIRST, PUNCH_LAST, id="punch"),
@@ -83,7 +85,9 @@ def fighter(low: str, high: str, head: BodyPoint) -> Behaviour:
 
 
 def _with_answer(behaviour: Behaviour, state: State, conditions: tuple[Condition, ...]) -> Behaviour:
-    """A state that the guard goes over to, and back when its clip has ended."""
+    """``behaviour`` with a ``state`` that follows the guard on ``conditions``, and goes back to it when its
+    clip ends.
+    """
     more = edits.with_state(behaviour, state)
     ways = (
         Transition("Guard", state.name, conditions, 0.2),

@@ -1,4 +1,4 @@
-"""What scenes are made of: the bundled captures as motions, bodies of other proportions, and points of bodies."""
+"""Parts of scenes: the bundled captures as motions, bodies of other proportions, and points of bodies."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -44,7 +44,7 @@ def material(**names: tuple[str, str]) -> SourceMotions:
 
 
 def bodies(count: int) -> dict[str, Character]:
-    """``count`` characters, no two of one build: the bundled ones, then those in other proportions."""
+    """``count`` characters of different builds: the bundled ones, then the same in other proportions."""
     found = dict(bundled_characters())
     others = (
         Proportions(stature=0.93, thighs=1.06, shanks=1.06),
@@ -58,7 +58,9 @@ def bodies(count: int) -> dict[str, Character]:
 
 
 def hit_at(frame: int, ease: int = 9) -> ActivationCurve:
-    """Full in one frame, coming and going in ``ease`` frames: a blow touches for a moment and goes on."""
+    """Activation that is full in one frame and fades in and out in ``ease`` frames: a blow touches for a moment and
+    goes on.
+    """
     first, last = frame - 0.5, frame + 0.5
     return ActivationCurve(
         (first - ease) / BUNDLED_FRAME_RATE,
@@ -70,7 +72,7 @@ def hit_at(frame: int, ease: int = 9) -> ActivationCurve:
 
 
 def around(frame: int, ease: int = 14, hold: int = 3) -> ActivationCurve:
-    """Full for ``hold`` frames to each side of one, coming and going in ``ease`` frames."""
+    """Activation that is full for ``hold`` frames to each side of one, and fades in and out in ``ease`` frames."""
     first, last = frame - hold, frame + hold
     return ActivationCurve(
         (first - ease) / BUNDLED_FRAME_RATE,
