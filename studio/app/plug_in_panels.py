@@ -12,7 +12,7 @@ from studio.io import plug_ins
 
 def add_panel_actions(window: Any) -> None:
     """A line in the menu *View* of the main window for each panel that packages offer; nothing is loaded."""
-    for offer in plug_ins.offers(plug_ins.PANELS):
+    for offer in plug_ins.offers(plug_ins.PANELS_GROUP):
         action = QAction(f"{offer.name.replace('_', ' ').capitalize()} panel", window)
         action.setToolTip(f"Added by {offer.package}")
         action.triggered.connect(lambda _=False, offer=offer: show_plug_in(window, offer))

@@ -16,7 +16,7 @@ from typing import Any, Generic, TypeVar
 
 from studio.core.errors import StudioError
 
-FORMATS, VERBS, PANELS = "morpho_studio.formats", "morpho_studio.verbs", "morpho_studio.panels"
+FORMATS_GROUP, VERBS_GROUP, PANELS_GROUP = "morpho_studio.formats", "morpho_studio.verbs", "morpho_studio.panels"
 
 T = TypeVar("T")
 

@@ -308,7 +308,7 @@ def known_formats() -> KnownFormats:
         names.add(added.name)
         return added
 
-    loaded = plug_ins.load_all(plug_ins.FORMATS, accepted)
+    loaded = plug_ins.load_all(plug_ins.FORMATS_GROUP, accepted)
     failures = (f"{each} {_EARLIER}" if "Format.__init__" in each else each for each in loaded.failures)
     return KnownFormats((*OWN_FORMATS, *loaded.found), tuple(failures))
 

@@ -11,14 +11,14 @@ from studio.panels.fields import labelled
 
 PROBLEM_COLUMNS = ("Body", "Constraint", *(aspect.capitalize() for aspect in ASPECTS))
 NO_ROWS = "Nothing is adapted yet. Drop a capture and add constraints; how well they hold is listed here."
-ROW, ASPECT, WEIGHT = Qt.ItemDataRole.UserRole, Qt.ItemDataRole.UserRole + 1, Qt.ItemDataRole.UserRole + 2
+ROW, ASPECT, BADNESS_ROLE = Qt.ItemDataRole.UserRole, Qt.ItemDataRole.UserRole + 1, Qt.ItemDataRole.UserRole + 2
 
 
 class _Cell(QTableWidgetItem):
     """A cell that is sorted by its badness, or else by its text."""
 
     def __lt__(self, other: QTableWidgetItem) -> bool:
-        own, theirs = self.data(WEIGHT), other.data(WEIGHT)
+        own, theirs = self.data(BADNESS_ROLE), other.data(BADNESS_ROLE)
         if own is None or theirs is None:
             return self.text().lower() < other.text().lower()
         return bool(own < theirs)
@@ -78,7 +78,7 @@ class ProblemTable(QWidget):
         cell.setData(ROW, row)
         cell.setData(ASPECT, aspect)
         if column >= 2:
-            cell.setData(WEIGHT, finding.weight if finding else -1.0)
+            cell.setData(BADNESS_ROLE, finding.weight if finding else -1.0)
             cell.setTextAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
             if finding is not None and finding.amount > finding.measure.worth_saying:
                 missed = finding.amount > finding.measure.partly_below

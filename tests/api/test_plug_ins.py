@@ -90,7 +90,7 @@ def test_plug_ins_that_fail_are_told_and_the_studio_starts(open_window, monkeypa
     monkeypatch.setattr(
         plug_ins,
         "entry_points",
-        lambda group: [] if group == plug_ins.FORMATS else [EntryPoint(*each, group) for each in values.items()],
+        lambda group: [] if group == plug_ins.FORMATS_GROUP else [EntryPoint(*each, group) for each in values.items()],
     )
     window = open_window()
     _action(window, "Gone panel").trigger()

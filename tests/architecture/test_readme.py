@@ -11,7 +11,7 @@ GUIDE = (ROOT / "docs" / "guide.md").read_text(encoding="utf-8")
 PAGES = sorted([ROOT / "README.md", ROOT / "CHANGELOG.md", *(ROOT / "docs").glob("*.md")])
 CODE = re.compile(r"```[^`]*```|`[^`\n]+`|^ {4}[^\n]+", re.MULTILINE)
 COMMANDS = re.sub(r"#[^\n]*", "", "\n".join(CODE.findall(README)))
-PICTURES = 5_000_000
+PICTURES = 6_000_000
 FILM = 3_000_000
 
 

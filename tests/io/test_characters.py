@@ -241,13 +241,13 @@ def _instance(found: re.Match[str]) -> str:
 @pytest.mark.parametrize(
     ("limit", "module", "name", "words"),
     [
-        ("MOST_NODES", "studio.io.hanim.vrml", "skin.wrl", "more than 5 nodes"),
+        ("MOST_HANIM_NODES", "studio.io.hanim.vrml", "skin.wrl", "more than 5 nodes"),
         ("_MOST_WORDS", "studio.io.hanim.vrml", "skin.wrl", "more than 5 words"),
-        ("MOST_NODES", "studio.io.hanim.x3d", "skin.x3d", "more than"),
-        ("MOST_JOINTS", "studio.io.hanim.humanoid", "skin.x3d", "more than 5 joints"),
+        ("MOST_HANIM_NODES", "studio.io.hanim.x3d", "skin.x3d", "more than"),
+        ("MOST_FIGURE_JOINTS", "studio.io.hanim.humanoid", "skin.x3d", "more than 5 joints"),
         ("MOST_VERTICES", "studio.io.hanim.humanoid", "skin.x3d", "more than 5 "),
-        ("MOST_NODES", "studio.io.gltf.nodes", "plain.glb", "the studio takes 5"),
-        ("MOST_JOINTS", "studio.io.gltf.figure", "plain.glb", "more than 5 joints"),
+        ("MOST_GLTF_NODES", "studio.io.gltf.nodes", "plain.glb", "the studio takes 5"),
+        ("MOST_FIGURE_JOINTS", "studio.io.gltf.figure", "plain.glb", "more than 5 joints"),
         ("MOST_VERTICES", "studio.io.gltf.meshes", "plain.glb", "more than 5 vertices"),
         ("_MOST_RECORDS", "studio.io.gltf.container", "plain.glb", "more than 5 records"),
     ],

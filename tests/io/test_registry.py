@@ -25,7 +25,7 @@ def installed(monkeypatch):
     """Lets packages be installed that add formats: name and what their entry point names."""
 
     def install(**entries: str) -> None:
-        group = [EntryPoint(name, value, plug_ins.FORMATS) for name, value in entries.items()]
+        group = [EntryPoint(name, value, plug_ins.FORMATS_GROUP) for name, value in entries.items()]
         monkeypatch.setattr(plug_ins, "entry_points", lambda group, group_=group: group_)
         known_formats.cache_clear()
 

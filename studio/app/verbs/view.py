@@ -136,9 +136,9 @@ def formats(bench: Workbench) -> None:
 def plug_ins(bench: Workbench) -> None:
     """What installed packages add, with the error of what cannot be loaded."""
     groups = {
-        plug_in_groups.VERBS: plug_in_groups.verb_of,
-        plug_in_groups.PANELS: plug_in_groups.panel_of,
-        plug_in_groups.FORMATS: lambda found: found,
+        plug_in_groups.VERBS_GROUP: plug_in_groups.verb_of,
+        plug_in_groups.PANELS_GROUP: plug_in_groups.panel_of,
+        plug_in_groups.FORMATS_GROUP: lambda found: found,
     }
     rows: list[tuple[str, str]] = []
     for group, accepted in groups.items():

@@ -14,7 +14,7 @@ HOLD, RAMP = 0.1, 0.3
 """Seconds held on either side of the playhead, and eased beyond, wherever the limb keeps its speed with them."""
 CHANGE = 1.1
 """Factor by which the peak speed of a limb may grow or shrink."""
-SLOW = 0.1
+SLOW_LIMB = 0.1
 """Metres or radians a second: slower speeds count as this."""
 HOLDS = (HOLD, 0.05, 0.02, 0.0)
 RAMPS = (RAMP, 0.2, 0.4, 0.5, 0.7, 1.0)
@@ -56,7 +56,7 @@ def _fitted_side(since: FloatArray, away: FloatArray, room: float) -> tuple[floa
         activation = ease(weighted_progress(progress, 1.0, weight), EaseShape.QUINTIC)
         speeds = np.linalg.norm(np.diff((1.0 - activation)[:, None] * away, axis=0), axis=1) / steps
         compared = since[1:] <= max(hold + ramp, min(HOLD + RAMP, room)) + 1e-9
-        peak, usual_peak = (max(float(each[compared].max(initial=0.0)), SLOW) for each in (speeds, natural))
+        peak, usual_peak = (max(float(each[compared].max(initial=0.0)), SLOW_LIMB) for each in (speeds, natural))
         change = abs(math.log(peak / usual_peak))
         if change <= math.log(CHANGE):
             return hold, ramp, weight
