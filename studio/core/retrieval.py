@@ -96,23 +96,23 @@ class SearchTable:
 
     @cached_property
     def clips(self) -> IntArray:
-        """(C, 4) actor, limb, first row and count of the path."""
+        """Actor, limb, first row and row count of each clip's path, (C, 4)."""
         begins = np.cumsum(self.path_counts) - self.path_counts
         return np.column_stack([self.actors, self.limbs, begins, self.path_counts]).astype(np.int64)
 
     @cached_property
     def first_rows(self) -> IntArray:
-        """(C,) the row of each clip's first frame."""
+        """Row of each clip's first frame, (C,)."""
         return np.asarray(np.cumsum(self.frame_counts) - self.frame_counts, dtype=np.int64)
 
     @cached_property
     def blocks(self) -> "Blocks":
-        """What is looked at first."""
+        """Runs of frames, with bounds of their cost, that are searched before single frames."""
         return Blocks.of(self)
 
     @cached_property
     def searched(self) -> at.FrameTable:
-        """As the kernels take it."""
+        """Frames as a table for the kernels."""
         blocks = self.blocks
         return at.FrameTable(
             self.rows, self.paths, self.clips, blocks.spans, blocks.middles, blocks.radii, blocks.rings
@@ -121,7 +121,7 @@ class SearchTable:
 
 @dataclass(frozen=True, eq=False)
 class Blocks:
-    """Runs of frames of one clip: ``spans`` (B, 3) clip, first row and count, and what bounds the cost of their frames.
+    """Runs of frames of one clip: ``spans`` (B, 3) clip, first row and count, and the bounds of their frames' cost.
 
     ``middles`` (B, 64), ``radii`` (B,) metres from there to the farthest frame; ``rings`` (B, 4) least and greatest
     distance of the hit from a pose's middle, lowest and highest hit.
@@ -152,8 +152,8 @@ class Blocks:
 
 @dataclass(frozen=True, eq=False)
 class Query:
-    """What is searched for: ``poses`` (A, 64) the performer's pose on every actor, ``targets`` (A, 4, 3) where each
-    limb of each is to hit, in metres about the middle of that pose, heights above the ground.
+    """Query of a search: ``poses`` (A, 64), the performer's pose on every actor, and ``targets`` (A, 4, 3), the point
+    that each limb of each is to hit, in metres about the middle of that pose, heights above the ground.
     """
 
     poses: Rows

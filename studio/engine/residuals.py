@@ -1,7 +1,7 @@
-"""By how much a constraint is missed on a body: one rule for every view.
+"""Residual of a constraint on a body: one rule for every view.
 
-What counts is the worst frame in which the constraint is fully active; where it never is, the worst in which it is
-active at all. A foot's constraint is fully active only where no contact holds that foot.
+The residual is that of the worst frame in which the constraint is fully active, or, if it never is, of the worst in
+which it is active at all. A foot's constraint is fully active only where no contact holds that foot.
 """
 
 from dataclasses import dataclass

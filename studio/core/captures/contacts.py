@@ -20,21 +20,21 @@ Span = tuple[int, int]
 
 
 class _Sided(StrEnum):
-    """What is named by its side and its member: ``left_heel``, ``right_hand_on_head``."""
+    """Name made of a side and a member: ``left_heel``, ``right_hand_on_head``."""
 
     @cached_property
     def side(self) -> int:
-        """0 left, 1 right; what is on neither side, or on both, counts as left."""
+        """Side, 0 left, 1 right; a name of neither side, or of both, counts as left."""
         return 1 if self.value.startswith("right") else 0
 
     @cached_property
     def member(self) -> str:
-        """What it is on either side, or what a hand is on."""
+        """Last word of the name: the point without its side (``heel``), or the part that a hand is on (``head``)."""
         return self.value.rpartition("_")[2]
 
 
 class ContactPoint(_Sided):
-    """What of a body touches the ground.
+    """Point of a body that can touch the ground.
 
     The heel moves with the ankle, the toe with the toe joint, the hand with the wrist; the seat is the middle of the
     hips.
@@ -80,10 +80,10 @@ def touching_points(point: ContactPoint, layout: BodyLayout) -> list[int]:
 
 
 class Touch(_Sided):
-    """What hands touch or hold, other than the ground.
+    """Contact of the hands with each other, with a held object or with the body.
 
-    Hands that are together keep their way from each other as far as their arms are long; a thing between them keeps
-    its size. A hand on the body stays where it lies on it, however thick that is.
+    Hands that are together keep their offset from each other, scaled with the length of the arms; an object between
+    them keeps its size. A hand on the body keeps its position on the surface, however thick the body is.
     """
 
     HANDS_TOGETHER = "hands_together"
@@ -136,7 +136,7 @@ class ContactInterval:
     first: int
     last: int
     scope: Scope = EVERYONE
-    """Whose contact it is. Where one of a narrower scope is, those of its point of wider ones do not count."""
+    """Performers or clip of the contact. Contacts of a narrower scope replace those of wider ones at the same point."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "point", contact_point(self.point))
@@ -407,8 +407,8 @@ def _stays(track: FloatArray, first: int, last: int, rest: int) -> list[Span]:
 
 
 def trailed(spans: list[Span], toes: FloatArray, down: NDArray[np.bool_], frame_rate: float) -> list[Span]:
-    """What of the ``spans`` of toes (F, 3) stands where their leg lies ``down`` (F,): while it does, toes that stray
-    farther than ``TRAILING``, or rest for a moment only, trail.
+    """Parts of the ``spans`` of toes (F, 3) that are contacts. While their leg lies ``down`` (F,), toes that move
+    farther than ``TRAILING``, or rest only for a moment, trail and are left out.
     """
     trail, whole = round(BODY_SHORTEST["knee"] * frame_rate), round(SHORTEST_CONTACT * frame_rate)
     found = []
@@ -460,7 +460,7 @@ def contact_mask(spans: Iterable[Span], frame_count: int) -> NDArray[np.bool_]:
 
 
 def without(spans: list[Span], mask: NDArray[np.bool_], shortest: int) -> list[Span]:
-    """What of ``spans`` lies outside ``mask`` (F,) and lasts longer than ``shortest`` frames; all of them if none."""
+    """Parts of ``spans`` outside ``mask`` (F,) and longer than ``shortest`` frames; all if no span meets the mask."""
     if not any(mask[first : last + 1].any() for first, last in spans):
         return spans
     rest = spans_of(contact_mask(spans, len(mask)) & ~mask)

@@ -50,14 +50,14 @@ _SHOWN, _NAMED = 4, 3
 
 @dataclass(frozen=True)
 class Remark:
-    """What is odd, in a sentence, and the (first, last) frames in which it is; none where it is all the time."""
+    """Warning about a capture, in a sentence, and its (first, last) frames; no frames if it holds throughout."""
 
     words: str
     spans: tuple[tuple[int, int], ...] = ()
 
     @property
     def sentence(self) -> str:
-        """With its frames."""
+        """Words of the warning, followed by its frames."""
         if not self.spans:
             return self.words
         shown = [f"{a}" if a == b else f"{a} to {b}" for a, b in self.spans[:_SHOWN]]
@@ -211,7 +211,7 @@ def _mapped_bones(skeleton: Skeleton, body: BodyMap) -> list[tuple[str, int, int
 
 
 def _feet_point_back(capture: Capture, body: BodyMap, positions: FloatArray) -> bool:
-    """Whether both feet are most of the time well behind their ankles, as hips and trunk face.
+    """True if both feet point well behind their ankles most of the time, relative to the facing of hips and trunk.
 
     A foot in line with its shank has no direction of its own.
     """
@@ -249,7 +249,7 @@ def _jumps(capture: Capture, root: FloatArray) -> list[Remark]:
 
 
 def _sudden(steps: FloatArray, frame_rate: float) -> NDArray[np.bool_]:
-    """Which steps (F-1, 3) are unlike both their neighbours, those at an end unlike the only one."""
+    """Mask, (F-1,), of the ``steps`` (F-1, 3) that differ much from both neighbours (at an end, from the only one)."""
     if len(steps) < 2:
         return np.zeros(len(steps), dtype=bool)
     unlike = np.linalg.norm(np.diff(steps, axis=0), axis=1)

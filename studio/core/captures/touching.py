@@ -96,9 +96,9 @@ def _end(
 def find_touches(
     motion: NormalizedMotion, actor: Morphology, free: Mask, first_frame: int = 0
 ) -> Iterator[tuple[Touch, Span]]:
-    """What hands touch and hold while the ``actor`` plays the motion; frames before ``first_frame`` are left out.
+    """Yield each touch of the hands, with its frames, in the motion on its ``actor`` from ``first_frame`` on.
 
-    ``free`` (2, F) where each hand is free of the ground.
+    ``free`` (2, F) is True where each hand is off the ground.
     """
     positions, rotations = (each[first_frame:] for each in realize(motion, actor, play=True))
     free = free[:, first_frame:]

@@ -34,7 +34,7 @@ class Ground:
 
     @property
     def is_level(self) -> bool:
-        """Whether it is one height everywhere."""
+        """True if the ground has one height everywhere."""
         return type(self) is Ground
 
     def height_at(self, places: ArrayLike) -> FloatArray:

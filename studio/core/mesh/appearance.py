@@ -23,7 +23,7 @@ class Material:
     """(B,) bytes of a PNG or JPEG file, as they came."""
     two_sided: bool = False
     cut_out: bool = False
-    """Whether it has holes where its texture is transparent: lashes, hair, leaves."""
+    """True if the surface has holes where its texture is transparent: lashes, hair, leaves."""
 
     def __post_init__(self) -> None:
         if not _COLOUR.fullmatch(self.colour):

@@ -25,9 +25,9 @@ FloatArray = NDArray[np.float64]
 OLD_UNTIL, NEW_FROM = 0.1, 0.9
 """Parts of a blend until which a contact of the old clip alone still holds, and from which one of the new."""
 BLEND_STEP_SECONDS = 0.4
-"""Seconds that a step takes in a transition, and one more for each leg length of it."""
+"""Seconds that a step takes in a transition; as many more are added for each leg length of the step."""
 STEP_HEIGHT, STEP_HEIGHTS = 0.25, (0.04, 0.12)
-"""How high a foot is lifted for a step, in parts of its length, and the least and the most in leg lengths."""
+"""Height of a foot in a step, as a fraction of the step's length, and its least and greatest height in leg lengths."""
 
 
 @dataclass
@@ -102,7 +102,7 @@ class BlendedRow(AssembledRow):
         return Inertialisation.of(gaps[-1], (gaps[-1] - gaps[0]) * rate, peaks)
 
     def _fades(self, transition: Inertialisation, first: int, last: int, found: Join) -> bool:
-        """Whether a piece overlaps what is there for as long as a blend needs."""
+        """True if a piece overlaps the assembled frames for as long as a blend needs."""
         if first > self.end - 2:
             return False
         needed = max(transition.seconds, step_seconds(found))

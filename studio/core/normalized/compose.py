@@ -25,12 +25,12 @@ from studio.core.stage.timing import Timing
 
 FloatArray = NDArray[np.float64]
 FRAME_LIMIT = 250_000
-"""Of a row, pauses included: half an hour at 120 frames a second, and about a gigabyte for each body."""
+"""Most frames of a row, pauses included: half an hour at 120 frames a second, about a gigabyte for each body."""
 
 
 @dataclass(frozen=True, eq=False)
 class Composite:
-    """What a row of pieces comes to: a motion with its contacts, when it plays, and where each piece is in it."""
+    """Motion composed of a row of pieces, with its contacts, its time on the stage and the frames of each piece."""
 
     motion: NormalizedMotion
     contacts: tuple[ContactInterval, ...]
@@ -39,11 +39,11 @@ class Composite:
 
     @property
     def is_plain(self) -> bool:
-        """Whether it is one motion whose frames are its own, whatever lies over them."""
+        """True if it is a single motion with its frames unchanged, apart from layers over them."""
         return len(self.played) == 1 and self.played[0].piece.is_plain
 
     def at(self, frame: int) -> "Composite":
-        """One frame of it, which is frame 0 then."""
+        """Still composite of one frame, which becomes frame 0."""
         motion, timing = self.motion, self.timing
         still = NormalizedMotion(
             motion.name, motion.frame_rate, motion.channels[frame : frame + 1], motion.spine_places, motion.girdle

@@ -14,7 +14,7 @@ from studio.core.normalized.realize import realize
 FloatArray = NDArray[np.float64]
 
 STANDING_WEIGHT, BODY_WEIGHT, SWINGING_WEIGHT = 20.0, 1.0, 0.05
-"""How much points count: of feet that stand in both motions, hips and shoulders, feet in the air."""
+"""Weights of the points: feet that stand in both motions, hips and shoulders, feet in the air."""
 SAME_PLACE = 0.06
 """Leg lengths by which a foot may stand beside itself and still be held in one place through a blend."""
 
@@ -39,7 +39,7 @@ class Planar:
 
 @dataclass(frozen=True)
 class FootStep:
-    """The foot of a ``side`` (0 left, 1 right) has ``way`` leg lengths to go."""
+    """Step of the foot of a ``side`` (0 left, 1 right) over ``way`` leg lengths."""
 
     side: int
     way: float
@@ -47,7 +47,7 @@ class FootStep:
 
 @dataclass(frozen=True)
 class Join:
-    """How the new motion has to be placed, and which feet step then, one after the other."""
+    """Placement of the new motion on the ground, and the steps of the feet that it needs, in their order."""
 
     placement: Planar
     steps: tuple[FootStep, ...] = ()
@@ -56,12 +56,11 @@ class Join:
 def join(
     first: FloatArray, second: FloatArray, both_stand: NDArray[np.bool_], spine_places: FloatArray, shares: FloatArray
 ) -> Join:
-    """How channels ``second`` (F, C) have to be placed to lie on ``first`` (F, C), frame on frame.
+    """Placement that aligns channels ``second`` (F, C) with ``first`` (F, C), frame by frame, and the steps it needs.
 
-    ``both_stand`` (F, 4) tells which of ``FOOT_POINTS`` stand in both; ``shares`` (F,) how much each frame counts. The
-    turn and the way over the ground that leave the least weighted sum of squared distances between the points of an
-    average body: feet that stand lie on each other before anything else does. Where both cannot, one does, and the
-    other has to step.
+    ``both_stand`` (F, 4) is True where a point of ``FOOT_POINTS`` stands in both; ``shares`` (F,) are the frames'
+    weights. The rotation and the offset on the ground minimise the weighted sum of squared distances between the points
+    of an average body; standing feet weigh most. If both feet cannot be aligned, one is, and the other has to step.
     """
     old, new = (_points(channels, spine_places) for channels in (first, second))
     placement = _least_squares(old, new, shares[:, None] * _weights(both_stand))

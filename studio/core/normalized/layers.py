@@ -94,7 +94,7 @@ class _Over:
         return replace(self._row, motion=replace(self._row.motion, channels=channels), contacts=contacts)
 
     def _added(self, below: FloatArray, own: FloatArray) -> FloatArray:
-        """What plays with all that the clip differs by from its reference; ways over the ground turn with the body."""
+        """Channels below plus the clip's difference from its reference pose; ground offsets rotate with the body."""
         piece = self._overlay.pieces[0]
         motion = mirrored(piece.motion) if piece.mirrored else piece.motion
         frame = piece.first if self._overlay.reference < 0 else min(self._overlay.reference, motion.frame_count - 1)
@@ -106,7 +106,7 @@ class _Over:
         return moved(below, by)
 
     def _placed(self, below: FloatArray, own: FloatArray) -> tuple[FloatArray, Join, Join]:
-        """The clip where its legs stand as those below do as it begins, and who steps as it comes and goes."""
+        """Clip placed so that its legs stand as those below at its begin, and the steps as it fades in and out."""
         count = max(round(MOST_TRANSITION / 2 * self._row.timing.frame_rate), 1)
         both = (self._stands(self._row)[FOOT_ROWS] & self._own_stands()[FOOT_ROWS])[:, self._frames].T
         begin, end = slice(0, count), slice(max(len(own) - count, 0), len(own))
@@ -116,7 +116,7 @@ class _Over:
         return own, comes, stepping_there(own[end], below[end], both[end], self._places, Planar())
 
     def _flights(self, shares: FloatArray, comes: Join, goes: Join) -> list[Flight]:
-        """Who steps, in the row's frames, while the layer fades in and out."""
+        """Flights of the feet that step while the layer fades in and out, in the row's frames."""
         share, middle = shares / self._overlay.weight, len(shares) // 2
         first = self._frames[0]
         ends = (
@@ -160,8 +160,8 @@ class _Over:
         return np.asarray(np.max(peaks, axis=0))
 
     def _contacts(self, shares: FloatArray, flights: Sequence[Flight]) -> tuple[ContactInterval, ...]:
-        """What stands: of limbs that the layer has, as it says; what stands in both stands through its fades, but who
-        steps.
+        """Contacts under the layer: its own on its limbs. A contact in both motions lasts through the fades, unless
+        its foot steps.
         """
         own, ended = points_of(self._overlay.region)
         if not own and not ended:
@@ -240,7 +240,7 @@ Points = frozenset[ContactPoint | Touch]
 
 
 def points_of(region: Region) -> tuple[Points, Points]:
-    """What stands, or is touched, by the limbs of a region; and what ends where only one of two hands is of it."""
+    """Contact points and touches of the limbs of a region, and the two-handed touches that end if it has one arm."""
     arms = region.parts & Region.ARMS.parts
     hands: set[ContactPoint | Touch] = set()
     for arm in arms:

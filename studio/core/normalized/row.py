@@ -88,7 +88,7 @@ class AssembledRow:
         self.end = len(frames)
 
     def contacts(self) -> tuple[ContactInterval, ...]:
-        """What stands, as intervals."""
+        """Contact intervals of the row."""
         return tuple(
             ContactInterval("", point, first, last)
             for point, mask in zip(PIECE_CONTACT_POINTS, self.stands, strict=True)
@@ -96,7 +96,7 @@ class AssembledRow:
         )
 
     def _join(self, source: PieceSource, begins: int, first: int, last: int) -> Join:
-        """How a piece that ``begins`` in a frame is placed, from what both play in frames ``first`` to ``last``."""
+        """Placement and steps of a piece that ``begins`` in a frame, from both motions in ``first`` to ``last``."""
         frames = np.arange(first, last + 1)
         both = (self.stands[FOOT_ROWS][:, frames] & source.stands(frames)[FOOT_ROWS] & self._stay(source, last)).T
         shares = ease((frames - first + 1.0) / (len(frames) + 1.0), EaseShape.QUINTIC)
@@ -150,7 +150,7 @@ class AssembledRow:
         return first
 
     def _goes_on(self, source: PieceSource, frame: int) -> bool:
-        """Whether it plays in a frame what the piece before it would, as parts of a split clip do."""
+        """True if a piece plays in a frame what the piece before it would, as the parts of a split clip do."""
         piece, before = source.piece, self.played[-1]
         alike = piece.motion is before.piece.motion and piece.mirrored == before.piece.mirrored
         if not alike or not piece.joined or piece.own != AS_IT_IS or piece.speed != before.piece.speed:

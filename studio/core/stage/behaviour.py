@@ -122,11 +122,11 @@ class Behaviour:
         return next((each for each in self.cast if each.performer_id == performer_id), None)
 
     def transitions_from(self, name: str) -> tuple[Transition, ...]:
-        """Those that lead away from a state, in the order in which they are tried."""
+        """Transitions from a state, in the order in which they are tried."""
         return tuple(each for each in self.transitions if each.source == name)
 
     def gaps_from(self, name: str) -> tuple[DistanceMeasure, ...]:
-        """What has to be measured to know whether a transition leads away from a state."""
+        """Distances that the transitions from a state depend on, without repeats."""
         conditions = (each for transition in self.transitions_from(name) for each in transition.conditions)
         return tuple(dict.fromkeys(each.gap for each in conditions if isinstance(each, DistanceCondition)))
 

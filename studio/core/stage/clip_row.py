@@ -10,7 +10,7 @@ from studio.core.project import Performer, Project
 from studio.core.stage.clip import Clip
 
 ClipEdit = Callable[[Clip], Sequence[Clip]]
-"""What stands in a clip's place: nothing, the clip otherwise, or several."""
+"""Function that returns the replacement of a clip: no clip, a changed clip, or several."""
 
 
 def players_of(project: Project, clip_id: str) -> dict[str, Performer]:

@@ -44,7 +44,7 @@ class KeepDistance:
 
     @property
     def gap(self) -> DistanceMeasure:
-        """What it keeps."""
+        """Measure of the distance to keep."""
         return DistanceMeasure(self.whom, legs=self.legs)
 
 

@@ -25,7 +25,7 @@ class Placement:
         return cls(performer.position, performer.heading)
 
     def around(self, inner: "Placement") -> "Placement":
-        """What stands at ``inner`` in the space that stands here."""
+        """Placement on the stage of ``inner``, which is given in this placement's space."""
         x, y, _ = self.to_stage((*inner.position, 0.0)).tolist()
         return Placement((x, y), self.heading + inner.heading)
 

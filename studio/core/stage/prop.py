@@ -16,7 +16,7 @@ from studio.core.plausible import TIME_RANGE, TURN_RANGE
 
 
 class PropShape(StrEnum):
-    """What a prop looks like within its size: a stick lies along Z, stairs rise along X."""
+    """Shape of a prop within its size: a stick lies along Z, stairs rise along X."""
 
     BOX = "box"
     BALL = "ball"
@@ -27,7 +27,7 @@ class PropShape(StrEnum):
 
 
 PICKED = 0.01
-"""Seconds after the begin of a hold in which a prop still lies where it is picked up."""
+"""Seconds after the begin of a hold during which a prop still lies at its pick-up position."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,11 +48,11 @@ class Hold:
 
     @property
     def is_always(self) -> bool:
-        """Whether it is neither picked up nor put down."""
+        """True if the prop is neither picked up nor put down."""
         return self.begin is None and self.end is None
 
     def holds_at(self, time: float) -> bool:
-        """Whether it is held at a second of the stage."""
+        """True if the prop is held by this hold at ``time``, in seconds of the stage."""
         return (self.begin is None or time >= self.begin) and (self.end is None or time <= self.end)
 
 
@@ -143,7 +143,7 @@ class Prop:
         return frozenset(each.performer_id for each in self.holds)
 
     def held_at(self, time: float) -> InHand | Carried | None:
-        """How it is held at a second of the stage, by who took it last."""
+        """Latest hold in force at ``time``, in seconds of the stage; None if nobody holds the prop."""
         return next((each for each in reversed(self.holds) if each.holds_at(time)), None)
 
     def lies_at(self, time: float) -> bool:
@@ -184,17 +184,17 @@ class Prop:
         return self.with_holds(holds)
 
     def taken(self, hold: InHand | Carried, time: float) -> "Prop":
-        """The same, taken at a second: out of the hands of who holds it then. What would come after is forgotten."""
+        """Copy taken by ``hold`` at ``time``, out of the hands of the present holder. Later holds are removed."""
         before = [each for each in self.holds if each.begin is None or each.begin < time]
         ended = [replace(each, end=time if each.end is None else min(each.end, time)) for each in before]
         return self.with_holds([*ended, replace(hold, begin=time)])
 
     def without(self, performer_id: str) -> "Prop":
-        """The same, which one performer never holds."""
+        """Copy without the holds of one performer."""
         return self.with_holds([each for each in self.holds if each.performer_id != performer_id])
 
     def is_put(self, place: int) -> bool:
-        """Whether keys of its place say where it is put down by who holds it in that ``place`` of their order."""
+        """True if a key of the position sets where the hold of index ``place`` puts the prop down."""
         hold, after = self.holds[place], self.holds[place + 1 : place + 2]
         if not isinstance(self.position, KeyedPlace) or (after and after[0].begin == hold.end):
             return False

@@ -20,7 +20,7 @@ from studio.core.stage.whom import DistanceMeasure, FollowPartner
 STRIKE_DISTANCE, APPROACH_DISTANCE, DISTANCE_TOLERANCE = 1.42, 1.65, 0.12
 """Leg lengths: of two who fight from each other, from which on one strikes, and how exactly they keep that."""
 ATTACK = "attack"
-"""What a strike tells the partner."""
+"""Name of the event that a strike sends to the partner."""
 TO_HEAD = DistanceMeasure(FollowPartner(FIST_POINT), HEAD_POINT, flat=False)
 ANSWER_SECONDS, RETURN_SECONDS = 0.15, 0.3
 """Seconds in which one answers an attack, and in which one comes back to guard."""
