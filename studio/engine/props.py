@@ -65,8 +65,8 @@ def props_at(project: Project, posed: Mapping[str, Posed], time: float) -> dict[
 
 
 def moved_prop(pose: PropPose, place: FloatArray) -> Prop:
-    """The prop with its centre at ``place`` (3,) then: there for good, by a key or another centre, or in another
-    place of the hands. At the moment at which it is picked up, it is picked up there.
+    """Prop with its centre moved to ``place`` (3,) at the time of ``pose``: by a key, by another centre, or by another
+    offset in the hands. At the moment of its pick-up, the pick-up position moves.
     """
     prop, way = pose.prop, place - pose.place
     match None if prop.lies_at(pose.time) else prop.held_at(pose.time):

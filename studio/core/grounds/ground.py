@@ -57,11 +57,11 @@ class Ground:
         return np.zeros(xy.shape)
 
     def nudges(self, soles: FloatArray) -> FloatArray:
-        """(N, 2) by how much soles (N, 3, 2: heel, ball, tip) had better stand elsewhere; not at all as a rule."""
+        """Displacements, (N, 2) metres, of soles (N, 3, 2: heel, ball, tip) to better positions; zero by default."""
         return np.zeros((len(soles), 2))
 
     def felt_at(self, places: ArrayLike) -> "Ground":
-        """This ground, or the level floor where it neither rises nor sinks at any of ``places`` (..., 2 or 3)."""
+        """This ground, or the level floor if the ground is level at all of ``places`` (..., 2 or 3)."""
         if self.is_level or np.abs(self.height_at(places) - self.height).max() > LEVEL_WITHIN:
             return self
         return Ground(self.height)

@@ -1,4 +1,4 @@
-"""Appearance: what a skin looks like: the colours and textures of its materials, and where on them it lies."""
+"""Appearance of a skin: the colours and textures of its materials, and its texture coordinates."""
 
 import re
 from dataclasses import dataclass

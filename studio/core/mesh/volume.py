@@ -1,4 +1,4 @@
-"""The room that a body takes up: tapered capsules for trunk, head and thighs, spheres along its arms.
+"""Collision volume of a body: tapered capsules for trunk, head and thighs, spheres along its arms.
 
 What keeps an arm out of its own body needs a form of the body that is measured in nanoseconds. Every body has the
 same capsules in the same order, so that one body's can be set beside another's.

@@ -18,7 +18,7 @@ def floor_drift(capture: Capture) -> float:
 
 
 def with_drift_told(capture: Capture) -> Capture:
-    """The capture with the drift of its floor among its guesses, where that is worth telling."""
+    """Capture with the drift of its floor among its guesses, if it is large enough to report."""
     drift = floor_drift(capture)
     if drift < REPORTED_DRIFT:
         return capture

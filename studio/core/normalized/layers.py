@@ -28,15 +28,15 @@ from studio.core.stage.layer import Region
 FloatArray = NDArray[np.float64]
 
 HIDDEN_BELOW, WHOLE_FROM = 0.1, 0.9
-"""Shares of a layer until which what stands below it stands, and from which what stands in it does."""
+"""Weights of a layer: up to the first the contacts below it hold, from the second its own do."""
 
 BREAK = 0.1
-"""Seconds for less than which nothing that stands is lifted because another clip has it in the air."""
+"""Least seconds without contact in another clip for which a contact is interrupted."""
 
 
 @dataclass(frozen=True)
 class PlayedLayer:
-    """A layer to be played: ``pieces`` are its clip, each time that it plays; the rest is as ``Layer`` has it."""
+    """Layer to be played: ``pieces`` are the repeats of its clip; the other fields are those of ``Layer``."""
 
     pieces: tuple[MotionPiece, ...]
     region: Region
@@ -131,9 +131,9 @@ class _Over:
         ]
 
     def _shares(self, below: FloatArray, own: FloatArray, coming: float, going: float) -> FloatArray:
-        """(N,) how much of the layer is seen: it fades but where the row itself begins and ends.
+        """Weight of the layer, (N,): it fades in and out, except where the row itself begins or ends.
 
-        Feet that step need so many seconds while it is ``coming`` and ``going``.
+        ``coming`` and ``going`` are the seconds that steps of the feet need in the two fades.
         """
         row, rate = self._row.timing, self._row.timing.frame_rate
         begin, end = self._own.timing.start, self._own.timing.end
@@ -153,7 +153,7 @@ class _Over:
         return shares
 
     def _peaks_below(self) -> FloatArray:
-        """``joint_peaks`` of what the row plays meanwhile, between its changes."""
+        """``joint_peaks`` of the row in the frames of the layer, without the jumps at its changes."""
         motion, first, stop = self._row.motion, self._frames[0], self._frames[-1] + 1
         between = [slice(max(each.start, first), min(each.stop, stop)) for each in motion.parts]
         peaks = [joint_peaks(motion.channels[each], motion.frame_rate) for each in between if each.stop > each.start]

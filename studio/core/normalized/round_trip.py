@@ -14,7 +14,7 @@ from studio.core.rotations import angle_between, from_matrix
 
 @dataclass(frozen=True)
 class RoundTrip:
-    """Worst errors over all joints and all frames, metres and radians, in the world."""
+    """Greatest errors over all joints and all frames, in metres and radians, in the world."""
 
     position: float
     rotation: float

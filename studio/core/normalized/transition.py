@@ -1,4 +1,4 @@
-"""From one motion to another: what was different when it took over dies away, so that neither place nor speed jumps.
+"""Transition between motions: their difference at the change decays, so that neither position nor speed jumps.
 
 Inertialisation (Bollo 2018): the new motion plays at once, and the difference to the old one, with its speed, is added
 to it and eased to nothing. Only the moment of the change has to be known, so it may be decided at any frame.
@@ -16,15 +16,15 @@ from studio.core.normalized.differences import OFF_PLANES, SLACKS, difference, t
 FloatArray = NDArray[np.float64]
 
 LEAST_TRANSITION, MOST_TRANSITION = 0.2, 1.0
-"""Seconds that a transition takes when nobody says how many."""
+"""Shortest and longest transition in seconds, where none is given."""
 ADDED = 0.25
 """Acceleration that the decaying offset and the decaying speed may each add to a joint, as a fraction of its greatest
 acceleration in either motion.
 """
 QUIET_ACCELERATION = 20.0
-"""Radians a second squared: a joint that moves less counts as moving so."""
+"""Least acceleration peak of a joint, in radians a second squared; lower peaks count as this."""
 _PLACE_PEAK, _SPEED_PEAK = 5.78, 3.96
-"""Greatest second derivatives of the two ways to die away below, over one second."""
+"""Greatest second derivatives of the two decay polynomials below, over one second."""
 
 
 @dataclass(frozen=True, eq=False)

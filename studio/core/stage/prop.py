@@ -32,7 +32,7 @@ PICKED = 0.01
 
 @dataclass(frozen=True, kw_only=True)
 class Hold:
-    """Somebody holds a prop from ``begin`` until ``end``, seconds of the stage; without them as long as it plays.
+    """Hold of a prop from ``begin`` until ``end``, seconds of the stage; without them for the whole time.
 
     It is picked up from where it is then, and put where keys of its place from then on say, or else left where it is.
     """
@@ -58,7 +58,7 @@ class Hold:
 
 @dataclass(frozen=True)
 class InHand(Hold):
-    """Goes with a point of a performer, where constraints bring it: ``turn`` in the axes of its segment."""
+    """Hold at a point of a performer's adapted body: ``turn`` is the prop's rotation in the axes of the segment."""
 
     kind: ClassVar[str] = "in_hand"
     performer_id: str
@@ -72,7 +72,7 @@ class InHand(Hold):
 
 @dataclass(frozen=True)
 class Carried(Hold):
-    """Goes between both hands of a performer where the motion has them, and turns as its chest does.
+    """Hold between both hands of a performer, where the motion has them before constraints; it rotates with the chest.
 
     ``offset`` is from the middle of the hands, ahead, to the left and up of the chest, in leg lengths; ``heading`` is
     its turn about Z from the chest's heading, radians, which acts after its ``tilt``. Hands that constraints hold on
@@ -108,7 +108,7 @@ class Prop:
     heading: float | KeyedNumber = 0.0
     shape: PropShape = PropShape.BOX
     mesh: TriangleMesh | None = None
-    """Of the shape that is one, fitted into the size."""
+    """Mesh of ``PropShape.MESH``, fitted into the size."""
     held: InHand | Carried | None = None
     later: tuple[InHand | Carried, ...] = ()
     tilt: Quaternion | KeyedTurn = field(default=UNTURNED, metadata=SPARSE)
@@ -134,12 +134,12 @@ class Prop:
 
     @property
     def holds(self) -> tuple[InHand | Carried, ...]:
-        """All who hold it, in the order of time."""
+        """All holds, in the order of time."""
         return self.later if self.held is None else (self.held, *self.later)
 
     @property
     def holders(self) -> frozenset[str]:
-        """The performers with whom it goes at some time."""
+        """Performers that hold the prop at some time."""
         return frozenset(each.performer_id for each in self.holds)
 
     def held_at(self, time: float) -> InHand | Carried | None:
@@ -147,22 +147,22 @@ class Prop:
         return next((each for each in reversed(self.holds) if each.holds_at(time)), None)
 
     def lies_at(self, time: float) -> bool:
-        """True if it is where its own place says at a second of the stage: not held yet, or just being picked up."""
+        """True if the prop is at its own position at ``time``, in seconds of the stage: not held, or just picked up."""
         hold = self.held_at(time)
         return hold is None or (hold is self.held and hold.begin is not None and time - hold.begin < PICKED)
 
     def with_holds(self, holds: Sequence[InHand | Carried]) -> "Prop":
-        """The same, held so."""
+        """Copy with other holds, in the order of time."""
         return replace(self, held=holds[0] if holds else None, later=tuple(holds[1:]))
 
     def with_hold(self, old: InHand | Carried, new: InHand | Carried) -> "Prop":
-        """The same, held otherwise by one of those who hold it."""
+        """Copy with the hold ``old`` replaced by ``new``."""
         return self.with_holds([new if each is old else each for each in self.holds])
 
     def with_span(self, hold: InHand | Carried, begin: float | None, end: float | None) -> "Prop":
-        """The same, held then by one of those who hold it, as far as the others leave it.
+        """Copy in which ``hold`` lasts from ``begin`` to ``end``, limited by its neighbours.
 
-        Who hands it to the next one, or takes it out of another's hands, still does.
+        Where one hold ended as the next began (a hand-over), the neighbour is changed so that it still does.
         """
         holds = list(self.holds)
         place = next(at for at, each in enumerate(holds) if each is hold)
