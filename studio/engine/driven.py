@@ -1,4 +1,4 @@
-"""Performers that a live input drives: their pose comes from there, and the solver asks of it what their clips ask."""
+"""Performers driven by a live input: their pose comes from the input; the constraints of their clips apply to it."""
 
 import time
 from collections.abc import Callable, Mapping
@@ -48,7 +48,7 @@ class Driven:
         return self._shown.get(performer_id)
 
     def bring(self, project: Project, seconds: float, results: Mapping[str, AdaptedMotion]) -> None:
-        """Solve the newest pose of all who are driven, as all is asked at ``seconds`` of the stage."""
+        """Solve the newest pose of all driven performers with the constraints at ``seconds`` of the stage."""
         for key, source in self._sources.items():
             pose = source() if key in project.performers else None
             if pose is None:

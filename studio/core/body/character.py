@@ -1,4 +1,4 @@
-"""A character: a build, the proportions put upon it, a colour and a skin."""
+"""Character: a build, the proportions applied to it, a colour and a skin."""
 
 import re
 from dataclasses import dataclass, field
@@ -60,5 +60,5 @@ class Character:
 
     @cached_property
     def volume(self) -> BodyVolume:
-        """The room that the skin takes up on these measures."""
+        """Collision volume of the skin on these measures."""
         return fitted_volume(self.skin, self.build, self.morphology)

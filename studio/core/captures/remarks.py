@@ -1,4 +1,4 @@
-"""Remarks: what in a capture no body does, and how no body is built; the file may be wrong, or the body map."""
+"""Remarks: impossible motion or proportions in a capture, caused by a wrong file or a wrong body map."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -84,11 +84,11 @@ def _remarks_on(capture: Capture) -> tuple[Remark, ...]:
 
 
 remarks_on: Shared[Capture, tuple[Remark, ...]] = Shared(_remarks_on)
-"""All that is odd about a capture; of one without a body map only its markers and bones that cannot be true."""
+"""Warnings about a capture; without a body map only those about impossible markers and bones."""
 
 
 def remarks_on_body(body: Morphology) -> tuple[Remark, ...]:
-    """All that is odd about a body's measures, as a character's file has it."""
+    """Warnings about a body's measures, as a character's file has it."""
     found = []
     longest = float(np.abs(body.packed).max())
     if longest > LONGEST_BONE:
@@ -165,7 +165,7 @@ def _odd_build(capture: Capture, body: BodyMap, positions: FloatArray) -> list[R
 
 
 def _far_hand(capture: Capture, body: BodyMap, side: str, positions: FloatArray) -> list[str]:
-    """That a hand ends so far from its wrist that it is none, if so."""
+    """Warning that a hand ends too far from its wrist, if it does."""
     wrist = body.parts.get(BodyPart(f"{side}_hand"))
     if wrist is None:
         return []

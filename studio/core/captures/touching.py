@@ -54,7 +54,7 @@ RESTS_FOR = 0.6
 
 @dataclass(frozen=True, eq=False)
 class Spots:
-    """Where a palm is beside one capsule of its body, in every frame.
+    """Position of a palm relative to one capsule of its body, in every frame.
 
     ``along`` (F,) part of the capsule's length, ``ways`` (F, 3) out of it in the axes of the segment that carries its
     begin, ``rooms`` (F,) metres from surface to surface.

@@ -67,11 +67,11 @@ class Ground:
         return Ground(self.height)
 
     def at_height(self, height: float) -> "Ground":
-        """The same ground higher or lower."""
+        """Copy of the ground at another height, in metres."""
         return replace(self, height=height)
 
     def seen_from(self, position: tuple[float, float], heading: float) -> "Ground":
-        """The same ground in the axes of who stands at ``position`` (metres), turned by ``heading`` (radians)."""
+        """This ground in the axes of a performer at ``position`` (metres), rotated by ``heading`` (radians)."""
         return self if self.is_level else PlacedGround(self.height, self, position, heading)
 
 
