@@ -18,13 +18,13 @@ Rows = NDArray[np.float32]
 IntArray = NDArray[np.int64]
 
 BLOCK_FRAMES = 8
-"""Frames that are judged together by the one in their middle."""
+"""Number of frames in a block, whose cost is bounded by that of its middle frame."""
 BYTES_A_FRAME = 4 * at.POSE_WIDTH + (4 * at.POSE_WIDTH + 8 * (1 + 4 + 3 + 1)) // BLOCK_FRAMES
-"""In the table of poses (on disk, as far as nobody asks for them), and of the blocks (in memory)."""
+"""Bytes of a frame in the table of poses (on disk until they are read) and in the blocks (in memory)."""
 
 
 def searched_points(layout: BodyLayout) -> IntArray:
-    """(20,) the canonical points by which poses are compared."""
+    """Canonical points by which poses are compared, (20,)."""
     arms = [layout.collar(side) + k for side in (0, 1) for k in (1, 2, 3, 4)]
     legs = [layout.hip(side) + k for side in (0, 1) for k in (0, 1, 2, 3)]
     return np.array([0, layout.neck_base, layout.head_joint, layout.head_end, *arms, *legs])
@@ -65,9 +65,9 @@ ROW_STICKS: IntArray = np.array(
     + [(begin, limb) for begin, limbs in ((1, _ARMS), (0, _LEGS)) for limb in limbs]
     + [(limb + k, limb + k + 1) for limb in (*_ARMS, *_LEGS) for k in range(3)]
 )
-"""(S, 2) which of a row's points a picture joins."""
+"""Pairs of a row's points that a picture joins by a line, (S, 2)."""
 STICK_SIDES: IntArray = np.array([-1, -1, -1, *((end - _ARMS[0]) // 4 % 2 for _, end in ROW_STICKS[3:].tolist())])
-"""(S,) side of each of them: -1 the middle, 0 the left, 1 the right."""
+"""Side of each pair, (S,): -1 the middle, 0 the left, 1 the right."""
 
 
 @dataclass(frozen=True, eq=False)
