@@ -1,4 +1,4 @@
-"""What is physically possible, in one table: numbers beyond it are slips of a unit or damage, and are refused."""
+"""Table of physically possible ranges: numbers beyond them come from a wrong unit or damage, and are refused."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 @dataclass(frozen=True)
 class Range:
-    """Of a physical number: ``what`` it is, and the ``least`` and ``most`` that its amount can be, in ``unit``."""
+    """Range of a physical quantity named ``what``: its absolute value lies from ``least`` to ``most``, in ``unit``."""
 
     what: str
     most: float
@@ -16,9 +16,9 @@ class Range:
     least: float = 0.0
 
     def check(self, values: ArrayLike, what: str = "") -> None:
-        """Raise ValueError where any of ``values`` lies outside; those that are not finite are somebody else's.
+        """Raise ValueError if any finite one of ``values`` lies outside; others are for the caller to check.
 
-        ``what`` they are, where that can be said more exactly.
+        ``what`` is a more exact name for them, if there is one.
         """
         what = what or self.what
         amounts = np.abs(np.asarray(values, dtype=np.float64))

@@ -29,7 +29,7 @@ from studio.core.stage.scope import Scope, meant_for, narrowest
 
 GROUND_ID = "ground"
 _SORTED = "_contacts_by_motion"
-"""What is kept from one project to the next while its contacts stay."""
+"""Name of the cached property that a changed project takes over if its contacts are unchanged."""
 
 
 def new_id() -> str:
@@ -58,18 +58,18 @@ class Performer:
     name: str
     character_id: str
     clips: tuple[Clip, ...] = ()
-    """The row that it plays, one after the other."""
+    """Row of clips that the performer plays, one after the other."""
     position: tuple[float, float] = (0.0, 0.0)
     heading: float = 0.0
     visible: bool = True
     limited: bool = True
-    """Whether constraints bring shoulders, elbows, wrists, hips, knees and ankles no further than a person's go."""
+    """True if constraints move shoulders, elbows, wrists, hips, knees and ankles only within the human range."""
     eased: bool = True
-    """Whether a moment at which joints would jolt is eased in time, at the cost of exactness."""
+    """True if acceleration peaks of joints are smoothed in time, at the cost of exactness."""
     clears: bool = True
-    """Whether arms stay out of the own body where the actor's do."""
+    """True if the arms stay out of the performer's own body wherever the actor's arms do."""
     layers: tuple[Layer, ...] = ()
-    """What parts of the body play over that, the later over the earlier."""
+    """Layers of motion on parts of the body, over the clips; later ones lie over earlier ones."""
 
     def __post_init__(self) -> None:
         if not all(math.isfinite(number) for number in (*self.position, self.heading)):
@@ -171,7 +171,7 @@ class Project:
     props: Mapping[str, Prop] = field(default_factory=dict)
     behaviours: Mapping[str, Behaviour] = field(default_factory=dict)
     carried: Mapping[str, Any] = field(default_factory=dict)
-    """What a newer version wrote and this one does not know, as JSON by place; written back as it came."""
+    """JSON, by its place, that a newer version wrote and this one does not know; written back unchanged."""
 
     def __post_init__(self) -> None:
         for name in (*COLLECTIONS, "carried"):
@@ -183,19 +183,19 @@ class Project:
 
     @cached_property
     def known(self) -> dict[Any, Any]:
-        """What others have found out about this very value and would ask it again, under keys of theirs."""
+        """Cache of results that callers have computed from this project, under their own keys."""
         return {}
 
     @property
     def motions_played(self) -> dict[str, frozenset[str]]:
-        """By performer the motions of its row."""
+        """Motion ids in the row of each performer, by performer id."""
         return {
             key: frozenset(clip.motion_id for clip in each.clips) for key, each in self.performers.items() if each.clips
         }
 
     @cached_property
     def clips(self) -> Mapping[str, Clip]:
-        """What performers play, by the clips' ids; of one that several play, as the first of them has it."""
+        """Clips that performers play, by id; of a clip with several performers, the version of the first."""
         played = [clip for performer in self.performers.values() for clip in performer.all_clips]
         return MappingProxyType({clip.id: clip for clip in reversed(played)})
 
@@ -279,7 +279,7 @@ class Project:
         return dict(sorted(own.items(), key=lambda pair: (pair[1].first, pair[1].last)))
 
     def contacts_for(self, performer_id: str, clip: Clip) -> dict[str, ContactInterval]:
-        """What stands while a performer plays a clip, by id: of each point the contacts of the narrowest scope."""
+        """Contacts while a performer plays a clip, by id: those of the narrowest scope at each point."""
         meant = meant_for(self.contacts_of(clip.motion_id), performer_id, clip.id)
         if not any(each.scope.is_narrow for each in meant.values()):
             return meant
@@ -289,7 +289,7 @@ class Project:
         return {key: each for contacts in own.values() for key, each in narrowest(contacts).items()}
 
     def constraints_for(self, performer_id: str, clip: Clip) -> dict[str, Constraint]:
-        """What is asked of a performer while it plays a clip, by id, highest priority first."""
+        """Constraints on a performer while it plays a clip, by id, highest priority first."""
         return meant_for(self.constraints_of(clip.motion_id), performer_id, clip.id)
 
     def behaviour_of(self, performer_id: str) -> str | None:

@@ -18,13 +18,13 @@ Rows = NDArray[np.float32]
 IntArray = NDArray[np.int64]
 
 BLOCK_FRAMES = 8
-"""Frames that are judged together by the one in their middle."""
+"""Number of frames in a block, whose cost is bounded by that of its middle frame."""
 BYTES_A_FRAME = 4 * at.POSE_WIDTH + (4 * at.POSE_WIDTH + 8 * (1 + 4 + 3 + 1)) // BLOCK_FRAMES
-"""In the table of poses (on disk, as far as nobody asks for them), and of the blocks (in memory)."""
+"""Bytes of a frame in the table of poses (on disk until they are read) and in the blocks (in memory)."""
 
 
 def searched_points(layout: BodyLayout) -> IntArray:
-    """(20,) the canonical points by which poses are compared."""
+    """Canonical points by which poses are compared, (20,)."""
     arms = [layout.collar(side) + k for side in (0, 1) for k in (1, 2, 3, 4)]
     legs = [layout.hip(side) + k for side in (0, 1) for k in (0, 1, 2, 3)]
     return np.array([0, layout.neck_base, layout.head_joint, layout.head_end, *arms, *legs])
@@ -65,9 +65,9 @@ ROW_STICKS: IntArray = np.array(
     + [(begin, limb) for begin, limbs in ((1, _ARMS), (0, _LEGS)) for limb in limbs]
     + [(limb + k, limb + k + 1) for limb in (*_ARMS, *_LEGS) for k in range(3)]
 )
-"""(S, 2) which of a row's points a picture joins."""
+"""Pairs of a row's points that a picture joins by a line, (S, 2)."""
 STICK_SIDES: IntArray = np.array([-1, -1, -1, *((end - _ARMS[0]) // 4 % 2 for _, end in ROW_STICKS[3:].tolist())])
-"""(S,) side of each of them: -1 the middle, 0 the left, 1 the right."""
+"""Side of each pair, (S,): -1 the middle, 0 the left, 1 the right."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,23 +96,23 @@ class SearchTable:
 
     @cached_property
     def clips(self) -> IntArray:
-        """(C, 4) actor, limb, first row and count of the path."""
+        """Actor, limb, first row and row count of each clip's path, (C, 4)."""
         begins = np.cumsum(self.path_counts) - self.path_counts
         return np.column_stack([self.actors, self.limbs, begins, self.path_counts]).astype(np.int64)
 
     @cached_property
     def first_rows(self) -> IntArray:
-        """(C,) the row of each clip's first frame."""
+        """Row of each clip's first frame, (C,)."""
         return np.asarray(np.cumsum(self.frame_counts) - self.frame_counts, dtype=np.int64)
 
     @cached_property
     def blocks(self) -> "Blocks":
-        """What is looked at first."""
+        """Runs of frames, with bounds of their cost, that are searched before single frames."""
         return Blocks.of(self)
 
     @cached_property
     def searched(self) -> at.FrameTable:
-        """As the kernels take it."""
+        """Frames as a table for the kernels."""
         blocks = self.blocks
         return at.FrameTable(
             self.rows, self.paths, self.clips, blocks.spans, blocks.middles, blocks.radii, blocks.rings
@@ -121,7 +121,7 @@ class SearchTable:
 
 @dataclass(frozen=True, eq=False)
 class Blocks:
-    """Runs of frames of one clip: ``spans`` (B, 3) clip, first row and count, and what bounds the cost of their frames.
+    """Runs of frames of one clip: ``spans`` (B, 3) clip, first row and count, and the bounds of their frames' cost.
 
     ``middles`` (B, 64), ``radii`` (B,) metres from there to the farthest frame; ``rings`` (B, 4) least and greatest
     distance of the hit from a pose's middle, lowest and highest hit.
@@ -152,8 +152,8 @@ class Blocks:
 
 @dataclass(frozen=True, eq=False)
 class Query:
-    """What is searched for: ``poses`` (A, 64) the performer's pose on every actor, ``targets`` (A, 4, 3) where each
-    limb of each is to hit, in metres about the middle of that pose, heights above the ground.
+    """Query of a search: ``poses`` (A, 64), the performer's pose on every actor, and ``targets`` (A, 4, 3), the point
+    that each limb of each is to hit, in metres about the middle of that pose, heights above the ground.
     """
 
     poses: Rows

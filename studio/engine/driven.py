@@ -1,4 +1,4 @@
-"""Performers that a live input drives: their pose comes from there, and the solver asks of it what their clips ask."""
+"""Performers driven by a live input: their pose comes from the input; the constraints of their clips apply to it."""
 
 import time
 from collections.abc import Callable, Mapping
@@ -20,7 +20,7 @@ PoseSource = Callable[[], NormalizedMotion | None]
 
 
 class Driven:
-    """The newest pose of every performer that is driven, on its own body."""
+    """Newest pose of every performer that is driven by a live source, on its own body."""
 
     def __init__(self, prepare: Prepare) -> None:
         self._prepare = prepare
@@ -29,10 +29,10 @@ class Driven:
         self._requests: dict[str, tuple[Wanted, AdaptRequest]] = {}
         self._planted: dict[str, Planted] = {}
         self.problems: dict[str, str] = {}
-        """Why a performer cannot play what comes in, in a sentence."""
+        """Sentence by performer id: the reason why the performer cannot play its input."""
 
     def drive(self, performer_id: str, source: PoseSource | None) -> None:
-        """Let a source drive a performer; with None its clips play again."""
+        """Drive a performer by ``source``; with None, let it play its clips again."""
         for held in (self._sources, self._shown, self._requests, self._planted, self.problems):
             held.pop(performer_id, None)
         if source is not None:
@@ -48,7 +48,7 @@ class Driven:
         return self._shown.get(performer_id)
 
     def bring(self, project: Project, seconds: float, results: Mapping[str, AdaptedMotion]) -> None:
-        """Solve the newest pose of all who are driven, as all is asked at ``seconds`` of the stage."""
+        """Solve the newest pose of all driven performers with the constraints at ``seconds`` of the stage."""
         for key, source in self._sources.items():
             pose = source() if key in project.performers else None
             if pose is None:

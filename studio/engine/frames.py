@@ -1,10 +1,10 @@
-"""Frames: the one frame of each body that a picture shows, solved for it as all is asked at that moment.
+"""Frames: the one frame of each body that a picture shows, solved for the present requests.
 
-A frame is solved from its own pose alone (``core.solver.adapt.hold``), so it is what the whole clip has there, but for
-the easing of what jolts. Who is worked on is solved before the picture is drawn, on the window's own thread: it costs
-less than a message to another one, and the body follows the hand in the same picture. The others are solved beside the
-window while that picture is drawn, half of them with each, and are in the next. The cost of a frame is measured each
-time, here or beside: a body that was slow once is solved here again as soon as it is not.
+A frame is solved from its own pose alone (``core.solver.adapt.hold``), so it equals the frame of the whole clip except
+for temporal smoothing. Performers that are being edited are solved before the picture is drawn, on the window's own
+thread: that costs less than a message to another thread, and the body follows the mouse in the same picture. The others
+are solved in the background while that picture is drawn, half of them at a time, and appear in the next. The cost of a
+frame is measured every time, on either thread: a body that was slow once returns to this thread once it is fast enough.
 """
 
 import time
@@ -26,14 +26,14 @@ from studio.engine.wanted import Prepare, Wanted, player_of, wanted_of
 
 Solve = Callable[[AdaptRequest, int, int | None], AdaptedMotion]
 Circle = tuple[str, ...]
-"""Performers who follow each other, mostly one alone: they are solved together."""
+"""Performers that follow each other and are solved together; usually one alone."""
 
 BUDGET = 0.002
-"""Processor seconds before a picture that the bodies nobody works on may take: the rest are solved beside it."""
+"""Processor seconds before a picture for bodies that are not being edited; the rest are solved in the background."""
 LONG_SECONDS = 0.2
-"""Processor seconds before a picture that the bodies worked on may take: with 50 ms of drawing, a turn of the window
-takes no more than a quarter of a second. Solved beside, a pose would be older by another picture, and by what the
-window computes meanwhile.
+"""Processor seconds before a picture for bodies that are being edited: with 50 ms of drawing, one pass of the event
+loop takes at most a quarter of a second. Solved in the background, a pose would be late by one more picture, and by the
+window's work in between.
 """
 MANY_FRAMES, PIECE_FRAMES = 50_000, 2000
 """Frames of a circle with which even its first one would, for how a body stands is known of all frames together; and
@@ -125,43 +125,43 @@ class Instant:
 
 
 class Frames:
-    """The newest frame of every performer whose whole motion is not solved yet as it is asked now."""
+    """Newest frame of every performer whose whole motion is not yet solved for the present request."""
 
     def __init__(
         self, prepare: SolveCache[tuple[NormalizedMotion, Morphology]], solve: Solve, answered: Mapping[str, Wanted]
     ) -> None:
-        """``answered``: what the newest whole motion of each performer answers; it changes as answers come."""
+        """``answered``: request that each performer's newest whole motion answers; it changes as results arrive."""
         self._prepare, self._solve, self._answered = prepare, solve, answered
         self._frames: dict[str, Frame] = {}
         self._current: dict[str, Outcome] = {}
-        """The last outcome by which the newest whole motion is what is asked."""
+        """Latest outcome, by performer, in which the newest whole motion is up to date."""
         self._whole_at: dict[str, float] = {}
-        """When that was asked which the newest whole motion answers."""
+        """Time of the request that the newest whole motion answers, by performer."""
         self._costs: dict[Circle, float] = {}
-        """Processor seconds of the last frame that was solved."""
+        """Processor seconds of the last solved frame, by cycle."""
         self._looked_at: dict[Circle, float] = {}
-        """When that was asked of which the last outcome was."""
+        """Time of the request of the last outcome, by cycle."""
         self._driven: set[str] = set()
 
     def get(self, performer_id: str) -> Frame | None:
-        """The frame of one performer."""
+        """Newest frame of a performer, or None."""
         return self._frames.get(performer_id)
 
     def drop(self, performer_id: str) -> None:
-        """It is not seen any more."""
+        """Drop the frame of a performer."""
         self._frames.pop(performer_id, None)
 
     def whole_is_there(self, performer_id: str, asked_at: float) -> None:
-        """The whole motion answers what was asked at ``asked_at``: a frame that answers nothing newer is let go."""
+        """Note that the whole motion answers the request of time ``asked_at``; drop a frame that is not newer."""
         self._whole_at[performer_id] = asked_at
         frame, answered = self._frames.get(performer_id), self._answered.get(performer_id)
         if frame is not None and (frame.asked_at <= asked_at or frame.wanted == answered):
             self.drop(performer_id)
 
     def asked_at(self, performer_id: str) -> float:
-        """When that was asked last which the frame of one performer, or without one its whole motion, answers.
+        """Time of the latest request that the frame of a performer answers, or without a frame its whole motion.
 
-        0 where neither was found to answer anything.
+        0 if neither is known to answer any.
         """
         if (frame := self._frames.get(performer_id)) is not None:
             return frame.asked_at
@@ -170,7 +170,7 @@ class Frames:
         return outcome.asked_at if outcome is not None and answers else 0.0
 
     def clear(self) -> None:
-        """Another project is shown."""
+        """Drop everything, for another project."""
         for held in (self._frames, self._current, self._whole_at, self._costs, self._looked_at):
             held.clear()
 
@@ -184,11 +184,11 @@ class Frames:
         results: Mapping[str, AdaptedMotion],
         driven: Mapping[str, AdaptedMotion],
     ) -> Callable[[], Sequence[Outcome]] | None:
-        """Solve what performers do at ``seconds`` of the stage, leaders before those who follow them.
+        """Solve the frames of performers at ``seconds`` of the stage, leaders before their followers.
 
-        Those ``driven`` by a live input are not solved here; who follows them is, in every picture. Those who by their
-        last cost have no room, the ``first`` ones in ``LONG_SECONDS``, ``others`` in ``BUDGET``, are left to what is
-        given back: any thread may call it, and ``take`` hears what comes of it.
+        Performers ``driven`` by a live input are not solved here; their followers are, in every picture. Cycles whose
+        last cost exceeds the time left (``LONG_SECONDS`` for ``first``, ``BUDGET`` for ``others``) are left to the
+        returned function: any thread may call it, and its outcomes go to ``take``.
         """
         if not self._driven <= driven.keys():
             self._frames.clear()  # who followed somebody that was driven follows its clips again
@@ -218,9 +218,9 @@ class Frames:
         return (lambda: [instant.solved(circle) for circle in turn]) if turn else None
 
     def _turn_of(self, left: list[Circle], first: Sequence[Circle], project: Project) -> list[Circle]:
-        """The first of those worked on, and half of the rest in turn: more would hold up the picture.
+        """Cycles to solve in the background next: the first edited one and half of the rest, least recent first.
 
-        Who follows somebody is not parted from whom it follows.
+        All of them if any follows a leader, so that followers stay with their leaders.
         """
         if any(leaders_of(project, key) for circle in left for key in circle):
             return left
@@ -229,7 +229,7 @@ class Frames:
         return ahead + rest[: (len(rest) + 1) // 2]
 
     def take(self, outcomes: Iterable[Outcome]) -> list[str]:
-        """Take what was solved beside the window and is no older than what is there; tells whose frames are new."""
+        """Store outcomes solved in the background that are not older than the present ones; ids with new frames."""
         news = [outcome for outcome in outcomes if all(self._is_older(key, outcome) for key in outcome.circle)]
         for outcome in news:
             self._put(outcome)
@@ -281,6 +281,6 @@ def _captures_of(project: Project, performer: Performer) -> list[Capture]:
 
 
 def row_at(project: Project, performer: Performer, seconds: float) -> int:
-    """As ``performance.row_at``, before there is a motion."""
+    """Row at ``seconds`` of the stage, as ``performance.row_at``, for a performer without a solved motion."""
     frame = round(timing_of(project, performer).frame_at(seconds))
     return min(max(frame, 0), frame_count_of(project, performer) - 1)

@@ -1,24 +1,24 @@
-"""Hand: when the mouse that drags something was moved last, whenever the window comes to hear of it."""
+"""Hand: time of the last mouse move of a drag, however late the window handles its event."""
 
 import time
 
 from PySide6.QtCore import QCoreApplication, QEvent, QObject, Qt, QTimer, Signal
 
 BUSY = 0.1
-"""Seconds by which a timer is late when the window was busy."""
+"""Delay of a timer, in seconds, from which the window counts as busy."""
 LATEST_EVENT = 1.0
-"""Seconds after which an event comes at most; one that seems later has no time, or that of another clock."""
+"""Longest delay of an event in seconds; a longer one means that its time is missing or from another clock."""
 
 
 class Hand(QObject):
-    """Listens to all mouse events of the program, but only while something is dragged."""
+    """Event filter for all mouse events of the program, installed only during a drag."""
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._moved_at: float | None = None
 
     def listen(self, on: bool) -> None:
-        """Begin, or end."""
+        """Install the event filter if ``on``, else remove it."""
         self._moved_at = None
         program = QCoreApplication.instance()
         if program is not None and on:
@@ -28,20 +28,20 @@ class Hand(QObject):
 
     @property
     def moved_at(self) -> float:
-        """When (``time.monotonic``) the mouse was moved last with a button down; now where that is not known."""
+        """Time (``time.monotonic``) of the last mouse move with a button down; now if unknown."""
         return time.monotonic() if self._moved_at is None else self._moved_at
 
     def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
-        """Notes the time and takes nothing."""
+        """Store the time of a mouse move; False, so that the event is handled as usual."""
         if event.type() == QEvent.Type.MouseMove and event.buttons() != Qt.MouseButton.NoButton:  # type: ignore[attr-defined]
             self._moved_at = when(event.timestamp())  # type: ignore[attr-defined]
         return False
 
 
 class Rest(QTimer):
-    """Tells when a hand has rested for some time.
+    """Timer that emits ``rested`` when the mouse has not moved for some time.
 
-    Where the window was busy at that time, moves of the hand may still wait to be taken: then the time begins again.
+    If the window was busy at that moment, mouse moves may still be queued: then the timer starts again.
     """
 
     rested = Signal()
@@ -52,7 +52,7 @@ class Rest(QTimer):
         self.timeout.connect(self._end)
 
     def begin(self) -> None:
-        """The hand has moved."""
+        """Start the timer again after a mouse move."""
         self._due = time.monotonic() + 0.001 * self.interval()
         self.start()
 
@@ -64,6 +64,6 @@ class Rest(QTimer):
 
 
 def when(milliseconds: int) -> float:
-    """The ``time.monotonic`` of an event, whose own clock begins with the machine; now where that cannot be."""
+    """Time (``time.monotonic``) of an event whose clock starts with the machine; now if that is not plausible."""
     now = time.monotonic()
     return 0.001 * milliseconds if 0.0 <= now - 0.001 * milliseconds < LATEST_EVENT else now

@@ -21,18 +21,18 @@ class Live(Protocol):
     """The stage as it plays live (``LivePlay``)."""
 
     told_changed: Any
-    """Signal(): what ``told`` gives is to be read anew."""
+    """Signal(): ``told`` has a new value."""
 
     def told(self, performer_id: str) -> AdaptedMotion | None:
-        """The motion by which every view tells how well constraints hold, so that all say one number at one moment.
+        """Motion from which every view reports the residuals, so that all show the same number at one moment.
 
-        None while what is asked now is not solved for the whole clip; while something is dragged, the newest answers.
+        None while the present request is not solved for the whole clip; during a drag, the newest result.
         """
 
     def asked_at(self, performer_id: str) -> float | None:
-        """When (``time.monotonic``) that was asked last which ``shown`` answers; None while there is none.
+        """Time (``time.monotonic``) of the latest request that ``shown`` answers; None while there is none.
 
-        What is dragged is asked when the mouse is moved, not when the window comes to hear of it.
+        A drag is requested when the mouse moves, not when the window handles the event.
         """
 
     def result(self, performer_id: str) -> AdaptedMotion | None:
@@ -42,9 +42,9 @@ class Live(Protocol):
         """Reason why a performer cannot be adapted, in a sentence; empty if it can, or is being solved."""
 
     def bring(self, seconds: float) -> None:
-        """Solve the frame at ``seconds`` of the stage of all whose newest motion answers an older question.
+        """Solve the frame at ``seconds`` of the stage of every performer whose newest motion is out of date.
 
-        Those for whom a picture has no time are solved beside it; ``adapted`` tells of them.
+        Frames that take too long for one picture are solved in the background; ``adapted`` is emitted for them.
         """
 
     def shown(self, performer_id: str) -> AdaptedMotion | None:

@@ -21,18 +21,18 @@ if TYPE_CHECKING:
     from studio.live.stage import LiveStage
 
 STAGE_STEP, UNSEEN_STEP = 1.0 / 60.0, 1.0 / 30.0
-"""Seconds from one step to the next where there is time for it; a step that took longer is as long as it took. The next
-one waits for a picture of the last one, but no longer than the other: what nobody sees takes the window's time.
+"""Seconds from one step to the next if there is time for it (a slow step is as long as it took), and the longest wait
+of the next step for a picture of the last one: steps that nobody sees cost the window time.
 """
 ANSWERING = 2.0
-"""Seconds for which the window waits for an answer at most; a step takes a hundredth of that."""
+"""Longest wait of the window for an answer, in seconds; a step takes a hundredth of that."""
 LONGEST_STAGE_STEP = 0.1
-"""Seconds of the stage in one step at most: what the machine missed is not made up for."""
+"""Longest step in seconds of the stage: time lost by a slow machine is not made up for."""
 
 
 @dataclass(frozen=True, eq=False)
 class StageSnapshot:
-    """One step of the stage: a frame of every performer, to be read by ``staged``, and in which states they are."""
+    """One step of the stage: a frame and a state of every performer, in the project ``staged``."""
 
     seconds: float
     staged: Project
@@ -62,7 +62,7 @@ class LivePlay(QObject):
         parent: QObject | None = None,
         ready: Callable[[], bool] = lambda: True,
     ) -> None:
-        """It begins once it is ``ready``: what a step calls has been compiled."""
+        """``ready`` returns True once the kernels that a step calls are compiled; play cannot begin before."""
         super().__init__(parent)
         self._ready = ready
         self.moment: StageSnapshot | None = None
@@ -102,7 +102,7 @@ class LivePlay(QObject):
         return True
 
     def record(self) -> None:
-        """Begin to record; while that is done, end it."""
+        """Begin a recording, or end the present one."""
         if self.recording:
             self._end_recording()
         elif self._worker is not None:
@@ -131,24 +131,24 @@ class LivePlay(QObject):
             self.running_changed.emit(False)
 
     def drawn(self) -> None:
-        """A picture shows the newest moment: the next step may be made."""
+        """Let the next step begin, since a picture shows the newest one."""
         if self._worker is not None:
             self._worker.drawn.set()
 
     def start(self, performer_id: str, clip: Clip) -> None:
-        """Let a performer go over to a clip."""
+        """Start a clip on a performer, with a transition."""
         self._order(lambda stage: stage.start(performer_id, clip))
 
     def send(self, event: str) -> None:
-        """Tell all behaviours of an event."""
+        """Send an event to all behaviours."""
         self._order(lambda stage: stage.send(event))
 
     def press(self, key: str) -> None:
-        """Tell all behaviours of a key."""
+        """Send a pressed key to all behaviours."""
         self._order(lambda stage: stage.press(key))
 
     def close(self) -> None:
-        """Stop, and leave the document."""
+        """Stop, and disconnect from the document."""
         self.end()
         self._document.entity_changed.disconnect(self._feed)
         self._document.project_opened.disconnect(self.end)

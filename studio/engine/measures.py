@@ -1,4 +1,4 @@
-"""In what the miss of a constraint is measured, told and judged: lengths and angles, one place for every view."""
+"""Measures of a constraint's residual: unit, display and thresholds of lengths and angles, shared by every view."""
 
 import math
 from dataclasses import dataclass
@@ -8,21 +8,21 @@ from studio.core.constraints.base import Constraint
 
 @dataclass(frozen=True)
 class Measure:
-    """A kind of amount: its unit on show, how much of that one of ours is, and what counts as how good (ours)."""
+    """Kind of amount: its displayed unit, the factor from metres, radians or a ratio to that, and its thresholds."""
 
     sign: str
     factor: float
     held_below: float
-    """Nobody sees less."""
+    """Amount below which a residual is invisible."""
     partly_below: float
-    """Up to here the eye forgives."""
+    """Amount up to which a residual is hardly visible."""
     worth_saying: float
-    """Nobody needs to be told of less."""
+    """Least amount that is reported as a problem."""
     worst_shown: float
-    """A strip has its full height here."""
+    """Amount at which an error strip reaches its full height."""
 
     def words(self, amount: float) -> str:
-        """``0.4 mm``, ``42 mm``, ``1.20 m``; ``0.4°``, ``42°``."""
+        """Amount as text: ``0.4 mm``, ``42 mm``, ``1.20 m``; ``0.4°``, ``42°``."""
         value = amount * self.factor
         if self is LENGTH_MEASURE and value >= 1000.0:
             return f"{amount:.2f} m"

@@ -34,7 +34,7 @@ class TargetContext:
     pose: Posed
 
     def fixed(self, constraint: Constraint) -> Constraint | None:
-        """The constraint with its targets where they are now; None while what it follows is not there."""
+        """Constraint with its targets fixed at their present positions; None while a followed target is missing."""
         moving = {*follows_of(constraint), *own_places_of(constraint)}
         tracks: dict[Follow | OwnPlace | Support, Track]
         tracks = {each: track for each in moving if (track := self.track(each)) is not None}
@@ -44,7 +44,7 @@ class TargetContext:
         return fixed_at(constraint, Targets(now, tracks, lambda: np.zeros((1, 3)), leg_length))
 
     def moved(self, constraint: Constraint, place: Vector) -> Constraint:
-        """The constraint held at ``place`` now, by a key, centre or offset; the same where no place holds it."""
+        """Constraint with its target moved to ``place`` now, by a key, centre or offset; unchanged if it has none."""
         name = constraint.shown.held_by
         target: Any = getattr(constraint, name, None)
         held: dict[str, Any]
@@ -60,14 +60,14 @@ class TargetContext:
         return replace(constraint, **held)
 
     def turned(self, constraint: Constraint, turn: Quaternion) -> Constraint:
-        """An orientation with its target turned to ``turn`` now, as ``moved``."""
+        """Orientation constraint with its target rotated to ``turn`` now, as by ``moved``."""
         target = getattr(constraint, "target")  # noqa: B009 - only an orientation comes here
         track = self.track(target) if isinstance(target, Follow) else None
         held: dict[str, Any] = {"target": turned_target(target, turn, self.pose.seconds, track)}
         return replace(constraint, **held)
 
     def own_place(self, point: BodyPoint, place: Vector, seconds: float) -> OwnPlace | None:
-        """``place`` as each body has it by its own ``point`` at ``seconds``; None while how it stands is not known."""
+        """``place`` relative to each body's own ``point`` at ``seconds``; None while the grounded body is not known."""
         own = OwnPlace(point, seconds)
         track = self.track(own)
         return None if track is None else own.moved(self.performer_id, self._in_legs(track.places[0], place))

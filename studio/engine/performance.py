@@ -177,7 +177,7 @@ def _holding(project: Project, performer_id: str, time: float) -> tuple[float, f
 
 
 def seen_now(document: Document, live: Live) -> tuple[Project, float, dict[str, Posed]]:
-    """Every visible performer as it is seen, in which project, at what time: at the playhead, or as it plays live."""
+    """Project, stage time and pose of every visible performer: at the playhead, or as the stage plays live."""
     moment = live.play.moment
     if moment is not None:
         return moment.staged, moment.seconds, posed_performers(moment.staged, live.shown, moment.seconds)
@@ -186,7 +186,7 @@ def seen_now(document: Document, live: Live) -> tuple[Project, float, dict[str, 
 
 
 def resting_performers(project: Project, posed: Mapping[str, Posed]) -> dict[str, Posed]:
-    """Every visible performer that is not in ``posed``, in its rest pose at its place."""
+    """Rest pose, at its place on the stage, of every visible performer that is not in ``posed``."""
     resting = {}
     for performer_id, performer in project.performers.items():
         character = project.characters.get(performer.character_id) if performer.visible else None

@@ -65,8 +65,8 @@ def props_at(project: Project, posed: Mapping[str, Posed], time: float) -> dict[
 
 
 def moved_prop(pose: PropPose, place: FloatArray) -> Prop:
-    """The prop with its centre at ``place`` (3,) then: there for good, by a key or another centre, or in another
-    place of the hands. At the moment at which it is picked up, it is picked up there.
+    """Prop with its centre moved to ``place`` (3,) at the time of ``pose``: by a key, by another centre, or by another
+    offset in the hands. At the moment of its pick-up, the pick-up position moves.
     """
     prop, way = pose.prop, place - pose.place
     match None if prop.lies_at(pose.time) else prop.held_at(pose.time):
@@ -159,9 +159,9 @@ def unheld(pose: PropPose, *, keyed: bool) -> Prop:
 
 
 def in_hand(pose: PropPose, performer_id: str, point: BodyPoint, holder: Posed) -> InHand:
-    """How the prop is fixed to a point of a body, turned as it is: at the middle of the palm where that is a hand.
+    """Hold that fixes the prop to a point of a body, in its present orientation; on a hand, at the palm's middle.
 
-    On a foot, the seat or another part it stays where it is beside the point, or comes to it from farther off.
+    On a foot, the seat or another part it keeps its offset from the point; if it is too far away, it moves there.
     """
     motion, row, layout = holder.motion, holder.row, holder.motion.morphology.layout
     from studio.core.solver.asking.points import point_indices  # loads kernels
@@ -183,10 +183,10 @@ def in_hand(pose: PropPose, performer_id: str, point: BodyPoint, holder: Posed) 
 def between_hands(
     prop: Prop, performer_id: str, holder: Posed, *, heading: float | None = None, lift: float | None = None
 ) -> Carried:
-    """How a prop is carried in both hands: between them where the motion has them before the body, else there.
+    """Hold that carries a prop in both hands: between them if they are in front of the body, else moved to the front.
 
-    Where it is to keep a ``heading`` on the stage, that is the nearest by quarter turns from the chest's. With a
-    ``lift`` it is where the motion has the hands, so many metres above their middle.
+    With a ``heading`` (radians on the stage) the prop faces the nearest of the four quarter turns from the chest's
+    heading. With a ``lift`` it stays at the hands of the motion, that many metres above their middle.
     """
     from studio.core.solver.performers.props import carried_track  # loads kernels
 

@@ -63,7 +63,7 @@ class SummaryRow:
 
 @dataclass(frozen=True)
 class FoundProblem:
-    """A finding that is worth saying."""
+    """Finding that is large enough to report."""
 
     row: SummaryRow
     aspect: str
@@ -71,7 +71,7 @@ class FoundProblem:
 
     @property
     def key(self) -> tuple[str, str | None, str]:
-        """What it is about, whatever its amount is now."""
+        """Performer id, constraint id and aspect: identity of the problem, independent of its present amount."""
         return self.row.performer_id, self.row.constraint_id, self.aspect
 
     @property

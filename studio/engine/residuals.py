@@ -1,7 +1,7 @@
-"""By how much a constraint is missed on a body: one rule for every view.
+"""Residual of a constraint on a body: one rule for every view.
 
-What counts is the worst frame in which the constraint is fully active; where it never is, the worst in which it is
-active at all. A foot's constraint is fully active only where no contact holds that foot.
+The residual is that of the worst frame in which the constraint is fully active, or, if it never is, of the worst in
+which it is active at all. A foot's constraint is fully active only where no contact holds that foot.
 """
 
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Residual:
-    """The worst miss of a constraint on a body: its amount, the motion's frame, whether it is fully active there."""
+    """Worst residual of a constraint on a body: its amount, the motion's frame, True if it is fully active there."""
 
     amount: float
     """Metres or radians, as ``measure`` says."""
@@ -120,7 +120,7 @@ def unsolved_words(live: Live) -> str:
 def worst_residual(
     project: Project, performer_id: str, motion: AdaptedMotion | None, constraint_id: str
 ) -> Residual | None:
-    """The worst miss in the frames that the performer plays; None where nothing is asked or known."""
+    """Worst residual in the frames that the performer plays; None if the constraint is inactive or not yet solved."""
     missed = missed_by(project, performer_id, motion, constraint_id)
     if missed is None:
         return None
@@ -142,7 +142,7 @@ def worst_residual(
 def _activation(
     contacts: tuple[ContactInterval, ...], constraint: Constraint, frames: NDArray[np.int64], frame_rate: float
 ) -> FloatArray:
-    """(F,) what is asked of the constraint: less than its curve where a contact has its limb."""
+    """Activation of the constraint, (F,): its curve, reduced where a contact holds its limb."""
     free = _freedom(contacts, constraint.point.part, int(frames[-1]) + 1, frame_rate)
     return np.asarray(constraint.activation.at(frames / frame_rate) * free[frames])
 

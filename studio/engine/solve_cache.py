@@ -1,4 +1,4 @@
-"""What is costly and depends on one immutable value only, kept while that value is in use."""
+"""Cache of costly results that depend on one immutable value only, kept while that value is in use."""
 
 import threading
 from collections import OrderedDict

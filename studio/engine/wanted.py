@@ -37,7 +37,7 @@ Skin = tuple[SkinnedMesh, Morphology, Morphology]
 
 @dataclass(frozen=True)
 class Wanted:
-    """All that one performer's result depends on; equal ones need no new solve."""
+    """Everything that one performer's result depends on: if two are equal, no new solve is needed."""
 
     performer: Performer = field(compare=False)
     motions: tuple[tuple[int, Clip, tuple[ContactInterval, ...]], ...]
@@ -48,7 +48,7 @@ class Wanted:
     followed: tuple[Followed, ...]
     placement: Placement
     skin: Skin | None = None
-    """What the body's volume is measured of; None where nothing depends on it."""
+    """Skin from which the body's volume is measured; None if nothing depends on it."""
     limited: bool = True
     eased: bool = True
     clears: bool = True

@@ -18,9 +18,9 @@ MOST_VARIATION, LOOSE_VARIATION = 0.03, 0.2
 _MOST_ASYMMETRY = 0.25
 """Logarithm of the ratio of left to right from which two bones are no pair."""
 _SHORTEST_BONE = 0.25
-"""Of a limb's longer bone: the shorter one has at least this share."""
+"""Least length of a limb's shorter bone, as a fraction of its longer one."""
 _SHORTEST_CLAVICLE = 0.02
-"""Of the upper arm: joints nearer to a shoulder are one more axis of it."""
+"""Fraction of the upper arm's length: a joint nearer to a shoulder counts as one more axis of the shoulder."""
 
 
 @dataclass(frozen=True)
@@ -37,9 +37,9 @@ class Match:
 
     body_map: BodyMap | None
     missing: tuple[str, ...]
-    """What was looked for in vain: ``left arm``, ``spine``."""
+    """Names of the parts that were not found, such as ``left arm`` or ``spine``."""
     parts: int
-    """How many parts were found."""
+    """Number of parts that were found."""
 
 
 class BodySearch:

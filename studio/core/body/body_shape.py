@@ -120,7 +120,7 @@ def _above(points: FloatArray, arms: _Pair, legs: _Pair) -> bool:
 
 
 def _upright(points: FloatArray, arms: _Pair, legs: _Pair) -> bool:
-    """Whether shoulders stand over hips and not, as an animal's, before them."""
+    """True if the shoulders lie above the hips rather than in front of them, as an animal's do."""
     trunk = sum(points[chain[0]] for chain in arms) - sum(points[chain[0]] for chain in legs)
     return bool(trunk[2] > np.linalg.norm(trunk[:2]))
 

@@ -1,4 +1,4 @@
-"""Limbs whose names say the other side of the body than their place and motion do."""
+"""Limbs whose names contradict the side shown by their position and motion."""
 
 import numpy as np
 from numpy.typing import NDArray

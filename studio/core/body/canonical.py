@@ -53,7 +53,7 @@ _AFTER_SPINE = tuple(part for part in BodyPart if part not in ("pelvis", "abdome
 
 @dataclass(frozen=True)
 class BodyLayout:
-    """Where each point and segment stands in the arrays of a body with ``spine_count`` spine segments."""
+    """Indices of points and segments in the arrays of a body with ``spine_count`` spine segments."""
 
     spine_count: int
 

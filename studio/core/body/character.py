@@ -1,4 +1,4 @@
-"""A character: a build, the proportions put upon it, a colour and a skin."""
+"""Character: a build, the proportions applied to it, a colour and a skin."""
 
 import re
 from dataclasses import dataclass, field
@@ -22,7 +22,7 @@ class Character:
     build: Morphology
     skin: SkinnedMesh
     proportions: Proportions | KeyedProportions = field(default_factory=Proportions)
-    """What the build is multiplied by, always or over time."""
+    """Factors of the build, constant or keyed over time."""
     blending: Blending = Blending.LINEAR
     grip: float = 0.0
     """Hands from open (-1) over at ease (0) to fists (1)."""
@@ -49,7 +49,7 @@ class Character:
         return self.morphology
 
     def proportions_at(self, time: float) -> Proportions:
-        """What the build is multiplied by at a time of the stage."""
+        """Factors of the build at ``time``, in seconds of the stage."""
         keyed = self.proportions
         return keyed.proportions_at(time) if isinstance(keyed, KeyedProportions) else keyed
 
@@ -60,5 +60,5 @@ class Character:
 
     @cached_property
     def volume(self) -> BodyVolume:
-        """The room that the skin takes up on these measures."""
+        """Collision volume of the skin on these measures."""
         return fitted_volume(self.skin, self.build, self.morphology)

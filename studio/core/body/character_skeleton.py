@@ -47,7 +47,7 @@ def character_skeleton(morphology: Morphology) -> Skeleton:
 
 
 def character_body_map(layout: BodyLayout) -> BodyMap:
-    """Which joint of ``character_skeleton`` plays which part."""
+    """Body map of ``character_skeleton``: the joint of each body part."""
     moving = {segment: joint for joint, segment in enumerate(_joints(layout).segments) if segment >= 0}
     inner = (BodyPart.ABDOMEN, BodyPart.THORAX)
     parts = {part: moving[layout.segment(part)] for part in BodyPart if part not in inner}

@@ -1,4 +1,4 @@
-"""From a standing skeleton and a mesh round it to a character: measures, stance, weights on canonical segments."""
+"""Character made of a standing skeleton and a mesh: measures, stance and weights on canonical segments."""
 
 from dataclasses import replace
 

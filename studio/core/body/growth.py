@@ -25,12 +25,12 @@ class KeyedProportions(Line):
     values: tuple[Proportions, ...]
 
     def at(self, times: ArrayLike) -> FloatArray:
-        """(N, 11) factors at ``times`` (N,) seconds, none beyond those of the keys."""
+        """Factors, (N, 11), at ``times`` (N,) seconds, clamped to the range of the keys."""
         factors = self.points
         return np.asarray(np.clip(super().at(times), factors.min(axis=0), factors.max(axis=0)))
 
     def proportions_at(self, time: float) -> Proportions:
-        """What holds at one time."""
+        """Proportions at ``time``, in seconds of the stage."""
         return Proportions(*self.at([time])[0].tolist())
 
     @property

@@ -1,4 +1,4 @@
-"""Where a hand ends: files have ends without length, or as far off as the tip of a sword."""
+"""End point of a hand: some files have ends without length, or as far away as the tip of a sword."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +8,7 @@ from studio.core.body.skeleton import Skeleton
 FloatArray = NDArray[np.float64]
 
 SHORTEST_HAND = 0.01
-"""Metres from the wrist within which nothing ends but a bone without length."""
+"""Distance in metres from the wrist within which an end belongs to a bone without length."""
 LONGEST_HAND, USUAL_HAND = 1.0, 0.4
 """Of the forearm: 0.1 to 0.75 in captures of people, from wrist to knuckles or finger tips."""
 

@@ -78,7 +78,7 @@ class BodyMap:
 
 
 def is_spine(key: str) -> bool:
-    """Whether ``key`` names a vertebra: ``spine_1``, ``spine_2`` ..."""
+    """True if ``key`` names a vertebra: ``spine_1``, ``spine_2`` ..."""
     return key.startswith("spine_") and key[6:].isdecimal()
 
 

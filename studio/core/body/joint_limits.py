@@ -1,4 +1,4 @@
-"""How far the joints of limbs go: swing of a bone about the middle of its range, its twist, and bends, by joint.
+"""Range of motion of the limb joints: swing of a bone about the middle of its range, its twist, and bends, by joint.
 
 Left side, right is its mirror image; degrees. A swing leaves the middle about the axes of the joint there: ``bone`` and
 ``hinge`` are unit z and x, in the segment that carries it (arms in the thorax as the clavicle carries it along; thorax
@@ -69,11 +69,11 @@ ANKLE_LIMIT = BallLimit((0.0, 0.0, -1.0), (0.0, 1.0, 0.0), (21.0, 37.0, 56.0, 45
 ELBOW, CARRYING, FOREARM_LIMIT = (0.0, 150.0), 15.0, (-80.0, 80.0)
 KNEE_LIMIT, KNOCK, SHANK = (0.0, 160.0), 10.0, (-30.0, 30.0)
 HINGE_MIRROR, UPRIGHT_MIRROR = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, 1.0])
-"""What the mirror does to the axes of a segment that has a hinge, and of one that has its y to the left."""
+"""Signs that mirror the axes of a segment with a hinge, and of a segment whose y axis points left."""
 
 
 def limits_of(body: Morphology) -> NDArray[np.void]:
-    """(4,) records of ``kernels.limits.limb_joint_limits``, a row a limb, to be written in."""
+    """Writable (4,) records of ``kernels.limits.limb_joint_limits``, one a limb."""
     return np.frombuffer(bytearray(_limits_of(body)), dtype=LIMB_LIMITS)  # whole: NumPy copies records field by field
 
 

@@ -151,7 +151,7 @@ class Morphology:
 
     @cached_property
     def _bytes(self) -> bytes:
-        """What is hashed: not the hash, which differs from process to process."""
+        """Bytes that are hashed; the hash itself is not kept, because it differs between processes."""
         return self.packed.tobytes()
 
 

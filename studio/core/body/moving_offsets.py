@@ -18,7 +18,7 @@ from studio.core.rotations import from_matrix, multiply, normalized, rotate, sho
 FloatArray = NDArray[np.float64]
 
 _STEADY = 0.01
-"""Of a bone's length: a joint that moves less in its parent lies still."""
+"""Fraction of a bone's length: a joint that moves less than this in its parent counts as fixed."""
 _SWING = np.radians(0.5)
 """Radians from its direction at rest by which a bone swings in its parent before it is followed."""
 _BONES = ("CLAVICLE", "UPPER_ARM", "FOREARM", "HAND"), ("THIGH", "SHANK", "FOOT", "TOE")

@@ -1,4 +1,4 @@
-"""PoseSequence: how every joint of a skeleton stands, frame by frame."""
+"""PoseSequence: local rotations and translations of every joint of a skeleton, frame by frame."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -64,7 +64,7 @@ class PoseSequence:
         return PoseSequence(self.local_rotations[first : last + 1], self.local_translations[first : last + 1])
 
     def runs(self, length: int = 2048) -> "Iterator[tuple[slice, PoseSequence]]":
-        """The poses a run of frames at a time, for whoever tells how far the work on a long capture is."""
+        """Yield the poses in runs of frames, so that callers can report progress on a long capture."""
         for first in range(0, self.frame_count, length):
             run = slice(first, first + length)
             yield run, PoseSequence(self.local_rotations[run], self.local_translations[run])

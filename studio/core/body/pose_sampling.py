@@ -1,4 +1,4 @@
-"""Poses at other moments than their own frames."""
+"""Sampling of poses between their frames."""
 
 import numpy as np
 from numpy.typing import NDArray

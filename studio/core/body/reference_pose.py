@@ -79,10 +79,10 @@ def stand_up(skeleton: Skeleton, local_rotations: FloatArray, body_map: BodyMap)
 
 
 def faults(points: FloatArray, body_map: BodyMap) -> FloatArray:
-    """How far each frame of ``points`` (F, J, 3) is from a human at ease: (F, n), 1 at what is tolerable.
+    """Deviations of each frame of ``points`` (F, J, 3) from a relaxed human stance: (F, n), 1 at the tolerable limit.
 
-    Lean of trunk and head, splay and bend of legs, twist of shoulders against hips, narrow shoulders, arms
-    unlike each other, bent or raised.
+    Lean of trunk and head, splay and bend of legs, twist of shoulders against hips, narrow shoulders, and arms that
+    are asymmetric, bent or raised.
     """
     hips, shoulders = _middle(points, body_map, "THIGH"), _middle(points, body_map, "UPPER_ARM")
     across_hips, across_shoulders = _across(points, body_map, "THIGH"), _across(points, body_map, "UPPER_ARM")

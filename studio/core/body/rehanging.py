@@ -1,4 +1,4 @@
-"""Joints hung from others than in their file: rigs for inverse kinematics keep the feet under the root."""
+"""Joints with another parent than in their file: rigs for inverse kinematics keep the feet under the root."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 _APART = 0.1
-"""Of a shank's length: feet that leave it by less hang from it all the same, as in legs that stretch a little."""
+"""Fraction of a shank's length: a foot nearer than this to the shank's end still counts as attached (stretchy legs)."""
 
 
 @dataclass(frozen=True)
@@ -28,9 +28,9 @@ class Rehanging:
 
 
 def rehang(parents: IntArray, moved: Mapping[int, int]) -> Rehanging:
-    """The order in which every parent stands before its children when joints hang from others: ``moved`` joint: parent.
+    """Joint order with every parent before its children, after the joints of ``moved`` (joint: parent) change parents.
 
-    A joint moves only to one that it does not carry.
+    The new parent of a joint must not be one of its descendants.
     """
     above = [moved.get(joint, parent) for joint, parent in enumerate(parents.tolist())]
 
@@ -43,10 +43,10 @@ def rehang(parents: IntArray, moved: Mapping[int, int]) -> Rehanging:
 
 
 def over_feet(skeleton: Skeleton, poses: PoseSequence, feet: Mapping[int, int]) -> tuple[PoseSequence, float]:
-    """The motion whose body stands over ``feet`` (foot: shank) that it does not carry, and how far it was from them.
+    """Motion with the body moved over ``feet`` (foot: shank) that are not its descendants, and its former distance.
 
-    Some files move the feet through the world and leave the body behind, or in its place; its legs, as they turn, say
-    where it belongs: where the ends of both shanks meet the feet. Raises StudioError where no place does that.
+    Some files move the feet through the world and leave the body behind, or fixed. The rotations of the legs give its
+    position: the one at which the ends of both shanks meet the feet. Raises StudioError if there is none.
     """
     still = joint_world(skeleton, rest_poses(skeleton, np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1))))[0][0]
     positions, turns = joint_world(skeleton, poses)

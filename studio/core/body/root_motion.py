@@ -1,4 +1,4 @@
-"""Where the travel of a body is kept: in its hips, in a root joint on the floor, or nowhere."""
+"""Root motion: travel of a body stored in its hips, in a root joint on the floor, or removed."""
 
 from dataclasses import replace
 
@@ -67,7 +67,7 @@ def _with_moving_root(capture: Capture) -> Capture:
 
 
 def in_place(capture: Capture) -> Capture:
-    """The same motion with its hips always above the place where they begin."""
+    """Copy of the motion whose hips stay above the point where they begin."""
     translations = np.array(capture.poses.local_translations)
     travel = _travel(capture)
     translations[:, 0] -= travel - travel[0]

@@ -1,4 +1,4 @@
-"""Where the points of a body lie when its segments are turned in a given way and it stands on the ground."""
+"""Positions of a body's points for given segment rotations while it stands on the ground."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""A body as sticks: which of its points a picture joins."""
+"""Stick figure of a body: pairs of points that are joined by a line."""
 
 from functools import lru_cache
 

@@ -1,4 +1,4 @@
-"""Another zero pose for the same motion: which way joints are turned when a file says 0 for every angle."""
+"""Change of zero pose of a motion: the pose of its joints when every angle in a file is 0."""
 
 from dataclasses import replace
 

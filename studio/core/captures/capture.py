@@ -59,7 +59,7 @@ class Capture:
     guesses: tuple[Guess, ...]
     repairs: tuple[str, ...]
     markers: MarkerTake | None = None
-    """What a body seen by optical markers was solved from; kept, so that it can be solved anew."""
+    """Optical markers from which the body was solved, kept so that it can be solved again; None without markers."""
     plate_loads: tuple[PlateLoad, ...] = ()
     """Steps on the force plates that were recorded with its markers."""
     digest: str = ""

@@ -1,4 +1,4 @@
-"""Contacts: when heels and toes, hands, knees and seat stand on the ground, and when hands touch what."""
+"""Contacts: frames in which heels, toes, hands, knees and seat are on the ground, and hands touch something."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -20,21 +20,21 @@ Span = tuple[int, int]
 
 
 class _Sided(StrEnum):
-    """What is named by its side and its member: ``left_heel``, ``right_hand_on_head``."""
+    """Name made of a side and a member: ``left_heel``, ``right_hand_on_head``."""
 
     @cached_property
     def side(self) -> int:
-        """0 left, 1 right; what is on neither side, or on both, counts as left."""
+        """Side, 0 left, 1 right; a name of neither side, or of both, counts as left."""
         return 1 if self.value.startswith("right") else 0
 
     @cached_property
     def member(self) -> str:
-        """What it is on either side, or what a hand is on."""
+        """Last word of the name: the point without its side (``heel``), or the part that a hand is on (``head``)."""
         return self.value.rpartition("_")[2]
 
 
 class ContactPoint(_Sided):
-    """What of a body touches the ground.
+    """Point of a body that can touch the ground.
 
     The heel moves with the ankle, the toe with the toe joint, the hand with the wrist; the seat is the middle of the
     hips.
@@ -80,10 +80,10 @@ def touching_points(point: ContactPoint, layout: BodyLayout) -> list[int]:
 
 
 class Touch(_Sided):
-    """What hands touch or hold, other than the ground.
+    """Contact of the hands with each other, with a held object or with the body.
 
-    Hands that are together keep their way from each other as far as their arms are long; a thing between them keeps
-    its size. A hand on the body stays where it lies on it, however thick that is.
+    Hands that are together keep their offset from each other, scaled with the length of the arms; an object between
+    them keeps its size. A hand on the body keeps its position on the surface, however thick the body is.
     """
 
     HANDS_TOGETHER = "hands_together"
@@ -114,13 +114,13 @@ class Touch(_Sided):
 
 FOOT_POINTS = tuple(point for point in ContactPoint if point.is_foot)
 BODY_POINTS = tuple(point for point in ContactPoint if not point.is_foot)
-"""Hands, knees and seat: what carries a body that is not on its feet."""
+"""Hands, knees and seat: the points that carry a body that is not on its feet."""
 CONTACT_POINTS = (*ContactPoint, *Touch)
-"""All that may be in contact, on the ground or not."""
+"""All contact points and touches."""
 
 
 def contact_point(name: str) -> ContactPoint | Touch:
-    """The one of that name; ValueError where there is none."""
+    """Contact point or touch of that name; ValueError if there is none."""
     return Touch(name) if name in tuple(Touch) else ContactPoint(name)
 
 
@@ -128,7 +128,7 @@ def contact_point(name: str) -> ContactPoint | Touch:
 class ContactInterval:
     """One contact of a motion from frame ``first`` to ``last``, both included.
 
-    ``point`` stands still on the ground, or hands touch or hold what it says.
+    ``point`` is a point that stands still on the ground, or a touch of the hands.
     """
 
     motion_id: str
@@ -136,7 +136,7 @@ class ContactInterval:
     first: int
     last: int
     scope: Scope = EVERYONE
-    """Whose contact it is. Where one of a narrower scope is, those of its point of wider ones do not count."""
+    """Performers or clip of the contact. Contacts of a narrower scope replace those of wider ones at the same point."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "point", contact_point(self.point))
@@ -145,7 +145,7 @@ class ContactInterval:
 
 
 def on_ground(contacts: Iterable[ContactInterval]) -> tuple[ContactInterval, ...]:
-    """Those of what stands on the ground."""
+    """Contacts with the ground, without touches."""
     return tuple(each for each in contacts if isinstance(each.point, ContactPoint))
 
 
@@ -156,14 +156,14 @@ def standing_at(contacts: Iterable[ContactInterval], frame: int) -> tuple[Contac
 
 
 HEIGHT_MARGIN = 0.04
-"""Metres above its own usual low that a standing heel, ball or tip of the toes may be."""
+"""Greatest height in metres of a standing heel, ball or tip of the toes above its own usual low."""
 STILL_SPEED = 0.35
-"""Metres a second below which it may be standing."""
+"""Metres a second below which a foot point may be standing."""
 ROLLING_SPEED = 0.55
-"""The same between two rests."""
+"""Metres a second below which a foot point stays in contact between two rests."""
 HEEL_SPEEDS, TOE_SPEEDS = (0.43, STILL_SPEED), (STILL_SPEED, 0.5)
-"""The same as a contact begins and as it ends: a foot rolls on to its heel, and off the ball and the tip of its toes,
-while they touch the ground.
+"""Metres a second below which a point may stand as its contact begins and as it ends: a foot rolls on to its heel, and
+off the ball and the tip of its toes, while they touch the ground.
 """
 REST_SPEED = 0.15
 """Metres a second below which toes near the ground stand while their heel does, though they sink later to roll off."""
@@ -172,7 +172,7 @@ PIVOT_SPEED, PIVOT = 0.2, 0.04
 travels farther meanwhile.
 """
 ROLLING_SECONDS = 0.06
-"""Seconds that this may take."""
+"""Seconds by which a contact may begin earlier or end later at ``HEEL_SPEEDS`` or ``TOE_SPEEDS``."""
 SHORTEST_CONTACT = 0.05
 """Seconds: shorter contacts are dropped, shorter gaps closed."""
 SMOOTHING = 0.012
@@ -280,8 +280,8 @@ def _come_down(heights: FloatArray, near: NDArray[np.bool_], reach: int) -> NDAr
 def _stands(
     track: FloatArray, near: NDArray[np.bool_], landing: float, leaving: float, frame_rate: float
 ) -> NDArray[np.bool_]:
-    """(F,) where a point of a sole (F, 3) stands: ``near`` the ground (F,) and still, coming to rest or leaving, at
-    less than ``landing`` or ``leaving`` metres a second.
+    """Mask (F,) of frames in which a point of a sole (F, 3) stands: ``near`` the ground (F,) and still, or coming to
+    rest or leaving at less than ``landing`` or ``leaving`` metres a second.
     """
     speeds = point_speeds(track, near, frame_rate)
     standing = near & (speeds < STILL_SPEED)
@@ -407,8 +407,8 @@ def _stays(track: FloatArray, first: int, last: int, rest: int) -> list[Span]:
 
 
 def trailed(spans: list[Span], toes: FloatArray, down: NDArray[np.bool_], frame_rate: float) -> list[Span]:
-    """What of the ``spans`` of toes (F, 3) stands where their leg lies ``down`` (F,): while it does, toes that stray
-    farther than ``TRAILING``, or rest for a moment only, trail.
+    """Parts of the ``spans`` of toes (F, 3) that are contacts. While their leg lies ``down`` (F,), toes that move
+    farther than ``TRAILING``, or rest only for a moment, trail and are left out.
     """
     trail, whole = round(BODY_SHORTEST["knee"] * frame_rate), round(SHORTEST_CONTACT * frame_rate)
     found = []
@@ -460,7 +460,7 @@ def contact_mask(spans: Iterable[Span], frame_count: int) -> NDArray[np.bool_]:
 
 
 def without(spans: list[Span], mask: NDArray[np.bool_], shortest: int) -> list[Span]:
-    """What of ``spans`` lies outside ``mask`` (F,) and lasts longer than ``shortest`` frames; all of them if none."""
+    """Parts of ``spans`` outside ``mask`` (F,) and longer than ``shortest`` frames; all if no span meets the mask."""
     if not any(mask[first : last + 1].any() for first, last in spans):
         return spans
     rest = spans_of(contact_mask(spans, len(mask)) & ~mask)

@@ -1,4 +1,4 @@
-"""When a capture reaches out: taken for the moment of a blow."""
+"""Frame of a capture's farthest reach, taken as the moment of a blow."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Remarks: what in a capture no body does, and how no body is built; the file may be wrong, or the body map."""
+"""Remarks: impossible motion or proportions in a capture, caused by a wrong file or a wrong body map."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -50,14 +50,14 @@ _SHOWN, _NAMED = 4, 3
 
 @dataclass(frozen=True)
 class Remark:
-    """What is odd, in a sentence, and the (first, last) frames in which it is; none where it is all the time."""
+    """Warning about a capture, in a sentence, and its (first, last) frames; no frames if it holds throughout."""
 
     words: str
     spans: tuple[tuple[int, int], ...] = ()
 
     @property
     def sentence(self) -> str:
-        """With its frames."""
+        """Words of the warning, followed by its frames."""
         if not self.spans:
             return self.words
         shown = [f"{a}" if a == b else f"{a} to {b}" for a, b in self.spans[:_SHOWN]]
@@ -84,11 +84,11 @@ def _remarks_on(capture: Capture) -> tuple[Remark, ...]:
 
 
 remarks_on: Shared[Capture, tuple[Remark, ...]] = Shared(_remarks_on)
-"""All that is odd about a capture; of one without a body map only its markers and bones that cannot be true."""
+"""Warnings about a capture; without a body map only those about impossible markers and bones."""
 
 
 def remarks_on_body(body: Morphology) -> tuple[Remark, ...]:
-    """All that is odd about a body's measures, as a character's file has it."""
+    """Warnings about a body's measures, as a character's file has it."""
     found = []
     longest = float(np.abs(body.packed).max())
     if longest > LONGEST_BONE:
@@ -165,7 +165,7 @@ def _odd_build(capture: Capture, body: BodyMap, positions: FloatArray) -> list[R
 
 
 def _far_hand(capture: Capture, body: BodyMap, side: str, positions: FloatArray) -> list[str]:
-    """That a hand ends so far from its wrist that it is none, if so."""
+    """Warning that a hand ends too far from its wrist, if it does."""
     wrist = body.parts.get(BodyPart(f"{side}_hand"))
     if wrist is None:
         return []
@@ -211,7 +211,7 @@ def _mapped_bones(skeleton: Skeleton, body: BodyMap) -> list[tuple[str, int, int
 
 
 def _feet_point_back(capture: Capture, body: BodyMap, positions: FloatArray) -> bool:
-    """Whether both feet are most of the time well behind their ankles, as hips and trunk face.
+    """True if both feet point well behind their ankles most of the time, relative to the facing of hips and trunk.
 
     A foot in line with its shank has no direction of its own.
     """
@@ -249,7 +249,7 @@ def _jumps(capture: Capture, root: FloatArray) -> list[Remark]:
 
 
 def _sudden(steps: FloatArray, frame_rate: float) -> NDArray[np.bool_]:
-    """Which steps (F-1, 3) are unlike both their neighbours, those at an end unlike the only one."""
+    """Mask, (F-1,), of the ``steps`` (F-1, 3) that differ much from both neighbours (at an end, from the only one)."""
     if len(steps) < 2:
         return np.zeros(len(steps), dtype=bool)
     unlike = np.linalg.norm(np.diff(steps, axis=0), axis=1)

@@ -54,7 +54,7 @@ RESTS_FOR = 0.6
 
 @dataclass(frozen=True, eq=False)
 class Spots:
-    """Where a palm is beside one capsule of its body, in every frame.
+    """Position of a palm relative to one capsule of its body, in every frame.
 
     ``along`` (F,) part of the capsule's length, ``ways`` (F, 3) out of it in the axes of the segment that carries its
     begin, ``rooms`` (F,) metres from surface to surface.
@@ -96,9 +96,9 @@ def _end(
 def find_touches(
     motion: NormalizedMotion, actor: Morphology, free: Mask, first_frame: int = 0
 ) -> Iterator[tuple[Touch, Span]]:
-    """What hands touch and hold while the ``actor`` plays the motion; frames before ``first_frame`` are left out.
+    """Yield each touch of the hands, with its frames, in the motion on its ``actor`` from ``first_frame`` on.
 
-    ``free`` (2, F) where each hand is free of the ground.
+    ``free`` (2, F) is True where each hand is off the ground.
     """
     positions, rotations = (each[first_frame:] for each in realize(motion, actor, play=True))
     free = free[:, first_frame:]

@@ -99,7 +99,7 @@ class ActivationCurve:
         return self.full <= first and last <= self.full_end
 
     def moved(self, seconds: float) -> "ActivationCurve":
-        """The same curve ``seconds`` later."""
+        """Curve moved ``seconds`` later."""
         return self.with_times(*(time + seconds for time in self.times))
 
     def with_weight(self, place: int, weight: float) -> "ActivationCurve":

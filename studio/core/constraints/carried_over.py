@@ -1,4 +1,4 @@
-"""A constraint of a motion as it is where a clip of that motion plays: at other times, in another place, mirrored."""
+"""Constraint of a motion transformed to where a clip of it plays: in time, in space, and mirrored."""
 
 import math
 import re
@@ -23,21 +23,21 @@ from studio.core.rotations import multiply
 FloatArray = NDArray[np.float64]
 
 COMING = 0.2
-"""Seconds in which what is asked at the very ends of a clip comes and goes."""
+"""Seconds in which a constraint that is active at a clip's end fades in or out."""
 NEVER = ActivationCurve(-10.0, -10.0, -10.0, -10.0)
-"""Of what is not asked: nothing plays then."""
+"""Activation of a constraint that is never active: it lies before all motions."""
 _HINGED = ("upper_arm", "forearm", "hand", "thigh", "shank")
-"""Segments whose x is a hinge, which a mirror turns round."""
+"""Segments whose x axis is a hinge, which a mirror reverses."""
 _SWAPPED = {Arms.LEFT: Arms.RIGHT, Arms.RIGHT: Arms.LEFT, Arms.BOTH: Arms.BOTH}
 
 
 @dataclass(frozen=True)
 class Carry:
-    """From a motion to where a clip of it plays.
+    """Transform from a motion to where a clip of it plays.
 
-    Second t becomes ``begin`` + t / ``speed``; a place is mirrored (y becomes -y) where it is, turned by ``turn``
-    radians about Z and moved by ``shift`` metres; lengths in leg lengths turn only. What is asked is asked from
-    ``first`` to ``last`` seconds.
+    Second t becomes ``begin`` + t / ``speed``. A position is mirrored (y becomes -y) if ``mirrored``, rotated by
+    ``turn`` radians about Z and moved by ``shift`` metres; offsets in leg lengths are not moved. Constraints are active
+    from ``first`` to ``last`` seconds.
     """
 
     begin: float
@@ -107,7 +107,7 @@ def other_side(part: BodyPart) -> BodyPart:
 
 
 def carried_over(constraint: Constraint, carry: Carry) -> Constraint:
-    """``constraint`` as it is where a clip of its motion plays; what follows other performers and props stays so."""
+    """``constraint`` transformed to where a clip of its motion plays; it still follows other performers and props."""
     changes: dict[str, Any] = {
         "point": carry.point(constraint.point),
         "chain": _chain(constraint.chain, carry),
@@ -122,7 +122,7 @@ def carried_over(constraint: Constraint, carry: Carry) -> Constraint:
 
 
 MIRROR = Carry(0.0, 1.0, 0.0, (0.0, 0.0), True, -math.inf, math.inf)
-"""From a motion to its mirror image, and back."""
+"""Transform from a motion to its mirror image, and back."""
 _SIDE_WORDS = {"left": "right", "right": "left", "Left": "Right", "Right": "Left"}
 _SIDE_WORD = re.compile(rf"\b({'|'.join(_SIDE_WORDS)})\b")
 
@@ -228,9 +228,9 @@ def _chain(chain: Chain, carry: Carry) -> Chain:
 
 
 def _activation(curve: ActivationCurve, carry: Carry) -> ActivationCurve:
-    """The curve within the clip: what would be asked before it begins comes as it begins.
+    """Activation limited to the clip: a curve that starts before the clip fades in at its begin.
 
-    What the clip leaves no time to come, or to go again, is not asked; nor is anything of a clip that others cover.
+    ``NEVER`` if the clip leaves no time to fade in and out, or is covered by others.
     """
     if carry.last < carry.first:
         return NEVER

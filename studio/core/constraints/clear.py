@@ -25,7 +25,7 @@ class ClearConstraint(Constraint):
     """``arms`` keep ``margin`` metres away from the body, or touch it where the actor touches its own.
 
     ``point`` is not used. Of the chain only the limb counts: at 1 the wrist gives way and the elbow turns about the
-    line from shoulder to wrist, at 0 the elbow alone. The miss is the room that is still lacking. Raises ValueError
+    line from shoulder to wrist, at 0 the elbow alone. The residual is the penetration of the margin. Raises ValueError
     for a margin that is below zero or wider than a body.
     """
 

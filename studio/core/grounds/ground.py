@@ -34,7 +34,7 @@ class Ground:
 
     @property
     def is_level(self) -> bool:
-        """Whether it is one height everywhere."""
+        """True if the ground has one height everywhere."""
         return type(self) is Ground
 
     def height_at(self, places: ArrayLike) -> FloatArray:
@@ -57,21 +57,21 @@ class Ground:
         return np.zeros(xy.shape)
 
     def nudges(self, soles: FloatArray) -> FloatArray:
-        """(N, 2) by how much soles (N, 3, 2: heel, ball, tip) had better stand elsewhere; not at all as a rule."""
+        """Displacements, (N, 2) metres, of soles (N, 3, 2: heel, ball, tip) to better positions; zero by default."""
         return np.zeros((len(soles), 2))
 
     def felt_at(self, places: ArrayLike) -> "Ground":
-        """This ground, or the level floor where it neither rises nor sinks at any of ``places`` (..., 2 or 3)."""
+        """This ground, or the level floor if the ground is level at all of ``places`` (..., 2 or 3)."""
         if self.is_level or np.abs(self.height_at(places) - self.height).max() > LEVEL_WITHIN:
             return self
         return Ground(self.height)
 
     def at_height(self, height: float) -> "Ground":
-        """The same ground higher or lower."""
+        """Copy of the ground at another height, in metres."""
         return replace(self, height=height)
 
     def seen_from(self, position: tuple[float, float], heading: float) -> "Ground":
-        """The same ground in the axes of who stands at ``position`` (metres), turned by ``heading`` (radians)."""
+        """This ground in the axes of a performer at ``position`` (metres), rotated by ``heading`` (radians)."""
         return self if self.is_level else PlacedGround(self.height, self, position, heading)
 
 

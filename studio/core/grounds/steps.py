@@ -10,9 +10,9 @@ from studio.core.grounds.ground import FloatArray, Ground
 from studio.core.grounds.slope import heading
 
 GREATEST_NUDGE = 0.06
-"""Metres by which a foot may be put elsewhere to stand on one tread."""
+"""Greatest displacement of a foot, in metres, to stand on one tread."""
 FULL_NUDGE_RISE = 0.03
-"""Metres of rise from which feet mind the edges fully; lower steps are ever less worth it."""
+"""Rise in metres from which feet avoid the edges fully; for lower steps less so."""
 RISER_ROOM = 0.02
 """Metres more that it keeps from the one that rises before it or behind it: it leaves and comes past that."""
 EDGE_ROOM = 0.005

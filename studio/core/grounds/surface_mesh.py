@@ -71,7 +71,7 @@ class SurfaceMesh(Ground):
 
     @cached_property
     def _grid(self) -> "TriangleGrid":
-        """Which triangles lie over each cell of a grid about as fine as they are."""
+        """Triangles over each cell of a horizontal grid whose cells are about as large as a triangle."""
         from studio.core.kernels.support.triangle_grid import TriangleGrid  # late: it loads numba
 
         corners = np.ascontiguousarray(self.vertices[self.triangles])

@@ -39,7 +39,7 @@ class Physique:
     foot_length: float = 0.152
     skull: float = 1.0
     jaw: float = 1.0
-    """How strong jaw, chin, brow and nose are."""
+    """Prominence of jaw, chin, brow and nose."""
     neck_girth: float = 1.0
     chest: float = 1.0
     chest_depth: float = 1.0

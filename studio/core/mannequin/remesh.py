@@ -137,7 +137,7 @@ def _collapse(mesh: _Mesh, gone: int, kept: int, longest: float) -> None:
 
 
 def _same_way(a: tuple[float, float, float], b: tuple[float, float, float]) -> bool:
-    """Whether two normals point within 60 degrees of each other."""
+    """True if two normals point within 60 degrees of each other."""
     dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
     lengths = (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]) * (b[0] * b[0] + b[1] * b[1] + b[2] * b[2])
     return dot > 0 and dot * dot > 0.25 * lengths

@@ -1,4 +1,4 @@
-"""Appearance: what a skin looks like: the colours and textures of its materials, and where on them it lies."""
+"""Appearance of a skin: the colours and textures of its materials, and its texture coordinates."""
 
 import re
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ class Material:
     """(B,) bytes of a PNG or JPEG file, as they came."""
     two_sided: bool = False
     cut_out: bool = False
-    """Whether it has holes where its texture is transparent: lashes, hair, leaves."""
+    """True if the surface has holes where its texture is transparent: lashes, hair, leaves."""
 
     def __post_init__(self) -> None:
         if not _COLOUR.fullmatch(self.colour):

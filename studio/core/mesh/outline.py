@@ -1,4 +1,4 @@
-"""Where a mesh is cut across, level: the outline of a body at some height."""
+"""Horizontal cross-section of a mesh: the outline of a body at some height."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""What props look like: surfaces within a cube of one metre, to be scaled to a prop's size."""
+"""Surfaces of props within a cube of one metre, to be scaled to a prop's size."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -14,12 +14,12 @@ IntArray = NDArray[np.int64]
 
 PROP_COLOUR = "#8a8f96"
 TABLE_TOP, TABLE_LEG = 0.08, 0.09
-"""Of a table: the thickness of its top in parts of its height, of its legs in parts of its length and width."""
+"""Thickness of a table's top as a fraction of its height, and of its legs as a fraction of its length and width."""
 ROUNDING_STEPS = 4
 _AROUND, _DOWN = 36, 24
 """Edges of a ball around its axis and from pole to pole."""
 _SIDES = 24
-"""Of a stick."""
+"""Number of sides of a stick."""
 
 
 @dataclass(frozen=True, eq=False)

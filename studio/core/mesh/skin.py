@@ -31,10 +31,10 @@ _COLUMNS: tuple[tuple[str, type, int], ...] = (
 
 
 class Blending(StrEnum):
-    """How the motions of several segments become that of a vertex."""
+    """Method that blends the motions of several segments into the motion of a vertex."""
 
     LINEAR = "linear"
-    """A weighted mean of where each takes it: of the vertex itself, or of the centre that its mesh gives it."""
+    """Weighted mean of the positions that each segment gives the vertex, or the centre that its mesh defines."""
     DUAL_QUATERNIONS = "dual_quaternions"
     """One screw motion between them: wrists and shoulders keep their girth when they twist."""
 
@@ -97,7 +97,7 @@ class SkinnedMesh:
             raise ValueError("rig: does not fit the mesh.")
 
     def fits(self, segment_count: int) -> bool:
-        """Whether a body of so many segments can carry it."""
+        """True if a body with ``segment_count`` segments can carry the skin."""
         stands = self.stance is None or len(self.stance) == segment_count
         hangs = self.rig is None or int(self.rig.segments.max()) < segment_count
         return int(self.segments.max()) < segment_count and stands and hangs

@@ -1,4 +1,4 @@
-"""The room that a body takes up: tapered capsules for trunk, head and thighs, spheres along its arms.
+"""Collision volume of a body: tapered capsules for trunk, head and thighs, spheres along its arms.
 
 What keeps an arm out of its own body needs a form of the body that is measured in nanoseconds. Every body has the
 same capsules in the same order, so that one body's can be set beside another's.
@@ -29,7 +29,7 @@ PALM_SURFACE_PROBE = PROBES[3][1]
 CAPSULES_OF = {"hips": (0, 1), "trunk": (2, 3, 4, 5), "head": (6,), "thigh": (7, 8)}
 """The capsules of a body by the part that they stand for."""
 _BAND = 0.015
-"""How far above and below its level the trunk is measured, in parts of the length of leg and spine together."""
+"""Half height of the band in which the trunk is measured at a level, as a fraction of leg plus spine length."""
 _FEWEST, _THINNEST = 8, 0.4
 """Places of an outline, and part of the usual breadth and depth, that a trunk has at least: less is a rod, or a gap."""
 _HEAD_LEVELS, _LOWEST_HEAD = (0.25, 0.5), -0.6
@@ -38,7 +38,7 @@ _THIGH = (0.2, 0.9)
 _ARM_BANDS = ((0.0, 0.15), (0.4, 0.6), (0.85, 1.0), (0.3, 0.6), (0.7, 1.0))
 """Where each of ``PROBES`` is measured, parts of its bone's length."""
 _ARM_SHARES = (0.5, 0.5, 0.5, 0.25, 0.25)
-"""How many of the vertices there it goes round."""
+"""Fraction of the vertices in each band that lie within the measured radius (a quantile)."""
 _SECTIONS = ((0.123, 0.071, -0.096), (0.100, 0.069, -0.060), (0.118, 0.095, -0.057), (0.122, 0.090, -0.051))
 _THIGH_GIRTH, _HEAD, _ARM_GIRTH = (0.065, 0.036), (0.066, 0.018, 0.27, 0.50), (0.024, 0.022, 0.016, 0.015, 0.011)
 """An ordinary body's sections (half width, front, back), thigh, head (radius, forward, from, to in head lengths) and
@@ -93,7 +93,7 @@ def usual_volume(morphology: Morphology) -> BodyVolume:
 
 
 class _Girths(Protocol):
-    """How thick a body is, in metres."""
+    """Thickness of a body's parts, in metres."""
 
     def section(self, level: int, height: float) -> tuple[float, float, float]:
         """Half width, front and back of the trunk at one of ``LEVELS``, which lies at a ``height``."""
@@ -163,7 +163,10 @@ class _Measured(_Girths):
         return radius, 0.5 * float(low[0] + high[0]), min(bottom + inset, middle), max(1.0 - inset, middle)
 
     def arm(self, probe: int) -> float:
-        """Of a flat hand what lies between palm and back counts, not its width; a fist is as thick as it is wide."""
+        """Radius at a probe in metres; of a flat hand, half the thickness from palm to back rather than half the width.
+
+        A fist is as thick as it is wide.
+        """
         part = BodyPart.LEFT_HAND if PROBES[probe][0] else BodyPart.LEFT_FOREARM
         least = self._girth(part, _ARM_BANDS[probe], _ARM_SHARES[probe], _Usual(self.morphology).arm(probe))
         if part is BodyPart.LEFT_FOREARM:
@@ -171,7 +174,10 @@ class _Measured(_Girths):
         return float(np.fmax(least, 0.5 * np.ptp(self._rings(part, (PROBES[probe][1],)), axis=0).min()))
 
     def _girth(self, part: BodyPart, band: tuple[float, float], share: float, otherwise: float) -> float:
-        """How far from the bone a ``share`` of the vertices in a ``band`` of its length are at most."""
+        """Distance from the bone within which a ``share`` of the vertices lie, in a ``band`` of the bone's length.
+
+        ``otherwise`` if the band has fewer than four vertices.
+        """
         own = self._in_bone(part, self._main(part))
         near = own[(own[:, 2] >= band[0]) & (own[:, 2] <= band[1])]
         return float(np.quantile(np.hypot(near[:, 0], near[:, 1]), share)) if len(near) >= 4 else otherwise
@@ -203,7 +209,7 @@ def _girth_unit(morphology: Morphology) -> float:
 
 
 def _spine_at(morphology: Morphology, height: float) -> float:
-    """How far forward the spine lies at a height of the rest pose."""
+    """Forward position of the spine, in metres, at a height of the rest pose."""
     positions, _ = rest_pose(morphology)
     spine = positions[: morphology.layout.neck_base + 1]
     return float(np.interp(height, spine[:, 2], spine[:, 0]))

@@ -14,7 +14,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class SourceRig:
-    """All of a capture that is not motion: with it the capture can be had back from its normalised motion.
+    """Everything in a capture except its motion: with it the capture can be restored from its normalised motion.
 
     ``segment_joints`` (S,) the source joint whose rotation moves each canonical segment, -1 where the capture has
     none and the segment goes with the one that carries it; ``alignments`` (S, 3, 3) with R_canonical = R_joint A;

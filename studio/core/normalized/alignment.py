@@ -1,7 +1,7 @@
-"""How a capture's joint axes lie against the canonical segment axes: one constant rotation a segment.
+"""Constant rotations between a capture's joint axes and the canonical segment axes, one a segment.
 
-Pelvis, trunk, head and feet take theirs from the reference pose; limbs take theirs from bones and from the axis
-about which elbow and knee are seen to bend, because reference poses bend the wrong way as often as not.
+The rotations of pelvis, trunk, head and feet come from the reference pose. Those of the limbs come from the bones and
+from the axis about which elbow and knee bend in the motion, because reference poses often bend the wrong way.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ BoolArray = NDArray[np.bool_]
 BENT = np.sin(np.deg2rad(15.0))
 ALIGNED_UP = np.array([0.0, 0.0, 1.0])
 MIN_STANDING = 5
-"""Frames in which a foot has to stand before its sole is levelled by them."""
+"""Least number of frames of ground contact from which a foot's sole is levelled."""
 UNLIKE_FEET = np.deg2rad(3.0)
 """Radians by which the bone of one standing foot may be steeper or flatter than is usual for both."""
 

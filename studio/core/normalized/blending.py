@@ -25,9 +25,9 @@ FloatArray = NDArray[np.float64]
 OLD_UNTIL, NEW_FROM = 0.1, 0.9
 """Parts of a blend until which a contact of the old clip alone still holds, and from which one of the new."""
 BLEND_STEP_SECONDS = 0.4
-"""Seconds that a step takes in a transition, and one more for each leg length of it."""
+"""Seconds that a step takes in a transition; as many more are added for each leg length of the step."""
 STEP_HEIGHT, STEP_HEIGHTS = 0.25, (0.04, 0.12)
-"""How high a foot is lifted for a step, in parts of its length, and the least and the most in leg lengths."""
+"""Height of a foot in a step, as a fraction of the step's length, and its least and greatest height in leg lengths."""
 
 
 @dataclass
@@ -61,7 +61,7 @@ class BlendedRow(AssembledRow):
         return first
 
     def _fade(self, source: ChannelSource, first: int, last: int, found: Join) -> None:
-        """From what is there to a piece that begins before it ends."""
+        """Cross-fade from the assembled frames to a piece that overlaps them."""
         stop = min(self.end, last + 1)
         frames = np.arange(first, last + 1)
         channels, over = source.channels(frames), stop - first
@@ -78,8 +78,8 @@ class BlendedRow(AssembledRow):
         found: Join,
         seconds: float = 0.0,
     ) -> None:
-        """A piece takes over at ``first``, the end of what is there; what was different dies away in ``seconds``, or
-        in as many as it needs.
+        """Let a piece take over at ``first``, the end of the assembled frames; the difference decays in ``seconds``, or
+        if 0 in as many as it needs.
         """
         rate, frames = self.timing.frame_rate, np.arange(first, last + 1)
         seconds = seconds or max(transition.seconds, step_seconds(found))
@@ -90,7 +90,7 @@ class BlendedRow(AssembledRow):
         self._go_on(channels, source.stands(frames), first, fading, found)
 
     def _transition(self, source: ChannelSource, first: int, last: int) -> Inertialisation:
-        """From what is there to a piece that takes over at ``first``, in as many seconds as that needs."""
+        """Inertialisation from the assembled frames to a piece that takes over at ``first``."""
         rate, before = self.timing.frame_rate, np.arange(max(first - 2, 0), first)
         gaps = difference(source.channels(before), self.channels[before])
         new = joint_peaks(self.channels[max(self.measured - 2, 0) : first], rate)
@@ -102,14 +102,14 @@ class BlendedRow(AssembledRow):
         return Inertialisation.of(gaps[-1], (gaps[-1] - gaps[0]) * rate, peaks)
 
     def _fades(self, transition: Inertialisation, first: int, last: int, found: Join) -> bool:
-        """Whether a piece overlaps what is there for as long as a blend needs."""
+        """True if a piece overlaps the assembled frames for as long as a blend needs."""
         if first > self.end - 2:
             return False
         needed = max(transition.seconds, step_seconds(found))
         return needed <= (min(self.end, last + 1) - first) / self.timing.frame_rate
 
     def _go_on(self, channels: FloatArray, stands: Mask, first: int, blending: int, found: Join) -> None:
-        """Put ``channels`` and what ``stands`` from ``first`` on, of which ``blending`` frames are a blend."""
+        """Write ``channels`` and the contacts ``stands`` from ``first`` on; ``blending`` of the frames are a blend."""
         old_until, new_from = first + int(OLD_UNTIL * blending), first + int(np.ceil(NEW_FROM * blending))
         flights = flights_of(found.steps, min(old_until, self.end - 1), new_from)
         raise_feet(channels, flights, first)
@@ -118,9 +118,9 @@ class BlendedRow(AssembledRow):
         self.channels[first : last + 1], self.end = channels, last + 1
 
     def _merge(self, stands: Mask, first: int, old_until: int, new_from: int, flights: Sequence["Flight"]) -> None:
-        """Contacts across a blend: one that goes on in the new clip is one; others keep clear of it.
+        """Merge the contacts across a blend: one that continues in the new clip stays one; others avoid its middle.
 
-        Who steps stands until it is lifted, and again once it has landed.
+        A stepping foot is in contact until it is lifted, and again once it has landed.
         """
         flying = {each.step.side: each for each in flights}
         new, old = np.zeros_like(self.stands), np.array(self.stands)
@@ -141,13 +141,13 @@ class BlendedRow(AssembledRow):
 
 
 def step_seconds(found: Join) -> float:
-    """Seconds that feet need for the steps they have to do."""
+    """Seconds that the steps of a join need."""
     return sum(BLEND_STEP_SECONDS + each.way for each in found.steps)
 
 
 @dataclass(frozen=True)
 class Flight:
-    """A step that stands last in the frame ``leaves`` and first again in ``lands``."""
+    """Step whose last frame of contact is ``leaves``, and whose next one is ``lands``."""
 
     step: FootStep
     leaves: int

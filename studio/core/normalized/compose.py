@@ -25,12 +25,12 @@ from studio.core.stage.timing import Timing
 
 FloatArray = NDArray[np.float64]
 FRAME_LIMIT = 250_000
-"""Of a row, pauses included: half an hour at 120 frames a second, and about a gigabyte for each body."""
+"""Most frames of a row, pauses included: half an hour at 120 frames a second, about a gigabyte for each body."""
 
 
 @dataclass(frozen=True, eq=False)
 class Composite:
-    """What a row of pieces comes to: a motion with its contacts, when it plays, and where each piece is in it."""
+    """Motion composed of a row of pieces, with its contacts, its time on the stage and the frames of each piece."""
 
     motion: NormalizedMotion
     contacts: tuple[ContactInterval, ...]
@@ -39,11 +39,11 @@ class Composite:
 
     @property
     def is_plain(self) -> bool:
-        """Whether it is one motion whose frames are its own, whatever lies over them."""
+        """True if it is a single motion with its frames unchanged, apart from layers over them."""
         return len(self.played) == 1 and self.played[0].piece.is_plain
 
     def at(self, frame: int) -> "Composite":
-        """One frame of it, which is frame 0 then."""
+        """Still composite of one frame, which becomes frame 0."""
         motion, timing = self.motion, self.timing
         still = NormalizedMotion(
             motion.name, motion.frame_rate, motion.channels[frame : frame + 1], motion.spine_places, motion.girdle
@@ -76,9 +76,9 @@ def compose(pieces: tuple[MotionPiece, ...], blends: bool = False) -> Composite:
 
 
 def go_on(shown: MotionPiece, played: NormalizedMotion, pieces: Sequence[MotionPiece]) -> Composite:
-    """``pieces`` blended with all that is there before: what was ``shown`` last, no more than a moment.
+    """Row of ``pieces`` blended from ``shown``, a short piece of the latest frames.
 
-    How fast it may change is known by what has ``played`` of late.
+    The acceleration that is allowed is that of the recent motion ``played``.
     """
     ordered = [shown, *pieces]
     row = BlendedRow(*_empty(ordered))
@@ -88,7 +88,7 @@ def go_on(shown: MotionPiece, played: NormalizedMotion, pieces: Sequence[MotionP
 
 
 def led_on(shown: MotionPiece, pieces: Sequence[MotionPiece]) -> Composite:
-    """``pieces`` behind what was ``shown``, where that puts them, as if nothing had been before but themselves."""
+    """``pieces`` placed to follow ``shown``, whose own frames are replaced by earlier ones of the first piece."""
     row = AssembledRow(*_empty([shown, *pieces]))
     row.add(shown)
     row.lead(pieces[0])
@@ -96,12 +96,12 @@ def led_on(shown: MotionPiece, pieces: Sequence[MotionPiece]) -> Composite:
 
 
 def _empty(pieces: Sequence[MotionPiece]) -> tuple[FloatArray, Timing]:
-    """Spine and timing of a row of ``pieces``."""
+    """Spine places and timing of a row of ``pieces``."""
     return common_spine([piece.motion for piece in pieces]), timing_of_pieces(pieces)
 
 
 def _filled(row: AssembledRow, pieces: Sequence[MotionPiece]) -> Composite:
-    """All of a row as one motion, ``pieces`` added to it."""
+    """Composite of a row after ``pieces`` have been added to it."""
     for piece in pieces:
         row.add(piece)
     row.hold(row.timing.last + 1)

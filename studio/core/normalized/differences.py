@@ -91,10 +91,10 @@ _FOLDS = (OFF_PLANES, SLACKS, BENDS)
 
 
 def _folds(channels: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """How limbs are folded, (..., 4) each: out of their plane and within it, and beyond.
+    """Fold of each limb, (..., 4) each: radians out of its plane, radians within it, and slack below zero.
 
-    The length of the first two together is the angle of which 1 - cos is a limb's slack, half of what a limb of equal
-    bones is bent; the last is the slack below 0 of one stretched beyond its length, as captured ones are now and then.
+    The norm of the two angles is the angle whose 1 - cos is the limb's slack; in a limb with two equal bones it is half
+    the bend. Slack is below zero where a limb is stretched beyond its length, as in some captures.
     """
     slack = channels[..., SLACKS]
     fold = 2.0 * np.arcsin(np.sqrt(np.clip(slack, 0.0, 2.0) / 2.0))

@@ -1,4 +1,4 @@
-"""How far the floor of a capture drifts, as its footprints show it: told, for an adaptation takes it off (METHOD 4)."""
+"""Floor drift of a capture, measured from its footprints: reported, because adaptation removes it (METHOD 4)."""
 
 from dataclasses import replace
 
@@ -6,19 +6,19 @@ from studio.core.captures.capture import Capture, Guess
 from studio.core.normalized.normalize import sole_heights
 
 REPORTED_DRIFT = 0.01
-"""Metres of drift from which on it is told."""
+"""Least drift in metres that is reported."""
 REASON = "As far apart lie the footprints of one foot. It is taken off when the motion is set on the ground."
 
 
 def floor_drift(capture: Capture) -> float:
-    """Metres between the lowest and the highest floor that footprints of one foot show; 0 where there are not two."""
+    """Metres between the lowest and the highest floor in the footprints of one foot; 0 if there are not two."""
     if capture.body_map is None:
         return 0.0
     return max((max(heights) - min(heights) for heights in sole_heights(capture) if heights), default=0.0)
 
 
 def with_drift_told(capture: Capture) -> Capture:
-    """The capture with the drift of its floor among its guesses, where that is worth telling."""
+    """Capture with the drift of its floor among its guesses, if it is large enough to report."""
     drift = floor_drift(capture)
     if drift < REPORTED_DRIFT:
         return capture

@@ -32,7 +32,7 @@ def encode(
 
 
 def actor_sizes(body: Morphology, limbs: FloatArray) -> ActorSizes:
-    """What channels leave out of a body whose arms and legs are ``limbs`` (4,) metres long."""
+    """Sizes of a body that the channels do not contain; its arms and legs are ``limbs`` (4,) metres long."""
     rests = np.array([frame_along(rest, BODY_FORWARD) for rest in (body.neck_rest, *body.clavicle_rest)])
     ankle_height, leg, neck = float(body.ankle_height.mean()), float(body.leg_length), float(body.neck)
     return ActorSizes(rests, body.hip_offset, limbs, ankle_height, leg, neck)

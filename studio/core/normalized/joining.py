@@ -14,17 +14,17 @@ from studio.core.normalized.realize import realize
 FloatArray = NDArray[np.float64]
 
 STANDING_WEIGHT, BODY_WEIGHT, SWINGING_WEIGHT = 20.0, 1.0, 0.05
-"""How much points count: of feet that stand in both motions, hips and shoulders, feet in the air."""
+"""Weights of the points: feet that stand in both motions, hips and shoulders, feet in the air."""
 SAME_PLACE = 0.06
-"""Leg lengths by which a foot may stand beside itself and still be held in one place through a blend."""
+"""Distance in leg lengths between two positions of a foot up to which it is held in one place through a blend."""
 
 FOOT_STEP_LIMIT = 1.2
-"""Leg lengths of the longest step: who is put farther away is there at once."""
+"""Longest step in leg lengths: a body that is moved farther jumps there without steps."""
 
 
 @dataclass(frozen=True)
 class Planar:
-    """A turn about Z in radians, then a way over the ground in leg lengths."""
+    """Rotation about Z in radians, followed by an offset on the ground in leg lengths."""
 
     turn: float = 0.0
     offset: tuple[float, float] = (0.0, 0.0)
@@ -39,7 +39,7 @@ class Planar:
 
 @dataclass(frozen=True)
 class FootStep:
-    """The foot of a ``side`` (0 left, 1 right) has ``way`` leg lengths to go."""
+    """Step of the foot of a ``side`` (0 left, 1 right) over ``way`` leg lengths."""
 
     side: int
     way: float
@@ -47,7 +47,7 @@ class FootStep:
 
 @dataclass(frozen=True)
 class Join:
-    """How the new motion has to be placed, and which feet step then, one after the other."""
+    """Placement of the new motion on the ground, and the steps of the feet that it needs, in their order."""
 
     placement: Planar
     steps: tuple[FootStep, ...] = ()
@@ -56,12 +56,11 @@ class Join:
 def join(
     first: FloatArray, second: FloatArray, both_stand: NDArray[np.bool_], spine_places: FloatArray, shares: FloatArray
 ) -> Join:
-    """How channels ``second`` (F, C) have to be placed to lie on ``first`` (F, C), frame on frame.
+    """Placement that aligns channels ``second`` (F, C) with ``first`` (F, C), frame by frame, and the steps it needs.
 
-    ``both_stand`` (F, 4) tells which of ``FOOT_POINTS`` stand in both; ``shares`` (F,) how much each frame counts. The
-    turn and the way over the ground that leave the least weighted sum of squared distances between the points of an
-    average body: feet that stand lie on each other before anything else does. Where both cannot, one does, and the
-    other has to step.
+    ``both_stand`` (F, 4) is True where a point of ``FOOT_POINTS`` stands in both; ``shares`` (F,) are the frames'
+    weights. The rotation and the offset on the ground minimise the weighted sum of squared distances between the points
+    of an average body; standing feet weigh most. If both feet cannot be aligned, one is, and the other has to step.
     """
     old, new = (_points(channels, spine_places) for channels in (first, second))
     placement = _least_squares(old, new, shares[:, None] * _weights(both_stand))
@@ -82,7 +81,7 @@ def stepping_there(
     spine_places: FloatArray,
     placement: Planar,
 ) -> Join:
-    """As ``join``, where the placement is given: feet step there, but not where that is out of their reach."""
+    """Join with a given ``placement``: feet step there, unless one has to go farther than ``FOOT_STEP_LIMIT``."""
     old, new = (_points(channels, spine_places) for channels in (first, second))
     ways = [_miss(old, new, placement, both_stand, side) for side in range(2)]
     steps = tuple(FootStep(side, way) for side, way in enumerate(ways) if way >= SAME_PLACE)
@@ -90,7 +89,7 @@ def stepping_there(
 
 
 def _points(channels: FloatArray, spine_places: FloatArray) -> FloatArray:
-    """(F, 8, 2) where hips, shoulders and ``FOOT_POINTS`` of an average body are over the ground, in leg lengths."""
+    """Horizontal positions, (F, 8, 2), of hips, shoulders and ``FOOT_POINTS`` of an average body, in leg lengths."""
     body = average_body()
     layout = body.layout
     points = [layout.hip(0), layout.hip(1), layout.collar(0) + 1, layout.collar(1) + 1]
@@ -105,7 +104,10 @@ def _weights(both_stand: NDArray[np.bool_]) -> FloatArray:
 
 
 def _least_squares(old: FloatArray, new: FloatArray, weights: FloatArray) -> Planar:
-    """Body and feet each turn about their own middle: a body is not turned round to lie on the other side of a foot."""
+    """Weighted least-squares alignment of ``new`` with ``old``, (F, 8, 2).
+
+    The rotation is that of body and feet each about their own middle, so that a body is not turned round a foot.
+    """
     dots, crosses = 0.0, 0.0
     for part in (slice(0, 4), slice(4, 8)):
         w = weights[:, part]
@@ -118,12 +120,12 @@ def _least_squares(old: FloatArray, new: FloatArray, weights: FloatArray) -> Pla
 
 
 def _middle(points: FloatArray, weights: FloatArray) -> FloatArray:
-    """(2,) the weighted mean of points (F, P, 2)."""
+    """Weighted mean, (2,), of points (F, P, 2)."""
     return np.asarray(np.einsum("fp,fpk->k", weights, points) / weights.sum())
 
 
 def _miss(old: FloatArray, new: FloatArray, placed: Planar, both_stand: NDArray[np.bool_], side: int) -> float:
-    """Leg lengths by which a foot that stands in both would stand beside itself; 0 where it does not."""
+    """Median distance in leg lengths between a foot's points in both motions while they stand; 0 if they never do."""
     standing = both_stand & (np.arange(4) // 2 == side)
     aside = np.linalg.norm(_turned(new, placed.turn) + placed.offset - old, axis=2)[:, 4:]
     return float(np.median(aside[standing])) if standing.any() else 0.0

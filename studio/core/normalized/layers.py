@@ -28,15 +28,15 @@ from studio.core.stage.layer import Region
 FloatArray = NDArray[np.float64]
 
 HIDDEN_BELOW, WHOLE_FROM = 0.1, 0.9
-"""Shares of a layer until which what stands below it stands, and from which what stands in it does."""
+"""Weights of a layer: up to the first the contacts below it hold, from the second its own do."""
 
 BREAK = 0.1
-"""Seconds for less than which nothing that stands is lifted because another clip has it in the air."""
+"""Least seconds without contact in another clip for which a contact is interrupted."""
 
 
 @dataclass(frozen=True)
 class PlayedLayer:
-    """A layer to be played: ``pieces`` are its clip, each time that it plays; the rest is as ``Layer`` has it."""
+    """Layer to be played: ``pieces`` are the repeats of its clip; the other fields are those of ``Layer``."""
 
     pieces: tuple[MotionPiece, ...]
     region: Region
@@ -94,7 +94,7 @@ class _Over:
         return replace(self._row, motion=replace(self._row.motion, channels=channels), contacts=contacts)
 
     def _added(self, below: FloatArray, own: FloatArray) -> FloatArray:
-        """What plays with all that the clip differs by from its reference; ways over the ground turn with the body."""
+        """Channels below plus the clip's difference from its reference pose; ground offsets rotate with the body."""
         piece = self._overlay.pieces[0]
         motion = mirrored(piece.motion) if piece.mirrored else piece.motion
         frame = piece.first if self._overlay.reference < 0 else min(self._overlay.reference, motion.frame_count - 1)
@@ -106,7 +106,7 @@ class _Over:
         return moved(below, by)
 
     def _placed(self, below: FloatArray, own: FloatArray) -> tuple[FloatArray, Join, Join]:
-        """The clip where its legs stand as those below do as it begins, and who steps as it comes and goes."""
+        """Clip placed so that its legs stand as those below at its begin, and the steps as it fades in and out."""
         count = max(round(MOST_TRANSITION / 2 * self._row.timing.frame_rate), 1)
         both = (self._stands(self._row)[FOOT_ROWS] & self._own_stands()[FOOT_ROWS])[:, self._frames].T
         begin, end = slice(0, count), slice(max(len(own) - count, 0), len(own))
@@ -116,7 +116,7 @@ class _Over:
         return own, comes, stepping_there(own[end], below[end], both[end], self._places, Planar())
 
     def _flights(self, shares: FloatArray, comes: Join, goes: Join) -> list[Flight]:
-        """Who steps, in the row's frames, while the layer fades in and out."""
+        """Flights of the feet that step while the layer fades in and out, in the row's frames."""
         share, middle = shares / self._overlay.weight, len(shares) // 2
         first = self._frames[0]
         ends = (
@@ -131,9 +131,9 @@ class _Over:
         ]
 
     def _shares(self, below: FloatArray, own: FloatArray, coming: float, going: float) -> FloatArray:
-        """(N,) how much of the layer is seen: it fades but where the row itself begins and ends.
+        """Weight of the layer, (N,): it fades in and out, except where the row itself begins or ends.
 
-        Feet that step need so many seconds while it is ``coming`` and ``going``.
+        ``coming`` and ``going`` are the seconds that steps of the feet need in the two fades.
         """
         row, rate = self._row.timing, self._row.timing.frame_rate
         begin, end = self._own.timing.start, self._own.timing.end
@@ -153,15 +153,15 @@ class _Over:
         return shares
 
     def _peaks_below(self) -> FloatArray:
-        """``joint_peaks`` of what the row plays meanwhile, between its changes."""
+        """``joint_peaks`` of the row in the frames of the layer, without the jumps at its changes."""
         motion, first, stop = self._row.motion, self._frames[0], self._frames[-1] + 1
         between = [slice(max(each.start, first), min(each.stop, stop)) for each in motion.parts]
         peaks = [joint_peaks(motion.channels[each], motion.frame_rate) for each in between if each.stop > each.start]
         return np.asarray(np.max(peaks, axis=0))
 
     def _contacts(self, shares: FloatArray, flights: Sequence[Flight]) -> tuple[ContactInterval, ...]:
-        """What stands: of limbs that the layer has, as it says; what stands in both stands through its fades, but who
-        steps.
+        """Contacts under the layer: its own on its limbs. A contact in both motions lasts through the fades, unless
+        its foot steps.
         """
         own, ended = points_of(self._overlay.region)
         if not own and not ended:
@@ -240,7 +240,7 @@ Points = frozenset[ContactPoint | Touch]
 
 
 def points_of(region: Region) -> tuple[Points, Points]:
-    """What stands, or is touched, by the limbs of a region; and what ends where only one of two hands is of it."""
+    """Contact points and touches of the limbs of a region, and the two-handed touches that end if it has one arm."""
     arms = region.parts & Region.ARMS.parts
     hands: set[ContactPoint | Touch] = set()
     for arm in arms:

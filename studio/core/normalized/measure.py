@@ -70,15 +70,15 @@ def measure_actor(
 
 
 def _rest_direction(marks: Landmarks, alignments: FloatArray, segment: int) -> FloatArray:
-    """How a segment that hangs on the thorax lies in it (3,), in the reference pose: its z axis."""
+    """Unit z axis (3,) of a segment attached to the thorax, in the thorax's axes, in the reference pose."""
     reference = marks.reference_rotations @ alignments
     return np.asarray(reference[marks.layout.spine_count - 1].T @ reference[segment][:, 2])
 
 
 def _at_ease(rotations: FloatArray, thorax: int, clavicle: int) -> FloatArray:
-    """How a clavicle lies in the thorax (3,) on average of ``rotations`` (F, S, 3, 3): its z axis.
+    """Mean z axis (3,) of a clavicle in the thorax's axes, over ``rotations`` (F, S, 3, 3).
 
-    A reference pose has arms raised or let hang; from there the shoulders of others would always be drawn up or sunk.
+    A reference pose has its arms raised or hanging: taken from it, other bodies' shoulders would be raised or sunk.
     """
     lies = np.einsum("fji,fj->i", rotations[:, thorax], rotations[:, clavicle, :, 2])
     return np.asarray(lies / max(float(np.linalg.norm(lies)), 1e-9))

@@ -139,7 +139,7 @@ def detected_contacts(capture: Capture, motion_id: str) -> tuple[ContactInterval
 
 @dataclass(frozen=True, eq=False)
 class _Found:
-    """Contacts of a capture, the slope of its floor, and the metres at which its ankles stand in those of each heel."""
+    """Contacts of a capture, the slope of its floor, and the ankle height in metres in each contact of each heel."""
 
     contacts: Contacts
     slope: FloorSlope
@@ -147,7 +147,7 @@ class _Found:
 
 
 def _find(capture: Capture, marks: Landmarks | None = None) -> _Found:
-    """What stands in a mapped capture, whose ``marks`` are found where they are not known."""
+    """Contacts, floor slope and sole heights of a mapped capture; ``marks`` are its landmarks, computed if None."""
     assert capture.body_map is not None
     marks = marks or find_landmarks(capture, capture.body_map)
     contacts, slope = _contacts_of(marks, capture)

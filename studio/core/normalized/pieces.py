@@ -41,7 +41,7 @@ class MotionPiece:
     joined: bool = True
     ease: float = 0.0
     origin: tuple[int, int] = (0, 0)
-    """Which clip of a row it is, and which of its repeats."""
+    """Index of the clip in its row, and of the repeat of that clip."""
 
     @property
     def end(self) -> float:
@@ -50,13 +50,13 @@ class MotionPiece:
 
     @property
     def is_carried(self) -> bool:
-        """Whether hands, knees or seat carry the body as well in what it plays."""
+        """True if hands, knees or seat touch the ground in the frames that play."""
         there = [each for each in self.contacts if each.last >= self.first and each.first <= self.last]
         return any(each.point not in FOOT_POINTS for each in on_ground(there))
 
     @property
     def is_plain(self) -> bool:
-        """Whether it plays the motion as it is."""
+        """True if the motion plays unchanged: at its own speed, not mirrored and not moved."""
         return self.speed == 1.0 and not self.mirrored and self.own == AS_IT_IS
 
 
@@ -77,18 +77,18 @@ class Played:
 
 
 class ChannelSource(Protocol):
-    """What is to be played in the frames of the row."""
+    """Source of channels and contacts for the frames of a row."""
 
     def channels(self, frames: NDArray[np.int64]) -> FloatArray:
-        """(N, C) in ``frames`` (N,) of the row."""
+        """Channels, (N, C), in ``frames`` (N,) of the row."""
 
     def stands(self, frames: NDArray[np.int64]) -> Mask:
-        """(P, N) of ``PIECE_CONTACT_POINTS``."""
+        """Contact mask, (P, N), of ``PIECE_CONTACT_POINTS`` in ``frames`` (N,) of the row."""
 
 
 @dataclass
 class HeldPose(ChannelSource):
-    """One pose for ever."""
+    """Source of one pose and its contacts in every frame."""
 
     pose: FloatArray
     standing: Mask
@@ -101,7 +101,7 @@ class HeldPose(ChannelSource):
 
 
 class PieceSource(ChannelSource):
-    """A piece in the frames of the row."""
+    """Source of a piece's channels and contacts, sampled at the frames of the row."""
 
     def __init__(
         self, piece: MotionPiece, spine_places: FloatArray, timing: Timing, placement: Planar = AS_IT_IS

@@ -72,13 +72,13 @@ def _drift(hips: FloatArray, morphology: AnyMorphology) -> FloatArray:
 
 
 def trunk_places(spine: FloatArray) -> FloatArray:
-    """(K,) where along the trunk the spine segments (K, 3) begin: 0 for the pelvis, 1 for the thorax."""
+    """Begin of each of the spine segments (K, 3) along the trunk, (K,): 0 for the pelvis, 1 for the thorax."""
     places = np.concatenate([[0.0], np.cumsum(np.linalg.norm(spine[:-1], axis=1))])
     return np.asarray(places / places[-1])
 
 
 def restore(motion: NormalizedMotion, actor: SourceRig) -> PoseSequence:
-    """The capture's own poses out of its normalised motion: the way back, within rounding."""
+    """Poses of the capture's own joints, restored from its normalised motion, exact within rounding."""
     return own_poses(actor, *realize(motion, actor.morphology, play=True))
 
 

@@ -1,4 +1,4 @@
-"""A motion at other frames than its own: between them, faster or slower, and a little beyond its ends."""
+"""Resampling of a motion between its frames, at another speed, and a little beyond its ends."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from studio.core.rotations import normalized, sign_continuous
 FloatArray = NDArray[np.float64]
 
 SPLINE_MARGIN = 8
-"""Frames to each side of what is asked that a spline is led through, so that its own ends are not felt."""
+"""Frames on each side of the requested ones through which a spline is fitted, so that its ends have no effect."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +62,7 @@ class Resampled:
 
 
 def _splined(channels: FloatArray, rows: FloatArray) -> FloatArray:
-    """(N, C) channels (F, C) between their rows."""
+    """Channels, (N, C), interpolated by a spline between the rows of (F, C)."""
     from scipy.interpolate import CubicSpline  # late: it takes longer than a window
 
     smooth = np.array(channels)
@@ -75,6 +75,6 @@ def _splined(channels: FloatArray, rows: FloatArray) -> FloatArray:
 
 
 def common_spine(motions: Sequence[NormalizedMotion]) -> FloatArray:
-    """(K,) places along the trunk of all joints that any of the motions has."""
+    """Positions along the trunk, (K,), of all spine joints that any of the motions has."""
     places = np.unique(np.concatenate([motion.spine_places for motion in motions]))
     return np.asarray(places[np.concatenate([[True], np.diff(places) > 1e-6])])

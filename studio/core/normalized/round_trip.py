@@ -1,4 +1,4 @@
-"""How exactly a capture comes back out of its own morphology-independent motion."""
+"""Round-trip error of a capture: normalised, then restored on its own actor."""
 
 from dataclasses import dataclass
 
@@ -14,14 +14,14 @@ from studio.core.rotations import angle_between, from_matrix
 
 @dataclass(frozen=True)
 class RoundTrip:
-    """Worst errors over all joints and all frames, metres and radians, in the world."""
+    """Greatest errors over all joints and all frames, in metres and radians, in the world."""
 
     position: float
     rotation: float
 
 
 def round_trip(capture: Capture, motion: NormalizedMotion, actor: SourceRig) -> RoundTrip:
-    """Compare ``capture`` with what ``motion`` gives back on the body of its own ``actor``."""
+    """Errors between ``capture`` and its normalised ``motion`` restored on its own ``actor``."""
     there, turned = joint_world(capture.skeleton, capture.poses)
     back, turned_back = joint_world(capture.skeleton, restore(motion, actor))
     angles = angle_between(from_matrix(turned), from_matrix(turned_back))

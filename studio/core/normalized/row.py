@@ -35,9 +35,9 @@ FOOT_ROWS = [PIECE_CONTACT_POINTS.index(point) for point in FOOT_POINTS]
 PACE = 0.3
 """Seconds for which joints that turn at another pace go astray, where clips are compared."""
 OTHER_FOOT = 0.5
-"""Radians squared of all joints that a heel or toe counts as that stands in one clip alone."""
+"""Cost, in radians squared, of a heel or toe that stands in only one of two clips."""
 SAME_FRAME = 0.01
-"""Frames of a motion by which parts of a split clip may miss each other."""
+"""Frames by which the parts of a split clip may differ and still count as continuous."""
 
 
 @dataclass
@@ -59,7 +59,7 @@ class AssembledRow:
         self.stands = np.zeros((len(PIECE_CONTACT_POINTS), count), dtype=bool)
 
     def add(self, piece: MotionPiece) -> None:
-        """Play a piece from its start on, over or behind what is there."""
+        """Add a piece from its start on, over the assembled frames or after them."""
         first = round((piece.start - self.timing.begin) * self.timing.frame_rate)
         last = max(round((piece.end - self.timing.begin) * self.timing.frame_rate), first)
         source = PieceSource(piece, self.spine_places, self.timing)
@@ -76,7 +76,7 @@ class AssembledRow:
         self.played.append(Played(piece, first, last, self.placement))
 
     def lead(self, piece: MotionPiece) -> None:
-        """Play a piece behind what is there, and instead of that what its motion has before."""
+        """Add a piece after the assembled frames, and replace these by the earlier frames of the piece's motion."""
         first, last = self.end, round((piece.end - self.timing.begin) * self.timing.frame_rate)
         source = PieceSource(piece, self.spine_places, self.timing)
         self.placement = self._join(source, first, first - 1, first - 1).placement
@@ -88,7 +88,7 @@ class AssembledRow:
         self.end = len(frames)
 
     def contacts(self) -> tuple[ContactInterval, ...]:
-        """What stands, as intervals."""
+        """Contact intervals of the row."""
         return tuple(
             ContactInterval("", point, first, last)
             for point, mask in zip(PIECE_CONTACT_POINTS, self.stands, strict=True)
@@ -96,7 +96,7 @@ class AssembledRow:
         )
 
     def _join(self, source: PieceSource, begins: int, first: int, last: int) -> Join:
-        """How a piece that ``begins`` in a frame is placed, from what both play in frames ``first`` to ``last``."""
+        """Placement and steps of a piece that ``begins`` in a frame, from both motions in ``first`` to ``last``."""
         frames = np.arange(first, last + 1)
         both = (self.stands[FOOT_ROWS][:, frames] & source.stands(frames)[FOOT_ROWS] & self._stay(source, last)).T
         shares = ease((frames - first + 1.0) / (len(frames) + 1.0), EaseShape.QUINTIC)
@@ -110,20 +110,20 @@ class AssembledRow:
         return stepping_there(*known, source.around(begins, piece.own, found.placement))
 
     def _stay(self, source: PieceSource, frame: int) -> Mask:
-        """(4, 1) of which ``FOOT_ROWS`` the foot stands on after a ``frame``: one that is lifted at once is as
-        free as in the air.
+        """Mask, (4, 1), of the ``FOOT_ROWS`` whose foot keeps standing after ``frame``; a foot that is lifted soon
+        counts as in the air.
         """
         soon = source.stands(np.arange(frame, frame + round(LEAST_TRANSITION * self.timing.frame_rate) + 1))[FOOT_ROWS]
         stays = (soon[0::2] | soon[1::2]).all(axis=1)
         return np.repeat(stays, 2)[:, None]
 
     def _begin(self, source: PieceSource, first: int, last: int) -> None:
-        """Play what comes first."""
+        """Add the first piece."""
         self.placement = source.around(first, source.piece.own)
         self._put(source.placed(self.placement), first, last)
 
     def hold(self, until: int) -> None:
-        """Hold the last pose as far as frame ``until``, not included."""
+        """Hold the last pose up to frame ``until``, exclusive."""
         if until > self.end:
             self._hold(until)
 
@@ -134,11 +134,11 @@ class AssembledRow:
         self.end = until
 
     def _change(self, change: Change) -> None:
-        """Note it, instead of those that would be at the same time or later: nothing is seen of what they brought."""
+        """Add ``change``, and remove those at the same time or later, whose motion is never seen."""
         self.changes = [*(each for each in self.changes if each.first < change.first), change]
 
     def _follow(self, source: PieceSource, first: int, last: int) -> int:
-        """Play what may take over from ``first`` on, no later than what is there ends; the frame in which it does."""
+        """Add a piece that takes over at ``first`` or later, at the latest where the row ends; return that frame."""
         if not self._goes_on(source, first):
             first = self._most_alike(source, first, min(self.end, last))
             self.placement = self._join(source, first, first - 1, first - 1).placement
@@ -150,7 +150,7 @@ class AssembledRow:
         return first
 
     def _goes_on(self, source: PieceSource, frame: int) -> bool:
-        """Whether it plays in a frame what the piece before it would, as parts of a split clip do."""
+        """True if a piece plays in a frame what the piece before it would, as the parts of a split clip do."""
         piece, before = source.piece, self.played[-1]
         alike = piece.motion is before.piece.motion and piece.mirrored == before.piece.mirrored
         if not alike or not piece.joined or piece.own != AS_IT_IS or piece.speed != before.piece.speed:
@@ -159,8 +159,8 @@ class AssembledRow:
         return bool(np.abs(frames[1] - frames[0])[0] < SAME_FRAME)
 
     def _most_alike(self, source: PieceSource, first: int, last: int) -> int:
-        """The frame from ``first`` to ``last``, within a moment, in which what plays before it is most like what would
-        have.
+        """Frame from ``first`` to ``last``, within ``MOST_TRANSITION`` seconds, before which both motions are most
+        alike.
         """
         last = min(last, first + round(MOST_TRANSITION * self.timing.frame_rate))
         if last - first < 2:

@@ -1,4 +1,4 @@
-"""From one motion to another: what was different when it took over dies away, so that neither place nor speed jumps.
+"""Transition between motions: their difference at the change decays, so that neither position nor speed jumps.
 
 Inertialisation (Bollo 2018): the new motion plays at once, and the difference to the old one, with its speed, is added
 to it and eased to nothing. Only the moment of the change has to be known, so it may be decided at any frame.
@@ -16,23 +16,23 @@ from studio.core.normalized.differences import OFF_PLANES, SLACKS, difference, t
 FloatArray = NDArray[np.float64]
 
 LEAST_TRANSITION, MOST_TRANSITION = 0.2, 1.0
-"""Seconds that a transition takes when nobody says how many."""
+"""Shortest and longest transition in seconds, where none is given."""
 ADDED = 0.25
-"""What dies away, place and speed each, may add so much to a joint's acceleration: parts of its greatest in either
-motion.
+"""Acceleration that the decaying offset and the decaying speed may each add to a joint, as a fraction of its greatest
+acceleration in either motion.
 """
 QUIET_ACCELERATION = 20.0
-"""Radians a second squared: a joint that moves less counts as moving so."""
+"""Least acceleration peak of a joint, in radians a second squared; lower peaks count as this."""
 _PLACE_PEAK, _SPEED_PEAK = 5.78, 3.96
-"""Greatest second derivatives of the two ways to die away below, over one second."""
+"""Greatest second derivatives of the two decay polynomials below, over one second."""
 
 
 @dataclass(frozen=True, eq=False)
 class Inertialisation:
-    """What was different when one motion took over from another, and how it dies away.
+    """Difference between two motions at the moment of their transition, decaying to zero (inertialisation).
 
-    ``offset`` (C,) as a ``difference``, changing by ``speed`` (C,) a second; the offset dies in ``seconds``.
-    ``peaks`` as ``joint_peaks`` gives them: the greater one of either motion.
+    ``offset`` (C,) is a ``difference`` that changes by ``speed`` (C,) a second; the offset decays within ``seconds``.
+    ``peaks`` are those of ``joint_peaks``: the greater of both motions.
     """
 
     offset: FloatArray
@@ -42,12 +42,12 @@ class Inertialisation:
 
     @classmethod
     def of(cls, offset: FloatArray, speed: FloatArray, peaks: FloatArray) -> "Inertialisation":
-        """One that takes as many seconds as it needs to add no more to any joint than it may."""
+        """Inertialisation just long enough to add no more acceleration to any joint than ``ADDED`` allows."""
         return cls(offset, speed, peaks, seconds_of(np.linalg.norm(joint_vectors(offset), axis=-1), peaks))
 
     @cached_property
     def halts(self) -> FloatArray:
-        """(C,) seconds in which each column's speed dies: no later than it must, or a fast limb would swing past."""
+        """Seconds, (C,), in which each column's speed decays: the shortest allowed, or a fast limb would overshoot."""
         halts = np.full(len(self.offset), self.seconds)
         halting = halts_of(np.linalg.norm(joint_vectors(self.speed), axis=-1), self.peaks, self.seconds)
         turns = turn_columns(len(self.offset))
@@ -56,24 +56,24 @@ class Inertialisation:
         return halts
 
     def left(self, times: FloatArray) -> FloatArray:
-        """(N, C) what is left ``times`` (N,) seconds after."""
+        """Offset, (N, C), that remains ``times`` (N,) seconds after the transition."""
         place = place_left(times[:, None], self.seconds) * self.offset
         return np.asarray(place + pace_left(times[:, None], self.halts) * self.speed)
 
 
 def seconds_of(places: FloatArray, peaks: FloatArray) -> float:
-    """Seconds in which ``places`` (N,) die away and add no more to joints with ``peaks`` (N,) than they may."""
+    """Seconds in which offsets ``places`` (N,) decay within ``ADDED`` of the joints' acceleration ``peaks`` (N,)."""
     needed = np.sqrt(_PLACE_PEAK * places / (ADDED * np.maximum(peaks, QUIET_ACCELERATION))).max()
     return float(np.clip(needed, LEAST_TRANSITION, MOST_TRANSITION))
 
 
 def halts_of(speeds: FloatArray, peaks: FloatArray, seconds: float) -> FloatArray:
-    """(N,) the same of ``speeds`` (N,), within ``seconds``."""
+    """Seconds, (N,), in which ``speeds`` (N,) decay within the same limit, at most ``seconds``."""
     return np.clip(_SPEED_PEAK * speeds / (ADDED * np.maximum(peaks, QUIET_ACCELERATION)), min(0.1, seconds), seconds)
 
 
 def place_left(times: FloatArray, seconds: float) -> FloatArray:
-    """What is left of an offset after ``times``: 1 - 10 s^3 + 15 s^4 - 6 s^5, s = t / T; nowhere a jolt."""
+    """Fraction of an offset left after ``times``: 1 - 10 s^3 + 15 s^4 - 6 s^5, s = t / T; smooth in acceleration."""
     s = np.clip(times / seconds, 0.0, 1.0)
     return np.asarray(1.0 - s**3 * (10.0 - s * (15.0 - 6.0 * s)))
 

@@ -17,7 +17,7 @@ from studio.core.stage.manners import Manner
 from studio.core.stage.whom import DistanceMeasure, Whom, reference_of
 
 LONGEST_BLEND = 5.0
-"""Seconds that one state may take to go over into another."""
+"""Longest blend from one state to another, in seconds."""
 
 
 @dataclass(frozen=True)
@@ -122,11 +122,11 @@ class Behaviour:
         return next((each for each in self.cast if each.performer_id == performer_id), None)
 
     def transitions_from(self, name: str) -> tuple[Transition, ...]:
-        """Those that lead away from a state, in the order in which they are tried."""
+        """Transitions from a state, in the order in which they are tried."""
         return tuple(each for each in self.transitions if each.source == name)
 
     def gaps_from(self, name: str) -> tuple[DistanceMeasure, ...]:
-        """What has to be measured to know whether a transition leads away from a state."""
+        """Distances that the transitions from a state depend on, without repeats."""
         conditions = (each for transition in self.transitions_from(name) for each in transition.conditions)
         return tuple(dict.fromkeys(each.gap for each in conditions if isinstance(each, DistanceCondition)))
 
@@ -147,7 +147,7 @@ class Behaviour:
 
 @dataclass(frozen=True)
 class Running:
-    """Where a performer is in its behaviour: for how many ``seconds`` in a state, and by which transition it came."""
+    """Position of a performer in its behaviour: its state, ``seconds`` spent there, and the transition it came by."""
 
     state: str
     seconds: float = 0.0
@@ -155,16 +155,15 @@ class Running:
 
 
 def begun(behaviour: Behaviour) -> Running:
-    """Where everybody begins."""
+    """Running behaviour in its start state."""
     return Running(behaviour.start)
 
 
 def advance(behaviour: Behaviour, running: Running, senses: Senses) -> Running:
-    """Where a performer is ``senses.step`` seconds later.
+    """Running behaviour of a performer ``senses.step`` seconds later.
 
-    The transitions from its state are tried in their order; the first of which all conditions hold leads away, at 0
-    seconds of the next state, and no second one in the same frame. A state that the behaviour does not have any more
-    begins again at the start.
+    The transitions from its state are tried in order. The first one whose conditions all hold leads to the next state,
+    at 0 seconds of it; there is at most one transition a frame. If the state no longer exists, the behaviour restarts.
     """
     if behaviour.state(running.state) is None:
         return begun(behaviour)
@@ -176,10 +175,10 @@ def advance(behaviour: Behaviour, running: Running, senses: Senses) -> Running:
 
 
 def without(behaviour: Behaviour, collection: str, entity_id: str) -> Behaviour:
-    """The behaviour once an entity is gone that it names.
+    """Behaviour without its references to a removed entity.
 
-    States go on without the clip of a motion; roles, manners and transitions that were about a performer or a prop go,
-    and who has lost its partner plays on without one.
+    States lose the clip of a removed motion. Roles, manners and transitions that refer to a removed performer or prop
+    are removed; a performer that loses its partner plays on without one.
     """
     gone = (collection, entity_id)
     states = tuple(

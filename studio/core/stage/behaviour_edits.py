@@ -82,7 +82,7 @@ def order_of(behaviour: Behaviour, place: int) -> tuple[int, int]:
 
 
 def tried_earlier(behaviour: Behaviour, place: int) -> tuple[Behaviour, int]:
-    """A transition before the one of its state that is tried before it, and its place then."""
+    """Behaviour with a transition exchanged with the previous one of the same state, and its new index."""
     source = behaviour.transitions[place].source
     before = [k for k in range(place) if behaviour.transitions[k].source == source]
     if not before:
@@ -93,7 +93,7 @@ def tried_earlier(behaviour: Behaviour, place: int) -> tuple[Behaviour, int]:
 
 
 def played_by(behaviour: Behaviour, performer_id: str, partner_id: str = "") -> Behaviour:
-    """A performer among those who play it, against that partner."""
+    """Behaviour with a performer in its cast, against that partner."""
     role = Role(performer_id, partner_id)
     if behaviour.role_of(performer_id) is None:
         return replace(behaviour, cast=(*behaviour.cast, role))
@@ -103,5 +103,5 @@ def played_by(behaviour: Behaviour, performer_id: str, partner_id: str = "") -> 
 
 
 def not_played_by(behaviour: Behaviour, performer_id: str) -> Behaviour:
-    """A performer no more among those who play it."""
+    """Behaviour without a performer in its cast."""
     return replace(behaviour, cast=tuple(each for each in behaviour.cast if each.performer_id != performer_id))

@@ -25,7 +25,7 @@ class Clip:
     last: int
     start: float = 0.0
     id: str = ""
-    """By which a scope names it; a copy that keeps it is the same clip on another performer."""
+    """Id used by scopes; a copy with the same id is the same clip on another performer."""
     speed: float = 1.0
     repeats: int = 1
     mirrored: bool = False
@@ -55,5 +55,5 @@ class Clip:
             raise ValueError(f"A grip lies between -1 (open) and 1 (fists), got {self.grip}.")
 
     def length(self, frame_rate: float) -> float:
-        """Seconds on the stage that a motion of ``frame_rate`` plays, all its repeats together."""
+        """Seconds on the stage that the clip of a motion of ``frame_rate`` lasts, with all its repeats."""
         return self.repeats * (self.last - self.first) / (frame_rate * self.speed)

@@ -10,11 +10,11 @@ from studio.core.project import Performer, Project
 from studio.core.stage.clip import Clip
 
 ClipEdit = Callable[[Clip], Sequence[Clip]]
-"""What stands in a clip's place: nothing, the clip otherwise, or several."""
+"""Function that returns the replacement of a clip: no clip, a changed clip, or several."""
 
 
 def players_of(project: Project, clip_id: str) -> dict[str, Performer]:
-    """The performers in whose rows a clip is, by id."""
+    """Performers that have a clip in their row, by id."""
     return {key: each for key, each in project.performers.items() if any(clip.id == clip_id for clip in each.all_clips)}
 
 
@@ -30,7 +30,7 @@ def edited(performer: Performer, clip_id: str, edit: ClipEdit) -> Performer:
 
 
 def in_order(performer: Performer, row: Sequence[Clip]) -> Performer:
-    """A performer that plays ``row``."""
+    """Copy of a performer that plays ``row``."""
     return replace(performer, clips=tuple(sorted(row, key=lambda clip: clip.start)))
 
 
@@ -76,5 +76,5 @@ def split(clip: Clip, frame_rate: float, time: float, names: Iterator[str]) -> t
 
 
 def following(clip: Clip, clip_id: str) -> Clip:
-    """A clip of its own that goes on where the one before it ends."""
+    """New clip that continues where the previous one ends."""
     return replace(clip, id=clip_id, joined=True, turn=0.0, offset=(0.0, 0.0))

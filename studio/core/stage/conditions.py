@@ -11,11 +11,11 @@ from studio.core.stage.whom import DistanceMeasure
 
 @dataclass(frozen=True)
 class Senses:
-    """What a performer knows in one frame of the stage.
+    """Input of a performer's conditions in one frame of the stage.
 
-    ``step``: seconds since the frame before. ``gaps``: how wide those are that are measured (``Behaviour.gaps_from``
-    says which are asked for); one that is not there, for want of a partner, fulfils no condition. ``clip_ended``: the
-    state's clip has played its last frame. ``events`` and ``keys``: the names of what came since the frame before.
+    ``step``: seconds since the previous frame. ``gaps``: the measured distances (``Behaviour.gaps_from`` lists the
+    needed ones); a missing one, for lack of a partner, fulfils no condition. ``clip_ended``: the state's clip has
+    played its last frame. ``events`` and ``keys``: the names of events and pressed keys since the previous frame.
     """
 
     step: float = 0.0
@@ -40,7 +40,7 @@ class DistanceCondition:
         PLACE_RANGE.check(self.distance)
 
     def holds(self, senses: Senses, seconds: float) -> bool:
-        """Whether it does in this frame."""
+        """True if the distance is below or above the limit in this frame; False if it was not measured."""
         apart = senses.gaps.get(self.gap)
         return apart is not None and (apart < self.distance if self.closer else apart > self.distance)
 
@@ -58,7 +58,7 @@ class TimeCondition:
         TIME_RANGE.check(self.seconds)
 
     def holds(self, senses: Senses, seconds: float) -> bool:
-        """Whether it does ``seconds`` after the state began."""
+        """True if the condition is fulfilled ``seconds`` after the state began."""
         return seconds >= self.seconds
 
 
@@ -69,7 +69,7 @@ class ClipEndCondition:
     kind: ClassVar[str] = "clip_end"
 
     def holds(self, senses: Senses, seconds: float) -> bool:
-        """Whether it does in this frame."""
+        """True if the state's clip has ended by this frame."""
         return senses.clip_ended
 
 
@@ -86,7 +86,7 @@ class EventCondition:
             raise ValueError("An event needs a name, such as 'attack'.")
 
     def holds(self, senses: Senses, seconds: float) -> bool:
-        """Whether it does in this frame."""
+        """True if the event came since the previous frame."""
         return self.event in senses.events
 
 
@@ -104,7 +104,7 @@ class KeyCondition:
             raise ValueError("A key is a letter, a digit, or a name such as Space.")
 
     def holds(self, senses: Senses, seconds: float) -> bool:
-        """Whether it does in this frame."""
+        """True if the key came since the previous frame."""
         return self.key in senses.keys
 
 

@@ -1,4 +1,4 @@
-"""A layer: a clip that plays over a part of the body of who plays something else."""
+"""Layer: a clip that plays on a part of the body, over the clips of the performer's row."""
 
 import math
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ class Region(StrEnum):
 
     @property
     def parts(self) -> frozenset["Region"]:
-        """The smallest regions that it is made of."""
+        """Smallest regions that make up this one."""
         match self:
             case Region.WHOLE:
                 return Region.UPPER_BODY.parts | {Region.LEGS}
@@ -34,10 +34,10 @@ class Region(StrEnum):
 
 @dataclass(frozen=True)
 class Layer:
-    """A ``clip`` over what a performer's row plays, with so much ``weight`` on a ``region`` of the body.
+    """A ``clip`` over a performer's row, with ``weight`` on a ``region`` of the body.
 
-    It comes in ``fade_in`` and goes in ``fade_out`` seconds, 0 as many as it needs to jolt no joint. ``additive`` adds
-    how the clip differs from its frame ``reference``, -1 for its first one, to what plays.
+    It fades in ``fade_in`` and ``fade_out`` seconds; 0 is as long as is needed to keep joint accelerations low.
+    ``additive`` adds the clip's difference from its frame ``reference`` (-1 for its first one) to the motion below.
     """
 
     clip: Clip

@@ -1,4 +1,4 @@
-"""Manners: how a performer plays a state beside its clip, and what that asks of the body.
+"""Manners: reactions of a performer to another during a state, and the constraints that they make.
 
 ``KeepDistance`` moves the performer over the ground; the other ones are constraints, made by ``asked_by``.
 """
@@ -24,7 +24,7 @@ WHOLE_CLIP = ActivationCurve(-1.0, -1.0, 1e5, 1e5)
 
 @dataclass(frozen=True)
 class KeepDistance:
-    """Steps so that the gap to ``whom`` over the ground is ``distance``, give or take ``room``, and faces it.
+    """Face ``whom``, and step to keep the horizontal distance to it at ``distance``, within a tolerance of ``room``.
 
     Both in metres, or in ``legs``, as a ``DistanceMeasure``.
     """
@@ -44,13 +44,13 @@ class KeepDistance:
 
     @property
     def gap(self) -> DistanceMeasure:
-        """What it keeps."""
+        """Measure of the distance to keep."""
         return DistanceMeasure(self.whom, legs=self.legs)
 
 
 @dataclass(frozen=True)
 class LeanAway:
-    """Brings ``point`` by the trunk at least ``metres`` away from a point of ``whom``: the head from a fist."""
+    """Keep ``point`` at least ``metres`` away from a point of ``whom`` by the trunk: the head from a fist."""
 
     kind: ClassVar[str] = "lean_away"
     whom: Whom = FollowPartner(FIST_POINT)
@@ -65,7 +65,7 @@ class LeanAway:
 
 @dataclass(frozen=True)
 class Meet:
-    """Brings ``point`` to a point of ``whom`` while ``activation`` says, in seconds of the clip's motion.
+    """Move ``point`` to a point of ``whom`` with ``activation`` over seconds of the clip's motion.
 
     A forearm that wards off meets the fist, a fist that strikes meets the head.
     """
@@ -82,9 +82,9 @@ LEANING_CHAIN = Chain(clavicle=0.0, trunk=1.0)
 
 
 def asked_by(manners: tuple[Manner, ...], motion_id: str, partner_id: str, name: str) -> tuple[Constraint, ...]:
-    """The constraints that manners of a state called ``name`` are, of its motion, for one with that partner.
+    """Constraints on the state's motion that the manners of a state ``name`` make, for a performer with that partner.
 
-    To meet comes before to lean away; what needs a partner asks nothing of who has none (an empty id).
+    ``Meet`` has a higher priority than ``LeanAway``. Manners that need a partner make none without one (an empty id).
     """
     asked: list[Constraint] = []
     for place, manner in enumerate(manners):

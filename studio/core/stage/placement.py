@@ -1,4 +1,4 @@
-"""Where a performer's motion stands on the stage."""
+"""Placement of a performer's motion on the stage."""
 
 import math
 from dataclasses import dataclass
@@ -14,30 +14,30 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Placement:
-    """Where motion space stands on the stage: turned by ``heading`` about Z, then moved by ``position``."""
+    """Transform from motion space to the stage: rotated by ``heading`` about Z, then moved by ``position``."""
 
     position: tuple[float, float] = (0.0, 0.0)
     heading: float = 0.0
 
     @classmethod
     def of(cls, performer: Performer) -> "Placement":
-        """The place of a performer."""
+        """Placement of a performer."""
         return cls(performer.position, performer.heading)
 
     def around(self, inner: "Placement") -> "Placement":
-        """What stands at ``inner`` in the space that stands here."""
+        """Placement on the stage of ``inner``, which is given in this placement's space."""
         x, y, _ = self.to_stage((*inner.position, 0.0)).tolist()
         return Placement((x, y), self.heading + inner.heading)
 
     @cached_property
     def rotation(self) -> FloatArray:
-        """(3, 3) motion space to stage."""
+        """Rotation, (3, 3), from motion space to the stage."""
         c, s = math.cos(self.heading), math.sin(self.heading)
         return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
     @cached_property
     def _origin(self) -> FloatArray:
-        """(3,) where the motion's origin is on the stage."""
+        """Origin of the motion on the stage, (3,) metres."""
         return np.array([*self.position, 0.0])
 
     def to_stage(self, points: ArrayLike) -> FloatArray:

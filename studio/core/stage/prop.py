@@ -16,7 +16,7 @@ from studio.core.plausible import TIME_RANGE, TURN_RANGE
 
 
 class PropShape(StrEnum):
-    """What a prop looks like within its size: a stick lies along Z, stairs rise along X."""
+    """Shape of a prop within its size: a stick lies along Z, stairs rise along X."""
 
     BOX = "box"
     BALL = "ball"
@@ -27,12 +27,12 @@ class PropShape(StrEnum):
 
 
 PICKED = 0.01
-"""Seconds after the begin of a hold in which a prop still lies where it is picked up."""
+"""Seconds after the begin of a hold during which a prop still lies at its pick-up position."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Hold:
-    """Somebody holds a prop from ``begin`` until ``end``, seconds of the stage; without them as long as it plays.
+    """Hold of a prop from ``begin`` until ``end``, seconds of the stage; without them for the whole time.
 
     It is picked up from where it is then, and put where keys of its place from then on say, or else left where it is.
     """
@@ -48,17 +48,17 @@ class Hold:
 
     @property
     def is_always(self) -> bool:
-        """Whether it is neither picked up nor put down."""
+        """True if the prop is neither picked up nor put down."""
         return self.begin is None and self.end is None
 
     def holds_at(self, time: float) -> bool:
-        """Whether it is held at a second of the stage."""
+        """True if the prop is held by this hold at ``time``, in seconds of the stage."""
         return (self.begin is None or time >= self.begin) and (self.end is None or time <= self.end)
 
 
 @dataclass(frozen=True)
 class InHand(Hold):
-    """Goes with a point of a performer, where constraints bring it: ``turn`` in the axes of its segment."""
+    """Hold at a point of a performer's adapted body: ``turn`` is the prop's rotation in the axes of the segment."""
 
     kind: ClassVar[str] = "in_hand"
     performer_id: str
@@ -72,7 +72,7 @@ class InHand(Hold):
 
 @dataclass(frozen=True)
 class Carried(Hold):
-    """Goes between both hands of a performer where the motion has them, and turns as its chest does.
+    """Hold between both hands of a performer, where the motion has them before constraints; it rotates with the chest.
 
     ``offset`` is from the middle of the hands, ahead, to the left and up of the chest, in leg lengths; ``heading`` is
     its turn about Z from the chest's heading, radians, which acts after its ``tilt``. Hands that constraints hold on
@@ -108,7 +108,7 @@ class Prop:
     heading: float | KeyedNumber = 0.0
     shape: PropShape = PropShape.BOX
     mesh: TriangleMesh | None = None
-    """Of the shape that is one, fitted into the size."""
+    """Mesh of ``PropShape.MESH``, fitted into the size."""
     held: InHand | Carried | None = None
     later: tuple[InHand | Carried, ...] = ()
     tilt: Quaternion | KeyedTurn = field(default=UNTURNED, metadata=SPARSE)
@@ -134,35 +134,35 @@ class Prop:
 
     @property
     def holds(self) -> tuple[InHand | Carried, ...]:
-        """All who hold it, in the order of time."""
+        """All holds, in the order of time."""
         return self.later if self.held is None else (self.held, *self.later)
 
     @property
     def holders(self) -> frozenset[str]:
-        """The performers with whom it goes at some time."""
+        """Performers that hold the prop at some time."""
         return frozenset(each.performer_id for each in self.holds)
 
     def held_at(self, time: float) -> InHand | Carried | None:
-        """How it is held at a second of the stage, by who took it last."""
+        """Latest hold in force at ``time``, in seconds of the stage; None if nobody holds the prop."""
         return next((each for each in reversed(self.holds) if each.holds_at(time)), None)
 
     def lies_at(self, time: float) -> bool:
-        """True if it is where its own place says at a second of the stage: not held yet, or just being picked up."""
+        """True if the prop is at its own position at ``time``, in seconds of the stage: not held, or just picked up."""
         hold = self.held_at(time)
         return hold is None or (hold is self.held and hold.begin is not None and time - hold.begin < PICKED)
 
     def with_holds(self, holds: Sequence[InHand | Carried]) -> "Prop":
-        """The same, held so."""
+        """Copy with other holds, in the order of time."""
         return replace(self, held=holds[0] if holds else None, later=tuple(holds[1:]))
 
     def with_hold(self, old: InHand | Carried, new: InHand | Carried) -> "Prop":
-        """The same, held otherwise by one of those who hold it."""
+        """Copy with the hold ``old`` replaced by ``new``."""
         return self.with_holds([new if each is old else each for each in self.holds])
 
     def with_span(self, hold: InHand | Carried, begin: float | None, end: float | None) -> "Prop":
-        """The same, held then by one of those who hold it, as far as the others leave it.
+        """Copy in which ``hold`` lasts from ``begin`` to ``end``, limited by its neighbours.
 
-        Who hands it to the next one, or takes it out of another's hands, still does.
+        Where one hold ended as the next began (a hand-over), the neighbour is changed so that it still does.
         """
         holds = list(self.holds)
         place = next(at for at, each in enumerate(holds) if each is hold)
@@ -184,17 +184,17 @@ class Prop:
         return self.with_holds(holds)
 
     def taken(self, hold: InHand | Carried, time: float) -> "Prop":
-        """The same, taken at a second: out of the hands of who holds it then. What would come after is forgotten."""
+        """Copy taken by ``hold`` at ``time``, out of the hands of the present holder. Later holds are removed."""
         before = [each for each in self.holds if each.begin is None or each.begin < time]
         ended = [replace(each, end=time if each.end is None else min(each.end, time)) for each in before]
         return self.with_holds([*ended, replace(hold, begin=time)])
 
     def without(self, performer_id: str) -> "Prop":
-        """The same, which one performer never holds."""
+        """Copy without the holds of one performer."""
         return self.with_holds([each for each in self.holds if each.performer_id != performer_id])
 
     def is_put(self, place: int) -> bool:
-        """Whether keys of its place say where it is put down by who holds it in that ``place`` of their order."""
+        """True if a key of the position sets where the hold of index ``place`` puts the prop down."""
         hold, after = self.holds[place], self.holds[place + 1 : place + 2]
         if not isinstance(self.position, KeyedPlace) or (after and after[0].begin == hold.end):
             return False

@@ -18,20 +18,20 @@ from studio.core.stage.manners import FIST_POINT, HEAD_POINT, WHOLE_CLIP, KeepDi
 from studio.core.stage.whom import DistanceMeasure, FollowPartner
 
 STRIKE_DISTANCE, APPROACH_DISTANCE, DISTANCE_TOLERANCE = 1.42, 1.65, 0.12
-"""Leg lengths: of two who fight from each other, from which on one strikes, and how exactly they keep that."""
+"""Leg lengths: distance kept by two fighters, distance below which one strikes, and tolerance of the kept distance."""
 ATTACK = "attack"
-"""What a strike tells the partner."""
+"""Name of the event that a strike sends to the partner."""
 TO_HEAD = DistanceMeasure(FollowPartner(FIST_POINT), HEAD_POINT, flat=False)
 ANSWER_SECONDS, RETURN_SECONDS = 0.15, 0.3
-"""Seconds in which one answers an attack, and in which one comes back to guard."""
+"""Seconds of the blends into an answer and back to guard; the second is also the least time of leaning away."""
 LEAN_DISTANCE, LEAN_HYSTERESIS = 0.35, 0.15
-"""Metres that the head keeps from a fist, and by how much more the fist has to go before it comes back."""
+"""Metres that the head keeps from a fist, and further metres (hysteresis) before it comes back."""
 ACROSS, DOWN = 288.0, 152.0
-"""From one state to the next in the diagram."""
+"""Horizontal and vertical spacing of states in the diagram."""
 
 
 def on_guard(clip: Clip | None) -> Behaviour:
-    """One state, in which all begins."""
+    """Behaviour of a single state, the guard."""
     return Behaviour("Fighter", (State("Guard", clip),))
 
 
@@ -53,13 +53,13 @@ def striking(behaviour: Behaviour, clip: Clip, key: str) -> Behaviour:
 
 
 def warding_off(behaviour: Behaviour, clip: Clip, when: ActivationCurve = WHOLE_CLIP) -> Behaviour:
-    """It wards off what its partner strikes with, once it is told of an attack: ``when`` in seconds of the motion."""
+    """Behaviour with a state that parries the partner's strike on ``ATTACK``; ``when`` in seconds of the motion."""
     state = State("Ward off", clip, loop=False, manners=(Meet(activation=when),))
     return _answering(behaviour, state, (EventCondition(ATTACK),), (ClipEndCondition(),), (1.0, 0.0))
 
 
 def leaning_away(behaviour: Behaviour) -> Behaviour:
-    """It leans away from its partner's fist while that is near its head, and plays on what it does at the start."""
+    """Behaviour with a state that leans away from the partner's near fist while it plays the start state's clip."""
     state = State("Lean away", _start(behaviour).clip, manners=(LeanAway(metres=LEAN_DISTANCE),))
     near = DistanceCondition(TO_HEAD, LEAN_DISTANCE)
     far = DistanceCondition(TO_HEAD, LEAN_DISTANCE + LEAN_HYSTERESIS, closer=False)
@@ -73,7 +73,7 @@ def _answering(
     back: tuple[Condition, ...],
     aside: tuple[float, float],
 ) -> Behaviour:
-    """A state that the start leads to and that leads back; it stands beside the start in the diagram."""
+    """Behaviour with a state reached from the start state and leading back to it, beside it in the diagram."""
     start = _start(behaviour)
     x, y = start.place
     while any(abs(each.place[0] - x) < 200.0 and abs(each.place[1] - y) < 80.0 for each in behaviour.states):

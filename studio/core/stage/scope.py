@@ -7,7 +7,7 @@ from typing import Protocol, TypeVar
 
 @dataclass(frozen=True)
 class Scope:
-    """Nothing named is all who play the motion; else one performer, or the clip of that id wherever it is played."""
+    """All who play the motion if both ids are empty; else one performer, or the clip of that id wherever it plays."""
 
     performer_id: str = ""
     clip_id: str = ""
@@ -18,17 +18,17 @@ class Scope:
 
     @property
     def is_narrow(self) -> bool:
-        """Whether it is not all who play the motion."""
+        """True unless it includes all who play the motion."""
         return bool(self.performer_id or self.clip_id)
 
     def includes(self, performer_id: str, clip_id: str) -> bool:
-        """Whether what a performer plays as that clip is meant."""
+        """True if the scope includes that clip as played by that performer."""
         if self.clip_id:
             return self.clip_id == clip_id
         return self.performer_id in ("", performer_id)
 
     def meets(self, other: "Scope") -> bool:
-        """Whether there may be somebody whom both mean."""
+        """True if both scopes may include the same performer and clip."""
         alike = ((self.performer_id, other.performer_id), (self.clip_id, other.clip_id))
         return all(not mine or not theirs or mine == theirs for mine, theirs in alike)
 
@@ -37,11 +37,11 @@ EVERYONE = Scope()
 
 
 class Scoped(Protocol):
-    """What has a scope."""
+    """Object with a scope."""
 
     @property
     def scope(self) -> Scope:
-        """Of whom it is asked."""
+        """Performers or clip to which it applies."""
 
 
 Item = TypeVar("Item", bound=Scoped)

@@ -1,4 +1,4 @@
-"""How the frames of what a performer plays lie on the stage's time."""
+"""Mapping between the frames of a performer's motion and the time of the stage."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 @dataclass(frozen=True)
 class Timing:
-    """Frame 0 is at ``begin`` seconds of the stage; frames ``first`` to ``last`` play, before and after they hold."""
+    """Frame 0 is at ``begin`` seconds of the stage; frames ``first`` to ``last`` play, and hold before and after."""
 
     begin: float
     frame_rate: float

@@ -1,4 +1,4 @@
-"""Whom a behaviour is about: the partner of who plays it, a certain performer, or a prop; and how far that is."""
+"""Target of a behaviour (the partner of its performer, a given performer or a prop) and the distance to it."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -12,7 +12,7 @@ PELVIS_POINT = BodyPoint(BodyPart.PELVIS)
 
 @dataclass(frozen=True)
 class FollowPartner:
-    """``point`` of the partner, whoever that is for who plays the behaviour."""
+    """``point`` of the partner of the performer that plays the behaviour."""
 
     kind: ClassVar[str] = "follow_partner"
     point: BodyPoint = PELVIS_POINT
@@ -22,14 +22,14 @@ Whom = FollowPartner | FollowPerformer | FollowProp
 
 
 def followed_by(whom: Whom, partner_id: str) -> FollowPerformer | FollowProp | None:
-    """What is followed by one with that partner; None where it has no partner (an empty id) and one is meant."""
+    """Target with the partner filled in; None if the target is the partner and there is none (an empty id)."""
     if not isinstance(whom, FollowPartner):
         return whom
     return FollowPerformer(partner_id, whom.point) if partner_id else None
 
 
 def reference_of(whom: Whom) -> tuple[tuple[str, str], ...]:
-    """(collection, id) of a certain one that is meant; none for the partner."""
+    """(collection, id) of the given performer or prop; empty for the partner."""
     match whom:
         case FollowPerformer():
             return (("performers", whom.performer_id),)
@@ -40,7 +40,7 @@ def reference_of(whom: Whom) -> tuple[tuple[str, str], ...]:
 
 @dataclass(frozen=True)
 class DistanceMeasure:
-    """From ``point`` of who plays a behaviour to a point of ``whom``; ``flat`` counts over the ground alone.
+    """Distance from ``point`` of the behaviour's performer to a point of ``whom``; horizontal only if ``flat``.
 
     In metres, or in ``legs``: leg lengths, the mean of both, so that one behaviour fits bodies of any size.
     """
@@ -52,5 +52,5 @@ class DistanceMeasure:
 
     @property
     def unit(self) -> str:
-        """What it is counted in."""
+        """Unit of the distance: ``legs`` or ``m``."""
         return "legs" if self.legs else "m"
