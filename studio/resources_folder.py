@@ -1,4 +1,4 @@
-"""Where the studio's own files lie: inside the installed package, or at the top of a checkout."""
+"""Paths of the studio's own files: inside the installed package, or at the top of a checkout."""
 
 from pathlib import Path
 
@@ -8,32 +8,32 @@ PACKAGE = Path(__file__).resolve().parent
 
 
 def resources_folder() -> Path:
-    """Icons, theme, characters, body maps, shortcuts."""
+    """Folder of icons, theme, characters, body maps and shortcuts."""
     return _bundled("resources")
 
 
 def example_captures_folder() -> Path:
-    """The captures that the project's own scripts make."""
+    """Folder of the captures that the project's own scripts make."""
     return _bundled("examples/captures")
 
 
 def bundled_strikes_folder() -> Path:
-    """The captures of the bundled motion library: strikes by two actors."""
+    """Folder of the captures of the bundled motion library: strikes by two actors."""
     return _bundled("examples/strikes")
 
 
 def help_file() -> Path:
-    """What is said of the command line."""
+    """Path of the help file on the command line."""
     return _bundled("docs") / "headless.md"
 
 
 def sample_folder() -> Path:
-    """What the window opens with, adapted when it was made."""
+    """Folder of the sample that the window opens with, adapted when it was made."""
     return _bundled("examples/sample")
 
 
 def _bundled(name: str) -> Path:
-    """The wheel carries the folder inside the package; a checkout has it beside the package."""
+    """Bundled folder: inside the package in a wheel, beside it in a checkout. Raises StudioError if it is missing."""
     for folder in (PACKAGE / name, PACKAGE.parent / name):
         if folder.is_dir():
             return folder

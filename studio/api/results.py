@@ -1,4 +1,4 @@
-"""What became of a performer: where its body is, and how well each constraint holds."""
+"""Result of adapting a performer: positions of its body's points, and residuals of its constraints."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -39,7 +39,7 @@ class Adapted:
 
     @cached_property
     def times(self) -> FloatArray:
-        """(F,) seconds of the stage."""
+        """Stage time of each frame, (F,) seconds."""
         timing = self.performance.composite.timing
         return timing.start + np.arange(self.performance.played.frame_count) / self.frame_rate
 
@@ -48,13 +48,13 @@ class Adapted:
         return int(np.argmin(np.abs(self.times - time)))
 
     def place_of(self, point: BodyPoint) -> FloatArray:
-        """(F, 3) metres on the stage: where a point of the body is."""
+        """Positions of a point of the body, (F, 3) metres on the stage."""
         placement = Placement.of(self.project.performers[self.performer_id])
         return placement.to_stage(place_of(point, self.performance.played))
 
     @property
     def residuals(self) -> dict[str, FloatArray]:
-        """(F,) residual of each constraint by its id, in metres or radians, NaN where it is not active.
+        """Residual of each constraint by its id, (F,) metres or radians, NaN where it is not active.
 
         A constraint that applies to several clips of the performer, or to repeats of one, has the residual of the clip
         that plays.

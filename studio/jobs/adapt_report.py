@@ -1,4 +1,4 @@
-"""What is measured of a motion adapted to one character."""
+"""Report on a motion adapted to one character: quality metrics and residuals of constraints."""
 
 import math
 import time
@@ -49,13 +49,13 @@ OTHERS = {
     BLOCKED_BY_CLEARANCE: "clearance",
     BLOCKED_BY_TOLERANCE: "tolerance",
 }
-"""Who else than another constraint keeps one from being met."""
+"""Causes other than another constraint that keep a constraint from being met, by code; None for no cause."""
 
 
 def character_report(
     request: AdaptRequest, source: AdaptedMotion, first_frame: int, *, by_frame: bool = False
 ) -> tuple[AdaptedMotion, Record]:
-    """The adapted motion from ``first_frame`` on, and the figures that are reported of it."""
+    """Adapted motion from ``first_frame`` on, and the record of its metrics."""
     warm(request.morphology.still)
     start = time.perf_counter()
     standing = standing_of(request)
@@ -66,14 +66,14 @@ def character_report(
 
 
 def place_record(place: Placement) -> Record:
-    """Where a character stands on the stage: metres along X and Y, degrees about Z."""
+    """Record of a character's place on the stage: metres along X and Y, degrees about Z."""
     return {"position": list(place.position), "heading_deg": math.degrees(place.heading)}
 
 
 def figures(
     standing: Standing, request: AdaptRequest, adapted: AdaptedMotion, source: AdaptedMotion, by_frame: bool
 ) -> Record:
-    """What is reported of an adapted motion beside its ``source``."""
+    """Record of an adapted motion's quality metrics, some relative to its ``source``, and of its constraints."""
     report = report_of(standing, request, adapted)
     quality = worst_of(report.slides, report.heights)
     record: Record = {
@@ -95,12 +95,12 @@ def figures(
 
 @lru_cache(maxsize=16)
 def warm(body: Morphology) -> None:
-    """Have the kernels loaded, so that no time is measured in which they are."""
+    """Load the kernels, so that the time to load them is not measured."""
     warm_up(body)
 
 
 def frame_records(report: Report) -> Record:
-    """What feet, knees and balance did, a number a frame from the first that was adapted; null where there is none."""
+    """Metrics of feet, knees and balance, one number per frame from the first adapted one; null where there is none."""
     slides, depths = 1000.0 * report.slides, 1000.0 * np.maximum(-report.heights, 0.0)
     return {
         "slide_mm": {point.value: _numbers(row) for point, row in zip(ContactPoint, slides, strict=True)},

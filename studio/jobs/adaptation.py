@@ -1,4 +1,4 @@
-"""What several verbs share: a capture made ready, the characters named, a whole adaptation."""
+"""Functions shared by several verbs: preparing a capture, choosing characters by name, a whole adaptation."""
 
 from collections.abc import Container, Sequence
 from dataclasses import dataclass
@@ -82,7 +82,7 @@ def made_ready(capture: Capture, annotations: Annotations | None = None) -> Read
 
 
 def cleaning_records(capture: Capture) -> list[dict[str, Any]]:
-    """What each step did to the markers from which a body was found; nothing for any other capture."""
+    """Reports of the cleaning steps on the markers from which a body was found; empty for any other capture."""
     if capture.markers is None or capture.body_map is None:
         return []
     take = capture.markers
@@ -91,7 +91,7 @@ def cleaning_records(capture: Capture) -> list[dict[str, Any]]:
 
 
 def spans_by_foot(contacts: Sequence[ContactInterval]) -> dict[str, list[list[int]]]:
-    """Contacts as JSON has them: ``{"left_heel": [[first, last], ...], ...}``, every foot point there."""
+    """Contacts for JSON: ``{"left_heel": [[first, last], ...], ...}``, with a key for every contact point and touch."""
     return {
         point.value: [[each.first, each.last] for each in contacts if each.point is point] for point in CONTACT_POINTS
     }

@@ -1,4 +1,4 @@
-"""What the characters of one run follow: props of the constraint file, joints of the capture, each other."""
+"""Tracks that the characters of one run follow: props of the constraint file, joints of the capture, each other."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -61,7 +61,7 @@ def _played(request: AdaptRequest) -> Composite:
 def _concerning(
     key: str, constraints: tuple[Constraint, ...], requests: Mapping[str, AdaptRequest], props: Mapping[str, Prop]
 ) -> Iterator[Constraint]:
-    """What of the file is asked of one character: of all, or of it alone."""
+    """Constraints of the file that apply to one character: those of all characters and those of it alone."""
     for each in constraints:
         concerned = concerning(each, key, requests, props) if each.scope.includes(key, "") else None
         if concerned is not None:
@@ -69,7 +69,7 @@ def _concerning(
 
 
 def _leaders(request: AdaptRequest) -> set[str]:
-    """The characters whom one follows."""
+    """Ids of the characters that the constraints of a request follow."""
     follows = (follow for constraint in request.constraints for follow in follows_of(constraint))
     return {follow.performer_id for follow in follows if isinstance(follow, FollowPerformer)}
 

@@ -1,4 +1,4 @@
-"""Everybody who is shown on a project's stage, adapted."""
+"""Adaptation of all visible performers of a project."""
 
 from studio.core.body.morphology import Morphology
 from studio.core.captures.capture import Capture
@@ -17,7 +17,7 @@ def adapted_performers(project: Project) -> dict[str, AdaptedMotion]:
 
 
 def performances(project: Project) -> Staged:
-    """What is asked and what comes of it, of every visible performer that has a clip, and why some fail."""
+    """Requests and adapted motions of all visible performers that have a clip, and the errors of those that fail."""
     shown = [key for key, each in project.performers.items() if each.visible and each.clips]
     made = perform(project, shown, prepared, adapt)
     return Staged(

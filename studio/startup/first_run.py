@@ -1,4 +1,4 @@
-"""One small pass through all that a moved slider or target will call, and its parts in the order they are needed."""
+"""Small test run of everything that a moved slider or target will call, and its parts in the order of need."""
 
 from studio.core.body.character import Character
 from studio.core.mesh.skin import Blending
@@ -26,7 +26,7 @@ def run() -> None:
 
 
 def run_seldom() -> None:
-    """What is not called by every scene: a library is searched, and what few ask of the solver."""
+    """Run what few scenes call: rare solver kernels, dual-quaternion skinning, the library search, reading captures."""
     warm_up_seldom(_character().morphology)
     first_picture.run(Blending.DUAL_QUATERNIONS)
     warm_up_search()
@@ -34,20 +34,20 @@ def run_seldom() -> None:
 
 
 def run_standing() -> None:
-    """What comes before any constraint: a capture is read and normalised, and stands on the ground of any body."""
+    """Run what precedes any constraint: reading and normalising a capture, and grounding any body."""
     warm_up_standing(_character().morphology)
     _read()
     warm_up_support(_character().morphology)
 
 
 def run_rest() -> None:
-    """What ``run_standing`` and ``run_constraints`` leave: what eases jolts, then what is seldom called."""
+    """Run what ``run_standing`` and ``run_constraints`` leave out: temporal smoothing, then ``run_seldom``."""
     warm_up_easing(_character().morphology)
     run_seldom()
 
 
 def run_constraints() -> None:
-    """The part of ``run`` that takes longest to compile, by itself."""
+    """Run only the part of ``run`` that takes longest to compile: the solver of constraints."""
     warm_up_constraints(_character().morphology)
 
 

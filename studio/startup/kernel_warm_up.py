@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from studio.startup.compile_work import CompileWork
 
 LOOKED_AT_EVERY, TOLD_EVERY = 0.1, 0.5
-"""Seconds between two looks at the processes, and between two lines of theirs."""
+"""Seconds between two polls of the processes, and between two progress lines that they write."""
 LONGEST_HELD = 10.0
 """Seconds after which what is shown first has failed."""
 PICTURE = ("first_picture.run",)
@@ -35,12 +35,12 @@ WARM_STANDING, WARM_REST, WARM_CONSTRAINTS = "first_run.run_standing", "first_ru
 SOLVER = ((WARM_STANDING, WARM_REST), (WARM_CONSTRAINTS,))
 """Functions that each process runs in turn."""
 TOLD_FROM = 0.03
-"""Share of the work whose time is known when the time that is left is told."""
+"""Fraction of the work that must be timed before the time left is shown."""
 COMPILED = 0.98
-"""How far it is when all is compiled: then it is fetched."""
+"""Progress (0 to 1) at which all kernels are compiled; the rest is loading them from their cache."""
 CHILD = (sys.executable, "-m", "studio.startup.kernel_warm_up")
 COMPLETE, LAST_TO_READ = "complete", "encode_channels.encode_frames-*.nbc"
-"""What stands in a cache that is full, and in one of which a capture has been read."""
+"""Name of the file that marks a complete cache, and pattern of a kernel that is cached once a capture was read."""
 
 
 class WarmUp:
@@ -49,7 +49,7 @@ class WarmUp:
     def __init__(self, held: bool = False) -> None:
         """While it is ``held`` other processes compile, but this one is left to what is shown first."""
         self.cold = is_cold()
-        """Whether there was something to be compiled when it began."""
+        """True if kernels had to be compiled when the warm-up began."""
         self._stopped, self._ready, self._grounded = threading.Event(), threading.Event(), threading.Event()
         self._let_go, self._drawable = threading.Event(), threading.Event()
         if not held:
@@ -58,24 +58,24 @@ class WarmUp:
         self._running = {part: part[0] for part in SOLVER}
         """The function that each process runs now."""
         self._pace_from: tuple[float, float] | None = None
-        """When it was how far, as the first kernels were there."""
+        """Monotonic seconds and progress when the first compiled kernels were noticed; None before."""
         # Imported on the thread: numba alone takes a third of a second, which the window need not wait for.
         self._thread = threading.Thread(target=self._run, name="warm-up", daemon=True)
         self._thread.start()
 
     @property
     def running(self) -> bool:
-        """Whether there is something left to do."""
+        """True while the warm-up has something left to do."""
         return self._thread.is_alive()
 
     @property
     def grounded(self) -> bool:
-        """Whether the kernels are there that set bodies on the ground, before any constraint."""
+        """True once the kernels are loaded that set bodies on the ground, before any constraint."""
         return self._grounded.is_set()
 
     @property
     def ready(self) -> bool:
-        """Whether every scene's kernels are there."""
+        """True once the kernels that every scene needs are loaded."""
         return self._ready.is_set()
 
     def join(self) -> None:
@@ -87,7 +87,7 @@ class WarmUp:
         self._wait_for(self._grounded)
 
     def join_picture(self) -> None:
-        """Wait until bodies can be drawn without compiling, or nobody is going to see to that."""
+        """Wait until bodies can be drawn without compiling, or the warm-up has ended."""
         self._drawable.wait()
 
     def go_on(self) -> None:
@@ -109,12 +109,12 @@ class WarmUp:
 
     @property
     def share(self) -> float:
-        """Share of the work that is done: that of the process which is furthest from its end."""
+        """Progress from 0 to 1: that of the process which is furthest from its end."""
         return COMPILED * min(self._shares.values()) if self.cold else 0.5 * self.grounded
 
     @property
     def words(self) -> str:
-        """What is told beside the share: nothing where all was compiled before."""
+        """Text shown beside the progress, with the time left; empty if everything was compiled before."""
         if not self.cold:
             return ""
         now = time.monotonic(), min(self._shares.values())
@@ -166,7 +166,7 @@ class WarmUp:
 
     @contextmanager
     def _processes(self, *parts: Sequence[str]) -> Iterator[dict[Sequence[str], "Popen[bytes]"]]:
-        """Processes that compile, by what they run.
+        """Child processes that compile, by the functions that they run.
 
         They are as urgent as this one, which waits for them: of two processors that others keep busy they get half.
         """
@@ -195,7 +195,7 @@ class WarmUp:
 
 
 def compile_first() -> None:
-    """Compile all kernels where there are none yet, and tell on standard error what is waited for and how far it is."""
+    """Compile all kernels if there are none yet, and report the reason and the progress on standard error."""
     if not is_cold():
         return
     tell, warming = progress_line(), WarmUp()
@@ -207,15 +207,15 @@ def compile_first() -> None:
 
 
 def tell_what_reading_waits_for() -> None:
-    """Say on standard error that what reads captures is compiled, where it is not there yet: that takes a while."""
+    """Report on standard error that the kernels for reading captures are being compiled, if they are not cached yet."""
     if is_cold(LAST_TO_READ):
         print("What reads motions is compiled, once on this machine: some ten seconds.", file=sys.stderr)
 
 
 def is_cold(last: str = COMPLETE) -> bool:
-    """Whether there is something still to be compiled; by itself anything that the warm-up compiles.
+    """True if kernels are still to be compiled: the cache has no file ``last`` (default: the mark of a complete cache).
 
-    What was compiled before a file of kernels was written (a checkout made anew, say) is not taken by numba.
+    Numba rejects what was compiled before a kernel source file was written (in a fresh checkout, for example).
     """
     if (folder := os.environ.get("NUMBA_CACHE_DIR")) is None:
         return False
@@ -230,7 +230,7 @@ def run(function: str) -> None:
 
 
 def main() -> None:
-    """Run some functions in turn, and tell the process that listens how far it is."""
+    """Run some functions in turn, and report the progress to the parent process."""
     gc.set_threshold(*COLLECTED_AFTER)
     functions = sys.argv[1:]
     if functions[0] not in PICTURE:
@@ -241,7 +241,7 @@ def main() -> None:
 
 
 def _work_of(functions: Sequence[str]) -> "CompileWork":
-    """What is compiled for ``WARM_CONSTRAINTS``, or for the others."""
+    """Kernels to compile: those of the solver for ``WARM_CONSTRAINTS``, all others for the other functions."""
     from studio.core.kernels.solve_clip import solve_frames
     from studio.startup.compile_work import LINKING, CompileWork, all_kernels, kernels_below
 

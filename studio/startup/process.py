@@ -1,4 +1,4 @@
-"""What a process of the studio sets up before anything else is imported."""
+"""Process setup that precedes all other imports of the studio."""
 
 import atexit
 import ctypes
@@ -125,7 +125,7 @@ def kernel_cache_folder() -> Path:
 
 
 def processor() -> str:
-    """What the processor is and can do, by which a compiler chooses instructions."""
+    """Model name and features of the processor, by which a compiler chooses instructions."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:
@@ -142,7 +142,7 @@ def content_digest(files: Iterable[Path]) -> str:
 
 
 def has_display() -> bool:
-    """Whether a window could be seen; on Linux that takes an X or a Wayland display."""
+    """True if a window can be shown; Linux needs an X or a Wayland display for that."""
     if not sys.platform.startswith("linux"):
         return True
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

@@ -33,19 +33,19 @@ WINDOW_LIBRARIES = {
     "libxcb-xkb.so.1": "libxcb-xkb1",
     "libX11-xcb.so.1": "libx11-xcb1",
 }
-"""What a window takes beside."""
+"""Libraries that a window needs in addition to ``DRAWING``, with their Debian packages."""
 LIKED = {"libXcursor.so.1": "libxcursor1"}
-"""What it can do without."""
+"""Optional libraries of a window, with their Debian packages."""
 FONTS, FONT_PACKAGE = Path("/usr/share/fonts"), "fonts-dejavu-core"
 
 
 def missing(libraries: Mapping[str, str]) -> dict[str, str]:
-    """Those that cannot be loaded."""
+    """Libraries that cannot be loaded, with their Debian packages."""
     return {name: package for name, package in libraries.items() if not _loads(name)}
 
 
 def missing_packages() -> list[str]:
-    """Debian's packages that lack for pictures and a window."""
+    """Debian packages missing for pictures and a window."""
     fonts = [] if FONTS.is_dir() and any(FONTS.rglob("*.[to]tf")) else [FONT_PACKAGE]
     return list(dict.fromkeys([*missing({**DRAWING, **WINDOW_LIBRARIES, **LIKED}).values(), *fonts]))
 
@@ -56,7 +56,7 @@ def sentence_about(libraries: Mapping[str, str]) -> str:
 
 
 def advice(packages: list[str]) -> str:
-    """What to type to install packages, by whoever this process runs as."""
+    """Sentence with the command that installs packages, for root or another user, whichever runs this process."""
     if shutil.which("apt-get") is None:
         return f"Install what your system has for Debian's packages {' '.join(packages)}."
     line = f"apt-get update && apt-get install -y {' '.join(packages)}"
