@@ -31,7 +31,7 @@ GRIP_CHOICES = (
 
 
 class ClipEditor(Editor):
-    """What is changed is changed on all who play the clip."""
+    """Form of a clip; an edit changes the clip for all performers that play it."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)

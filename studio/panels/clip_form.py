@@ -1,4 +1,4 @@
-"""What a clip of the motion library is: confirmed or corrected on a small timeline, with its pose at each mark."""
+"""Form to confirm or correct a library clip's label, on a small timeline with the clip's pose at each mark."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -52,7 +52,7 @@ class ClipForm(QScrollArea):
 
     @property
     def label(self) -> ClipLabel:
-        """What the form says now."""
+        """Label as the form shows it now."""
         return self._steps[-1]
 
     def open(self, opened: "OpenedClip") -> None:
@@ -65,7 +65,7 @@ class ClipForm(QScrollArea):
         self._show()
 
     def tell_confirmed(self) -> None:
-        """The catalogue has it."""
+        """Show that the catalogue has stored the label."""
         self.hint.setText(SAID)
         self.confirm.setEnabled(False)
 

@@ -14,13 +14,13 @@ from studio.library.clips import ClipLabel
 
 CLIP_LINE_HEIGHT, CLIP_LINE_HEAD, CLIP_LINE_FOOT, CLIP_LINE_SIDE = 116, 18, 18, 10
 GRAB = 8.0
-"""Pixels beside a mark within which it is taken."""
+"""Distance in pixels from a mark within which a press grabs it."""
 SECONDS_AROUND_CUT = 0.75
 """Seconds that are seen before and after the cut."""
 
 
 class ClipMark(StrEnum):
-    """What can be dragged."""
+    """Marks that can be dragged."""
 
     FIRST = "first"
     HIT = "hit"

@@ -30,22 +30,22 @@ PALETTE_KEYS = {*ROW_STEPS, Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Esca
 
 
 def plain_text(action: QAction) -> str:
-    """What it is called, without the mark of its mnemonic or its dots."""
+    """Text of an action without its mnemonic mark and ellipsis."""
     return action.text().replace("&", "").removesuffix("…")
 
 
 def lasting_text(action: QAction) -> str:
-    """What it is called whatever it would do just now: ``Undo``."""
+    """Constant name of an action, whatever it would do just now: ``Undo``."""
     return str(action.property("name") or plain_text(action)).removesuffix("…")
 
 
 def shortcut_text(action: QAction) -> str:
-    """Its first shortcut as the user's keyboard says it."""
+    """First shortcut of an action, as the user's platform writes it."""
     return action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
 
 
 def detail_text(action: QAction) -> str:
-    """What stands at its right: its own words where it has some, else its shortcut."""
+    """Text at the right of an action's row: its ``data`` if it has some, else its shortcut."""
     return str(action.data() or shortcut_text(action))
 
 

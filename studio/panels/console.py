@@ -79,7 +79,7 @@ class ConsoleEntry(QPlainTextEdit):
 
 
 class Console(QWidget):
-    """What was said above, what is being written below."""
+    """Python console: the output above, the entry below."""
 
     def __init__(self, document: Document) -> None:
         super().__init__()

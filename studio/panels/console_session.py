@@ -32,7 +32,7 @@ class WindowThread(QObject):
         self._asked.connect(self._run, Qt.ConnectionType.QueuedConnection)
 
     def run(self, work: Callable[[], Any]) -> Any:
-        """What ``work`` returns or raises there; SystemExit once the window is closed."""
+        """Result of ``work``, run on the window's thread. Raises its error, or SystemExit once the window is closed."""
         if threading.get_ident() == self._home:
             return work()
         call = _Call(work)
@@ -115,11 +115,11 @@ class ConsoleSession(QObject):
 
     @property
     def running(self) -> bool:
-        """Whether a statement is under way."""
+        """True while a statement runs."""
         return self._running is not None
 
     def is_whole(self, source: str) -> bool:
-        """Whether ``source`` can be run as it stands: nothing is open in it, or it is wrong anyway."""
+        """True if ``source`` can be run as it stands: it is complete, or invalid whatever follows."""
         try:
             return codeop.compile_command(source, CONSOLE_FILE, "exec") is not None
         except (SyntaxError, ValueError, OverflowError):

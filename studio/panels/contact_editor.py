@@ -21,11 +21,11 @@ KEPT = {
     "thing": "The thing between the hands keeps its size",
     **dict.fromkeys(("head", "trunk", "hips", "thigh"), ON_BODY),
 }
-"""What is kept through a contact that is not with the ground, by the member of its point."""
+"""Sentence on the property kept by a contact that is not with the ground, by the member of its point."""
 
 
 class ContactEditor(Editor):
-    """Point, first and last frame."""
+    """Form of a contact: point, first and last frame."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)

@@ -55,7 +55,7 @@ class Editor(QWidget):
 
     @property
     def gesture(self) -> int | None:
-        """The drag of which edits are a part now."""
+        """Number of the drag that edits belong to now; None outside of a drag."""
         return self._gesture
 
     @property
@@ -67,11 +67,11 @@ class Editor(QWidget):
         """Show the entity as it is now."""
 
     def concerns(self, collection: str, entity_id: str) -> bool:
-        """Whether a change of that entity is to be shown here."""
+        """True if a change of that entity is to be shown here."""
         return (collection, entity_id) == (self.collection, self.entity_id)
 
     def change(self, text: str, **values: Any) -> None:
-        """Put the entity with some values changed in its place; what is refused is said in a sentence."""
+        """Replace the entity by a copy with some values changed; a refused edit is reported as a message."""
         self.put(lambda: replace(self.entity, **values), text)
 
     def put(self, make: Callable[[], Any], text: str) -> None:

@@ -219,23 +219,23 @@ class Choice(QComboBox):
         self.activated.connect(lambda place: self.chosen.emit(self._values[place]))
 
     def add(self, value: object, text: str) -> None:
-        """One more to choose from."""
+        """Add a choice."""
         self._values.append(value)
         self.addItem(text)
 
     def clear_all(self) -> None:
-        """Nothing to choose from any more."""
+        """Remove all choices."""
         self._values.clear()
         self.clear()
 
     @property
     def value(self) -> object:
-        """What is chosen now; None where nothing is."""
+        """Value that is chosen now; None if nothing is chosen."""
         place = self.currentIndex()
         return self._values[place] if place >= 0 else None
 
     def offer(self, items: Iterable[tuple[object, str]]) -> None:
-        """Other things to choose from; nothing happens where they are the same."""
+        """Replace the choices; nothing happens if they are the same."""
         items = list(items)
         shown = [(value, self.itemText(place)) for place, value in enumerate(self._values)]
         if items != shown:
@@ -245,7 +245,7 @@ class Choice(QComboBox):
                     self.add(value, text)
 
     def offers(self, value: object) -> bool:
-        """Whether it is there to be chosen."""
+        """True if ``value`` can be chosen."""
         return value in self._values
 
     def show_value(self, value: object) -> None:

@@ -1,4 +1,4 @@
-"""Whether a body's measures are keyed over time, and its keys."""
+"""Form row for proportions that are keyed over time, and for their keys."""
 
 from collections.abc import Callable
 from dataclasses import replace

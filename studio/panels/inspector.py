@@ -36,7 +36,7 @@ ENTITY_EDITORS: dict[str, Callable[[Document, Live, str, str], Editor]] = {
     "transitions": TransitionEditor,
 }
 DRAGGED_MILLISECONDS = 100
-"""How often the form follows a hand that drags: bodies come first."""
+"""Milliseconds between two updates of the form during a drag, since bodies are updated first."""
 
 
 def _silence(editor: Editor) -> None:

@@ -1,4 +1,4 @@
-"""What a layer is beyond its clip: on which part of the body, with how much weight, how it fades, whether it adds."""
+"""Form section of a layer's settings beyond its clip: body region, weight, fades, and if it is additive."""
 
 from typing import Any
 

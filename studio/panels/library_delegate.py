@@ -1,4 +1,4 @@
-"""How a row of the library is drawn: mark, name, detail, eye."""
+"""Drawing of a row of the library: mark, name, detail, eye."""
 
 from pathlib import Path
 

@@ -22,7 +22,7 @@ class LibraryRow:
     colour: str | None = None
     round_mark: bool = True
     shown: bool | None = None
-    """Whether the body is on the stage; None where nothing can be shown or hidden."""
+    """True if the body is on the stage; None where nothing can be shown or hidden."""
     hint: bool = False
     strong: bool = False
 

@@ -30,7 +30,7 @@ KEY_ROLE, SENDER_ROLE = Qt.ItemDataRole.UserRole, Qt.ItemDataRole.UserRole + 1
 
 @dataclass(frozen=True)
 class SenderRow:
-    """Who sends to a port, whether it is listened to, packets a second, seconds since the last (None: never)."""
+    """Sender to a port: ``on`` if it is listened to, packets per second, seconds since the last (None: never)."""
 
     address: str
     on: bool
@@ -117,7 +117,7 @@ class LivePanel(QScrollArea):
             choice.show_value(chosen if choice.offers(chosen) else None)
 
     def offer(self, performers: Sequence[tuple[str, str]], props: Sequence[tuple[str, str]]) -> None:
-        """Whom and what can be driven."""
+        """Offer the performers and props that can be driven."""
         offered: list[tuple[Choice, list[tuple[object, str]]]]
         offered = [(self.performer, [*performers]), (self.prop, [*props] or [(None, NO_PROP)])]
         for choice, items in offered:
@@ -126,16 +126,16 @@ class LivePanel(QScrollArea):
             choice.show_value(chosen if choice.offers(chosen) else items[0][0] if items else None)
 
     def show_driver(self, input_key: str | None) -> None:
-        """What drives the body that is chosen."""
+        """Show the input that drives the chosen body."""
         self.body.show_value(input_key)
 
     def show_recording(self, words: str) -> None:
-        """How much is recorded; empty when nothing is."""
+        """Show the amount that is recorded; ``words`` are empty while nothing is."""
         self.record.setText("Stop recording" if words else "Record…")
         self.record.setToolTip(words)
 
     def show_streaming(self, on: bool, words: str) -> None:
-        """Whether bodies go out, and where each goes."""
+        """Show if bodies are streamed, and ``words`` on the address of each."""
         with QSignalBlocker(self.stream):
             self.stream.setChecked(on)
         self.out_told.setText(words)

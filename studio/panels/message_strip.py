@@ -33,7 +33,7 @@ class MessageStrip(QWidget):
 
     @property
     def text(self) -> str:
-        """What it says; empty while it is hidden."""
+        """Sentence shown; empty while the strip is hidden."""
         return "" if self.isHidden() else self._label.text()
 
     def say(self, sentence: str, *answers: Answer) -> None:

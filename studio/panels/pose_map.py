@@ -18,7 +18,7 @@ FIGURE_CELL_PX, FIGURE_CAPTION_PX, FIGURE_MARGIN_PX = 92.0, 16.0, 8.0
 """Least pixels of a figure's place across, of the words under it, and round all of them."""
 NO_CLIPS_HINT = "The motion library has no clips yet. Add a folder of captures in the Strikes panel."
 FACING = (1.0, 0.35)
-"""How figures are turned: to the right, a little towards the eye."""
+"""Direction that figures face: to the right, a little towards the viewer."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,16 +84,16 @@ class PoseMapView(QWidget):
             self.update()
 
     def leaveEvent(self, _: QEvent) -> None:
-        """Nothing is looked at."""
+        """Report that no group is under the mouse."""
         self._look(-1)
 
     def showEvent(self, event: QShowEvent) -> None:
-        """There is something to draw it for."""
+        """Ask for groups, now that the map is visible."""
         super().showEvent(event)
         self.opened.emit()
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """What is not seen is not looked at."""
+        """Report that no group is under the mouse."""
         self._look(-1)
         super().hideEvent(event)
 

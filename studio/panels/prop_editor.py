@@ -99,11 +99,11 @@ class PropEditor(Editor):
         self._refresh_moment()
 
     def concerns(self, collection: str, entity_id: str) -> bool:
-        """It may go with a performer, and constraints may keep bodies out of it."""
+        """True also for performers, which may hold the prop, and for constraints, which may keep bodies out of it."""
         return super().concerns(collection, entity_id) or collection in ("performers", "constraints")
 
     def _resize(self, size: tuple[float, ...]) -> None:
-        """What keeps bodies out grows with it."""
+        """Resize the prop, and with it the constraints that keep bodies out of it."""
         text = f"Resize {self.entity.name}"
         with self.document.group(text, self.gesture):
             self._set("Resize", size=size)
@@ -115,7 +115,7 @@ class PropEditor(Editor):
 
     @property
     def _hold_now(self) -> InHand | Carried | None:
-        """Who holds it at the playhead; where nobody does, who does first."""
+        """Hold of the prop at the playhead; without one, its first hold."""
         prop: Prop = self.entity
         return prop.held_at(self.document.playhead.time) or prop.held
 
@@ -233,7 +233,7 @@ def _span_words(hold: Hold) -> str:
 
 
 def where_of(prop: Prop) -> str:
-    """Which of ``PLACE_CHOICES`` it is."""
+    """Key in ``PLACE_CHOICES`` of a prop's placement."""
     if prop.held is not None:
         return prop.held.kind
     if isinstance(prop.position, ProceduralPlace):

@@ -1,4 +1,4 @@
-"""What the inspector shows while nothing is selected: what to do next."""
+"""Content of the inspector while nothing is selected: hints on the next steps."""
 
 from studio.document.document import Document
 from studio.engine.live import Live
@@ -14,7 +14,7 @@ FIRST_HINTS = (
 
 
 class StageEditor(Editor):
-    """A few lines in third grey, no more."""
+    """Form with a few hints."""
 
     def __init__(self, document: Document, live: Live) -> None:
         super().__init__(document, live, "", "")
@@ -25,5 +25,5 @@ class StageEditor(Editor):
         self.column.addStretch(1)
 
     def concerns(self, collection: str, entity_id: str) -> bool:
-        """It says the same whatever changes."""
+        """Always False, as the hints never change."""
         return False

@@ -40,7 +40,7 @@ class ProgressLine(QWidget):
 
     @property
     def now(self) -> tuple[str, float]:
-        """What is running, in words, and its share from 0 to 1; the newest job where there are several."""
+        """Text and progress (0 to 1) of the newest running job; empty and 0 if there is none."""
         return next(reversed(self._jobs.values()), ("", 0.0))
 
     def begin(self, task: int, title: str) -> None:
@@ -49,13 +49,13 @@ class ProgressLine(QWidget):
         self.show_share(task, 0.0, "")
 
     def show_share(self, task: int, share: float, words: str) -> None:
-        """How far it is, from 0 to 1."""
+        """Show the progress of a job, from 0 to 1."""
         if task in self._titles:
             self._jobs[task] = (" · ".join(filter(None, (self._titles[task], words))), share)
             self._show()
 
     def end(self, task: int) -> None:
-        """It is over, in whichever way."""
+        """Remove a job that has ended, in whichever way."""
         self._titles.pop(task, None)
         self._jobs.pop(task, None)
         self._show()
@@ -104,7 +104,7 @@ class StatusLine(QStatusBar):
         self._show_journal()
 
     def tell(self, words: str) -> None:
-        """What is under the mouse."""
+        """Show words on the item under the mouse."""
         self._told.setText(words)
 
     def _entity_changed(self, collection: str, _: str) -> None:
@@ -133,7 +133,7 @@ class StatusLine(QStatusBar):
 
 
 def journal_words(document: Document) -> str:
-    """Whether the edits are safe, and how many undo steps they are; a stopped journal says what to do."""
+    """State of the journal and number of undo steps; for a stopped journal the advice instead."""
     count = document.undo_stack.index()
     edits = f"{count} edit" + ("" if count == 1 else "s")
     state, _, detail = document.journal_state.partition(" - ")

@@ -42,7 +42,7 @@ class Strikes(QWidget):
         self.aim.setToolTip("A strike aims at where its target is at the hit, or at where it was when you asked")
         self.aim.chosen.connect(self._choose_aim)
         self.follows = True
-        """Whether a blow goes where the target goes."""
+        """True if a strike follows its target until the hit, False if it aims at the target's present position."""
         self.aim.show_value(True)
         self.limb, self.kind = (
             Choice("Limb", ((None, "Any limb"), *limbs)),
@@ -75,7 +75,7 @@ class Strikes(QWidget):
         column.addLayout(below)
 
     def offer_targets(self, targets: Sequence[tuple[object, str]], wanted: object) -> None:
-        """What can be hit; ``wanted`` is chosen, or nothing."""
+        """Offer the targets; select ``wanted`` if it is among them, else the entry ``ALL``."""
         self.target.offer([(None, ALL), *targets])
         self.target.show_value(wanted if self.target.offers(wanted) else None)
 
@@ -92,13 +92,13 @@ class Strikes(QWidget):
         self.hint.setText(hint)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """The mouse leaves the results: none is looked at any more."""
+        """Report that no result is under the mouse when it leaves the list."""
         if event.type() == QEvent.Type.Leave:
             self._look(-1)
         return super().eventFilter(watched, event)
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """What is not seen is not looked at."""
+        """Report that no result is under the mouse."""
         self._look(-1)
         super().hideEvent(event)
 

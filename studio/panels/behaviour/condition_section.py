@@ -1,4 +1,4 @@
-"""What a transition waits for, one condition of it."""
+"""Form section of one condition of a transition."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -34,7 +34,7 @@ DISTANCE_UNITS = ((False, "Metres"), (True, "Leg lengths"))
 
 
 def kind_of(condition: Condition) -> str:
-    """By which of ``CONDITION_KINDS`` a condition goes."""
+    """Key in ``CONDITION_KINDS`` of a condition."""
     if isinstance(condition, DistanceCondition):
         return "closer" if condition.closer else "farther"
     return condition.kind

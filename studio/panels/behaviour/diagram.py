@@ -32,13 +32,13 @@ class Diagram(QGraphicsView):
         super().__init__()
         self.document, self.behaviour_id = document, ""
         self.running: dict[str, str] = {}
-        """By performer the state that it is in while the stage runs."""
+        """State of each performer, by performer id, while the stage runs."""
         self.states: dict[str, StateItem] = {}
         self.arrows: list[TransitionItem] = []
         self.gesture: gestures.DiagramGesture | None = None
         self._renaming: QLineEdit | None = None
         self._whole = True
-        """Whether all of it is in view, as long as nobody zooms or pans."""
+        """True while the view is fitted to the whole diagram: until the user zooms or pans."""
         self.setScene(QGraphicsScene(SCENE, self))
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setBackgroundBrush(QColor(colours.WELL))
@@ -57,7 +57,7 @@ class Diagram(QGraphicsView):
         return self.document.project.behaviours.get(self.behaviour_id)
 
     def show_behaviour(self, behaviour_id: str) -> None:
-        """Draw it; one that was not shown before is brought into view whole."""
+        """Draw a behaviour; fit the view to it if another one was shown before."""
         other = behaviour_id != self.behaviour_id
         if other:
             self.leave_gesture()
@@ -81,7 +81,7 @@ class Diagram(QGraphicsView):
             scene.addItem(item)
 
     def fit(self) -> None:
-        """Bring all of it into view, no larger than it is."""
+        """Fit the view to the whole diagram, without magnifying it."""
         area = QRectF()
         for item in (*self.states.values(), *self.arrows, *(each.words for each in self.arrows)):
             area = area.united(item.boundingRect())
@@ -94,7 +94,7 @@ class Diagram(QGraphicsView):
         self._whole = True
 
     def edit(self, edit: BehaviourEdit, text: str, gesture: int | None = None) -> bool:
-        """Change the behaviour, if it is still there; what cannot be is said in a sentence. Whether it could be."""
+        """Change the behaviour; True if it exists and accepts the edit. A refused edit is reported as a message."""
         if self.behaviour is None:
             return False
         try:
@@ -105,7 +105,7 @@ class Diagram(QGraphicsView):
         return True
 
     def add_state(self, place: QPointF | None = None) -> str:
-        """A new state, there or in the middle of what is seen, selected; its name."""
+        """Add and select a state at ``place``, or at a free place in view; its name, empty if it was refused."""
         found = place or self._free_place()
         before = self.behaviour
         if before is None:
@@ -124,7 +124,7 @@ class Diagram(QGraphicsView):
             self.select(("transitions", transition_key(self.behaviour_id, last)))
 
     def select(self, *items: Item) -> None:
-        """Select parts, or for none the whole behaviour, together with the body that it is seen of."""
+        """Select parts, or the whole behaviour if none are given, together with the active performer."""
         document = self.document
         active = document.active_performer_id
         bodies = [("performers", active)] if active else []
@@ -174,7 +174,7 @@ class Diagram(QGraphicsView):
         return next((item for item in arrows if item.takes(place)), None)
 
     def item_at(self, place: QPointF) -> Item | None:
-        """What is selected by a click there."""
+        """Item that a click there selects; None if nothing is there."""
         state = self.state_at(place)
         if state is not None:
             return "states", state_key(self.behaviour_id, state.box.name)
@@ -192,7 +192,7 @@ class Diagram(QGraphicsView):
         self.gesture = gestures.begun(self, event, place)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Go on with what was begun; else show what would be taken."""
+        """Continue the current gesture; without one, highlight the item under the mouse."""
         place = self.mapToScene(event.position().toPoint())
         if self.gesture is not None:
             self.gesture.move(event, place)
@@ -209,14 +209,14 @@ class Diagram(QGraphicsView):
         self.viewport().update()
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Do what was meant."""
+        """Finish the current gesture."""
         gesture, self.gesture = self.gesture, None
         if gesture is not None:
             gesture.release(event, self.mapToScene(event.position().toPoint()))
         self.viewport().update()
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """A box: its name is typed. Beside everything: a new state."""
+        """Rename the state under the mouse; on empty ground add a new state."""
         if event.button() is not Qt.MouseButton.LeftButton or self.behaviour is None:
             return
         place = self.mapToScene(event.position().toPoint())
@@ -243,19 +243,19 @@ class Diagram(QGraphicsView):
         self.pan(-moved)
 
     def pan(self, pixels: QPoint) -> None:
-        """Move what is seen."""
+        """Scroll the view."""
         self._whole = False
         for bar, way in ((self.horizontalScrollBar(), pixels.x()), (self.verticalScrollBar(), pixels.y())):
             bar.setValue(bar.value() - way)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """What was in view whole stays so."""
+        """Fit the view again if the whole diagram was in view."""
         super().resizeEvent(event)
         if self._whole:
             self.fit()
 
     def leave_gesture(self) -> bool:
-        """Cancel the current action; whether there was anything."""
+        """Cancel the current gesture; True if there was one."""
         gesture, self.gesture = self.gesture, None
         if gesture is not None:
             gesture.cancel()
@@ -263,7 +263,7 @@ class Diagram(QGraphicsView):
         return gesture is not None
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
-        """What can be done with what is under the mouse."""
+        """Show a menu of the actions on the item under the mouse."""
         if self.behaviour is None:
             return
         place = self.mapToScene(event.pos())
@@ -289,7 +289,7 @@ class Diagram(QGraphicsView):
         return [("Add state here", lambda: self.add_state(place)), ("Show all", self.fit)]
 
     def event(self, event: QEvent) -> bool:
-        """While something is dragged, Esc leaves that, and nothing else of the window."""
+        """Reserve Esc for the current gesture during a drag, so that no shortcut of the window takes it."""
         mine = isinstance(event, QKeyEvent) and self.gesture is not None and event.key() == Qt.Key.Key_Escape
         if mine and event.type() == QEvent.Type.ShortcutOverride:
             event.accept()
@@ -321,7 +321,7 @@ class Diagram(QGraphicsView):
             painter.drawPoints([QPointF(column * DIAGRAM_GRID, row * DIAGRAM_GRID) for column in across])
 
     def drawForeground(self, painter: QPainter, area: QRectF | object) -> None:
-        """What a gesture shows."""
+        """Draw the overlay of the current gesture."""
         if self.gesture is not None:
             self.gesture.paint(painter)
 

@@ -1,4 +1,4 @@
-"""What the diagram of a behaviour is drawn of: boxes of states, and arrows between them with what they wait for."""
+"""Graphics items of a behaviour's diagram: boxes of states, arrows of transitions and labels of their conditions."""
 
 import math
 from dataclasses import dataclass
@@ -14,12 +14,12 @@ STATE_WIDTHS = (132.0, 220.0)
 TITLE_PX, LINE_PX, PADDING_PX = 20.0, 15.0, 9.0
 RADIUS = 5.0
 RIM = 7.0
-"""How far from its edge inwards, and half as far outwards, a box is taken to draw an arrow from."""
+"""Width in scene units of the rim inside a box's edge, and half of it outside, where a drag draws an arrow."""
 BOW, NEXT_BOW = 22.0, 34.0
-"""How far the way there is from the way back, and from another way there."""
+"""Sideways offset of an arrow that has a counterpart, and between arrows of the same ends, in scene units."""
 ARROW_PX, ARROW_REACH_PX = 9.0, 12.0
 ALONG = 0.58
-"""How far along its way the words stand: there and back do not meet."""
+"""Fraction of an arrow's length at which its label stands, so that the labels there and back do not meet."""
 LOOP = 44.0
 GLOW = 4
 
@@ -48,7 +48,7 @@ class Box:
 
     @property
     def rect(self) -> QRectF:
-        """Where it stands in the scene."""
+        """Rectangle of the box in the scene."""
         lines = (self.plays, *self.manners)
         title = QFontMetricsF(font(13, bold=True)).horizontalAdvance(self.name) + 10.0 * len(self.dots)
         widest = max(title, *(QFontMetricsF(font(11)).horizontalAdvance(each) for each in lines))
@@ -66,20 +66,20 @@ class StateItem(QGraphicsItem):
         self.setZValue(2.0)
 
     def boundingRect(self) -> QRectF:
-        """With its glow, the rim and the mark of the start."""
+        """Bounds of the box with its glow, its rim and the mark of the start state."""
         return self.rect.adjusted(-30.0, -12.0, 12.0, 12.0)
 
     def on_rim(self, place: QPointF) -> bool:
-        """Whether an arrow is drawn from there, rather than the box moved."""
+        """True if a drag from ``place`` draws an arrow instead of moving the box."""
         inner = self.rect.adjusted(RIM, RIM, -RIM, -RIM)
         return self.takes(place) and not inner.contains(place)
 
     def takes(self, place: QPointF) -> bool:
-        """Whether the mouse is on it."""
+        """True if ``place`` is on the box or just outside its edge."""
         return self.rect.adjusted(-RIM / 2, -RIM / 2, RIM / 2, RIM / 2).contains(place)
 
     def paint(self, painter: QPainter, _option: QStyleOptionGraphicsItem, _widget: QWidget | None = None) -> None:
-        """The box and its words."""
+        """Draw the box and its texts."""
         box, rect = self.box, self.rect
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         for step in range(GLOW if box.lit else 0):
@@ -128,7 +128,7 @@ class StateItem(QGraphicsItem):
 
 @dataclass(frozen=True)
 class Arrow:
-    """A transition as it is shown: from box to box, so far aside of the straight line."""
+    """Transition as drawn: from box to box, bent aside from the straight line by ``bow``."""
 
     place: int
     source: QRectF
@@ -139,7 +139,7 @@ class Arrow:
 
 
 class TransitionItem(QGraphicsItem):
-    """The arrow of a transition; what it waits for stands on its ``words``, above all arrows."""
+    """Arrow of a transition; its ``words`` show the conditions, above all arrows."""
 
     def __init__(self, arrow: Arrow) -> None:
         super().__init__()
@@ -150,17 +150,17 @@ class TransitionItem(QGraphicsItem):
         self.setZValue(1.1 if arrow.selected else 1.0)
 
     def boundingRect(self) -> QRectF:
-        """The way and its head."""
+        """Bounds of the arrow and its head."""
         return self._path.boundingRect().adjusted(-ARROW_REACH_PX, -ARROW_REACH_PX, ARROW_REACH_PX, ARROW_REACH_PX)
 
     def takes(self, place: QPointF) -> bool:
-        """Whether the mouse is on it."""
+        """True if ``place`` is on the arrow or its label."""
         stroker = QPainterPathStroker()
         stroker.setWidth(ARROW_REACH_PX)
         return self.label.contains(place) or stroker.createStroke(self._path).contains(place)
 
     def paint(self, painter: QPainter, _option: QStyleOptionGraphicsItem, _widget: QWidget | None = None) -> None:
-        """The way."""
+        """Draw the arrow."""
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         ink = QColor(self.ink)
         painter.setBrush(Qt.BrushStyle.NoBrush)
@@ -171,14 +171,14 @@ class TransitionItem(QGraphicsItem):
 
     @property
     def ink(self) -> str:
-        """Its colour."""
+        """Colour of the arrow."""
         if self.arrow.selected:
             return colours.SELECTED_HANDLE
         return colours.TEXT_SECOND if self.hovered else "#66707c"
 
 
 class WordsItem(QGraphicsItem):
-    """What a transition waits for."""
+    """Label of an arrow: the conditions of its transition."""
 
     def __init__(self, of: TransitionItem) -> None:
         super().__init__()
@@ -186,11 +186,11 @@ class WordsItem(QGraphicsItem):
         self.setZValue(3.0 if of.arrow.selected else 1.5)
 
     def boundingRect(self) -> QRectF:
-        """The words and their edge."""
+        """Bounds of the label and its frame."""
         return self._of.label.adjusted(-1.0, -1.0, 1.0, 1.0)
 
     def paint(self, painter: QPainter, _option: QStyleOptionGraphicsItem, _widget: QWidget | None = None) -> None:
-        """The words on their ground."""
+        """Draw the label on its background."""
         arrow, label = self._of.arrow, self._of.label
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         framed = arrow.selected or self._of.hovered
@@ -203,12 +203,12 @@ class WordsItem(QGraphicsItem):
 
 
 def bow_of(order: int, returns: bool) -> float:
-    """How far aside the ``order``-th way from one box to another goes, where there is a way back or none."""
+    """Sideways offset of the ``order``-th arrow from one box to another; ``returns`` if there is an arrow back."""
     return (BOW if returns else 0.0) + NEXT_BOW * order
 
 
 def towards(rect: QRectF, place: QPointF) -> QPointF:
-    """Where the line from the middle of a box to a place leaves the box."""
+    """Point at which the line from the middle of a box to a place leaves the box."""
     centre = rect.center()
     dx, dy = place.x() - centre.x(), place.y() - centre.y()
     share = max(abs(dx) / (rect.width() / 2 + 2.0), abs(dy) / (rect.height() / 2 + 2.0), 1e-6)
@@ -216,7 +216,7 @@ def towards(rect: QRectF, place: QPointF) -> QPointF:
 
 
 def _label(arrow: Arrow, middle: QPointF) -> QRectF:
-    """Where the words stand: on a straight line, and outside of a bent one, so that those of two do not meet."""
+    """Rectangle of the label: on a straight arrow, outside of a bent one, so that the labels of two do not meet."""
     metrics = QFontMetricsF(font(11))
     width = max(metrics.horizontalAdvance(each) for each in arrow.words) + 12.0
     height = LINE_PX * len(arrow.words) + 4.0
@@ -227,14 +227,14 @@ def _label(arrow: Arrow, middle: QPointF) -> QRectF:
 
 
 def _aside(arrow: Arrow) -> QPointF:
-    """Which way a bent line goes aside, one long."""
+    """Unit vector normal to the line between the boxes, towards which an arrow bends."""
     line = QLineF(arrow.source.center(), arrow.target.center())
     length = max(line.length(), 1e-6)
     return QPointF(-line.dy() / length, line.dx() / length)
 
 
 def _way(arrow: Arrow) -> tuple[QPainterPath, float]:
-    """The path, and the angle at which it arrives."""
+    """Path of the arrow, and the angle in radians at which it arrives."""
     if arrow.source == arrow.target:
         return _loop(arrow)
     start, end = arrow.source.center(), arrow.target.center()

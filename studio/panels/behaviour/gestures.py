@@ -1,4 +1,4 @@
-"""What a drag in the diagram does: moves states, connects them, selects in a rectangle, or pans."""
+"""Drags in the diagram: move states, connect them, select in a rectangle, or pan."""
 
 from __future__ import annotations
 
@@ -156,7 +156,7 @@ class Framing(DiagramGesture):
 
 
 class Panning(DiagramGesture):
-    """What is seen goes with the mouse."""
+    """Pan the view with the mouse."""
 
     def __init__(self, view: Diagram, event: QMouseEvent, place: QPointF) -> None:
         super().__init__(view, event, place)

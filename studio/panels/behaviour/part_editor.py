@@ -1,4 +1,4 @@
-"""What the forms of a state and of a transition have in common: both are parts of a behaviour."""
+"""Base of the forms of a state and of a transition, which are both parts of a behaviour."""
 
 from collections.abc import Callable
 from typing import Any
@@ -29,7 +29,7 @@ class PartEditor(Editor):
         return self.document.project.behaviours[self.behaviour_id]
 
     def edit(self, edit: BehaviourEdit, text: str) -> bool:
-        """Change the behaviour; what cannot be is said in a sentence. Whether it could be."""
+        """Change the behaviour; True if it accepts the edit. A refused edit is reported as a message."""
         try:
             edit_behaviour(self.document, self.behaviour_id, edit, text, self._gesture)
         except StudioError as error:

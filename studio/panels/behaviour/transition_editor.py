@@ -54,7 +54,7 @@ class TransitionEditor(PartEditor):
 
     @property
     def place(self) -> int:
-        """Which transition of its behaviour it is."""
+        """Index of the transition in its behaviour."""
         return place_of(self.entity_id)
 
     def refresh(self) -> None:

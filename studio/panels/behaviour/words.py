@@ -63,7 +63,7 @@ def whom_name(whom: Whom, project: Project) -> str:
 
 
 def condition_words(condition: Condition, project: Project) -> str:
-    """What a transition waits for."""
+    """Text of a transition's condition."""
     match condition:
         case DistanceCondition():
             gap = condition.gap
@@ -81,7 +81,7 @@ def condition_words(condition: Condition, project: Project) -> str:
 
 
 def manner_words(manner: Manner, project: Project) -> str:
-    """In what manner a state is played, for its box."""
+    """Text of a manner in which a state is played, for its box."""
     whom = whom_name(manner.whom, project)
     match manner:
         case KeepDistance():
@@ -96,7 +96,7 @@ def _point_of(whom: Whom) -> str:
 
 
 def clip_words(state: State, project: Project) -> str:
-    """What a state plays."""
+    """Text of the clip that a state plays, or that it holds its pose."""
     if state.clip is None:
         return "holds its pose"
     motion = project.motions.get(state.clip.motion_id)

@@ -26,7 +26,7 @@ SIZE_FIELDS = {
     AreaShape.HALF_SPACE: ("Normal", (True, True, True)),
     AreaShape.MESH: ("", (False, False, False)),
 }
-"""What the three numbers of a size mean, and which of them are used; the others are a box's edges."""
+"""Caption of a size's three numbers, and a flag for each that is used, by shape; other shapes have a box's edges."""
 TURNED = (AreaShape.TABLE, AreaShape.BOX, AreaShape.MESH)
 LEAST_AREA_SIZE = 0.001
 AREA_UP, METRE_SIZE = (0.0, 0.0, 1.0), (1.0, 1.0, 1.0)

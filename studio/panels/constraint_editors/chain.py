@@ -1,4 +1,4 @@
-"""Which parts may move for a constraint: a figure to click, and a weight for each part."""
+"""Form section of the parts that may move for a constraint: a figure to click, and a weight for each part."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,7 +16,7 @@ TRUNK_SEGMENTS = (BodyPart.ABDOMEN, BodyPart.THORAX)
 
 
 def link_words(point: BodyPart) -> dict[str, str]:
-    """What each link of the chain is called for a point on that part."""
+    """Label of each link of the chain, for a point on that part."""
     side, _, bone = point.value.partition("_")
     if bone in ("clavicle", "upper_arm", "forearm", "hand"):
         names = (f"{side.capitalize()} arm", f"{side.capitalize()} hand", f"{side.capitalize()} clavicle")

@@ -32,11 +32,11 @@ class ConstraintEditor(Editor):
     """A constraint of any kind; a kind adds its own rows in ``add_kind_rows``."""
 
     has_point = True
-    """Whether the kind is about one point; otherwise its rows are not shown."""
+    """True if the kind has a point; otherwise the rows of the point are not shown."""
     kind_words = ""
     """The kind in words, where its own name is no noun."""
     has_chain = True
-    """Whether it says which parts of the body may move."""
+    """True if the kind has a section on the parts of the body that may move."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -57,7 +57,7 @@ class ConstraintEditor(Editor):
         self.finish()
 
     def add_kind_rows(self, section: Section) -> None:
-        """What only this kind has."""
+        """Add the rows that only this kind has."""
 
     def _add_names(self) -> None:
         self._enabled = QCheckBox("on")

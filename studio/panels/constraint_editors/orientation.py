@@ -10,7 +10,7 @@ class OrientationEditor(ConstraintEditor):
     """Degrees about the X, Y and Z axes of the motion's space."""
 
     def add_kind_rows(self, section: Section) -> None:
-        """What the target is, and the three angles that it has now."""
+        """Add the rows of the target and of its three current angles."""
         self._source = TargetRows(self, section, "target", turns=True)
         self._angles = RotationRow(
             self, section, "the motion", lambda target: self._source.put(target, f"Turn target of {self.entity.name}")

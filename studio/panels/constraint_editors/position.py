@@ -7,10 +7,10 @@ from studio.panels.fields import Section
 
 
 class PositionEditor(ConstraintEditor):
-    """What the target is, and where it is now, in metres."""
+    """Form of a position constraint: its target, and the target's current position in metres."""
 
     def add_kind_rows(self, section: Section) -> None:
-        """The target."""
+        """Add the rows of the target."""
         self._source = TargetRows(self, section, "target")
         self._target = VectorRow(self, section, "Target", self._set_target)
 

@@ -1,4 +1,4 @@
-"""What the active body does at the playhead: where a new place of a constraint begins."""
+"""Pose of the active body at the playhead, from which a new target of a constraint begins."""
 
 import numpy as np
 
@@ -18,7 +18,7 @@ def moment_now(editor: Editor) -> TargetContext | None:
 
 
 def place_now(editor: Editor, point: BodyPoint) -> Vector | None:
-    """Where a point of the body is, metres in the motion's space; None while nobody performs."""
+    """Position of a point of the body, metres in the motion's space; None while nobody performs."""
     from studio.core.solver.adapt import place_of  # not before a result is there: it loads kernels
 
     moment = moment_now(editor)
@@ -26,7 +26,7 @@ def place_now(editor: Editor, point: BodyPoint) -> Vector | None:
 
 
 def mass_now(editor: Editor) -> Vector | None:
-    """Where the body's centre of mass is, as ``place_now``."""
+    """Position of the body's centre of mass, as ``place_now``."""
     from studio.core.quality.metrics import centre_of_mass  # as above
 
     moment = moment_now(editor)
@@ -34,7 +34,7 @@ def mass_now(editor: Editor) -> Vector | None:
 
 
 def turn_now(editor: Editor, part: BodyPart) -> np.ndarray | None:
-    """(3, 3) how a segment is turned, in the motion's space; None while nobody performs."""
+    """Rotation matrix (3, 3) of a segment in the motion's space; None while nobody performs."""
     moment = moment_now(editor)
     if moment is None:
         return None

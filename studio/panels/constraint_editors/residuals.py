@@ -1,4 +1,4 @@
-"""How well a constraint holds on each body: the worst miss while it is fully active."""
+"""Worst residual of a constraint on each body, while the constraint is fully active."""
 
 from dataclasses import dataclass
 
@@ -16,12 +16,12 @@ from studio.panels.fields import Section
 RESIDUAL_ROW_PX, RESIDUAL_COLUMNS, RESIDUAL_GAP_PX = 18, 2, 16
 RESIDUAL_DOT_PX = 16
 WIDEST = "0000 mm*"
-"""Room that every amount is given, so that nothing jumps while it changes."""
+"""Text whose width every amount is given, so that the layout does not jump while amounts change."""
 
 
 @dataclass(frozen=True)
 class BodyResidual:
-    """A body and the worst miss on it, None where nothing is asked; words where it is not known."""
+    """Body and its worst residual, None where the constraint is not active; ``unsolved`` says why it is not known."""
 
     name: str
     colour: str

@@ -1,4 +1,4 @@
-"""What a target is: fixed, keyed over time, moving by a rule, or following something; and its keys."""
+"""Form rows of a target: fixed, keyed over time, moving by a rule, or following something; and of its keys."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -45,14 +45,14 @@ SPOTS = (
     ((0.0, 0.0, -1.0), "Bottom"),
 )
 ONLY_PLACES = (PLACE_KINDS[0], *RULES)
-"""What no turn can be."""
+"""Kinds of target that a rotation cannot have."""
 SIGN_BUTTON_PX = 30
 """Pixels of a button with one sign."""
 WRISTS = (BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True), BodyPoint(BodyPart.LEFT_FOREARM, at_end=True))
 
 
 class TargetRows:
-    """The rows that say what a constraint's value ``field`` is; its numbers now stand in a row of the editor's own."""
+    """Rows for the kind of a constraint's value ``field``; the editor shows its current numbers in a row of its own."""
 
     def __init__(self, editor: Editor, section: Section, field: str, turns: bool = False) -> None:
         self._editor, self._field, self._turns = editor, field, turns
@@ -148,7 +148,7 @@ class TargetRows:
         self._keys.refresh(known)
 
     def _show_apart(self, target: Any) -> None:
-        """Whether the active character has an offset of its own, where each has its own place."""
+        """Show the box of the active character's own offset if targets are per character; tick it if there is one."""
         document = self._editor.document
         performer = document.project.performers.get(document.active_performer_id or "")
         own = own_place_of(target)
@@ -191,7 +191,7 @@ class TargetRows:
         return KeyedOwnPlace(**parts, origin=self._own_place(now)) if each else KeyedPlace(**parts)
 
     def _things(self, kind: str) -> Sequence[tuple[object, str]]:
-        """What there is to follow, by id and name."""
+        """Ids and names of the entities or joints that can be followed."""
         project = self._editor.document.project
         match kind:
             case FollowPerformer.kind:
@@ -307,7 +307,7 @@ class TargetRows:
 
 
 class KeyRow:
-    """Which key is at the playhead, the way to the next one, and buttons to set and delete one."""
+    """Row with the number of the key at the playhead, and buttons to go to the next one, to set and to delete one."""
 
     def __init__(self, editor: Editor, section: Section, field: str) -> None:
         self._editor, self._field = editor, field

@@ -96,7 +96,7 @@ class MarkerAssistant(QWidget):
 
     @property
     def words(self) -> str:
-        """What the map is good for, in a sentence."""
+        """Sentence on the limbs that can be followed with the marker map, or the markers missing."""
         there = self.marker_map.among(self._labels())
         parts = [word for word, has in (("legs", there.has_legs()), ("arms", there.has_arms())) if has]
         if len(parts) == 2:

@@ -1,4 +1,4 @@
-"""What was recorded beside the points: forces on the plates, analog signals, events, over the time of the motion."""
+"""Plot of the signals recorded beside the points: plate forces, analog signals and events, over the motion's time."""
 
 from collections.abc import Callable
 from functools import partial

@@ -43,7 +43,7 @@ class StepList(QWidget):
         self._show()
 
     def show_reports(self, reports: tuple[StepReport, ...]) -> None:
-        """What the steps did, in their order."""
+        """Show the reports of the steps, in the steps' order."""
         self._reports = reports
         self._show()
 
