@@ -1,4 +1,4 @@
-"""The body map of a capture: which joint plays which part, each to be chosen anew."""
+"""Form section of a capture's body map: the joint of each body part, each of which can be changed."""
 
 from functools import partial
 
@@ -9,7 +9,7 @@ from studio.panels.fields import Choice, Section, press_button
 
 
 class BodyMapSection(Section):
-    """Folded until it is asked for: most maps are right."""
+    """Form section of the body map, folded at first, since most maps are right."""
 
     def __init__(self, editor: Editor) -> None:
         super().__init__("Body map")

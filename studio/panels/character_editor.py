@@ -31,7 +31,7 @@ PRESETS: dict[str, Proportions] = {
 
 
 def measure_of(name: str, body: Morphology) -> float:
-    """The length in metres that a slider is about."""
+    """Length in metres of the proportion that a slider sets."""
     lengths: dict[str, Callable[[], float]] = {
         "stature": lambda: body.stature,
         "trunk": lambda: body.spine_length,
@@ -49,7 +49,7 @@ def measure_of(name: str, body: Morphology) -> float:
 
 
 def grip_words(grip: float) -> str:
-    """A grip in a word."""
+    """Word for a grip."""
     return "open" if grip < -0.5 else "at ease" if grip < 0.25 else "half closed" if grip < 0.75 else "fists"
 
 
@@ -107,7 +107,7 @@ class BodySection(Section):
         self._odd.setVisible(bool(self._odd.text()))
 
     def refresh_now(self) -> None:
-        """Fetch what a body that grows has at the playhead."""
+        """Update the proportions of a body that grows to those at the playhead."""
         character = self._character
         held = character.proportions_at(self._growth.now)
         body = held.applied_to(character.build)
@@ -139,7 +139,7 @@ class BodySection(Section):
         self._editor.put_other("characters", self._character_id(), make, f"Close the hands of {self._character.name}")
 
     def _put(self, held: Proportions, text: str) -> None:
-        """Have these now: always, or as a key at the playhead."""
+        """Set these proportions: constant, or as a key at the playhead if they are keyed."""
         keyed = self._character.proportions
         new = keyed.with_key(self._growth.now, held) if isinstance(keyed, KeyedProportions) else held
         make = lambda: replace(self._character, proportions=new)  # noqa: E731
@@ -147,7 +147,7 @@ class BodySection(Section):
 
 
 class CharacterEditor(Editor):
-    """A character that nobody plays."""
+    """Form of a character that no performer plays."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)

@@ -1,4 +1,4 @@
-"""The form of a clip: what of its motion plays, when, how, and where, or over which part of the body."""
+"""Form of a clip: its frames, start, speed and placement; for a layer the body region."""
 
 import math
 from dataclasses import replace
@@ -111,12 +111,12 @@ class ClipEditor(Editor):
         return box
 
     def _number(self, field: NumberField, verb: str, rest: str, **unit: float) -> NumberField:
-        """A field of the number ``unit`` names, which is one of the field's in its own."""
+        """Bind ``field`` to the clip's value named by ``unit``, whose number is the size of the field's unit."""
         [(name, size)] = unit.items()
         return self.bind(field, lambda number: self._set(verb, rest, **{name: number * size}))
 
     def refresh(self) -> None:
-        """Fetch everything."""
+        """Update all fields from the document."""
         clip: Clip | None = self.entity
         if clip is None:
             return
@@ -142,7 +142,7 @@ class ClipEditor(Editor):
         self._grip.show_value(clip.grip)
 
     def concerns(self, collection: str, entity_id: str) -> bool:
-        """Clips are played by performers; their names are those of motions."""
+        """True for performers, which play clips, and for motions, which name them."""
         return collection in ("performers", "motions")
 
     def _edit(self, edit: Any, verb: str, rest: str = "") -> None:
@@ -191,7 +191,7 @@ class ClipEditor(Editor):
         self._select(lambda: clips.duplicate_clip(self.document, self.entity_id))
 
     def _select(self, make: Any) -> None:
-        """Work on the clip that ``make`` makes, with whom it was made."""
+        """Select the active performer and the clip whose id ``make`` returns."""
         performer_id = self.document.active_performer_id or ""
         self._say(lambda: self.document.selection.set(("performers", performer_id), ("clips", make())))
 

@@ -23,7 +23,7 @@ SAID = "Confirmed. Indexing keeps it."
 
 
 class ClipForm(QScrollArea):
-    """``confirmed`` brings the label that the user gives; ``left`` asks for the results again."""
+    """Form of a clip's label. ``confirmed`` carries the user's label; ``left`` requests the list of results again."""
 
     confirmed = Signal(object)
     left = Signal()
@@ -56,7 +56,7 @@ class ClipForm(QScrollArea):
         return self._steps[-1]
 
     def open(self, opened: "OpenedClip") -> None:
-        """Show a clip; the steps of the one before are forgotten."""
+        """Show a clip, and discard the undo steps of the previous one."""
         self._opened, self._steps = opened, [opened.clip.label]
         self.title.setText(opened.clip.take.motion.name)
         self.line.open(opened.speeds, opened.frame_rate, opened.clip.label)
@@ -70,14 +70,14 @@ class ClipForm(QScrollArea):
         self.confirm.setEnabled(False)
 
     def event(self, event: QEvent) -> bool:
-        """Undo is meant for the label while the hand is in here, not for the project."""
+        """Reserve undo for the label while the form has the keyboard, instead of the project."""
         if event.type() == QEvent.Type.ShortcutOverride and _undoes(event):
             event.accept()
             return True
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Ctrl+Z takes the last step back."""
+        """Undo the last step with Ctrl+Z."""
         if _undoes(event):
             self._undo()
         else:

@@ -1,4 +1,4 @@
-"""A clip's own small timeline: how fast the ends of the limbs are, where the clip is cut, and when it hits."""
+"""Small timeline of a clip: speeds of hands and feet, ends of the cut, and the hit."""
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -16,7 +16,7 @@ CLIP_LINE_HEIGHT, CLIP_LINE_HEAD, CLIP_LINE_FOOT, CLIP_LINE_SIDE = 116, 18, 18, 
 GRAB = 8.0
 """Distance in pixels from a mark within which a press grabs it."""
 SECONDS_AROUND_CUT = 0.75
-"""Seconds that are seen before and after the cut."""
+"""Seconds shown before and after the cut."""
 
 
 class ClipMark(StrEnum):
@@ -42,7 +42,7 @@ class FrameScale:
         )
 
     def frame(self, x: float) -> int:
-        """The nearest frame to a pixel, among those that are seen."""
+        """Frame nearest to a pixel, among those in view."""
         share = (x - CLIP_LINE_SIDE) / max(self.width - 2 * CLIP_LINE_SIDE, 1.0)
         return round(self.first + min(max(share, 0.0), 1.0) * (self.last - self.first))
 
@@ -76,19 +76,19 @@ class ClipLine(QWidget):
         return QSize(200, CLIP_LINE_HEIGHT)
 
     def open(self, speeds: NDArray[np.float64], rate: float, proposed: ClipLabel) -> None:
-        """Show another take, (4, F) speeds; what it was labelled until now stays to be seen."""
+        """Show another take with its (4, F) speeds; its ``proposed`` label stays visible."""
         self._speeds, self._rate, self._proposed = speeds, rate, proposed
         self.show_label(proposed)
 
     def show_label(self, label: ClipLabel) -> None:
-        """Show where it is cut and hits; what is seen stays while a mark is dragged."""
+        """Show the cut and the hit of a label; the frames in view stay while a mark is dragged."""
         self._label = label
         if self._held is None:
             self._look()
         self.update()
 
     def place_of(self, mark: ClipMark) -> QPointF:
-        """Where a mark can be taken."""
+        """Pixel position at which a mark can be grabbed."""
         frame = 0 if self._label is None else getattr(self._label, mark)
         return QPointF(
             self._seen.x(frame),
@@ -96,7 +96,7 @@ class ClipLine(QWidget):
         )
 
     def caption(self, mark: ClipMark, width: float) -> QRectF:
-        """Where words of so many pixels stand at a mark: in its middle, and whole within the line at both ends."""
+        """Rectangle of a caption ``width`` pixels wide: centred on its mark, but inside the widget at both ends."""
         left = min(max(self.place_of(mark).x() - 0.5 * width, 0.0), self.width() - width)
         return QRectF(
             left,
@@ -108,7 +108,7 @@ class ClipLine(QWidget):
         )
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Take the mark under the mouse."""
+        """Grab the mark under the mouse."""
         if event.button() == Qt.MouseButton.LeftButton:
             self._held = self._mark_at(event.position().x())
             if self._held is not None:
@@ -116,7 +116,7 @@ class ClipLine(QWidget):
                 self.marked.emit(self._held)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Drag, or show what could be."""
+        """Drag the grabbed mark, or highlight the mark under the mouse."""
         if self._held is None:
             self._point_at(self._mark_at(event.position().x()))
             return
@@ -127,17 +127,17 @@ class ClipLine(QWidget):
                 self.dragged.emit(moved)
 
     def mouseReleaseEvent(self, _: QMouseEvent) -> None:
-        """More may be seen now."""
+        """Release the mark, and bring the frames round the cut into view."""
         self._held = None
         self._look()
         self.update()
 
     def leaveEvent(self, _: QEvent) -> None:
-        """Nothing is under the mouse."""
+        """Clear the highlight, as no mark is under the mouse."""
         self._point_at(None)
 
     def resizeEvent(self, _: QEvent) -> None:
-        """The same frames over another width."""
+        """Fit the frames in view to the new width."""
         self._look()
 
     def _point_at(self, mark: ClipMark | None) -> None:
@@ -217,7 +217,7 @@ class ClipLine(QWidget):
 
 
 def with_mark(label: ClipLabel, mark: ClipMark, frame: int, frame_count: int) -> ClipLabel:
-    """The label with a mark as near to ``frame`` as the order of the marks, and the take, leave room."""
+    """Label with a mark moved to ``frame``, limited by the order of the marks and the ends of the take."""
     match mark:
         case ClipMark.FIRST:
             return replace(label, first=min(max(frame, 0), label.hit - 1))

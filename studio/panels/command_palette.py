@@ -26,7 +26,7 @@ SCROLL_BAR = 12
 ACTION = Qt.ItemDataRole.UserRole
 ROW_STEPS = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
 PALETTE_KEYS = {*ROW_STEPS, Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Escape}
-"""Those that the palette hears itself; the others are typed."""
+"""Keys that the palette handles itself; the others go to the text field."""
 
 
 def plain_text(action: QAction) -> str:
@@ -108,7 +108,7 @@ class CommandPalette(QFrame):
         self.field.setFocus()
 
     def offer(self, title: str, actions: Sequence[QAction]) -> None:
-        """Show these to choose from, and no others; those that were offered before are gone."""
+        """Offer these choices in place of the previous ones."""
         for action in self._actions:
             action.deleteLater()
         self._actions = actions

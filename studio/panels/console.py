@@ -111,7 +111,7 @@ class Console(QWidget):
         self.show_text(WELCOME)
 
     def run(self, source: str) -> bool:
-        """Run statements; false while others are under way."""
+        """Run statements; False while others are running."""
         if self.session.running:
             return False
         self.show_text(
@@ -136,7 +136,7 @@ class Console(QWidget):
         return found
 
     def close_session(self) -> None:
-        """End what runs and let go of the project."""
+        """Stop the running statement and release the project."""
         self.session.close()
 
     def _ended(self) -> None:

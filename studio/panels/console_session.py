@@ -17,11 +17,11 @@ from studio.document.document import Document
 
 CONSOLE_FILE = "<console>"
 _WAIT = 0.1
-"""Seconds after which a statement that waits for the window looks whether it is still open."""
+"""Seconds between two checks of a waiting statement that the window is still open."""
 
 
 class WindowThread(QObject):
-    """The thread that made it: others have functions run there and wait for what they return."""
+    """The thread that made this object: other threads run functions on it and wait for the results."""
 
     _asked = Signal(object)
 
@@ -140,7 +140,7 @@ class ConsoleSession(QObject):
             )
 
     def close(self) -> None:
-        """Let go of everything; a statement that runs is stopped and not waited for."""
+        """Release everything; a running statement is stopped without waiting for it."""
         self._window.closed = True
         self.stop()
         self.namespace.clear()

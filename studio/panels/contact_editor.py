@@ -1,4 +1,4 @@
-"""A contact: which point of the body stands still, or what hands touch, from frame to frame."""
+"""Form of a contact: the point of the body that stands still or touch of the hands, and its frames."""
 
 from studio.core.captures.contacts import CONTACT_POINTS, ContactInterval, ContactPoint, Touch
 from studio.core.stage.scope import Scope
@@ -60,7 +60,7 @@ class ContactEditor(Editor):
         return "" if contact.scope.is_narrow else ", on every body"
 
     def concerns(self, collection: str, entity_id: str) -> bool:
-        """Its scope names performers and clips."""
+        """True also for performers, which the scope names."""
         return super().concerns(collection, entity_id) or collection == "performers"
 
     def _ask(self, scope: Scope) -> None:

@@ -1,4 +1,4 @@
-"""Editor: what every form of the inspector has in common: an entity, a gesture, one way to change it."""
+"""Base of all forms of the inspector: one entity, the current drag, and methods that change the entity."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -15,7 +15,7 @@ from studio.panels.fields import NumberField, labelled
 from studio.panels.shared_edits import different_fields, with_edit
 
 EDITED_TOGETHER = ("constraints", "contacts", "clips", "performers", "props")
-"""Collections of which all that are selected are edited together."""
+"""Collections whose selected entities are edited together."""
 
 
 class Editor(QWidget):
@@ -38,7 +38,7 @@ class Editor(QWidget):
 
     @property
     def together(self) -> tuple[str, ...]:
-        """Ids of all of the collection that are selected with the entity and edited as it is, itself among them."""
+        """Ids of the selected entities of the collection that are edited together with this one, itself included."""
         selected = self.document.selection.of(self.collection)
         return selected if self.entity_id in selected else (self.entity_id,)
 
@@ -105,7 +105,7 @@ class Editor(QWidget):
         self.live.interactive = True
 
     def end(self) -> None:
-        """The gesture is over."""
+        """End the drag."""
         self._gesture = None
         self.live.interactive = False
 
@@ -122,14 +122,14 @@ class Editor(QWidget):
         return field
 
     def finish(self) -> None:
-        """The form is complete: what is left over stays empty below it."""
+        """Complete the form, and leave the space below it empty."""
         self.column.addStretch(1)
         self.refresh()
         self.tell_together()
 
 
 class PlainEditor(Editor):
-    """The fall-back for a kind that brings no editor of its own: what it is, in words."""
+    """Fallback form for a kind without an editor of its own: the entity's values as text."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)

@@ -43,14 +43,14 @@ def short(name: str, among: QWidget) -> str:
 
 
 class Value(QLabel):
-    """Words that may be longer than the form is wide: what has no room ends in dots, and is told under the mouse."""
+    """Text that may be wider than the form: it is elided, and its tooltip shows all of it."""
 
     def minimumSizeHint(self) -> QSize:
         """As narrow as the form."""
         return QSize(0, super().minimumSizeHint().height())
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """The beginning, where not all has room."""
+        """Draw the text, elided if it does not fit."""
         if not self._is_cut():
             super().paintEvent(event)
             return
@@ -61,7 +61,7 @@ class Value(QLabel):
             self.style().drawItemText(painter, room, where, self.palette(), enabled, words, self.foregroundRole())
 
     def event(self, event: QEvent) -> bool:
-        """Tell all of it where the mouse rests."""
+        """Show the whole text as a tooltip if it is elided."""
         if isinstance(event, QHelpEvent) and event.type() == QEvent.Type.ToolTip and self._is_cut():
             QToolTip.showText(event.globalPos(), self.text(), self)
             return True
@@ -249,7 +249,7 @@ class Choice(QComboBox):
         return value in self._values
 
     def show_value(self, value: object) -> None:
-        """Show what the document says; nothing when it is none of the choices."""
+        """Show the document's value; no choice if it is not among them."""
         with QSignalBlocker(self):
             self.setCurrentIndex(self._values.index(value) if value in self._values else -1)
 
@@ -262,7 +262,7 @@ class Choice(QComboBox):
         return bool(super().event(event))
 
     def wheelEvent(self, event: QEvent) -> None:
-        """As with numbers: a wheel never chooses by accident."""
+        """Ignore the wheel, so that it never changes a choice by accident."""
         event.ignore()
 
 
@@ -289,7 +289,7 @@ class Segments(QWidget):
         self._group.idClicked.connect(lambda index: self.chosen.emit(self._values[index]))
 
     def show_value(self, value: object) -> None:
-        """Show what the document says."""
+        """Show the value that the document has."""
         self._group.button(self._values.index(value)).setChecked(True)
 
 

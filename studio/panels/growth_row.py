@@ -27,11 +27,11 @@ class GrowthRow(KeyRow):
 
     @property
     def now(self) -> float:
-        """Seconds of the stage, of the frame at the playhead."""
+        """Stage time in seconds of the frame at the playhead."""
         return self._seconds()
 
     def refresh(self, known: bool = True) -> None:
-        """Show whether the body is keyed, and where."""
+        """Show if the proportions are keyed, and the key at the playhead."""
         self._over_time.setChecked(self._keyed() is not None)
         super().refresh(known)
 

@@ -18,7 +18,7 @@ class History(QWidget):
         column.setContentsMargins(0, 12, 0, 0)
         column.setSpacing(4)
         self.head = labelled("History", "head")
-        """Its name, while no title bar says it."""
+        """Heading of the panel, shown while it has no title bar."""
         self.head.setContentsMargins(FIELD_ICON_PX, 0, FIELD_ICON_PX, 0)
         column.addWidget(self.head)
         self.view = QUndoView(undo_stack)

@@ -9,7 +9,7 @@ from studio.panels.fields import NumberField, Section
 
 
 class LabelEditor(Editor):
-    """Name, first and last frame."""
+    """Form of a label: name, first and last frame."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)

@@ -1,4 +1,4 @@
-"""Library: what is in the project, and which bodies are shown. Selection goes both ways with the document."""
+"""Library: the project's entities, and the visibility of bodies. Its selection and the document's are kept equal."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -38,7 +38,7 @@ class LibraryModel(QAbstractListModel):
         self.rows: list[LibraryRow] = []
 
     def show(self, rows: list[LibraryRow]) -> None:
-        """Show these rows; where only texts differ, the view keeps its place."""
+        """Show these rows; if only texts differ, the view keeps its scroll position."""
         if [row.item for row in rows] == [row.item for row in self.rows]:
             self.rows = rows
             self.dataChanged.emit(self.index(0), self.index(len(rows) - 1))
@@ -164,12 +164,12 @@ class LibraryPanel(QWidget):
         self._show_selection()
 
     def _show_change(self) -> None:
-        """Fetch them where they have changed: most of what is dragged, no row tells."""
+        """Update the rows if they have changed; most drags change no row."""
         if rows_of(self.document.shown_project, self.document.active_motion_id) != self.model.rows:
             self.refresh()
 
     def row_rect(self, item: tuple[str, str]) -> QRect:
-        """Where an entity's row stands in the list's viewport."""
+        """Rectangle of an entity's row in the list's viewport."""
         return self.view.visualRect(self._index(item))
 
     def _index(self, item: tuple[str, str]) -> QModelIndex:

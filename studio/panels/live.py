@@ -1,4 +1,4 @@
-"""Live: what comes in over the network and what it drives, and what goes out."""
+"""Live panel: input over the network, its mapping to bodies and props, and output."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -40,7 +40,7 @@ class SenderRow:
 
 @dataclass(frozen=True)
 class InputRow:
-    """A port or a recording that is replayed: its name, and in ``words`` what it drives, too."""
+    """Port or replayed recording: its name, and ``words`` on it and what it drives."""
 
     key: str
     name: str
@@ -93,7 +93,7 @@ class LivePanel(QScrollArea):
     # What is shown
 
     def show_inputs(self, rows: Sequence[InputRow], told: str) -> None:
-        """List what is listened to; what is chosen stays chosen, and no row is made anew for a number."""
+        """List the inputs; choices are kept, and rows are updated in place."""
         with QSignalBlocker(self.inputs):
             for place, row in enumerate(rows):
                 top = self.inputs.topLevelItem(place) or QTreeWidgetItem(self.inputs)

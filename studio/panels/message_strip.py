@@ -73,7 +73,7 @@ class MessageStrip(QWidget):
             super().keyPressEvent(event)
 
     def clear(self) -> None:
-        """Nothing to say any more."""
+        """Remove the message and hide the strip."""
         self.hide()
 
     def press(self, text: str) -> None:
@@ -91,7 +91,7 @@ class MessageStrip(QWidget):
 
 
 class RecoveryBar(MessageStrip):
-    """Offers what a crashed session left; saying no deletes nothing."""
+    """Bar that offers the recovery of a crashed session; declining deletes nothing."""
 
     refused = Signal()
 

@@ -71,7 +71,7 @@ class PerformerEditor(Editor):
         return super().concerns(collection, entity_id) or collection == "characters"
 
     def refresh(self) -> None:
-        """Fetch everything."""
+        """Update all fields from the document."""
         performer = self.entity
         if performer is None:
             return

@@ -23,7 +23,7 @@ FACING = (1.0, 0.35)
 
 @dataclass(frozen=True, eq=False)
 class PoseGroup:
-    """A group: its most usual pose (P, 3), which way it faces (2,), where it lies (2,), those like it, and words."""
+    """Group of poses: typical pose (P, 3), its forward direction (2,), map position (2,), similar groups, and words."""
 
     points: FloatArray
     forward: FloatArray
@@ -64,11 +64,11 @@ class PoseMapView(QWidget):
         self.update()
 
     def cell(self, group: int) -> QRectF:
-        """Where a group is drawn."""
+        """Rectangle in which a group is drawn."""
         return self._cells[group]
 
     def resizeEvent(self, _: QEvent) -> None:
-        """As many columns as there is room for."""
+        """Arrange the figures in as many columns as fit."""
         self._arrange()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
@@ -108,7 +108,7 @@ class PoseMapView(QWidget):
         return next((number for number, cell in enumerate(self._cells) if cell.contains(place)), -1)
 
     def _arrange(self) -> None:
-        """Columns from left to right by the first way in which poses differ most, in each from above by the second."""
+        """Arrange cells in columns by the first axis of largest difference between poses, in rows by the second."""
         count = len(self._groups)
         if not count:
             self._cells = []

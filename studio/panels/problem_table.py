@@ -60,7 +60,7 @@ class ProblemTable(QWidget):
         self.refresh()
 
     def refresh(self) -> None:
-        """Show the rows that were found."""
+        """Show the rows that the search has found."""
         rows = self._search.rows
         self._hint.setVisible(not rows)
         self.table.setVisible(bool(rows))
@@ -91,11 +91,11 @@ class ProblemTable(QWidget):
             self.chosen.emit(cell.data(ROW), cell.data(ASPECT))
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Keep it up to date while it is seen."""
+        """Resume updates now that the table is visible."""
         super().showEvent(event)
         self._search.want(True)
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Rest while it is not."""
+        """Stop updates while the table is hidden."""
         super().hideEvent(event)
         self._search.want(False)

@@ -1,4 +1,4 @@
-"""The form of a prop: what it is, how large, and where it stands or with whom it goes."""
+"""Form of a prop: shape, size, and its position on the stage or its holder."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -77,12 +77,12 @@ class PropEditor(Editor):
 
     @property
     def pose(self) -> PropPose:
-        """Where it is at the playhead."""
+        """Pose of the prop at the playhead."""
         project, time = self.document.project, self.document.playhead.time
         return prop_at(project, posed_performers(project, self.live.result, time), self.entity_id, time)
 
     def refresh(self) -> None:
-        """Fetch everything."""
+        """Update all fields from the document."""
         prop: Prop | None = self.entity
         if prop is None:
             return
@@ -194,7 +194,7 @@ class PropEditor(Editor):
             self._put_made("Hold", lambda: self._meanwhile(in_hand(self.pose, performer_id, point, holder)))
 
     def _meanwhile(self, hold: InHand | Carried) -> Prop:
-        """The prop with a hold at the time of the one that there is."""
+        """Prop whose current hold is replaced by ``hold``, with the same begin and end."""
         prop, old = self.entity, self._hold_now
         return prop.with_hold(old, replace(hold, begin=old.begin, end=old.end)) if old else prop.with_holds([hold])
 
@@ -216,7 +216,7 @@ class PropEditor(Editor):
         return PropPose(moved_prop(pose, pose.place), pose.place, pose.axes, pose.time)
 
     def _delete_key(self) -> None:
-        """The key at the playhead, as long as one is left."""
+        """Delete the key at the playhead, unless it is the last one."""
         changes: dict[str, Any] = {}
         for name in ("position", "heading", "tilt"):
             keyed = getattr(self.entity, name)

@@ -68,7 +68,7 @@ class ReferenceFigure(QWidget):
 
 
 def _standing(capture: Capture, body_map: BodyMap) -> FloatArray:
-    """(J, 3) joints in the reference pose of a body that faces +X, Z up."""
+    """Joint positions (J, 3) in the reference pose, turned so that the body faces +X, Z up."""
     points: FloatArray = joint_positions(capture.skeleton, rest_poses(capture.skeleton, capture.reference_rotations))[0]
     left = points[body_map[BodyPart.LEFT_THIGH]] - points[body_map[BodyPart.RIGHT_THIGH]]
     left = normalized(left * [1.0, 1.0, 0.0])

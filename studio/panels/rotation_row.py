@@ -11,9 +11,9 @@ from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section
 
 ORDER = "ZYX"
-"""Intrinsic: as angles about fixed axes, X acts first, then Y, then Z, which so is always the heading."""
+"""Intrinsic order; equal to rotations about fixed X, then Y, then Z, so that Z is always the heading."""
 SAME = 1e-3
-"""Radians: the fields are rounded, and angles that mean the same rotation stay as they were typed."""
+"""Angle in radians below which rotations are equal: the fields are rounded, and angles stay as typed."""
 
 
 class RotationRow:

@@ -1,4 +1,4 @@
-"""Of whom something is asked: the row that says it in the forms of constraints and contacts."""
+"""Form row of the scope of a constraint or contact: the characters that it applies to."""
 
 from collections.abc import Callable
 
@@ -12,7 +12,7 @@ UNPLAYED_CLIP = "A clip that nobody plays"
 
 
 class ScopeRow:
-    """All who play the motion, one performer, or one clip; ``put`` takes what the user chooses."""
+    """Choice of scope: all who play the motion, one performer, or one clip; ``put`` takes the user's choice."""
 
     def __init__(self, editor: Editor, section: Section, put: Callable[[Scope], None]) -> None:
         self._editor = editor
@@ -22,7 +22,7 @@ class ScopeRow:
         section.add_row("Applies to", self._choice)
 
     def refresh(self) -> None:
-        """Fetch who plays the motion, and whom it is asked of."""
+        """Update the possible scopes and the entity's own."""
         entity = self._editor.entity
         scopes = scopes_of(self._editor.document.project, entity.motion_id)
         if entity.scope not in scopes:
@@ -32,7 +32,7 @@ class ScopeRow:
 
 
 def scopes_of(project: Project, motion_id: str) -> dict[Scope, str]:
-    """All scopes that something asked of a motion may have now, in words."""
+    """Possible scopes of a constraint or contact of the motion, and their texts."""
     scopes = {EVERYONE: "All characters"}
     for key, performer in project.performers.items():
         if any(clip.motion_id == motion_id for clip in performer.clips):

@@ -1,4 +1,4 @@
-"""The status line: where in time, how fast, what was guessed, what is running, whether the work is safe."""
+"""Status line: frame, frame rate, import guesses, running job, state of the journal."""
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QSizePolicy, QStatusBar, QWidget
@@ -44,7 +44,7 @@ class ProgressLine(QWidget):
         return next(reversed(self._jobs.values()), ("", 0.0))
 
     def begin(self, task: int, title: str) -> None:
-        """A job has begun; the newest one is shown."""
+        """Add a job that has begun; the newest one is shown."""
         self._titles[task] = title
         self.show_share(task, 0.0, "")
 

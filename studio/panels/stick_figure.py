@@ -10,19 +10,19 @@ from PySide6.QtGui import QColor, QPainter, QPen
 FloatArray = NDArray[np.float64]
 
 ASLANT = 0.35
-"""Of what lies across the picture, how much is seen: legs and arms do not hide each other."""
+"""Factor of the depth axis in an oblique projection, so that legs and arms do not hide each other."""
 STICK_FIGURE_MARGIN = 4.0
 
 
 @dataclass(frozen=True)
 class Look:
-    """From where figures are seen: what points along ``heading`` (2,) is at the right, ``height`` metres fill it."""
+    """Oblique side view of figures: ``heading`` (2,) points to the right, ``height`` metres fill the box."""
 
     heading: tuple[float, float]
     height: float
 
     def flat(self, points: FloatArray, box: QRectF) -> FloatArray:
-        """(P, 2) pixels of ``points`` (P, 3), standing in the middle of ``box`` on its lower edge."""
+        """Pixels (P, 2) of ``points`` (P, 3), which stand in the middle of ``box`` on its lower edge."""
         along = np.array(self.heading) / max(float(np.hypot(*self.heading)), 1e-9)
         across = np.array([-along[1], along[0]])
         middle = points[:, :2].mean(axis=0)

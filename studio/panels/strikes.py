@@ -151,5 +151,5 @@ class Results(QListWidget):
         return [STRIKE]
 
     def mimeData(self, items: Sequence[QListWidgetItem]) -> QMimeData:
-        """The place of what is dragged."""
+        """Index of the dragged result."""
         return carried_strike(self.row(items[0]))

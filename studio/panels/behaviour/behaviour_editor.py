@@ -47,7 +47,7 @@ class BehaviourEditor(Editor):
         return super().concerns(collection, entity_id) or collection == "performers"
 
     def refresh(self) -> None:
-        """Fetch everything."""
+        """Update all fields from the document."""
         behaviour: Behaviour | None = self.entity
         if behaviour is None:
             return

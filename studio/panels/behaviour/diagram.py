@@ -118,7 +118,7 @@ class Diagram(QGraphicsView):
         return name
 
     def connect_states(self, source: str, target: str) -> None:
-        """A new transition, selected so that its form says when it leads away."""
+        """Add a transition and select it, so that its form shows its conditions."""
         if self.edit(lambda old: edits.connected(old, source, target), f"Add transition to {target}"):
             last = len(self.document.project.behaviours[self.behaviour_id].transitions) - 1
             self.select(("transitions", transition_key(self.behaviour_id, last)))
@@ -165,11 +165,11 @@ class Diagram(QGraphicsView):
     # What is under the mouse
 
     def state_at(self, place: QPointF) -> StateItem | None:
-        """The box there."""
+        """Box at a scene position; None if there is none."""
         return next((item for item in reversed(self.states.values()) if item.takes(place)), None)
 
     def arrow_at(self, place: QPointF) -> TransitionItem | None:
-        """The arrow there; its words come before what lies under them."""
+        """Arrow at a scene position, labels first; None if there is none."""
         arrows = sorted(self.arrows, key=lambda item: not item.label.contains(place))
         return next((item for item in arrows if item.takes(place)), None)
 
@@ -309,7 +309,7 @@ class Diagram(QGraphicsView):
     # What is drawn
 
     def drawBackground(self, painter: QPainter, area: QRectF | object) -> None:
-        """Dots on a grid, which show how far it is zoomed."""
+        """Draw a grid of dots, except when zoomed out below half size."""
         super().drawBackground(painter, area)  # type: ignore[arg-type]
         if self.transform().m11() < 0.5:
             return
@@ -359,7 +359,7 @@ class Diagram(QGraphicsView):
         return arrows
 
     def _free_place(self) -> QPointF:
-        """The middle of what is seen, or as little below it as leaves all that stands there uncovered."""
+        """Centre of the view, moved down until a new box covers no other item."""
         taken = [item.rect for item in self.states.values()]
         taken += [area for arrow in self.arrows for area in (arrow.boundingRect(), arrow.label)]
         place = self.mapToScene(self.viewport().rect().center())

@@ -22,7 +22,7 @@ STARTS = 3
 
 
 class DiagramGesture:
-    """From the press of a button to its release."""
+    """Base of mouse gestures, from the press of a button to its release."""
 
     def __init__(self, view: Diagram, event: QMouseEvent, place: QPointF) -> None:
         self.view, self.begin, self.now = view, place, place
@@ -30,7 +30,7 @@ class DiagramGesture:
         self.dragged = False
 
     def move(self, event: QMouseEvent, place: QPointF) -> None:
-        """The mouse has moved."""
+        """Handle a move of the mouse; it is a drag from ``STARTS`` pixels on."""
         self.now = place
         self.dragged = self.dragged or (event.position() - self._pressed).manhattanLength() >= STARTS
         if self.dragged:
@@ -38,20 +38,20 @@ class DiagramGesture:
         self.view.viewport().update()
 
     def drag(self, event: QMouseEvent) -> None:
-        """Go on with it."""
+        """Continue the drag."""
 
     def release(self, event: QMouseEvent, place: QPointF) -> None:
-        """The button is up."""
+        """Finish the gesture."""
 
     def cancel(self) -> None:
-        """Leave all as it was."""
+        """Restore the state before the gesture."""
 
     def paint(self, painter: QPainter) -> None:
-        """Show what is meant."""
+        """Draw a preview of the gesture."""
 
 
 def begun(view: Diagram, event: QMouseEvent, place: QPointF) -> DiagramGesture | None:
-    """The gesture that a press there begins."""
+    """Gesture that a press at ``place`` begins."""
     left = event.button() is Qt.MouseButton.LeftButton
     alt = bool(event.modifiers() & Qt.KeyboardModifier.AltModifier)
     if event.button() is Qt.MouseButton.MiddleButton or (left and alt):
@@ -72,7 +72,7 @@ def begun(view: Diagram, event: QMouseEvent, place: QPointF) -> DiagramGesture |
 
 
 class Moving(DiagramGesture):
-    """The selected states go with the mouse, on a grid; one undo step."""
+    """Move the selected states with the mouse, on a grid, as one undo step."""
 
     def __init__(self, view: Diagram, event: QMouseEvent, place: QPointF) -> None:
         super().__init__(view, event, place)
@@ -98,12 +98,12 @@ class Moving(DiagramGesture):
         self.view.edit(moved, text, self._number)
 
     def cancel(self) -> None:
-        """Back to where they were."""
+        """Move the states back to their positions before the drag."""
         self.view.edit(lambda _: self._before, "Move", self._number)
 
 
 class Connecting(DiagramGesture):
-    """An arrow from a box to the mouse; on another box it is a transition, beside all one to a new state."""
+    """Draw an arrow from a box: released on another box it makes a transition, on empty ground one to a new state."""
 
     def __init__(self, view: Diagram, event: QMouseEvent, place: QPointF, source: StateItem) -> None:
         super().__init__(view, event, place)
@@ -124,7 +124,7 @@ class Connecting(DiagramGesture):
             self.view.connect_states(self._source, name)
 
     def paint(self, painter: QPainter) -> None:
-        """The arrow so far."""
+        """Draw the arrow up to the mouse."""
         source, target = self.view.states[self._source], self.view.state_at(self.now)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setPen(QPen(QColor(colours.SELECTED_HANDLE), 2.0, Qt.PenStyle.DashLine))
@@ -142,13 +142,13 @@ class Framing(DiagramGesture):
     """A rectangle that selects the states in it; a click selects the whole behaviour."""
 
     def release(self, event: QMouseEvent, place: QPointF) -> None:
-        """Select them."""
+        """Select the states in the rectangle."""
         area = QRectF(self.begin, place).normalized()
         inside = [name for name, item in self.view.states.items() if self.dragged and area.intersects(item.rect)]
         self.view.select(*(("states", state_key(self.view.behaviour_id, name)) for name in inside))
 
     def paint(self, painter: QPainter) -> None:
-        """The rectangle."""
+        """Draw the rectangle."""
         if self.dragged:
             painter.setPen(QPen(QColor(colours.SELECTED_HANDLE), 1.0, Qt.PenStyle.DotLine))
             painter.setBrush(Qt.BrushStyle.NoBrush)
@@ -169,7 +169,7 @@ class Panning(DiagramGesture):
         self._last = event.position()
 
     def release(self, event: QMouseEvent, place: QPointF) -> None:
-        """The hand lets go."""
+        """Restore the cursor."""
         self.view.viewport().setCursor(Qt.CursorShape.ArrowCursor)
 
 

@@ -1,4 +1,4 @@
-"""In what manner a state is played, one of its manners."""
+"""Form section of one manner in which a state is played."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -20,7 +20,7 @@ TITLES: dict[type, str] = {KeepDistance: "Keeps its distance", LeanAway: "Leans 
 MANNER_LIMIT = 100.0
 TIMES = ("start", "full", "full_end", "end")
 FIRST_MEETING = ActivationCurve(0.0, 0.2, 0.8, 1.0)
-"""When a point meets another, until it is told otherwise: seconds of the motion."""
+"""Default activation of a manner in which a point meets another, in seconds of the motion."""
 
 
 class MannerSection(Section):

@@ -1,4 +1,4 @@
-"""The panel of behaviours: whose it is, against whom, and its diagram."""
+"""Panel of behaviours: the performer, its partner, and the diagram."""
 
 from collections.abc import Sequence
 
@@ -44,7 +44,7 @@ class BehaviourPanel(QWidget):
         self.refresh()
 
     def show_running(self, performer_id: str, state: str) -> None:
-        """Light the state that a performer is in while the stage runs; an empty one when it runs no more."""
+        """Highlight the current state of a performer while the stage runs; none for an empty state."""
         running = self.diagram.running
         if running.get(performer_id, "") != state:
             running.pop(performer_id, None)

@@ -51,7 +51,7 @@ class PointChoice(Choice):
         self.chosen.connect(put)
 
     def show_point(self, point: BodyPoint) -> None:
-        """Show what the document says."""
+        """Show the value that the document has."""
         if not self.offers(point):
             self.add(point, point_name(point).capitalize())
         self.show_value(point)

@@ -1,4 +1,4 @@
-"""The form of a state: what it plays, and in what manner."""
+"""Form of a state: its clip, and the manners in which it is played."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -25,7 +25,7 @@ NEW_MANNERS: dict[str, Manner] = {TITLES[type(each)]: each for each in (KeepDist
 
 
 class StateEditor(PartEditor):
-    """A state of a behaviour."""
+    """Form of a state of a behaviour."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -82,7 +82,7 @@ class StateEditor(PartEditor):
         return section
 
     def refresh(self) -> None:
-        """Fetch everything."""
+        """Update all fields from the document."""
         state: State | None = self.entity
         if state is None:
             return
@@ -121,7 +121,7 @@ class StateEditor(PartEditor):
             self._box.addWidget(section)
 
     def _clips(self) -> dict[object, str]:
-        """All that can be played: nothing, each motion whole, each clip of a row as that plays it."""
+        """Names of all that a state can play: nothing, each whole motion, and each clip of the project."""
         project = self.document.project
         found: dict[object, str] = {None: "Nothing: holds its pose"}
         for key, motion in project.motions.items():
@@ -156,7 +156,7 @@ class StateEditor(PartEditor):
             self._set_clip("Trim clip", **{name: min(max(round(number), low), high)})
 
     def _set_clip(self, text: str, **values: Any) -> None:
-        """A clip that is trimmed or retimed here is the state's own from then on."""
+        """Change values of the state's clip; a clip of the project becomes a copy of the state's own."""
         clip = self.entity.clip
         if clip is not None:
             own = new_id() if clip.id in self.document.project.clips else clip.id

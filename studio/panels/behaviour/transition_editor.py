@@ -1,4 +1,4 @@
-"""The form of a transition: from where to where, what it waits for, and how long it blends."""
+"""Form of a transition: source and target state, conditions, and duration of the blend."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -18,7 +18,7 @@ from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, la
 
 
 class TransitionEditor(PartEditor):
-    """All conditions have to hold; the first transition of a state of which that is so is taken."""
+    """Form of a transition. A state takes its first transition whose conditions all hold."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -58,7 +58,7 @@ class TransitionEditor(PartEditor):
         return place_of(self.entity_id)
 
     def refresh(self) -> None:
-        """Fetch everything."""
+        """Update all fields from the document."""
         transition: Transition | None = self.entity
         if transition is None:
             return

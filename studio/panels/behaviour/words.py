@@ -1,4 +1,4 @@
-"""Behaviours in words: what transitions wait for, and in what manner states are played."""
+"""Texts of behaviours: conditions of transitions, clips and manners of states."""
 
 import math
 
@@ -27,7 +27,7 @@ NAMED = {
     RIGHT_FOREARM: "right forearm",
     ARM_POINT: "left forearm",
 }
-"""Points of fights that are no joints."""
+"""Points used in fights that are not joints."""
 _UPRIGHT = (BodyPart.PELVIS, BodyPart.ABDOMEN, BodyPart.THORAX, BodyPart.NECK, BodyPart.HEAD)
 _WAYS = (("behind", "ahead of"), ("right of", "left of"), ("below", "above"))
 
@@ -51,7 +51,7 @@ def point_choices() -> list[tuple[BodyPoint, str]]:
 
 
 def whom_name(whom: Whom, project: Project) -> str:
-    """The partner, or the name of who or what is meant."""
+    """Name of the partner, performer or prop that is meant."""
     match whom:
         case FollowPartner():
             return "partner"

@@ -1,4 +1,4 @@
-"""When a constraint acts: start, end, the eases at both, and their shape."""
+"""Form section of a constraint's activation: start, end, the fades at both, and their shape."""
 
 from dataclasses import replace
 

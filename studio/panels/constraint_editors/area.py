@@ -55,7 +55,7 @@ class AreaEditor(ConstraintEditor):
         self._heading_caption = section.add_row("Heading", self._heading, self._direction.keyed)
 
     def refresh(self) -> None:
-        """Fetch everything."""
+        """Update all fields from the document."""
         super().refresh()
         area = self.entity
         if area is None:
@@ -73,7 +73,7 @@ class AreaEditor(ConstraintEditor):
         self._size.set_visible(*used)
 
     def refresh_moment(self) -> None:
-        """Fetch what depends on the playhead."""
+        """Update the rows that depend on the playhead."""
         turned = self.entity.shape in TURNED
         self._source.refresh()
         now = self._source.now()

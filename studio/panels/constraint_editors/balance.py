@@ -1,4 +1,4 @@
-"""The form of a balance constraint: over what the centre of mass is to be."""
+"""Form of a balance constraint: the target of the centre of mass."""
 
 from PySide6.QtWidgets import QCheckBox
 
@@ -36,7 +36,7 @@ class BalanceEditor(ConstraintEditor):
         section.add_row("Holds", self._vertical)
 
     def refresh_moment(self) -> None:
-        """Fetch what depends on the playhead."""
+        """Update the rows that depend on the playhead."""
         place = self.entity.place
         mode = OWN_BALANCE if place is None else SUPPORT_BALANCE if isinstance(place, Support) else PLACE_BALANCE
         self._mode.show_value(mode)

@@ -1,4 +1,4 @@
-"""The form of what keeps arms clear of their own body: which arms, how far, and whether wrists give way."""
+"""Form of the constraint that keeps arms clear of the own body: arms, margin, and if wrists may move."""
 
 from dataclasses import replace
 
@@ -16,7 +16,7 @@ class ClearEditor(ConstraintEditor):
     kind_words = "keep clear"
 
     def add_kind_rows(self, section: Section) -> None:
-        """Arms, margin, what gives way."""
+        """Add the rows of arms, margin and the parts that may move."""
         self._arms = Segments("Arms", ARM_CHOICES)
         self._arms.chosen.connect(lambda arms: self.change(f"Choose arms of {self.entity.name}", arms=arms))
         section.add_row("Arms", self._arms)
@@ -29,7 +29,7 @@ class ClearEditor(ConstraintEditor):
         section.add_wide(labelled("Where the actor touches its own body, this body touches itself too.", "hint"))
 
     def refresh(self) -> None:
-        """Fetch everything."""
+        """Update all fields from the document."""
         super().refresh()
         if self.entity is None:
             return

@@ -1,4 +1,4 @@
-"""The form that all kinds of constraint share: name, point, activation, chain, priority, how well it holds."""
+"""Base form of all kinds of constraint: name, point, activation, chain, priority, residuals."""
 
 from dataclasses import replace
 from functools import partial
@@ -24,7 +24,7 @@ CENTIMETRE = 0.01
 
 
 def point_choices() -> list[tuple[object, str]]:
-    """Every place on the body that has a name."""
+    """All named points of the body, as choices."""
     return [(point, name.capitalize()) for point, name in POINT_NAMES.items()]
 
 
@@ -34,7 +34,7 @@ class ConstraintEditor(Editor):
     has_point = True
     """True if the kind has a point; otherwise the rows of the point are not shown."""
     kind_words = ""
-    """The kind in words, where its own name is no noun."""
+    """Text of the kind, if its own name is not a noun."""
     has_chain = True
     """True if the kind has a section on the parts of the body that may move."""
 
@@ -86,7 +86,7 @@ class ConstraintEditor(Editor):
                 widget.hide()
 
     def refresh(self) -> None:
-        """Fetch everything."""
+        """Update all fields from the document."""
         constraint = self.entity
         if constraint is None:
             return

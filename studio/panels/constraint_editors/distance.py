@@ -1,4 +1,4 @@
-"""The form of a distance constraint: how far, and from what."""
+"""Form of a distance constraint: the distance, and its other end."""
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
@@ -27,7 +27,7 @@ class DistanceEditor(ConstraintEditor):
         self._place = VectorRow(self, section, "Place", self._set_place)
 
     def refresh_moment(self) -> None:
-        """Fetch what depends on the playhead."""
+        """Update the rows that depend on the playhead."""
         other = self.entity.other
         self._length.refresh()
         self._distance.show_value(self._length.now)

@@ -1,4 +1,4 @@
-"""The form of a look-at constraint: what is looked at."""
+"""Form of a look-at constraint: the gaze target."""
 
 from studio.panels.constraint_editors.position import PositionEditor
 

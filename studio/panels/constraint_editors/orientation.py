@@ -1,4 +1,4 @@
-"""The form of an orientation constraint: how the segment is to be turned, as three angles."""
+"""Form of an orientation constraint: the target rotation of the segment, as three angles."""
 
 from studio.panels.constraint_editors.common import ConstraintEditor
 from studio.panels.constraint_editors.target_rows import TargetRows
@@ -17,7 +17,7 @@ class OrientationEditor(ConstraintEditor):
         )
 
     def refresh_moment(self) -> None:
-        """Fetch what depends on the playhead."""
+        """Update the rows that depend on the playhead."""
         self._source.refresh()
         now = self._source.now()
         if now is not None:

@@ -1,4 +1,4 @@
-"""The form of a position constraint: where the point is to be."""
+"""Form of a position constraint: the target of the point."""
 
 from studio.panels.constraint_editors.common import ConstraintEditor
 from studio.panels.constraint_editors.target_rows import TargetRows
@@ -15,7 +15,7 @@ class PositionEditor(ConstraintEditor):
         self._target = VectorRow(self, section, "Target", self._set_target)
 
     def refresh_moment(self) -> None:
-        """Fetch what depends on the playhead."""
+        """Update the rows that depend on the playhead."""
         self._source.refresh()
         now = self._source.now()
         if now is not None:

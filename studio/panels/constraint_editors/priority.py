@@ -115,7 +115,7 @@ class PrioritySection(Section):
 
 
 def _moved(likely: list[str], before: list[str], after: list[str]) -> str | None:
-    """The one that was moved between two orders: of two neighbours that changed places a ``likely`` one."""
+    """Id of the row that was moved between two orders; of two swapped neighbours a ``likely`` one."""
 
     def without(order: list[str], moved: str) -> list[str]:
         return [key for key in order if key != moved]

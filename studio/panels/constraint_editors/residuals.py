@@ -30,7 +30,7 @@ class BodyResidual:
 
     @property
     def state(self) -> tuple[str, str]:
-        """(word, colour): so that neither stands alone."""
+        """(word, colour) of the state, so that colour alone never carries it."""
         if self.unsolved:
             return self.unsolved, colours.TEXT_THIRD
         if self.worst is None:
@@ -83,7 +83,7 @@ class ResidualTable(QWidget):
 
     @property
     def columns(self) -> int:
-        """As many as leave every name whole."""
+        """Number of columns at which every name still fits."""
         metrics, room = self.fontMetrics(), (self.width() - RESIDUAL_GAP_PX) // RESIDUAL_COLUMNS
         names = max((metrics.horizontalAdvance(each.name) for each in self.residuals), default=0)
         return RESIDUAL_COLUMNS if RESIDUAL_DOT_PX + names + 6 + metrics.horizontalAdvance(WIDEST) <= room else 1

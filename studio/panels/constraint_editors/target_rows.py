@@ -89,7 +89,7 @@ class TargetRows:
 
     @property
     def target(self) -> Any:
-        """The value as it is now, of whatever kind."""
+        """Current value of the field, of any kind."""
         return getattr(self._editor.entity, self._field)
 
     def now(self) -> Any:
@@ -101,8 +101,8 @@ class TargetRows:
         return getattr(fixed, self._field, None)
 
     def put(self, numbers: Any, text: str) -> None:
-        """Have these numbers now: fixed, as a key at the playhead, as another centre, or as another offset from what is
-        followed.
+        """Set the target's numbers: fixed, as a key at the playhead, as another centre, or as another offset from the
+        followed entity.
         """
         editor, moment = self._editor, moment_now(self._editor)
         if isinstance(self.target, tuple) or moment is None:
@@ -113,7 +113,7 @@ class TargetRows:
             editor.put(lambda: moment.moved(editor.entity, numbers), text)
 
     def refresh(self) -> None:
-        """Show what it is; nothing where the value is no target."""
+        """Show the target's kind and its rows; nothing if the value is no target."""
         target = self.target
         kind = _kind_of(target)
         known = kind in dict(PLACE_KINDS)
@@ -220,7 +220,7 @@ class TargetRows:
         editor.put(lambda: replace(editor.entity, **{self._field: self._first(kind, things)}), text)
 
     def _first(self, kind: str, things: Sequence[tuple[Any, str]]) -> Any:
-        """A target of another kind: as far as it can be, where the old one is now."""
+        """First target of another kind, placed where the old one is now if possible."""
         editor, own, now = self._editor, self._editor.entity.point, self.now()
         moment = moment_now(editor)
         match kind:
@@ -285,7 +285,7 @@ class TargetRows:
         return own
 
     def _attached(self, follow: FollowProp, now: Any, moment: TargetContext | None) -> Any:
-        """A prop takes the target along from where it is."""
+        """Target that follows a prop from where it is now."""
         if now is None or moment is None:
             return follow
         held = replace(self._editor.entity, **{self._field: follow})
@@ -383,7 +383,7 @@ class KeyRow:
 
 
 class NumberRows:
-    """A number that may be keyed: what it is now, a box that says whether it is keyed, and its keys."""
+    """Rows of a number that may be keyed: a box to key it, and its keys."""
 
     def __init__(self, editor: Editor, section: Section, field: str) -> None:
         self._editor, self._field = editor, field
@@ -393,7 +393,7 @@ class NumberRows:
         self._keys = KeyRow(editor, section, field)
 
     def refresh(self, shown: bool = True) -> None:
-        """Show whether it is keyed."""
+        """Show if the number is keyed."""
         value = getattr(self._editor.entity, self._field)
         self.keyed.setVisible(shown)
         self.keyed.setChecked(isinstance(value, KeyedNumber))
@@ -406,7 +406,7 @@ class NumberRows:
         return float(value.at([self._keys._seconds()])[0, 0]) if isinstance(value, KeyedNumber) else float(value)
 
     def put(self, number: float, text: str) -> None:
-        """Have this number now."""
+        """Set the number: constant, or as a key at the playhead if it is keyed."""
         value = getattr(self._editor.entity, self._field)
         new = value.with_key(self._keys._seconds(), number) if isinstance(value, KeyedNumber) else number
         self._editor.change(text, **{self._field: new})
@@ -428,5 +428,5 @@ _THINGS = ("performer_id", "prop_id", "joint")
 
 
 def _full(numbers: tuple[float, ...]) -> Any:
-    """A place on the ground is keyed at height 0."""
+    """Position (x, y, z): one on the ground (x, y) gets height 0."""
     return (*numbers, 0.0) if len(numbers) == 2 else numbers

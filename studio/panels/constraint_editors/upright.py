@@ -1,4 +1,4 @@
-"""The form of what keeps upright: which axis, which way, and how far it may lean."""
+"""Form of an upright constraint: axis of the segment, direction, and largest lean."""
 
 import math
 
@@ -29,7 +29,7 @@ class UprightEditor(ConstraintEditor):
         section.add_wide(labelled("Direction in the motion's space, axis in the segment's.", "hint"))
 
     def refresh(self) -> None:
-        """Fetch everything."""
+        """Update all fields from the document."""
         super().refresh()
         if self.entity is not None:
             self._cone.show_value(math.degrees(self.entity.cone))

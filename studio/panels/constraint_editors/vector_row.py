@@ -33,7 +33,7 @@ class VectorRow:
         self.caption: QLabel = section.add_row(f"{label}  {unit}".rstrip(), *self.fields)
 
     def show_values(self, values: Sequence[float]) -> None:
-        """Show what the document says."""
+        """Show the value that the document has."""
         self._values = list(values)
         for field, value in zip(self.fields, values, strict=True):
             field.show_value(value)

@@ -1,1 +1,1 @@
-"""The parts of the markers dialog: which marker is what, how the trial is cleaned, what else was recorded."""
+"""Parts of the markers dialog: the marker map, the cleaning steps, and the other recorded signals."""

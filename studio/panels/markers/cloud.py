@@ -145,7 +145,7 @@ class MarkerCloud(QWidget):
             painter.drawText(QPointF(8, self.height() - 8), words)
 
     def _at(self, frame: int) -> FloatArray:
-        """(n, 3) metres, world axes."""
+        """Positions of the shown markers at a frame, (n, 3) metres, world axes."""
         return np.asarray(self._trial.metres * self._trial.points[frame, list(self._places)] @ self._turn)
 
     def _seen(self, frame: int) -> NDArray[np.bool_]:
@@ -155,7 +155,7 @@ class MarkerCloud(QWidget):
         return int(np.argmax(whole(self._trial.points[:, list(self._places)]).sum(axis=1)))
 
     def _reach(self) -> tuple[float, float]:
-        """Half of the usual extent across and up."""
+        """Half of the usual extent across and up, in metres."""
         frames = np.linspace(0, self._trial.frame_count - 1, 40).astype(int)
         sizes = [np.ptp(points[whole(points)], axis=0) for points in map(self._at, frames) if whole(points).any()]
         if not sizes:

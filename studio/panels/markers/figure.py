@@ -51,7 +51,7 @@ class MarkerFigure(QWidget):
         self.update()
 
     def place_of(self, role: str) -> QPointF:
-        """Where on the widget a role lies."""
+        """Widget position of a role."""
         return _place(*ROLE[role].spot)
 
     def role_at(self, point: QPointF) -> str:

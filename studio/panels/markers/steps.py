@@ -1,4 +1,4 @@
-"""The steps by which a trial is cleaned, each with what it did; the recording itself is never changed."""
+"""Cleaning steps of a trial, each with its report; the recording itself is never changed."""
 
 from collections.abc import Callable
 from functools import partial
