@@ -115,11 +115,11 @@ def frame_records(report: Report) -> Record:
 
 
 def constraint_records(request: AdaptRequest, adapted: AdaptedMotion, report: Report, by_frame: bool) -> list[Record]:
-    """For each constraint the frames in which it is asked for fully and in which it is met, its worst miss in them, and
-    in how many of those in which it is missed who kept it from being met.
+    """Record of each constraint: number of frames in which it is fully active and in which it is met, its worst
+    residual in the former, and for the frames in which it is not met the number blocked by each cause.
 
-    Contacts that have its limb keep it from being met as anybody else. With ``by_frame`` also the residual and by whom
-    it was kept off in every frame, null where there is none.
+    Contacts on its limb count as a cause as well. With ``by_frame`` also the residual and the cause in every frame,
+    null where there is none.
     """
     records = []
     frames = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
@@ -147,7 +147,7 @@ def _winner(code: int, constraints: Sequence[Constraint]) -> str | None:
 
 
 def _numbers(values: FloatArray) -> list[float | None]:
-    """To a thousandth, with null where there is no number: JSON has none for that."""
+    """Values rounded to a thousandth; None where one is not finite, as JSON has no number for that."""
     return [round(value, 3) if math.isfinite(value) else None for value in values.tolist()]
 
 
@@ -157,7 +157,7 @@ def _least(values: FloatArray) -> float | None:
 
 
 def residual_record(constraint: Constraint, residual: float | None) -> Record:
-    """A residual (metres or radians, by the constraint's kind) as it is reported; None where there is none."""
+    """Record of a residual given in metres or radians, by the constraint's unit; None where there is none."""
     is_angle = constraint.unit == "rad"
     shown = None if residual is None else math.degrees(residual) if is_angle else 1000.0 * residual
     return {
@@ -168,8 +168,8 @@ def residual_record(constraint: Constraint, residual: float | None) -> Record:
 
 
 def knee_speed_ratio(speeds: FloatArray, first: int, source: AdaptedMotion) -> float:
-    """The worse knee's peak of its ``speeds`` (2, F) from the frame ``first`` on, beside the same knee's peak in the
-    source; a popping knee shows here.
+    """Peak of a knee's ``speeds`` (2, F) from frame ``first`` on, divided by the same knee's peak in the source, of
+    the worse knee; a popping knee shows here.
     """
     ours, theirs = speeds.max(axis=1), source_knee_speeds(source)[:, first : first + speeds.shape[1]].max(axis=1)
     return float((np.maximum(ours, SLOW) / np.maximum(theirs, SLOW)).max())
@@ -177,5 +177,5 @@ def knee_speed_ratio(speeds: FloatArray, first: int, source: AdaptedMotion) -> f
 
 @lru_cache(maxsize=4)
 def source_knee_speeds(source: AdaptedMotion) -> FloatArray:
-    """``knee_speeds`` of the source: the same for all characters."""
+    """Knee speeds of the source, cached as they are the same for all characters."""
     return knee_speeds(source)

@@ -37,7 +37,7 @@ class ReadyCapture:
 
     @property
     def contacts(self) -> tuple[ContactInterval, ...]:
-        """Those that came with the file, else those detected."""
+        """Contacts that came with the file, else those detected."""
         return self.annotations.contacts or ()
 
     @cached_property

@@ -26,7 +26,7 @@ from studio.core.stage.prop import Prop
 def with_tracks(
     requests: Mapping[str, AdaptRequest], capture: Capture, props: Mapping[str, Prop], places: Mapping[str, Placement]
 ) -> dict[str, AdaptRequest]:
-    """The requests, by character, with the tracks of what their constraints follow; ``places`` say where each stands.
+    """Requests by character, with the tracks that their constraints follow; ``places`` are the characters' placements.
 
     Characters who follow others are solved together with them, as on a stage, until nobody moves who is followed.
     Raises StudioError naming the constraint where somebody or something followed is not there.

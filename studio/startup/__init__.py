@@ -1,1 +1,1 @@
-"""Before anything else: what a process sets up, what it lacks, and kernels compiled in the background."""
+"""Start-up: process setup, missing system libraries, and kernels compiled in the background."""

@@ -24,7 +24,7 @@ def all_kernels() -> list[Any]:
 
 
 def kernels_below(kernels: Iterable[Any]) -> dict[int, Any]:
-    """Some kernels and all that they call, by identity."""
+    """Some kernels and all that they call, by ``id``."""
     found: dict[int, Any] = {}
     waiting = [*kernels]
     while waiting:

@@ -1,4 +1,4 @@
-"""One body skinned, for what shows bodies to be there: by itself, as the solver takes much longer."""
+"""Warm-up of the kernels that draw a body, apart from those of the solver, which take much longer."""
 
 from studio.core.body.rest_pose import rest_pose
 from studio.core.mesh.skin import Blending, skin_vertices

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 LOOKED_AT_EVERY, TOLD_EVERY = 0.1, 0.5
 """Seconds between two polls of the processes, and between two progress lines that they write."""
 LONGEST_HELD = 10.0
-"""Seconds after which what is shown first has failed."""
+"""Seconds after which the kernels are fetched although the warm-up is still held."""
 PICTURE = ("first_picture.run",)
 WARM_STANDING, WARM_REST, WARM_CONSTRAINTS = "first_run.run_standing", "first_run.run_rest", "first_run.run_constraints"
 SOLVER = ((WARM_STANDING, WARM_REST), (WARM_CONSTRAINTS,))
@@ -44,10 +44,13 @@ COMPLETE, LAST_TO_READ = "complete", "encode_channels.encode_frames-*.nbc"
 
 
 class WarmUp:
-    """Begins at once; whoever needs a kernel sooner waits for that one only. Stop it before the process ends."""
+    """Warm-up on a thread that starts at once. A caller that needs a kernel sooner waits for that one only.
+
+    Stop it before the process ends.
+    """
 
     def __init__(self, held: bool = False) -> None:
-        """While it is ``held`` other processes compile, but this one is left to what is shown first."""
+        """Start the thread. While it is ``held``, this process loads no kernels, but child processes compile them."""
         self.cold = is_cold()
         """True if kernels had to be compiled when the warm-up began."""
         self._stopped, self._ready, self._grounded = threading.Event(), threading.Event(), threading.Event()
@@ -79,7 +82,7 @@ class WarmUp:
         return self._ready.is_set()
 
     def join(self) -> None:
-        """Wait until every scene's kernels are there. Raises CancelledError when they are not to be any more."""
+        """Wait until the kernels of every scene are loaded. Raises CancelledError if the warm-up was stopped."""
         self._wait_for(self._ready)
 
     def join_grounded(self) -> None:
@@ -91,18 +94,18 @@ class WarmUp:
         self._drawable.wait()
 
     def go_on(self) -> None:
-        """Fetch the kernels, if it was held until now."""
+        """Let this process fetch the kernels, if it was held until now."""
         self._let_go.set()
 
     def stop(self, patience: float | None = None) -> None:
-        """End it, and the processes; a kernel that is compiled in this one is waited for, ``patience`` seconds."""
+        """Stop the thread and the child processes; wait ``patience`` seconds for a kernel compiled here."""
         self._stopped.set()
         self._end_waiting()
         self.go_on()
         self._thread.join(patience)
 
     def follow(self, report: Callable[[float, str], None]) -> None:
-        """Report how much of the work is done, and the time that is left, until it is: a job for ``TaskRunner``."""
+        """Report progress and time left until the work is done: a job for ``TaskRunner``."""
         while self.running:
             report(self.share, self.words)
             time.sleep(LOOKED_AT_EVERY)
@@ -157,7 +160,7 @@ class WarmUp:
             Path(folder, COMPLETE).touch()
 
     def _fetch(self, function: str, event: threading.Event | None = None) -> None:
-        """Run a function in this process, once; ``event`` tells others of it."""
+        """Run a function in this process, once, and then set ``event``."""
         self._let_go.wait(LONGEST_HELD)
         if not self._stopped.is_set() and not (event and event.is_set()):
             run(function)
@@ -179,7 +182,7 @@ class WarmUp:
             yield running
 
     def _wait_while(self, running: dict[Sequence[str], "Popen[bytes]"], goes_on: Callable[[], bool]) -> None:
-        """Wait for processes as long as there are any and it ``goes_on``; those that have ended leave ``running``."""
+        """Wait while processes run and ``goes_on`` returns True; remove those that have ended from ``running``."""
         while running and goes_on() and not self._stopped.wait(LOOKED_AT_EVERY):
             for part, child in [*running.items()]:
                 if child.poll() is not None:
@@ -252,7 +255,7 @@ def _work_of(functions: Sequence[str]) -> "CompileWork":
 
 
 def _tell(functions: list[str], work: "CompileWork") -> None:
-    """Write which of ``functions`` is run, and the share of all work that is done, until the last one has ended."""
+    """Write the running one of ``functions`` and the fraction of all work done, until the last one has ended."""
     try:
         while left := [*functions]:
             # A lock of print's might be held at Python's end.

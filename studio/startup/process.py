@@ -22,11 +22,11 @@ from studio.core.errors import StudioError
 from studio.startup.system_libraries import DRAWING, WINDOW_LIBRARIES, missing, sentence_about
 
 LARGEST_KEPT, MOST_KEPT = 32 << 20, 256 << 20
-"""Bytes of the largest piece of memory that is kept when it is freed, and of all that is."""
+"""Bytes of the largest block of memory that is kept when it is freed, and of all freed memory kept."""
 ARENAS = 2
-"""Heaps that threads share: each keeps what was freed in it, and by itself glibc gives eight to every core."""
+"""Number of heaps (glibc arenas) that threads share: each keeps its freed memory; glibc's default is eight per core."""
 COLLECTED_AFTER = (50_000, 20, 20)
-"""Objects made between two looks at what was lost (``gc.set_threshold``)."""
+"""Thresholds of garbage collection (``gc.set_threshold``), the first in objects made between two collections."""
 _TRIM_THRESHOLD, _MMAP_THRESHOLD, _ARENA_MAX = -1, -3, -8
 MOST_CACHES = 16
 """Caches of compiled kernels that are kept, of 9 MB each: one for each checkout, machine and version in use."""
@@ -54,7 +54,7 @@ def prepare_process() -> None:
 
 
 def keep_freed_memory() -> None:
-    """Let glibc hand out again what was freed instead of giving it back to the system.
+    """Make glibc reuse freed memory instead of returning it to the system.
 
     Poses of a clip are a few megabytes. By itself glibc returns them when a clip has been solved and asks for them anew
     for the next: the pages that the system then has to bring and clear cost more than to retarget the clip.
@@ -66,7 +66,7 @@ def keep_freed_memory() -> None:
 
 
 def give_back_freed_memory() -> None:
-    """Give the system what was freed and lies between what is still in use; for moments at which much has gone."""
+    """Return freed memory between used blocks to the system; to be called after much has been freed."""
     if (malloc_trim := _of_glibc("malloc_trim")) is not None:
         malloc_trim(0)
 
@@ -149,9 +149,9 @@ def has_display() -> bool:
 
 
 def check_libraries(window: bool = False) -> None:
-    """Raise StudioError with what to type where a library of the system is missing for pictures, or for a ``window``.
+    """Raise StudioError with a command to type if a system library is missing for pictures, or for a ``window``.
 
-    To be asked before Qt and VTK, which would end the process.
+    Must run before Qt and VTK are loaded, which would end the process.
     """
     lacking = (
         missing({**DRAWING, **WINDOW_LIBRARIES} if window else DRAWING) if sys.platform.startswith("linux") else {}

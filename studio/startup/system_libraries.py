@@ -1,4 +1,4 @@
-"""The system's libraries that Qt and VTK load while they run, and which of them are not there.
+"""System libraries that Qt and VTK load while they run, and the missing ones among them.
 
 Both end the process where one is missing, so it is asked before they are. ``python system_libraries.py`` prints the
 Debian packages that lack; it runs before anything is installed, and so imports only what Python brings.
