@@ -83,7 +83,7 @@ class ClipForm(QScrollArea):
         else:
             super().keyPressEvent(event)
 
-    # What the user does
+    # User input
 
     def _connect(self) -> None:
         self.line.begun.connect(lambda: self._steps.append(self.label))
@@ -133,7 +133,7 @@ class ClipForm(QScrollArea):
     def _confirm(self) -> None:
         self.confirmed.emit(replace(self.label, confirmed=True))
 
-    # What it shows
+    # Display
 
     def _show(self) -> None:
         label, opened = self.label, self._opened

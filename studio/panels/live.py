@@ -90,7 +90,7 @@ class LivePanel(QScrollArea):
         self._lay_out()
         self._connect()
 
-    # What is shown
+    # Display
 
     def show_inputs(self, rows: Sequence[InputRow], told: str) -> None:
         """List the inputs; choices are kept, and rows are updated in place."""
@@ -140,7 +140,7 @@ class LivePanel(QScrollArea):
             self.stream.setChecked(on)
         self.out_told.setText(words)
 
-    # How it is made
+    # Construction
 
     def _make_list(self) -> QTreeWidget:
         made = QTreeWidget()

@@ -162,7 +162,7 @@ class Diagram(QGraphicsView):
             field.hide()
             field.deleteLater()
 
-    # What is under the mouse
+    # Items under the mouse
 
     def state_at(self, place: QPointF) -> StateItem | None:
         """Box at a scene position; None if there is none."""
@@ -306,7 +306,7 @@ class Diagram(QGraphicsView):
             return
         event.ignore()
 
-    # What is drawn
+    # Drawing
 
     def drawBackground(self, painter: QPainter, area: QRectF | object) -> None:
         """Draw a grid of dots, except when zoomed out below half size."""

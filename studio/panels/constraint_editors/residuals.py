@@ -144,7 +144,7 @@ def short_words_of(residual: BodyResidual) -> str:
 
 
 class ResidualSection(Section):
-    """The table, kept fresh by the engine's answers."""
+    """Form section of the table of residuals, updated whenever the engine reports new ones."""
 
     def __init__(self, editor: Editor) -> None:
         super().__init__("Reached")
@@ -159,7 +159,7 @@ class ResidualSection(Section):
             self._show()
 
     def refresh(self) -> None:
-        """Fetch the engine's newest residuals; those of a drag come when the engine tells of them."""
+        """Show the newest residuals; during a drag they are shown when the engine reports them instead."""
         if not self._editor.live.interactive:
             self._show()
 

@@ -83,7 +83,7 @@ class MarkerCloud(QWidget):
         self.update()
 
     def dots(self) -> dict[str, QPointF]:
-        """Where on the widget each marker is that is seen now."""
+        """Widget position of each marker that is seen at the current frame."""
         points = self._at(self._frame)
         seen = whole(points)
         if not seen.any():
