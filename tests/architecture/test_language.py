@@ -17,7 +17,7 @@ DOCSTRINGS_DONE = (
     *DONE,
     *("core/body", "core/captures", "core/constraints", "core/grounds", "core/mannequin", "core/mesh"),
     *("core/normalized", "core/quality", "core/stage"),
-    *("cli", "engine", "library", "live"),
+    *("api", "cli", "engine", "jobs", "library", "live", "panels", "startup"),
 )
 """Rooms whose docstrings speak it, whether their names do or not."""
 TO_COME = (
