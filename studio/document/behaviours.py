@@ -14,11 +14,11 @@ BehaviourEdit = Callable[[Behaviour], Behaviour]
 COPY_OFFSET = (48.0, 72.0)
 """Where a copy stands in the diagram, beside what it is of."""
 BEHAVIOUR_PARTS = ("states", "transitions")
-"""What is selected within a behaviour, by keys of ``Project.states`` and ``Project.transitions``."""
+"""Collections of the selection within a behaviour: keys of ``Project.states`` and ``Project.transitions``."""
 
 
 def state_key(behaviour_id: str, name: str) -> str:
-    """By which a state is selected."""
+    """Key by which a state is selected."""
     return f"{behaviour_id}/{name}"
 
 

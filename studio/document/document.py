@@ -26,7 +26,7 @@ from studio.io.project.project_file import (
 LOCKS = "locks"
 """The folder, in that of the journals, of what documents are open."""
 PLAYHEAD_SAVE_MILLISECONDS = 500
-"""How often at most it is kept for recovery where the playhead stands."""
+"""Shortest time between two writes of the playhead's position to the journal."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,12 +102,12 @@ class Document(EditedProject):
 
     @property
     def dirty(self) -> bool:
-        """Whether there is something to save."""
+        """True if there are unsaved changes."""
         return self._unsaved_base or not self.undo_stack.isClean()
 
     @property
     def read_only(self) -> str:
-        """Why this project may not be saved to its own file; empty when it may."""
+        """Reason why this project may not be saved to its own file; empty when it may."""
         return self._read_only
 
     @property
@@ -136,7 +136,7 @@ class Document(EditedProject):
             self.problem.emit(problem)
 
     def saving(self, path: Path | None = None, thumbnail: bytes | None = None, overwrite: bool = False) -> Saving:
-        """What is to be written now; give it to a worker, then call ``saved``.
+        """Make a snapshot to be written; give it to a worker, then call ``saved``.
 
         ``overwrite`` replaces a file that was changed by somebody else. Raises StudioError when there is no place
         to save to yet, or only another one.

@@ -1,4 +1,4 @@
-"""What is dragged from one view to another: a capture of the project, by its id; a strike, by its place in the list."""
+"""Data of drags between views: a capture of the project by its id, a strike by its place in the list."""
 
 from PySide6.QtCore import QMimeData
 
@@ -7,7 +7,7 @@ STRIKE = "application/x-morpho-studio-strike"
 
 
 def carried_capture(capture_id: str) -> QMimeData:
-    """What a drag of a capture carries."""
+    """Data of a drag of a capture."""
     content = QMimeData()
     content.setData(CAPTURE, capture_id.encode())
     return content
@@ -19,7 +19,7 @@ def capture_in(content: QMimeData) -> str | None:
 
 
 def carried_strike(place: int) -> QMimeData:
-    """What a drag of a strike that was found carries."""
+    """Data of a drag of a strike that a search has found."""
     content = QMimeData()
     content.setData(STRIKE, str(place).encode())
     return content

@@ -79,7 +79,7 @@ class EditedProject(QObject):
 
     @property
     def dirty(self) -> bool:
-        """Whether there is something to save."""
+        """True if there are unsaved changes."""
         return not self.undo_stack.isClean()
 
     @property
@@ -285,7 +285,7 @@ class EditedProject(QObject):
             self.undo_stack.push(ReplaceValue(self._step, edits, text, gesture))
 
     def _step(self, edits: tuple[Edit, ...], verb: str, text: str, gesture: int | None) -> None:
-        """What a command does; the edits of a group are on show before its command is pushed."""
+        """Apply the edits of a command, unless they are shown already, as those of a group, and record them."""
         if not self._shown_already:
             self._show(edits)
         self._shown_already = False
@@ -330,7 +330,7 @@ class EditedProject(QObject):
 
 
 def _objection(project: Project, constraint_id: str) -> str | None:
-    """What speaks against a constraint among those of its motion; None for anything else."""
+    """Reason why a constraint cannot stand among those of its motion; None where it can, and for anything else."""
     constraint = project.constraints.get(constraint_id)
     if constraint is None:
         return None

@@ -291,7 +291,7 @@ class Journal(QObject):
         self._acknowledge(done)
 
     def _count(self, steps: int) -> None:
-        """How many steps there are, beside the database."""
+        """Write the number of steps to the file beside the database."""
         file = os.open(steps_of(self._files[-1]), os.O_CREAT | os.O_WRONLY, 0o600)
         try:
             os.write(file, b"%012d" % steps)

@@ -23,7 +23,7 @@ from studio.document.keyed_fields import (
 )
 
 LEAST_TIME_SCALE, MOST_TIME_SCALE = 0.01, 100.0
-"""By what keys may be scaled at once."""
+"""Least and greatest factor by which the times of keys are scaled at once."""
 
 
 def replace_fields(
@@ -55,7 +55,7 @@ class KeyDrag:
 
     @property
     def count(self) -> int:
-        """How many keys are dragged."""
+        """Number of keys that are dragged."""
         return sum(map(len, self._places.values()))
 
     def stage_times(self) -> list[float]:
@@ -184,7 +184,7 @@ def _fixed(document: EditedProject, field: KeyedField, value: Keys) -> Any:
 
 
 def _fixed_fields(document: EditedProject) -> dict[KeyedField, Keys]:
-    """What of the selection is not keyed, with one key at the playhead: targets, centres, places of props, measures."""
+    """Fields of the selection without keys, given one at the playhead: targets, centres, props, measures."""
     found: dict[KeyedField, Keys] = {}
     for collection, entity_id in document.selection.items:
         if collection == "performers" and entity_id in document.project.performers:

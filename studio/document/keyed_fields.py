@@ -9,7 +9,7 @@ from studio.core.project import Project
 from studio.core.stage.clip import Clip
 
 Keyed = Keys | ActivationCurve
-"""What has keys: an activation has its four times."""
+"""Values with keys; an activation has its four times."""
 
 KEYED_COLLECTIONS = ("constraints", "props", "characters")
 
@@ -43,7 +43,7 @@ def fields_of(collection: str, entity_id: str, entity: Any) -> dict[KeyedField, 
 
 
 def keyed_value(project: Project, field: KeyedField) -> Keyed | None:
-    """What is keyed there; None where there are no keys any more."""
+    """Keyed value of a field; None if it has no keys any more."""
     value = getattr(project.get(*field.item), field.name, None)
     return value if isinstance(value, Keyed) else None
 
@@ -108,7 +108,7 @@ def with_times(keyed: Keyed, times: Mapping[int, float], speed: float = 1.0) -> 
 
 
 def places_at(keyed: Keyed, times: Iterable[float]) -> tuple[int, ...]:
-    """Which keys stand at these times."""
+    """Indices of the keys at these times."""
     if isinstance(keyed, Keys):
         found = (keyed.key_at(time) for time in times)
         return tuple(place for place in found if place is not None)

@@ -86,7 +86,7 @@ class Playhead(QObject):
 
     @property
     def playing(self) -> bool:
-        """Whether the clock runs."""
+        """True while the clock runs."""
         return self._timer is not None
 
     @property

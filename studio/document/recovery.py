@@ -23,7 +23,7 @@ KEPT_WHEN_DECLINED = timedelta(days=30)
 
 
 _DAMAGE = (sqlite3.Error, StudioError, ValueError, TypeError, KeyError, ArithmeticError, OSError)
-"""What comes of reading a journal that is not as it was written."""
+"""Errors that reading a damaged journal raises."""
 DAMAGED_FOLDER = "damaged"
 """The folder, in that of the journals, of those of which nothing can be read."""
 
@@ -43,7 +43,7 @@ class Session:
     written: int = 0
     """Steps that were in it once, readable or not."""
     damage: str = ""
-    """Why nothing of it can be read."""
+    """Reason why nothing of it can be read; empty where something can."""
     stamp: Stamp | None = None
     """Of the project's file as the session knew it: who saves is told when it was changed since."""
 
@@ -172,7 +172,7 @@ def _session(file: Path) -> Session | None:
 
 
 def _counted(file: Path) -> int:
-    """How many steps the file beside says there are; none where it says nothing sensible."""
+    """Number of steps by the file beside the journal; 0 if it holds no number."""
     try:
         return max(int(steps_of(file).read_bytes()[:12]), 0)
     except (OSError, ValueError):

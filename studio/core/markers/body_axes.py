@@ -1,4 +1,4 @@
-"""How the segments of a body stand, by its joint centres and markers: axes that are world axes when it stands in a T.
+"""Axes of the segments of a body by its joint centres and markers: world axes when it stands in a T-pose.
 
 x forward, y left, z up; all arrays over frames; world axes, metres, no gaps.
 """

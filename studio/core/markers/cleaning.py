@@ -34,7 +34,7 @@ def _positive(number: float, what: str) -> None:
 
 @dataclass(frozen=True)
 class StepReport:
-    """What a step did, in sentences; the first one sums it up."""
+    """Report of a step in sentences; the first one sums it up."""
 
     title: str
     summary: str
@@ -152,7 +152,7 @@ class LowPass:
 Step = UndoSwaps | FillShortGaps | FillLongGaps | LowPass
 CLEANING_STEPS: tuple[type[Step], ...] = (UndoSwaps, FillShortGaps, FillLongGaps, LowPass)
 USUAL_STEPS: tuple[Step, ...] = (FillShortGaps(), FillLongGaps())
-"""What is done to a trial that nobody has looked at: its gaps are filled, what was seen stays as it is."""
+"""Steps applied to a trial by default: gaps are filled, places that were seen are kept."""
 
 
 def clean(trial: Trial, steps: Sequence[Step]) -> tuple[Trial, tuple[StepReport, ...]]:

@@ -1,4 +1,4 @@
-"""What force plates measured: the force on each plate, in its own axes, from the analog channels that it feeds."""
+"""Force on each force plate, in the plate's axes, from the analog channels that it feeds."""
 
 from dataclasses import dataclass
 

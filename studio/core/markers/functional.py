@@ -20,7 +20,7 @@ _INDEPENDENT = 100
 
 
 def cluster_axes(markers: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """How a cluster (F, n, 3) of three markers or more moves: middles (F, 3) and turns (F, 3, 3) from its mean shape.
+    """Rigid motion of a cluster (F, n, 3), n > 2, of markers: centres (F, 3), rotations (F, 3, 3) of its mean shape.
 
     The mean shape is found by laying all frames over the first complete one (Kabsch 1976).
     """

@@ -49,14 +49,14 @@ class MarkerMap:
         return replace(self, markers={**self.markers, role: tuple(labels)})
 
     def among(self, labels: Iterable[str]) -> "MarkerMap":
-        """What is left of it where only ``labels`` are there: a role keeps those of its markers that are."""
+        """The map restricted to ``labels``: a role keeps those of its markers that are among them."""
         there = set(labels)
         kept = {role: tuple(label for label in own if label in there) for role, own in self.markers.items()}
         centres = {joint: label for joint, label in self.centres.items() if label in there}
         return replace(self, markers=kept, centres=centres)
 
     def has_legs(self) -> bool:
-        """Whether both legs can be followed: pelvis or hips, knees, ankles."""
+        """True if both legs can be tracked: pelvis or hips, knees, ankles."""
         hips = self._has("front_hip") and ("left_back_hip" in self.markers or "right_back_hip" in self.markers)
         knees = self._has("knee") or (self._has_cluster("thigh") and self._has_cluster("shank"))
         toes = all(any(f"{side}_{toe}" in self.markers for toe in TOES) for side in SIDE_WORDS)
@@ -64,7 +64,7 @@ class MarkerMap:
         return ((hips or self._has("hip")) and knees and ankles) or self._has_centres("hip", *_LEG)
 
     def has_arms(self) -> bool:
-        """Whether both arms can be followed: shoulders, elbows, wrists."""
+        """True if both arms can be tracked: shoulders, elbows, wrists."""
         return all(self._has(part) for part in _ARM) or self._has_centres(*_ARM)
 
     def lacking(self) -> tuple[str, ...]:

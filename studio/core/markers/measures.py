@@ -1,4 +1,4 @@
-"""What is measured on the subject of a marker trial: bone widths and where the hips lie in the pelvis."""
+"""Measures of the subject of a marker trial: bone widths and places of the hip joints in the pelvis."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -102,7 +102,7 @@ def find_measures(stored: Mapping[str, float], metres: float, tracks: Tracks, ce
 
 
 def has_pelvis(tracks: Tracks) -> bool:
-    """Whether there are markers for ``pelvis_frame``: both in front and one behind."""
+    """True if there are markers for ``pelvis_frame``: both in front and one behind."""
     fronts = all(role in tracks for role in ("left_front_hip", "right_front_hip"))
     return fronts and ("left_back_hip" in tracks or "right_back_hip" in tracks)
 

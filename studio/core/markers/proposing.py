@@ -43,7 +43,7 @@ _Found = dict[tuple[str, str], list[_Marker]]
 
 
 def propose_map(trial: Trial, subject: str = "") -> MarkerMap:
-    """What the labels say, sorted out by geometry: pairs on both sides of a joint, clusters on pelvis and feet."""
+    """Map by words in the labels, refined by geometry: pairs on both sides of a joint, clusters on pelvis, feet."""
     found = _by_words(trial, subject)
     centres, found = _apart_from_centres(found)
     _sort_pelvis(found)

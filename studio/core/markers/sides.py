@@ -113,7 +113,7 @@ def _middle(tracks: Tracks, name: str) -> FloatArray | None:
 
 
 def _is_mirrored(tracks: Tracks, name: str, leftward: FloatArray) -> bool:
-    """Whether the left one lies to the right of the right one most of the time."""
+    """True if the left marker lies to the right of the right one most of the time."""
     if any(f"{side}_{name}" not in tracks for side in SIDE_WORDS):
         return False
     apart = np.sum((tracks[f"left_{name}"] - tracks[f"right_{name}"]) * leftward, axis=-1)
@@ -122,7 +122,7 @@ def _is_mirrored(tracks: Tracks, name: str, leftward: FloatArray) -> bool:
 
 
 def _is_crossed(joints: Tracks, joint: str, ends: Tracks, name: str) -> bool:
-    """Whether the links from joints to ends are shorter and change less in length towards the other side."""
+    """True if the links from joints to ends are shorter and change less in length towards the other side."""
     if any(f"{side}_{joint}" not in joints for side in SIDE_WORDS):
         return False
     own, across = (

@@ -27,7 +27,7 @@ _CARRIERS = (
 
 @dataclass(frozen=True, eq=False)
 class MarkerTake:
-    """What was recorded stays as it was; map and steps are the user's, and the body follows from all three."""
+    """A recorded trial, unchanged, with the user's marker map and cleaning steps, from which the body is computed."""
 
     trial: Trial
     marker_map: MarkerMap

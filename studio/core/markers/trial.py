@@ -43,7 +43,7 @@ class TrialEvent:
 
 @dataclass(frozen=True, eq=False)
 class AnalogSignals:
-    """What was sampled beside the points: forces, muscles, switches."""
+    """Analog signals sampled beside the points: forces, muscles, switches."""
 
     labels: tuple[str, ...]
     units: tuple[str, ...]
@@ -108,7 +108,7 @@ class Trial:
     plates: tuple[ForcePlate, ...] = ()
     events: tuple[TrialEvent, ...] = ()
     measures: Mapping[str, float] = field(default_factory=dict)
-    """What was measured on the subject, in the file's units: ``LKneeWidth``, ``MarkerDiameter`` ..."""
+    """Measures of the subject in the file's units: ``LKneeWidth``, ``MarkerDiameter`` ..."""
 
     def __post_init__(self) -> None:
         count = len(self.labels)
@@ -172,7 +172,7 @@ class Trial:
 
 
 def whole(points: FloatArray) -> BoolArray:
-    """Whether each of points (..., 3) was seen: several times faster than asking all three numbers one by one."""
+    """True (...) for each of points (..., 3) that was seen: one sum is several times faster than three tests."""
     return np.asarray(np.isfinite(points[..., 0] + points[..., 1] + points[..., 2]))
 
 

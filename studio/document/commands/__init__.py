@@ -1,1 +1,1 @@
-"""What can be undone: every change of the project is one of these."""
+"""Undo commands: every change of the project is one of them."""

@@ -49,7 +49,7 @@ def reverted(edits: tuple[Edit, ...]) -> tuple[Edit, ...]:
 
 
 def same_value(first: Any, second: Any) -> bool:
-    """Whether two entities say the same; ``==`` cannot tell where arrays are in them."""
+    """True if two entities have equal fields; ``==`` raises where these are arrays."""
     if first is second:
         return True
     if type(first) is not type(second):
@@ -94,7 +94,7 @@ class ReplaceValue(QUndoCommand):
             step(edits, verb, self.text(), self.gesture)
 
     def id(self) -> int:
-        """Which commands may be offered for merging: all that belong to a gesture."""
+        """Group of the commands that Qt offers for merging: all that belong to a gesture."""
         return -1 if self.gesture is None else GESTURE_COMMANDS
 
     def mergeWith(self, other: QUndoCommand) -> bool:
