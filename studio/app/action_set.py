@@ -93,7 +93,7 @@ class ActionSet(QObject):
         return {name: [self.by_id[row.id] for row in ACTIONS if row.menu == name] for name in MENUS}
 
     def tools(self) -> list[QAction]:
-        """What stands on the toolbar."""
+        """Actions of the tools in the top bar."""
         return [self.by_id[row.id] for row in ACTIONS if row.tool]
 
     def _fill_recent(self) -> None:

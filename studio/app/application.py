@@ -57,7 +57,7 @@ def end_process(code: int) -> NoReturn:
 
 
 def settle(window: MainWindow) -> None:
-    """What is loaded by now stays: the collector, which would stop the window for 0.2 s, never looks at it.
+    """Freeze what is loaded by now: the garbage collector, which would stop the window for 0.2 s, ignores it.
 
     Hardly anything of it is lost by then: 3,500 objects of half a million.
     """

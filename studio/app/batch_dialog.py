@@ -122,7 +122,7 @@ class BatchDialog(QDialog):
 
     @property
     def running(self) -> bool:
-        """Whether its batch is under way."""
+        """True while its batch runs."""
         return self._task >= 0
 
     def _refresh(self) -> None:

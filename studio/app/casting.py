@@ -110,7 +110,7 @@ def _half_breadth(character: Character) -> float:
 
 
 def _tell(bench: Workbench, path: Path, read: ReadCharacter) -> None:
-    """What had to be repaired or is a daring guess, and whether a motion came along; without any, what was is past."""
+    """Tell repairs, daring guesses and whether the file holds a motion; without any, clear the message before."""
     count, sentences = len(read.repairs), []
     daring = [f"{guess.subject}: {guess.value}. {guess.reason}" for guess in read.guesses if is_daring(guess)]
     if count:
@@ -130,5 +130,5 @@ def _tell(bench: Workbench, path: Path, read: ReadCharacter) -> None:
 
 
 def is_daring(guess: Guess) -> bool:
-    """Whether a guess goes beyond names that are known."""
+    """True if a guess goes beyond known names."""
     return guess.subject != "body map" or "by shape" in guess.value

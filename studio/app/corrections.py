@@ -24,14 +24,14 @@ _SUBJECTS = {"unit": "unit", "up_axis": "up axis", "frame_rate": "frame rate", "
 
 @dataclass(frozen=True)
 class ReadAs:
-    """How a capture of this run was read, to tell what the user corrects from what the file and the guesses gave."""
+    """Options by which a capture was read, to tell the user's corrections from the file's values and guesses."""
 
     kind: str
     given: Options
     options: ImportOptions
 
     def corrections(self, capture: Capture) -> Options:
-        """What the user has said about ``capture``, as far as other files of its kind are meant by it."""
+        """Options that the user corrected on ``capture`` and that hold for other files of its kind."""
         guessed = {guess.subject for guess in capture.guesses}
         said = {
             option: value

@@ -23,7 +23,7 @@ EXPORT_DIALOG_WIDTH = 420
 
 
 class What(Enum):
-    """What can go out."""
+    """Contents that can be exported."""
 
     ADAPTED = "Adapted motion"
     STAGE = "Whole stage"
@@ -44,7 +44,7 @@ PICTURE_SIZES = ((1280, 720), (1920, 1080), (2560, 1440), (3840, 2160), (1080, 1
 RATES = (24.0, 25.0, 30.0, 60.0)
 MOTION_RATES = (*RATES, 120.0)
 WITH_BODIES = (What.ADAPTED, What.STAGE)
-"""What has bodies with skeletons, of which options hold."""
+"""Contents with skeletons, to which options apply."""
 OWN_NAMES = "Character's own"
 HINTS = {
     ".bvh": "Joints and angles: read by nearly every program.",
@@ -148,7 +148,7 @@ class ExportDialog(QDialog):
 
     @property
     def options(self) -> ExportOptions:
-        """What is chosen of the file, for what is shown."""
+        """Options chosen for the kind of file that is shown."""
         chosen = self.kind.value
         assert isinstance(chosen, ExportKind)
         if chosen.what not in WITH_BODIES:
@@ -168,7 +168,7 @@ class ExportDialog(QDialog):
         )
 
     def _said(self, what: What) -> str:
-        """What would go out, with whose."""
+        """Words for the content, with the bodies that it would be exported for."""
         if what is not What.ADAPTED:
             return what.value
         keys = exporting.chosen_performers(self._bench)
@@ -176,7 +176,7 @@ class ExportDialog(QDialog):
         return f"{what.value} of {performers[keys[0]].name if len(keys) == 1 else f'{len(keys)} bodies'}"
 
     def _show_last(self, last: Mapping[str, object]) -> None:
-        """What was chosen the last time, as far as it is offered now."""
+        """Choose the options of the last export, as far as they are offered now."""
         for what, suffix in ((each.what, each.suffix) for each in self._kinds):
             if self.what.offers(what) and [what.name, suffix] == last.get("kind"):
                 self.choose(what, suffix)
@@ -220,7 +220,7 @@ class ExportDialog(QDialog):
         }
 
     def _offered(self) -> list[What]:
-        """What there is to be exported now."""
+        """Contents that can be exported now."""
         performing = exporting.chosen_performers(self._bench)
         motion = self._bench.document.active_motion_id
         there = {
@@ -232,7 +232,7 @@ class ExportDialog(QDialog):
         return [what for what in What if there[what]]
 
     def _carriable(self) -> tuple[str, ...]:
-        """What a capture has beside the body, of the capture that has most of it."""
+        """Joints beside the body's, of the capture that has most of them."""
         project = self._bench.document.project
         clips = [project.performers[key].clips[0] for key in exporting.chosen_performers(self._bench)]
         captures = [project.captures[project.motions[clip.motion_id].capture_id] for clip in clips]

@@ -105,7 +105,7 @@ def _follow(renderer: "subprocess.Popen[bytes]", progress: Progress) -> None:
 
 
 def _record(line: str) -> Mapping[str, Any]:
-    """What the child tells; nothing where a line is somebody else's."""
+    """Record in a line of the child process; empty if the line is another one's."""
     try:
         record = json.loads(line)
     except ValueError:

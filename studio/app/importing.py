@@ -31,7 +31,7 @@ READ_SHARE = 0.7
 
 @dataclass(frozen=True)
 class ReadMotion:
-    """What the background hands back: a capture, and what is known of its motion, which is to have this id."""
+    """Result of the background task: a capture, and the annotations of its motion, which gets this id."""
 
     capture: Capture
     annotations: Annotations
@@ -77,7 +77,7 @@ def ready_motion(
     known: Mapping[str, dict[str, Any]] = MappingProxyType({}),
     expect: Callable[[Capture], object] = lambda _capture: None,
 ) -> ReadMotion:
-    """What was read as it is put into a project, with its contacts; the arguments are those of ``read_motion``."""
+    """Read capture as it is added to a project, with its contacts; the arguments are those of ``read_motion``."""
     from studio.core.normalized.drift import with_drift_told  # what computes is loaded after the window
 
     capture, read_as = as_corrected(read, options, known, _reading(progress))
@@ -216,7 +216,7 @@ def read_again(
 
 
 def tell_repairs(bench: Workbench, capture_id: str) -> None:
-    """What had to be repaired, with the way to its report; without repairs, what went wrong before is past."""
+    """Tell the repairs, with a link to the import report; without repairs, clear the message before."""
     capture = bench.document.project.captures[capture_id]
     if capture.markers is not None and capture.body_map is None:
         ask = ("Markers…", lambda: bench.window.inspector.markers_wanted.emit(capture_id))

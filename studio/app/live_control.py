@@ -1,4 +1,4 @@
-"""What comes in live and goes out, in the window: ports, recordings, whom and what they drive, and the stream.
+"""Live input and output of the window: ports, recordings, the performers they drive, and the stream.
 
 Sockets and files are read and written by threads; the window takes the newest values at each of its own ticks.
 """
@@ -389,7 +389,7 @@ def toggle_head_tracking(bench: Workbench) -> None:
 
 
 def is_head_tracked(bench: Workbench) -> bool:
-    """Whether the camera goes with a head."""
+    """True if the camera follows a tracked head."""
     control: LiveControl | None = getattr(bench.window, "live_control", None)  # actions are made before panels
     return control is not None and control.head_from is not None
 
@@ -400,6 +400,6 @@ def toggle_streaming(bench: Workbench) -> None:
 
 
 def is_streaming(bench: Workbench) -> bool:
-    """Whether bodies go out."""
+    """True while bodies are streamed."""
     control: LiveControl | None = getattr(bench.window, "live_control", None)  # actions are made before panels
     return control is not None and control.broadcast is not None

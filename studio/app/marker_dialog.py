@@ -31,7 +31,7 @@ def open_markers(bench: Workbench, capture_id: str | None = None) -> "MarkerDial
 
 
 def has_markers(bench: Workbench) -> bool:
-    """Whether ``open_markers`` has something to show."""
+    """True if ``open_markers`` has markers to show."""
     capture = bench.document.project.captures.get(_shown_capture(bench) or "")
     return capture is not None and capture.markers is not None
 

@@ -49,7 +49,7 @@ class LivePlaying(QObject):
         return True
 
     def _meaning(self, event: QKeyEvent) -> Callable[[], object] | None:
-        """What a key does now; None where it does what it does always."""
+        """Function of a key during live play; None if it keeps its usual one."""
         dragging = self._bench.viewport is not None and self._bench.viewport.gesture is not None
         if event.key() == Qt.Key.Key_Escape:
             return None if dragging else self._play.end
@@ -113,7 +113,7 @@ def record(bench: Workbench) -> None:
 
 
 def put_take(bench: Workbench, take: StageTake) -> None:
-    """What was recorded becomes the rows of who played it from the playhead on, and what plays: one undo step."""
+    """Put a recorded take into the rows of its performers from the playhead on, as one undo step."""
     document = bench.document
     project, begin = document.project, document.playhead.time
     if abs(begin - take.begin) < 0.5 / document.playhead.frame_rate:

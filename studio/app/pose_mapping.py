@@ -65,7 +65,7 @@ class PoseMapping:
 
 
 def groups_of(made: "PoseMap", library: "Library") -> "list[PoseGroup]":
-    """What the map draws of each group."""
+    """Figures of the map, one a group of poses."""
     from studio.core.retrieval import row_points
 
     points, places = row_points(library.table.rows[made.representatives]), made.places(library.table.rows)

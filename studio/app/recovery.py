@@ -32,7 +32,7 @@ def choose(bench: Workbench) -> None:
 
 
 def line_of(session: Session) -> tuple[str, str]:
-    """What was worked on, and when and how much: ``walk.studio`` and ``4 May 14:32 · 12 edits``."""
+    """Name, and time with number of edits, of a session: ``walk.studio`` and ``4 May 14:32 · 12 edits``."""
     begun = session.begun.astimezone()
     return session.path.name if session.path else "Untitled", f"{begun.day} {begun:%b %H:%M} · {_edits(session)}"
 

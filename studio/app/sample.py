@@ -1,4 +1,4 @@
-"""What the studio opens with: one bundled motion on five characters, side by side and playing.
+"""The project at the first start: one bundled motion on five characters, side by side and playing.
 
 It is shown as it was adapted when it was made (``examples/make_sample.py``): a first start compiles the solver beside.
 """

@@ -1,4 +1,4 @@
-"""What the studio remembers of the user between runs: windows and recent files. Never the work itself."""
+"""Settings of the user kept between runs: layout, recent files, preferences. Never the work itself."""
 
 import json
 from pathlib import Path
@@ -56,7 +56,7 @@ class Settings:
 
     @property
     def exported(self) -> dict[str, Any]:
-        """What was chosen in the export dialog the last time."""
+        """Choices of the last export."""
         try:
             stored = json.loads(str(self._store.value("exported", "{}")))
         except ValueError:
@@ -69,7 +69,7 @@ class Settings:
 
     @property
     def corrections(self) -> dict[str, dict[str, Any]]:
-        """What the user corrected in import reports, by the kind of file."""
+        """Corrections of import reports by the kind of file."""
         try:
             stored = json.loads(str(self._store.value("corrections", "{}")))
         except ValueError:
@@ -86,7 +86,7 @@ class Settings:
 
     @property
     def preferences(self) -> dict[str, Any]:
-        """What the user prefers, by name."""
+        """Preferences by name."""
         try:
             stored = json.loads(str(self._store.value("preferences", "{}")))
         except ValueError:

@@ -30,7 +30,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Wish:
-    """Who is to play what was found, from when on (stage seconds), and what it is to hit.
+    """Request to play a strike that was found: performer, start in seconds of the stage, and target.
 
     ``frozen`` (3,) is where on the stage the target was when this was asked; None lets the blow follow it.
     """
@@ -96,7 +96,7 @@ def put_strike(bench: Workbench, wish: Wish, source: ReadMotion | str) -> None:
 
 
 def _motions_of(bench: Workbench, performer_id: str) -> dict[str, "NormalizedMotion"]:
-    """What a performer plays now, by the ids of its motions."""
+    """Motions that a performer plays now, by their ids."""
     adapted = bench.live.result(performer_id)
     clips = bench.document.project.performers[performer_id].clips
     played = adapted.composite.played if adapted is not None and adapted.composite is not None else ()
@@ -116,7 +116,7 @@ def space_of_last(
 
 
 def clips_until(performer: Performer, time: float, frame_rates: dict[str, float]) -> tuple[Clip, ...]:
-    """What a performer plays before ``time`` (seconds): clips that go on are cut there."""
+    """Clips of a performer before ``time`` in seconds; those that go on are cut there."""
     kept = []
     for clip in performer.clips:
         if clip.start >= time:

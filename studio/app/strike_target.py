@@ -1,4 +1,4 @@
-"""What a strike is aimed at: a prop, or the face of another performer."""
+"""Targets of strikes: a prop, or the face of another performer."""
 
 from dataclasses import dataclass
 
@@ -25,7 +25,7 @@ class StrikeTarget:
     id: str
 
     def name(self, project: Project) -> str:
-        """What it is called."""
+        """Name of the prop or performer."""
         return str(project.get(self.collection, self.id).name)
 
     @property

@@ -61,7 +61,7 @@ class Striking:
         """The clips that the panel lists: those found, or all while there is no target."""
         self._sought: tuple[StrikeQuery, Placement] | None = None
         self._waits = False
-        """Whether a search goes on as soon as a body is solved."""
+        """True while a search waits for a body to be solved."""
         self.panel.folder_wanted.connect(lambda: ask_folder(bench, "Add to the motion library", self.add_folder))
         self.panel.wanted.connect(self.search)
         self.panel.chosen.connect(self.play)
@@ -77,7 +77,7 @@ class Striking:
             self._offer_targets()
 
     def _offer_targets(self) -> None:
-        """What can be hit now. A box that comes is chosen where nothing is; what is chosen stays while it is there.
+        """Offer the targets that can be hit now. A new box is chosen if nothing is; a chosen target stays chosen.
 
         Whoever sees the panel sees at once what hits another target.
         """
@@ -239,7 +239,7 @@ class Striking:
         self._show(hint)
 
     def _unasked(self, performer_id: str) -> str:
-        """Why nothing is ranked."""
+        """Reason why no strike is ranked."""
         target = self.panel.target.value
         if not isinstance(target, StrikeTarget):
             return NO_TARGET
@@ -303,7 +303,7 @@ def show_strikes(bench: Workbench) -> None:
 
 
 def strike_chosen(bench: Workbench) -> bool:
-    """Whether one of the strikes that are listed is chosen."""
+    """True if one of the listed strikes is chosen."""
     striking: Striking | None = getattr(bench.window, "striking", None)  # actions are made before panels
     return striking is not None and striking.panel.correct.isEnabled()
 
@@ -315,7 +315,7 @@ def label_strike(bench: Workbench) -> None:
 
 
 def _told(report: "IndexReport | None", folder: Path) -> str:
-    """What could not be used; nothing where all could."""
+    """Words for the files that could not be used; empty if all could."""
     if report is None:
         return f"Adding {folder.name} was cancelled. What had been read by then is in the library."
     if not report.problems:

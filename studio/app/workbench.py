@@ -30,7 +30,7 @@ class Workbench(QObject):
         self.sources: dict[str, Path] = {}
         """Files that captures were read from in this run, by capture id."""
         self.read_as: dict[str, ReadAs] = {}
-        """How they were read, to be corrected."""
+        """Options by which the captures were read, to be corrected."""
         # What is connected to them would keep them, and all that they hold, for good: they go with their parent.
         for part in (document, live, runner):
             part.setParent(self)

@@ -1,1 +1,1 @@
-"""What the actions do: one function a verb, each takes the workbench."""
+"""Functions of the actions, one a verb; each takes the workbench."""

@@ -28,7 +28,7 @@ def open_sample(bench: Workbench) -> None:
 
 
 def scene_opener(scene: BundledScene) -> Callable[[Workbench], None]:
-    """What opens a scene."""
+    """Function that opens a scene."""
     return lambda bench: bench.window.when_saved(lambda: sample.open_scene(bench, scene))
 
 

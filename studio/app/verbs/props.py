@@ -145,7 +145,7 @@ def selected_prop(bench: Workbench) -> str | None:
 
 
 def is_held(bench: Workbench) -> bool:
-    """Whether somebody holds the selected prop at some time."""
+    """True if a performer holds the selected prop at some time."""
     prop_id = selected_prop(bench)
     return prop_id is not None and bool(bench.document.project.props[prop_id].holds)
 
@@ -197,7 +197,7 @@ def _leave(document: Document, prop_id: str, performer_id: str, now: float, text
 
 
 def _grips(constraint: Constraint, prop_id: str, performer_id: str) -> bool:
-    """Whether it keeps a hand of a performer on a prop."""
+    """True if a constraint keeps a hand of the performer on a prop."""
     follows = any(isinstance(each, FollowProp) and each.prop_id == prop_id for each in follows_of(constraint))
     return follows and constraint.scope.performer_id == performer_id
 

@@ -1,4 +1,4 @@
-"""What is seen: camera, ghost, tools, panels, palette."""
+"""Actions of the view: camera, ghost, tools, panels, palette."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -134,7 +134,7 @@ def formats(bench: Workbench) -> None:
 
 
 def plug_ins(bench: Workbench) -> None:
-    """What installed packages add, with the error of what cannot be loaded."""
+    """Show what installed packages add, with the error of what cannot be loaded."""
     groups = {
         plug_in_groups.VERBS_GROUP: plug_in_groups.verb_of,
         plug_in_groups.PANELS_GROUP: plug_in_groups.panel_of,
