@@ -50,7 +50,7 @@ class BodyVisual:
         self._coarse: LiveMesh | None = None
         self._is_coarse = False
         self._posing: tuple[object, ...] = ()
-        """What was drawn of which motion: drawn the same again, it costs nothing."""
+        """Pose and motion that were drawn last; the same ones again cost nothing."""
 
     def coarsen(self, coarse: bool) -> None:
         """Draw the next poses with fewer vertices, or with all; a skin with materials is always drawn whole."""
@@ -72,12 +72,12 @@ class BodyVisual:
         return self._coarse if self._is_coarse and self._coarse is not None else self._skin
 
     def _shown(self, posed: Posed) -> SkinnedMesh:
-        """What ``_drawn`` draws, with its hands as they are to be."""
+        """Skin that ``_drawn`` draws, with its hands posed."""
         skin = self._character.skin
         return gripping(coarse_skin(skin) if self._is_coarse else skin, posed.grip(self._character.grip))
 
     def belongs_to(self, character: Character) -> bool:
-        """Whether this mesh can show ``character``: proportions and colour may differ, the skin may not."""
+        """True if this mesh can show ``character``: proportions and colour may differ, the skin may not."""
         return character.skin is self._character.skin and character.build is self._character.build
 
     def take(self, character: Character) -> None:

@@ -65,7 +65,7 @@ class OrbitCamera:
         return nearer.panned((x - size[0] / 2) * gain, (size[1] / 2 - y) * gain)
 
     def metres_per_pixel(self, height: float, depth: float | None = None) -> float:
-        """How long one pixel is at ``depth`` metres before the eye, in a picture ``height`` pixels high."""
+        """Metres of one pixel at ``depth`` metres before the eye, in a picture ``height`` pixels high."""
         reach = self.distance if depth is None or self.parallel else max(depth, 1e-6)
         return 2.0 * reach * math.tan(VIEW_ANGLE / 2) / height
 
@@ -81,7 +81,7 @@ class OrbitCamera:
         return np.stack([size[0] / 2 + local[:, 0] * scale, size[1] / 2 - local[:, 1] * scale], axis=1), depth
 
     def height(self, points: ArrayLike, size: tuple[float, float]) -> float:
-        """How many pixels high stage ``points`` (N, 3) are in a picture of ``size``."""
+        """Height in pixels of stage ``points`` (N, 3) in a picture of ``size``."""
         return float(np.ptp(self.project(points, size)[0][:, 1]))
 
     def ray(self, x: float, y: float, size: tuple[float, float]) -> tuple[FloatArray, FloatArray]:

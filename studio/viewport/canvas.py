@@ -61,12 +61,12 @@ class Canvas(QWidget):
 
     @property
     def moving(self) -> bool:
-        """Whether the next picture will soon be another one, so that smoothing this one is of no use."""
+        """True if the next picture will soon be another one, so that smoothing this one is of no use."""
         return False
 
     @property
     def in_hand(self) -> bool:
-        """Whether a hand waits for each picture that moves."""
+        """True while the user drags and waits for each picture."""
         return False
 
     def start(self) -> None:
@@ -195,7 +195,7 @@ class Canvas(QWidget):
             self.started.emit()
 
     def _render(self, scene: StageScene) -> Pixels:
-        """What is seen now, in fewer pixels as long as something moves and drawing takes long."""
+        """Draw the view, in fewer pixels as long as something moves and drawing takes long."""
         if not self.moving:
             return self.sight.render(scene, self.camera, self._device_size())
         sharpness = self._sharp_in_hand if self.in_hand else self._sharp_at_play

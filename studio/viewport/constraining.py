@@ -48,7 +48,7 @@ _WHOLE_BODY = Chain(limb=0.0, clavicle=0.0, trunk=1.0, root=1.0, free_arms=1.0, 
 
 @dataclass(frozen=True)
 class Here:
-    """What a new constraint is made of: a body at the playhead, and the joint picked on it if there is one."""
+    """Source of a new constraint: a body at the playhead, and the joint picked on it if there is one."""
 
     moment: TargetContext
     joint: BodyJoint | None
@@ -116,7 +116,7 @@ class Here:
         return motion.rotations[rows, motion.morphology.layout.segment(part)]
 
     def common(self, name: str, point: BodyPoint, chain: Chain, moving: FloatArray | None = None) -> dict[str, Any]:
-        """What every kind has: last in priority, full near the playhead or, if nothing is ``moving``, all the time.
+        """Fields of every kind: last priority, fully active near the playhead or, if nothing is ``moving``, always.
 
         ``moving`` (F, D), metres or radians in the rows ``around``, is what the constraint keeps at its value of now.
         """
@@ -174,7 +174,7 @@ def _look_at(here: Here) -> Constraint:
 
 
 def _upright(here: Here) -> Constraint:
-    """What points up now stays up."""
+    """Keep the axis up that points up now."""
     part = turned_part(here.picked.point)
     chain = _HEAD if part in (BodyPart.HEAD, BodyPart.NECK) else replace(here.picked.chain, end_segment=1.0)
     common = here.common(f"{part.label.capitalize()} upright", BodyPoint(part), chain)

@@ -24,7 +24,7 @@ _GREY = np.array([0.299, 0.587, 0.114])
 
 
 class Stereo(StrEnum):
-    """How two eyes' pictures are shown."""
+    """Ways to show the pictures of two eyes."""
 
     OFF = "off"
     SIDE_BY_SIDE = "side by side"
@@ -58,14 +58,14 @@ class Renders(Protocol):
 
 @dataclass(frozen=True)
 class StereoView:
-    """How the stage is looked at: with one eye or two, and from where the ``head`` is, in metres before the screen."""
+    """Eyes that see the stage: one or two, and the place of the ``head``, in metres before the screen."""
 
     stereo: Stereo = Stereo.OFF
     head: Eye = CENTRE_EYE
 
     @property
     def is_plain(self) -> bool:
-        """Whether places on the stage are where the camera says."""
+        """True if pixels follow from the camera alone: one eye, no tracked head."""
         return self == ONE_EYE
 
     def looked(self, camera: OrbitCamera, tall: float) -> Eye:
@@ -77,7 +77,7 @@ class StereoView:
     def render(
         self, scene: Renders, camera: OrbitCamera, size: tuple[int, int], offset: tuple[float, float] = (0.0, 0.0)
     ) -> Pixels:
-        """What is shown of a scene."""
+        """Picture of a scene."""
         middle = self.looked(camera, camera.metres_per_pixel(1.0))
         if self.stereo is Stereo.OFF:
             return scene.render(camera, size, offset, middle)

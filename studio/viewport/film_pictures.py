@@ -1,4 +1,4 @@
-"""What the viewport shows over a range of time, drawn without it: see ``film_child``."""
+"""Pictures of the stage over a range of time, drawn without a window: see ``film_child``."""
 
 from collections.abc import Callable, Generator, Mapping
 from dataclasses import replace
@@ -23,7 +23,7 @@ from studio.viewport.stills import FILM_PICTURE_SAMPLES, smooth_picture
 
 
 def render_shots(shots: Shots) -> Generator[Pixels, None, None]:
-    """What the viewport shows at each of the times, every performer adapted anew. Raises StudioError."""
+    """Draw the stage at each of the times, every performer adapted anew. Raises StudioError."""
     project, view = shots.project, shots.view
     made = performances(project).performances
     if not made:

@@ -1,4 +1,4 @@
-"""What the camera is to show when the selection is framed."""
+"""Places that the camera shows when the selection is framed."""
 
 from collections.abc import Iterable, Mapping
 

@@ -77,7 +77,7 @@ class EditDrag:
         live.interactive = True
 
     words = ""
-    """What is shown beside the gizmo: by how much the thing has changed."""
+    """Words beside the gizmo: the change of what is dragged."""
 
     def finish(self) -> None:
         """The edit stays."""

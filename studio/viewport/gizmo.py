@@ -33,13 +33,13 @@ def arrow_pixels(body_height: float) -> float:
 
 
 def moved_axes(part: str) -> list[bool]:
-    """Which of the gizmo's axes a drag of ``part`` may change."""
+    """Axes of the gizmo that a drag of ``part`` may change."""
     return [True] * 3 if part == BALL_HANDLE else [axis in part for axis in GIZMO_AXES]
 
 
 @dataclass(frozen=True, eq=False)
 class GizmoFrame:
-    """What all gizmos have: an ``origin`` (stage), the rows of ``axes`` (3, 3), and the ``camera`` that sees them."""
+    """Base of all gizmos: an ``origin`` (stage), the rows of ``axes`` (3, 3), and the ``camera`` that sees them."""
 
     origin: FloatArray
     axes: FloatArray
@@ -56,7 +56,7 @@ class GizmoFrame:
 
     @property
     def in_sight(self) -> bool:
-        """Whether the origin is before the camera."""
+        """True if the origin is before the camera."""
         return bool(self.camera.project(self.origin, self.size)[1][0] > 0.02)
 
     @cached_property
@@ -105,7 +105,7 @@ class Gizmo(GizmoFrame):
     """A gizmo that moves a thing."""
 
     flat: bool = False
-    """Whether what it moves stays on the ground."""
+    """True if what it moves stays on the ground."""
 
     @cached_property
     def squares(self) -> dict[str, FloatArray]:

@@ -37,7 +37,7 @@ class Glide(QObject):
 
     @property
     def moving(self) -> bool:
-        """Whether a glide is under way."""
+        """True while the camera glides."""
         return self._animation.state() == QVariantAnimation.State.Running
 
     def _step(self, share: float) -> None:

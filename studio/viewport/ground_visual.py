@@ -28,10 +28,10 @@ LINE_STEP = 0.02
 SURFACE_DISTANCES = np.array([18.0, 24.0, 34.0, 50.0, 80.0])
 LAMP = np.array([-0.45, 0.35, 0.82])
 LAMP_STRENGTH = 0.75
-"""How much brighter or darker than the level floor a surface is that faces the light or turns away."""
+"""Factor of brightness, against the level floor, of a surface that faces the light or turns away."""
 
 DARKEST = 0.66
-"""What is left of the floor's grey on a riser that looks away."""
+"""Factor of the floor's grey on a riser that faces away from the light."""
 
 Faces = NDArray[np.int64]
 

@@ -1,4 +1,4 @@
-"""What is drawn of a constraint beside its handle, by its kind: lines of sight, wireframes, discs."""
+"""Figures of constraints beside their handles, by kind: lines of sight, wireframes, discs."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -47,10 +47,10 @@ class HandleShape:
     faces: tuple[FloatArray, ...] = ()
     link: FloatArray | None = None
     link_always: bool = False
-    """Whether the link is drawn when nothing is missed too; where there is no link, the lines show a miss."""
+    """True if the link is drawn although nothing is missed; without a link, the lines show a miss."""
     missed: bool = False
     only_chosen: bool = False
-    """Whether it is drawn only while the constraint is selected: it would hide the body."""
+    """True if it is drawn only while the constraint is selected: it would hide the body."""
 
     def placed(self, placement: Placement) -> "HandleShape":
         """The figure on the stage."""
@@ -60,7 +60,7 @@ class HandleShape:
 
 
 def figure_of(constraint: Constraint, pose: Posed, floor: float) -> HandleShape:
-    """How ``constraint``, as it is at a moment, looks on a body then, over a ground ``floor`` metres high."""
+    """Figure of ``constraint`` on a body at a moment, over a ground ``floor`` metres high."""
     draw = _FIGURES.get(type(constraint))
     if draw is None:
         return HandleShape(lines=constraint.sketch(_point(pose, constraint.point), _turn(pose, constraint.point)))

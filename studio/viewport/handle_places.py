@@ -15,7 +15,7 @@ def handle_place(constraint: Constraint, floor: float = 0.0) -> Vector | None:
 
 
 def is_flat(constraint: Constraint) -> bool:
-    """Whether the handle stays on the ground."""
+    """True if the handle stays on the ground."""
     place = getattr(constraint, "place", None)
     lies = isinstance(place, tuple) and len(place) == 2
     return constraint.kind == "balance" and (lies or not getattr(constraint, "vertical", False))

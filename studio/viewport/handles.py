@@ -30,7 +30,7 @@ class Handle:
 
     @property
     def missed(self) -> bool:
-        """Whether it should hold now, and does not."""
+        """True if the constraint should hold now and does not."""
         return self.activation > 0.5 and self.figure.missed
 
     @property

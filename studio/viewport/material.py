@@ -1,4 +1,4 @@
-"""How surfaces take the light: one lamp by the camera, and in the shader a sky and a soft rim."""
+"""Shading of surfaces: one lamp by the camera, and in the shader a sky and a soft rim."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What the mouse means: which gesture a press begins, what it selects, what lies under it."""
+"""Events of the mouse: the gesture that a press begins, selection, and hovering."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def _select_body_or_prop(viewport: Viewport, document: Document, where: tuple) -
 
 
 def _gizmo_part(viewport: Viewport, x: float, y: float) -> str | None:
-    """What of the gizmo is under the mouse; beside a body's feet their joints go first."""
+    """Part of the gizmo under the mouse; joints of a body's feet go before its handles."""
     gizmo, movable = viewport.gizmo(), viewport.movable()
     part = gizmo.part_at(x, y) if gizmo is not None else None
     if part is None or movable is None or not movable.yields:

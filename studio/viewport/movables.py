@@ -1,4 +1,4 @@
-"""What a gizmo can move: a constraint's place, a prop, a performer. Each knows its axes and tells the document."""
+"""Things that a gizmo can move: targets, props, performers. Each knows its axes and changes the document."""
 
 import math
 from collections.abc import Mapping
@@ -36,14 +36,14 @@ class Movable:
     """A thing that a gizmo moves, rotates or resizes; each kind overrides what it can."""
 
     placement: Placement
-    """Of the space of its ``place`` on the stage."""
+    """Placement on the stage of the space of its ``place``."""
     flat = False
-    """Whether it stays on the ground."""
+    """True if it stays on the ground."""
     yields = False
-    """Whether joints that lie under its handles are taken hold of first."""
+    """True if joints under its handles are picked before these."""
     moves = True
     rotates = heading_only = False
-    """Whether it can be rotated, and if so, about Z alone."""
+    """Flags: it can be rotated, and that about Z alone."""
     scales = (False, False, False)
     """Along which of its own axes it has a size."""
 
@@ -129,7 +129,7 @@ class Target(Movable):
 
     @property
     def _words(self) -> str:
-        """What is dragged: ``target of Right wrist``, ``centre of Table``; of whom, where that one has its own."""
+        """Words for what is dragged: ``target of Right wrist``, ``centre of Table``, with the body that has its own."""
         whom = f" for {self._moment.pose.performer.name}" if self._is_apart else ""
         return f"{self._begin.shown.handle} of {self._begin.name}{whom}"
 
@@ -252,5 +252,5 @@ class PlacedPerformer(Movable):
 
 
 def is_keyed(constraint: Constraint) -> bool:
-    """Whether the place by which it is held is keyed, so that a drag sets a key."""
+    """True if the dragged place is keyed, so that a drag sets a key."""
     return isinstance(getattr(constraint, constraint.shown.held_by, None), KeyedPlace | KeyedOwnPlace)

@@ -1,4 +1,4 @@
-"""Who comes onto the stage while one looks at it: brought into the picture, if it is not there."""
+"""New performers: the camera brings one into the picture that comes onto the stage outside of it."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
@@ -31,7 +31,7 @@ class Newcomers:
         self._step: CameraStep | None = None
 
     def meet(self, bodies: Collection[str]) -> None:
-        """Who is there when the stage is seen for the first time."""
+        """Note the performers that are there when the stage is shown first."""
         self._known, self._step = frozenset(bodies), None
 
     def camera_for(
@@ -57,7 +57,7 @@ class Newcomers:
 
 
 def is_seen(body: Posed, camera: OrbitCamera, size: Size) -> bool:
-    """Whether all of a body is in the picture, and not at its edge."""
+    """True if all of a body is in the picture, and not at its edge."""
     return seen(body, camera, size, PICTURE_EDGE) == 1.0
 
 

@@ -84,12 +84,12 @@ def _apart(camera: OrbitCamera, places: FloatArray) -> float:
 
 
 def _tall_in_front(camera: OrbitCamera, posed: Mapping[str, Posed]) -> bool:
-    """Whether taller bodies stand nearer, and so hide the smaller ones."""
+    """True if taller bodies stand nearer and hide the smaller ones."""
     statures = np.array([pose.over_time.morphology.stature for pose in posed.values()])
     nearness = np.array([pose.points[0] @ camera.axes[2] for pose in posed.values()])
     return bool((statures - statures.mean()) @ (nearness - nearness.mean()) > 0) if len(posed) > 1 else False
 
 
 def is_another_size(now: tuple[float, float], before: tuple[float, float]) -> bool:
-    """Whether a view is quite another than it was; a line of words below it makes no difference."""
+    """True if a view has another size than before; a line of words below it makes no difference."""
     return any(abs(one / other - 1) > ANOTHER for one, other in zip(now, before, strict=True))

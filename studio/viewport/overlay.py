@@ -1,4 +1,4 @@
-"""What is painted over the picture: constraint handles and joints."""
+"""Painting over the picture: constraint handles and joints."""
 
 from collections.abc import Collection, Iterable, Mapping
 

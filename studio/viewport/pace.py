@@ -1,4 +1,4 @@
-"""How many pictures a second were shown of late, and how long after the hand its pose came."""
+"""Pictures a second of late, and latency from the hand to its pose."""
 
 import math
 import time

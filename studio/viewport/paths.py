@@ -34,7 +34,7 @@ class StagePath:
 def stage_paths(
     project: Project, posed: Mapping[str, Posed], trail: BodyPoint | None, smooth: bool = True
 ) -> list[StagePath]:
-    """What is drawn on the stage whoever is selected: the trails of a point, the marks of contacts."""
+    """Lines on the stage: trails of a point, marks of contacts."""
     return [*trails(project, posed, trail, smooth), *contact_marks(project, posed)]
 
 

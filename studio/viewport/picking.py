@@ -1,4 +1,4 @@
-"""What lies under the mouse: the nearest joint or bone of a body, or a prop."""
+"""Picking under the mouse: the nearest joint or bone of a body, or a prop."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

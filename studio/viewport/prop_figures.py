@@ -1,4 +1,4 @@
-"""What props look like in VTK: surfaces within a cube of one metre, to be scaled to a prop's size."""
+"""Surfaces of props in VTK, within a cube of one metre, to be scaled to a prop's size."""
 
 from typing import Any
 

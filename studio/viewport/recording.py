@@ -1,4 +1,4 @@
-"""What an optical capture recorded at a moment, on the stage: markers that were seen, force plates and their forces."""
+"""Recorded markers, force plates and forces of an optical capture at a moment, on the stage."""
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
@@ -53,7 +53,7 @@ class RecordedBy:
         self._forces = [_pushes(trial, place) for place in range(len(trial.plates))]
 
     def at(self, frame: int, placement: Placement) -> MarkerFrame:
-        """What was recorded in a frame of the capture, at a place of the stage; frames beyond its ends are its ends."""
+        """Show a frame of the capture at a place of the stage; frames beyond its ends are clamped."""
         assert self.capture.markers is not None
         trial = self.capture.markers.trial
         frame = min(max(frame, 0), trial.frame_count - 1)
@@ -91,7 +91,7 @@ class RecordingView:
         self.marked: Collection[str] = ()
         """Bare labels that stand out, and are shown with their names."""
         self.named = False
-        """Whether every marker is shown with its name."""
+        """True if every marker is shown with its name."""
         self._changed = changed
         self._made: RecordedBy | None = None
 

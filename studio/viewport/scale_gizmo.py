@@ -32,7 +32,7 @@ class ScaleGizmo(GizmoFrame):
         return nearest_axis(self, mouse, [self.usable(axis) for axis in GIZMO_AXES])
 
     def factor(self, part: str, grip: tuple[float, float], x: float, y: float) -> float:
-        """How much larger the thing is when ``part``, gripped at one pixel, is dragged to (x, y)."""
+        """Factor of size when ``part``, gripped at one pixel, is dragged to (x, y)."""
         if part == BALL_HANDLE:
             return float(np.exp((x - grip[0] - (y - grip[1])) / EVEN_PIXELS))
         axis = GIZMO_AXES.index(part)

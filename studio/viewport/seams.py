@@ -16,9 +16,9 @@ ENTRIES = 512
 SEAM_HALF_WIDTH = 0.045
 """Half the width of a line, where the field goes from -1 to 1: some three millimetres on an adult."""
 SHADES = 1.0, 0.93
-"""How bright the panels of either sign are, beside the colour of the character."""
+"""Brightness of the panels of either sign, in parts of the character's colour."""
 DARK = 0.42
-"""How bright the lines are."""
+"""Brightness of the lines."""
 JOINED_PANELS = BodyPart.LEFT_TOE, BodyPart.RIGHT_TOE, BodyPart.LEFT_CLAVICLE, BodyPart.RIGHT_CLAVICLE, BodyPart.NECK
 """Segments that are one panel with what carries them."""
 

@@ -1,4 +1,4 @@
-"""What the gizmo stands on, and the gizmo of a tool there."""
+"""The movable thing that is selected, and the gizmo of a tool there."""
 
 from collections.abc import Mapping
 
@@ -21,7 +21,7 @@ AnyGizmo = Gizmo | RotateGizmo | ScaleGizmo
 
 
 def selected_movable(document: Document, posed: Mapping[str, Posed], *, picking: bool = False) -> Movable | None:
-    """What the gizmo stands on: the current selection, if it can be moved.
+    """The thing that the gizmo moves: the current selection, if it can be moved.
 
     A body is not while a joint of it is picked, beside which its handle would lie.
     """

@@ -1,12 +1,12 @@
-"""How many pixels a picture has while something moves: fewer where drawing takes too long, as on a processor."""
+"""Resolution of the picture while something moves: lower where drawing takes too long, as without a graphics card."""
 
 SHARES = (1.0, 2 / 3, 1 / 2)
-"""Of the width and the height."""
+"""Parts of the width and the height."""
 SLOW_DRAG_SECONDS, SLOW_PLAY_SECONDS = 0.006, 0.022
 """Seconds of drawing above which fewer pixels are drawn from then on: a hand waits for each picture, of whose 33 ms
 drawing may take a fifth, and what plays needs 30 of them a second, of which drawing may take two thirds."""
 SLOW_PICTURES = 6
-"""How many more pictures were slow than quick before that, so that a hiccup of the machine changes nothing."""
+"""Least surplus of slow over quick pictures before that, so that a hiccup of the machine changes nothing."""
 RETRY = 60
 """Pictures so quick that more pixels should do as well, before that is tried; twice as many each time it failed."""
 

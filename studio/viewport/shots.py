@@ -16,7 +16,7 @@ from studio.viewport.camera import OrbitCamera
 
 @dataclass(frozen=True)
 class View:
-    """How the viewport shows the stage, but for what serves only to edit it."""
+    """Picture of the stage without what serves only to edit it."""
 
     camera: OrbitCamera
     height: float

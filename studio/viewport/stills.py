@@ -31,7 +31,7 @@ class Still:
 
     @property
     def complete(self) -> bool:
-        """Whether more would not be seen."""
+        """True if more samples would not be seen."""
         return self.count >= STILL_SAMPLES
 
     @property
@@ -41,7 +41,7 @@ class Still:
 
 
 def smooth_picture(scene: Renders, camera: OrbitCamera, size: tuple[int, int], samples: int) -> Pixels:
-    """What the scene shows now, of as many samples a pixel."""
+    """Draw the scene now, with as many samples a pixel."""
     still = Still(scene, camera, size)
     while still.count < samples:
         still.refine()

@@ -182,7 +182,7 @@ class Viewport(Canvas):
 
     @property
     def ghost_shown(self) -> bool:
-        """Whether the ghost of the source is on."""
+        """True if the ghost of the source is on."""
         return self._chips.ghost.isChecked()
 
     def set_following(self, following: bool) -> None:
@@ -192,7 +192,7 @@ class Viewport(Canvas):
 
     @property
     def following(self) -> bool:
-        """Whether it does."""
+        """True if the camera follows a character."""
         return self._chips.follow.isChecked()
 
     def set_markers_shown(self, shown: bool) -> None:
@@ -202,7 +202,7 @@ class Viewport(Canvas):
 
     @property
     def markers_shown(self) -> bool:
-        """Whether they are on."""
+        """True if recorded markers are on."""
         return self._chips.markers.isChecked()
 
     def go_to_problem(self) -> None:
@@ -241,14 +241,14 @@ class Viewport(Canvas):
         return constraint_id
 
     def show_progress(self, words: str, share: float) -> None:
-        """What the stage waits for, from 0 to 1; empty words when nothing runs."""
+        """Show the progress of a task, from 0 to 1; empty words when nothing runs."""
         self._progress = (words, share)
         if not self.posed:
             self.update()
 
     @property
     def notice(self) -> str:
-        """What is said while nobody performs: what is under way, else what to do."""
+        """Sentence while nobody performs: the task under way, else what to do."""
         if self.posed or self._recorded is not None:
             return ""
         return self._progress[0] or empty_words(self._document.project)
@@ -282,7 +282,7 @@ class Viewport(Canvas):
         return gizmo_of(self.tool, movable, self.gizmo_space, self.camera, self.view_size, pixels)
 
     def movable(self) -> Movable | None:
-        """What the gizmo moves."""
+        """The thing that the gizmo moves; None if there is none."""
         return selected_movable(self._document, self.posed, picking=self.joint_picked is not None)
 
     def handles(self, only: Container[str] | None = None) -> list[Handle]:
@@ -404,7 +404,7 @@ class Viewport(Canvas):
 
     @property
     def view(self) -> View:
-        """What is seen of the stage now, but for what serves only to edit it."""
+        """Picture of the stage now, without what serves only to edit it."""
         active, now = self._document.active_performer_id, self._document.playhead.time
         ghost_of, followed = active if self.ghost_shown else None, active if self.following else None
         return View(self.camera, self.view_size[1], self._bones, self._trail_point(), ghost_of, followed, now)
