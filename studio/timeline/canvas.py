@@ -154,7 +154,7 @@ class TrackCanvas(TrackView):
             self.mousePressEvent(event)
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
-        """What can be done here."""
+        """Open the menu of the actions at a place."""
         if self.gesture is None:
             self._show_menu(QPointF(event.pos()), event.globalPos())
 
@@ -323,7 +323,7 @@ class TrackCanvas(TrackView):
             QToolTip.hideText()
 
     def _hover_again(self) -> None:
-        """What lay under the mouse may be another thing now, or gone: then what was said of it goes."""
+        """Look again for the thing under the mouse, which may have changed or be gone, and update its tooltip."""
         if not self._hovered or self.gesture is not None:
             return
         text = hover_text(self.sheet, self.picture.plot, self.mouse) if self.sheet and self.underMouse() else ""

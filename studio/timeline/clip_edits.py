@@ -12,7 +12,7 @@ from studio.timeline.shown import Hit, ItemPart, RowContext
 
 
 def performers_of_row(shown: RowContext, performer_id: str) -> tuple[str, ...]:
-    """Whom a row stands for: one performer, or all who are shown with the same clips."""
+    """Performers of a row: one, or all visible ones with the same clips."""
     performers = shown.project.performers
     if shown.apart:
         return (performer_id,)
@@ -50,7 +50,7 @@ def nudged(shown: RowContext, clip_id: str, edge: ItemPart, frames: int) -> None
 
 
 def offer_clip(menu: QMenu, shown: RowContext, hit: Hit) -> None:
-    """What can be done with a clip."""
+    """Menu of a clip."""
     document, project = shown.document, shown.project
 
     def select(clip_id: str) -> None:

@@ -1,4 +1,4 @@
-"""What of every body is plotted over time: speeds, slide, balance or error."""
+"""Measured curves of bodies over time: speeds, slide, balance or error."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -25,7 +25,7 @@ PIECES = 1
 
 
 class Quantity(StrEnum):
-    """What may be plotted."""
+    """Quantities that can be plotted."""
 
     FOOT_SPEED = "Foot speed"
     LEFT_FOOT_SPEED = "Left foot speed"
@@ -43,7 +43,7 @@ class Quantity(StrEnum):
 
     @property
     def asks_document(self) -> bool:
-        """Whether it depends on more than the poses: on contacts, the ground or a constraint."""
+        """True if it depends on more than the poses: on contacts, the ground or a constraint."""
         return self in (Quantity.ERROR, Quantity.SLIDE, Quantity.OFF_SUPPORT)
 
 
@@ -76,13 +76,13 @@ def foot_speed(adapted: AdaptedMotion, sides: tuple[int, ...] = (0, 1)) -> Float
 
 @dataclass(frozen=True, eq=False)
 class CurveQuery:
-    """What a curve is asked of: values only, which a worker may hold."""
+    """Input of a curve: values only, which a worker may hold."""
 
     project: Project
     subject: Subject
     quantity: Quantity
     constraint_id: str | None
-    """Whose error is plotted."""
+    """Constraint of which the error is plotted."""
 
     def curve(self, body: Body, adapted: AdaptedMotion) -> Curve | None:
         """The curve of a body's result; None where it says nothing of that."""
@@ -159,7 +159,7 @@ def plotted_constraint(shown: RowContext) -> str | None:
 
 
 def error_measure(shown: RowContext) -> Measure:
-    """What the error that is plotted is."""
+    """Measure, with its unit, of the error that is plotted."""
     constraint_id = plotted_constraint(shown)
     return measure_of(shown.project.constraints[constraint_id]) if constraint_id else LENGTH_MEASURE
 

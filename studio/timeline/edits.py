@@ -119,7 +119,7 @@ def select_keys_at_playhead(shown: RowContext) -> None:
 
 
 def handles_of(shown: RowContext) -> tuple[ItemPart, ...]:
-    """What of the selected thing the keyboard may take hold of."""
+    """Parts of the selected thing that the keyboard can move."""
     match shown.document.selection.current:
         case ("constraints", _):
             return HANDLES

@@ -1,4 +1,4 @@
-"""What a place of the timeline tells in a sentence, with units."""
+"""Tooltips of the timeline: a sentence with units for each place."""
 
 from typing import Any
 
@@ -57,7 +57,7 @@ def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
 
 
 def is_value(sheet: Sheet, position: QPointF) -> bool:
-    """Whether the place shows a measured value, or a mark, which is told at once and not after a rest."""
+    """True if the place shows a measured value or a mark, of which the tooltip comes at once."""
     hit = sheet.thing_at(position)
     return position.x() >= ROW_LABEL_WIDTH and (
         hit.kind in ("plot", "ruler") or (hit.kind == "constraints" and hit.part == ItemPart.EMPTY)

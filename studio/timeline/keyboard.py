@@ -19,7 +19,7 @@ JUMPS = {Key.Key_Up: -1, Key.Key_Down: 1}
 
 
 def is_wanted(canvas: "TrackCanvas", key: int, modifiers: Qt.KeyboardModifier) -> bool:
-    """Whether a key means something here that the window's shortcuts must not take."""
+    """True if the timeline uses a key, so that the window's shortcuts must not."""
     if key == Key.Key_Escape:
         return canvas.gesture is not None or canvas.handle is not None or bool(canvas.document.keys.items)
     if _moves_keys(key, modifiers) or _jumps_to_key(key, modifiers):

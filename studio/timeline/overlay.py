@@ -1,4 +1,4 @@
-"""What lies over the rows' picture: the playhead, the moment a drag has caught on, and what the drag says."""
+"""Overlay of the rows: the playhead, the time that a drag has snapped to, and the words of the drag."""
 
 from PySide6.QtCore import QPointF, QRect, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QFontMetrics, QPainter, QPolygonF

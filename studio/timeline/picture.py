@@ -14,7 +14,7 @@ from studio.timeline.tracks.value_curves import ValueCurves
 
 PLOT = ("plot", "")
 REFERENCE_CURVE_OPACITY = 0.3
-"""How strong measured curves are behind those that are edited."""
+"""Opacity of measured curves behind those that are edited."""
 RULER = ("ruler", "")
 
 

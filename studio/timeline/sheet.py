@@ -10,7 +10,7 @@ from studio.timeline.tracks import clip, constraint, contacts, hold, keys, label
 PLAYHEAD_REACH = 4.0
 RIGHT_MARGIN = 12
 CURVE_EDITOR_PART, CURVE_EDITOR_LEAST_PX = 0.55, 150
-"""What of the height the curve editor takes at least, and pixels."""
+"""Least height of the curve editor, in parts of the timeline's and in pixels."""
 FOLDING = ("constraints", "lane")
 """Kinds of rows of which each can be folded by itself."""
 
@@ -94,7 +94,7 @@ class Sheet:
 
     @property
     def viewport(self) -> QRect:
-        """What the rows may fill."""
+        """Rectangle that the rows may fill."""
         return QRect(0, ruler.RULER_HEIGHT, self.size.width(), max(self.plot.top() - ruler.RULER_HEIGHT, 0))
 
     def rect(self, row: TimelineRow) -> QRect:
@@ -112,14 +112,14 @@ class Sheet:
         return next((row for row in self.rows if self.rect(row).contains(point)), None)
 
     def hit(self, position: QPointF) -> Hit:
-        """What the mouse would take hold of: things first, then the playhead's line, then empty places."""
+        """Part under the mouse: things first, then the playhead's line, then empty places."""
         hit = self.thing_at(position)
         line = self.shown.axis.x_of_time(self.shown.document.playhead.time)
         over_line = position.x() >= ROW_LABEL_WIDTH and abs(position.x() - line) <= PLAYHEAD_REACH
         return Hit("playhead", "", ItemPart.TIME) if hit.part == ItemPart.EMPTY and over_line else hit
 
     def thing_at(self, position: QPointF) -> Hit:
-        """What lies under the playhead's line, if that is there."""
+        """Part under the playhead's line, if that is there."""
         point = position.toPoint()
         if self.ruler.contains(point):
             return Hit("ruler", "", ItemPart.TIME if point.x() >= ROW_LABEL_WIDTH else ItemPart.EMPTY)

@@ -27,7 +27,7 @@ FOLD_WIDTH = 14
 
 
 class ItemPart(StrEnum):
-    """What of a thing is under the mouse, or has the keyboard."""
+    """Part of a thing that is under the mouse or has the keyboard focus."""
 
     BODY = "body"
     START = "start"
@@ -68,7 +68,7 @@ class TimelineRow:
 
 @dataclass(frozen=True)
 class Hit:
-    """What lies under a point: its kind, its id (an empty place of a line has its contact point), its part.
+    """Thing under a point: its kind, its id (an empty place of a line has its contact point), its part.
 
     A clip lies in the row of ``performer_id``; a diamond is ``keys`` that lie at one time.
     """
@@ -92,13 +92,13 @@ class RowContext:
     folded: frozenset[tuple[str, str]] = frozenset()
     """Kind and id of the rows that are only a line high."""
     apart: bool = False
-    """Whether every performer has its row of clips; else the active one's stands for all."""
+    """True if every performer has its row of clips; else the active one's stands for all."""
     remarks: tuple[Remark, ...] = ()
-    """What is odd about the capture of the motion."""
+    """Remarks on the capture of the motion."""
     dope: bool = False
-    """Whether the rows are those of the dope sheet."""
+    """True if the rows are those of the dope sheet."""
     curves: bool = False
-    """Whether the plot is the curve editor."""
+    """True if the plot is the curve editor."""
 
     @property
     def project(self) -> Project:
@@ -111,7 +111,7 @@ class RowContext:
         return self.project.performers[self.subject.performer_id].name
 
     def is_selected(self, collection: str, entity_id: str) -> bool:
-        """Whether the user works on it."""
+        """True if an entity is selected."""
         return (collection, entity_id) in self.document.selection
 
     def x_of_frame(self, frame: float) -> float:
@@ -146,11 +146,11 @@ class RowContext:
         return self.live.result(performer_id)
 
     def strip(self, constraint_id: str, performer_id: str) -> Strip | None:
-        """How well a constraint holds on a body; None while that is not known, or nothing is asked."""
+        """Strip of a constraint on a body; None while it is not known or the constraint is not active."""
         return strip_of(self.project, performer_id, self.live.told(performer_id), constraint_id)
 
     def is_asked(self, constraint_id: str, performer_id: str) -> bool:
-        """Whether a constraint is asked of a body."""
+        """True if a constraint applies to a body."""
         return is_asked(self.project, performer_id, constraint_id)
 
     def residual(self, constraint_id: str, performer_id: str) -> Residual | None:
@@ -159,7 +159,7 @@ class RowContext:
 
 
 def within(point: QPointF, x: float, y: float, reach: float) -> bool:
-    """Whether a point lies no farther than ``reach`` pixels from another, sideways and upright."""
+    """True if a point is within ``reach`` pixels of another, horizontally and vertically."""
     return abs(point.x() - x) <= reach and abs(point.y() - y) <= reach
 
 

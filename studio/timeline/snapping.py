@@ -36,7 +36,7 @@ def magnets_of(contacts: dict[str, tuple[float, float]], playhead: float, *witho
 
 
 def key_magnets(shown: RowContext, scaling: bool) -> tuple[float, ...]:
-    """What dragged keys catch on: the playhead unless they are scaled about it, contacts, and keys that stay.
+    """Times that dragged keys snap to: the playhead unless they are scaled about it, contacts, and other keys.
 
     Only what is in view counts.
     """

@@ -1,4 +1,4 @@
-"""How well a constraint holds on one body, frame by frame: held, partly or not reached."""
+"""Strip of a constraint on one body, frame by frame: held, partly or not reached."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -14,7 +14,7 @@ from studio.engine.residuals import missed_by
 
 
 class StripState(StrEnum):
-    """What a strip tells of a frame: while the activation eases, of what is asked at that moment."""
+    """State of a strip in a frame, against the eased target while the activation eases."""
 
     INACTIVE = "not active"
     YIELDING = "gives way"
@@ -43,7 +43,7 @@ class Strip:
         return float(self.errors[place]) if 0 <= place < len(self.errors) else float("nan")
 
     def state_at(self, frame: int) -> StripState:
-        """What the strip shows at a frame of the motion."""
+        """State of the strip at a frame of the motion."""
         place = frame - self.first_frame
         if not 0 <= place < len(self.errors):
             return StripState.INACTIVE
@@ -65,12 +65,12 @@ class Strip:
 
     @property
     def misses(self) -> bool:
-        """Whether it is missed in any frame, be it while it eases."""
+        """True if it is missed in any frame, easing included."""
         return bool((self.state_indices >= STATES.index(StripState.PARTLY)).any())
 
     @property
     def yields(self) -> bool:
-        """Whether it gives way to a contact in some frame."""
+        """True if it gives way to a contact in some frame."""
         return bool((self.state_indices == 1).any())
 
 

@@ -57,7 +57,7 @@ class Subject:
 
 
 def subject_of(document: Document) -> Subject | None:
-    """What there is to show, or None when no performer plays a motion."""
+    """Content of the rows; None when no performer plays a motion."""
     project = document.project
     performer = project.performers.get(document.active_performer_id or "")
     if performer is None or not performer.clips:
@@ -86,7 +86,7 @@ def stage_extent(project: Project) -> float:
 
 
 def play_apart(project: Project) -> bool:
-    """Whether those who are shown play different clips, so that one row cannot stand for all."""
+    """True if visible performers play different clips, so that one row cannot stand for all."""
     return len({(each.clips, each.layers) for each in project.performers.values() if each.visible}) > 1
 
 

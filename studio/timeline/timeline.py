@@ -91,7 +91,7 @@ class Timeline(QWidget):
         return QPoint(round(shown.x_of_frame(frame)), top + PITCH - 1)
 
     def strip_state(self, constraint_id: str, performer_id: str, frame: int) -> StripState:
-        """What a body's strip shows at a frame of the motion."""
+        """State of a body's strip at a frame of the motion."""
         shown = self._sheet().shown
         strip = shown.strip(constraint_id, performer_id)
         unknown = StripState.UNKNOWN if shown.is_asked(constraint_id, performer_id) else StripState.INACTIVE
@@ -103,7 +103,7 @@ class Timeline(QWidget):
 
     @property
     def dope(self) -> bool:
-        """Whether the rows are those of the dope sheet."""
+        """True if the rows are those of the dope sheet."""
         return self.tracks.dope
 
     def set_dope(self, dope: bool) -> None:
@@ -113,7 +113,7 @@ class Timeline(QWidget):
 
     @property
     def editing_curves(self) -> bool:
-        """Whether the plot is the curve editor."""
+        """True if the plot is the curve editor."""
         return self.tracks.editing
 
     def edit_curves(self, editing: bool) -> None:
@@ -126,7 +126,7 @@ class Timeline(QWidget):
         self.tracks.fold_all()
 
     def show_progress(self, words: str, share: float) -> None:
-        """What is waited for, from 0 to 1; empty words when nothing runs."""
+        """Show the progress of a task, from 0 to 1; empty words when nothing runs."""
         self.tracks.show_progress(words, share)
 
     def add_contact(self, point: ContactPoint) -> str | None:

@@ -28,7 +28,7 @@ from studio.timeline.tracks.constraint import looks_of
 from studio.timeline.tracks.keys import SHEET, SUMMARY, sheet_id
 
 UNSOLVED_ROWS = ("characters", "grounds", "props")
-"""What rows of ``ROWS_WHILE_DRAGGED`` alone show while it is dragged, until it is solved."""
+"""Collections whose change, while dragged and until it is solved, only rows of ``ROWS_WHILE_DRAGGED`` show."""
 ROWS_WHILE_DRAGGED = ("growth", "props", "summary", "sheet")
 
 
@@ -46,13 +46,13 @@ class TrackView(QWidget):
         self.mouse = QPointF()
         self.folded: frozenset[tuple[str, str]] = frozenset()
         self.editing = False
-        """Whether the plot is the curve editor."""
+        """True if the plot is the curve editor."""
         self.fields = CurveFields(self.picture.curves, self)
         self.fields.hide()
         self.dope = False
-        """Whether the rows are those of the dope sheet."""
+        """True if the rows are those of the dope sheet."""
         self.apart: bool | None = None
-        """Whether every performer has its row of clips; None while the user leaves that to what they play."""
+        """True if every performer has its row of clips; None while that follows from what they play."""
         self._looks: dict[str, object] = {}
         self._progress = ("", 0.0)
         self._remarked: tuple[Capture, tuple[Remark, ...]] | None = None
@@ -93,16 +93,16 @@ class TrackView(QWidget):
 
     @property
     def shown(self) -> RowContext | None:
-        """What the rows show, or None while no performer plays a motion."""
+        """Content of the rows; None while no performer plays a motion."""
         return self.sheet.shown if self.sheet else None
 
     @property
     def prompt(self) -> str:
-        """What is under way, or what to do, while there is nothing to show."""
+        """Sentence while there is nothing to show: the task under way, or what to do."""
         return self._progress[0] or empty_words(self.document.project)
 
     def show_progress(self, words: str, share: float) -> None:
-        """What is waited for, from 0 to 1; empty words when nothing runs."""
+        """Show the progress of a task, from 0 to 1; empty words when nothing runs."""
         self._progress = (words, share)
         if self.sheet is None:
             self.update()
@@ -147,7 +147,7 @@ class TrackView(QWidget):
         self._redraw_all()
 
     def _remarks_on(self, capture: Capture) -> tuple[Remark, ...]:
-        """What is odd about it, looked for once: rows are placed anew with every edit."""
+        """Remarks on the capture, looked up once: rows are laid out anew with every edit."""
         if self._remarked is None or self._remarked[0] is not capture:
             self._remarked = capture, remarks_on(capture)
         return self._remarked[1]

@@ -17,7 +17,20 @@ DOCSTRINGS_DONE = (
     *DONE,
     *("core/body", "core/captures", "core/constraints", "core/grounds", "core/mannequin", "core/markers", "core/mesh"),
     *("core/normalized", "core/quality", "core/stage"),
-    *("api", "app", "cli", "document", "engine", "jobs", "library", "live", "panels", "startup", "viewport"),
+    *(
+        "api",
+        "app",
+        "cli",
+        "document",
+        "engine",
+        "jobs",
+        "library",
+        "live",
+        "panels",
+        "startup",
+        "timeline",
+        "viewport",
+    ),
 )
 """Rooms whose docstrings speak it, whether their names do or not."""
 TO_COME = (

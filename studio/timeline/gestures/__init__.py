@@ -1,1 +1,1 @@
-"""What the mouse does over time, a gesture a file: start, update, finish or cancel."""
+"""Drags of the timeline, one gesture a file: start, update, finish or cancel."""

@@ -1,4 +1,4 @@
-"""Which drag begins where, and the cursor that says so before the button is pressed."""
+"""Start of a drag by the place of the mouse, and the cursor before the button is pressed."""
 
 from PySide6.QtCore import QPointF, Qt
 
@@ -50,7 +50,7 @@ def cursor_at(hit: Hit) -> Cursor:
 
 
 def items_of(hit: Hit) -> tuple[tuple[str, str], ...]:
-    """What a click on it selects: a clip with whom it was clicked on."""
+    """Items that a click selects: a clip with the performer of its row."""
     if hit.kind == "clips":
         return ("performers", hit.performer_id), ("clips", hit.id)
     if hit.part == ItemPart.KEY and hit.kind not in ("growth", "props", "constraints"):

@@ -35,7 +35,7 @@ class ClipGesture(EditGesture):
 
     @property
     def is_there(self) -> bool:
-        """Whether the clips have not been removed meanwhile, as by a key."""
+        """True if the clips are still there: a key may have removed them meanwhile."""
         return all(clip_id in self.shown.project.clips for clip_id in self.clip_ids)
 
     def update(self, position: QPointF, free: bool) -> None:

@@ -44,7 +44,7 @@ def new_contact(shown: RowContext, point: ContactPoint | Touch, frame: int) -> C
 
 
 def contacts_shown(shown: RowContext) -> dict[str, ContactInterval]:
-    """What stands while the active performer plays the clip, by id."""
+    """Contacts of the clip that the active performer plays, by id."""
     return shown.project.contacts_for(shown.subject.performer_id, shown.subject.clip)
 
 

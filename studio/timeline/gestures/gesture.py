@@ -12,7 +12,7 @@ from studio.timeline.snapping import Snapped, magnets_of, snapped
 
 @dataclass(frozen=True)
 class DragHint:
-    """What a drag says beside the mouse: a sentence at a stage time, and the moment it has caught on."""
+    """Words of a drag beside the mouse: a sentence at a stage time, and the time that it has snapped to."""
 
     time: float
     text: str

@@ -20,7 +20,7 @@ from studio.timeline.tracks.value_curves import (
 LOCK = 5.0
 """Pixels below which a drag does not change time, or value, so that a hand need not be exact."""
 SNAP_STEPS = {"m": 0.01, "°": 5.0, "×": 0.01}
-"""What values catch on with Ctrl, by unit."""
+"""Steps to which values snap with Ctrl, by unit."""
 FINE_KEY_DRAG = 0.1
 Modifier = Qt.KeyboardModifier
 

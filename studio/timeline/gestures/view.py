@@ -38,7 +38,7 @@ class Pan(TimelineGesture):
         self.axis, self._scroll, self._last = axis, scroll, press
 
     def update(self, position: QPointF, free: bool) -> None:
-        """By what the mouse moved since the last time."""
+        """Scroll by the pixels that the mouse moved since the last event."""
         step = self._last - position
         self._last = position
         self.axis.scroll(step.x())

@@ -1,1 +1,1 @@
-"""What is drawn over time, a kind of row a file: where things lie, how they look, what is under the mouse."""
+"""Rows of the timeline, one kind a file: layout, drawing, and hit tests."""

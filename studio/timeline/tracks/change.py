@@ -31,7 +31,7 @@ class TakeOver:
     overlaps: bool
 
     def words(self, clip: Clip) -> str:
-        """What happens, and what to do where nobody would want it."""
+        """Words for the transition, with advice where it looks wrong."""
         at = f"{clip.start + self.after:.3f} s"
         if self.cut:
             return (
@@ -45,7 +45,7 @@ class TakeOver:
 
 
 def take_over(shown: RowContext, performer_id: str, clip: Clip) -> TakeOver | None:
-    """How a clip of a performer takes over; None for the first one, and while it is not known.
+    """Transition into a clip of a performer; None for the first one, and while it is not known.
 
     While the clip is dragged it is known of where it was last solved, and goes with it.
     """

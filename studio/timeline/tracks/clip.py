@@ -147,7 +147,7 @@ def _paint_repeats(painter: QPainter, clip: Clip, bar: QRectF) -> None:
 
 
 def seen_part(shown: RowContext, room: QRectF) -> QRectF:
-    """What of a place is not beyond the ends of the axis."""
+    """Part of a rectangle within the ends of the axis."""
     return room.intersected(QRectF(shown.axis.left, room.top(), shown.axis.width, room.height()))
 
 
@@ -169,7 +169,7 @@ def shortened(words: str, metrics: QFontMetrics, width: int) -> str:
 
 
 def paint_clip_label(painter: QPainter, row: QRect, shown: RowContext, performer_id: str) -> None:
-    """Whose clips they are, with the body's colour; the first one's arrow folds the rows of all."""
+    """Draw the performer's name in the body's colour; the first one's arrow folds the rows of all."""
     performer = shown.project.performers[performer_id]
     colour = shown.project.characters[performer.character_id].colour
     paint_dot(painter, QPointF(LABEL_INDENT + 3.5, row.center().y() + 0.5), 3.5, colour)
@@ -181,7 +181,7 @@ def paint_clip_label(painter: QPainter, row: QRect, shown: RowContext, performer
 
 
 def folds(shown: RowContext, performer_id: str) -> bool:
-    """Whether the rows of all performers are folded and unfolded at this one's."""
+    """True if the rows of all performers are folded and unfolded at this one's."""
     performers = list(shown.project.performers)
     return len(performers) > 1 and (not shown.apart or performer_id == performers[0])
 

@@ -38,7 +38,7 @@ def curve_height(row: QRect) -> int:
 
 
 def is_folded(row: QRect) -> bool:
-    """Whether a row is only a line high."""
+    """True if a row is folded to one line."""
     return row.height() <= FOLDED_CONSTRAINT_HEIGHT
 
 

@@ -53,7 +53,7 @@ def lane(row: QRect, point: ContactPoint | Touch) -> QRectF:
 
 
 def is_folded(row: QRect) -> bool:
-    """Whether a row is as low as can be."""
+    """True if a row has its least height."""
     return row.height() <= FOLDED_CONTACT_HEIGHT
 
 
@@ -113,7 +113,7 @@ def seen_bars(shown: RowContext, spans: list[tuple[int, int]]) -> list[tuple[flo
 
 
 def paint_contacts_label(painter: QPainter, row: QRect, row_id: str) -> None:
-    """What touches; the lines are named when pointed at."""
+    """Draw the name of the contact points; the lines are named when pointed at."""
     folded = is_folded(row)
     paint_fold(painter, row, folded)
     colour, pixels = (colours.TEXT_SECOND, 10) if folded else (colours.TEXT, 12)

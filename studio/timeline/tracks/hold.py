@@ -42,7 +42,7 @@ def paint_hold(painter: QPainter, row: QRect, shown: RowContext, prop_id: str) -
 
 
 def paint_hold_label(painter: QPainter, row: QRect, shown: RowContext, prop_id: str) -> None:
-    """Which prop it is."""
+    """Draw the prop's name."""
     paint_label(painter, label_area(row), shown.project.props[prop_id].name, colours.TEXT)
 
 

@@ -42,7 +42,7 @@ def field_of(row_id: str) -> KeyedField:
 
 
 def sheet_fields(shown: RowContext) -> dict[KeyedField, Keyed]:
-    """What the dope sheet shows: the keyed fields of the selection, or else all that the stage shows here."""
+    """Keyed fields of the dope sheet: those of the selection, or else all of the stage."""
     chosen = selected_fields(shown.project, shown.document.selection.items)
     if chosen:
         return chosen
@@ -165,7 +165,7 @@ def _paint_diamonds(
 
 
 def paint_sheet_label(painter: QPainter, row: TimelineRow, area: QRect, shown: RowContext) -> None:
-    """Whose keys they are, and of what."""
+    """Draw the name of the entity and of its keyed field."""
     if row.kind == SUMMARY:
         paint_label(painter, label_area(area), "All keys", colours.TEXT)
         return
@@ -179,7 +179,7 @@ def row_words(shown: RowContext, row: TimelineRow) -> str:
 
 
 def field_words(field: KeyedField) -> str:
-    """What of an entity is keyed."""
+    """Words for a keyed field of an entity."""
     return FIELD_NAMES.get(field.name, field.name)
 
 
@@ -202,7 +202,7 @@ def paint_sheet(painter: QPainter, row: TimelineRow, area: QRect, shown: RowCont
 
 
 def paint_growth_label(painter: QPainter, area: QRect) -> None:
-    """What is keyed."""
+    """Draw the name of the row of a growing body's measures."""
     paint_label(painter, label_area(area).adjusted(INDENT, 0, 0, 0), "Measures", colours.TEXT_SECOND)
 
 

@@ -25,7 +25,7 @@ def rows_of(shown: RowContext, performer_id: str) -> list[tuple[str, str, int]]:
 
 
 def performer_of(row_id: str) -> str:
-    """Whose row it is."""
+    """Id of the performer in the id of a row."""
     return row_id.rpartition("/")[0]
 
 
@@ -43,13 +43,13 @@ def paint_layers(painter: QPainter, row: QRect, shown: RowContext, row_id: str) 
 
 
 def paint_layer_label(painter: QPainter, row: QRect, row_id: str) -> None:
-    """Which region it is."""
+    """Draw the region of the body."""
     region = Region(row_id.rpartition("/")[2])
     paint_label(painter, label_area(row).adjusted(INDENT, 0, 0, 0), region.capitalize(), colours.TEXT_SECOND)
 
 
 def layer_text(shown: RowContext, layer: Layer) -> str:
-    """What plays, and how much of it."""
+    """Words for the motion that plays, and its weight."""
     words = [clip_text(shown, layer.clip)]
     words += ["added"] if layer.additive else []
     words += [f"{layer.weight:.0%}"] if layer.weight < 1.0 else []

@@ -20,10 +20,10 @@ CURVE_LINE_PX = 1.25
 MOST_FRAMES_AT_ONCE = 10_000
 """Frames of a motion up to which its curve is made at once."""
 NOISE = 1e-6
-"""What is no more than this, in any unit, is rounding, and drawn as nought."""
+"""Largest value, in any unit, that counts as rounding and is drawn as zero."""
 
 Basis = tuple[object, ...]
-"""What a curve is made of; an equal one gives an equal curve."""
+"""Input of a curve; equal inputs give equal curves."""
 Known = tuple[Basis, Curve | None]
 
 
@@ -138,7 +138,7 @@ class PlotPicture(QObject):
         return area.bottom() - (value + 0.04 * self.top) / span * area.height()
 
     def paint_label(self, painter: QPainter, row: QRect, shown: RowContext) -> None:
-        """What is plotted, its unit and its greatest value, at the height where that lies."""
+        """Draw the name of the quantity, its unit, and its greatest value at its height."""
         area, folded = label_area(row), row.height() <= FOLDED_PLOT_HEIGHT
         line = QRect(0, row.top() + (1 if folded else 4), ROW_LABEL_WIDTH - 44, 20)
         paint_fold(painter, line, folded)

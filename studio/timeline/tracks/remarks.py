@@ -1,4 +1,4 @@
-"""What is odd about the capture, as marks on the ruler at its frames."""
+"""Remarks on the capture, as marks on the ruler at their frames."""
 
 from collections.abc import Iterator
 

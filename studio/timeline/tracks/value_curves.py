@@ -23,7 +23,7 @@ NO_KEYS_HINT = "Select something that has keys, or press S to set one"
 SAMPLE = 2.0
 """Pixels between the points of a curve."""
 CURVE_FRAME_MARGIN = 0.12
-"""What of the height stays free above and below curves that are framed."""
+"""Parts of the height left free above and below framed curves."""
 LEAST_SPAN = {"m": 0.05, "°": 5.0, "×": 0.05, "": 1.0}
 """The least difference of values that is framed, by unit."""
 CHANNEL_COLOURS = {
@@ -58,7 +58,7 @@ class ValueRange:
 
 
 class ValueCurves:
-    """What the curve editor shows, and over which values of each unit."""
+    """Channels of the curve editor, and the range of values of each unit."""
 
     def __init__(self) -> None:
         self.shown = False
@@ -247,7 +247,7 @@ def own_times(shown: RowContext, field: KeyedField, stage: ArrayLike) -> FloatAr
 
 
 def value_in(shown: RowContext, channel: Channel) -> Keyed | None:
-    """What is keyed of a channel."""
+    """Keyed value of a channel."""
     return keyed_value(shown.project, channel.field)
 
 
