@@ -1,4 +1,4 @@
-"""What every reader of captures has to find out when the file does not say it: the body, the ground, who stands how."""
+"""Guesses of every reader of captures where the file says nothing: body, ground, reference pose."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -40,7 +40,7 @@ def loose_guesses(feet: Collection[int], hands: Collection[int], behind: float) 
 
 
 def body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) -> list[Guess]:
-    """How the body was found, or which limbs are missing and what looks like them; nothing where the user said."""
+    """Guesses by which the body was found, or missing limbs with what looks like them; empty where the user said."""
     if found.body_map is None:
         offers = {limb: similar_joints(skeleton, limb) for limb in found.missing}
         reason = "; ".join(f"no {limb} (candidates: {', '.join(names) or 'none'})" for limb, names in offers.items())
@@ -71,7 +71,7 @@ def with_sides_right(found: FoundBody, points: FloatArray, guesses: list[Guess])
 
 @dataclass(frozen=True, eq=False)
 class ReadJoints:
-    """What a file says of joints, in world axes and metres: ``positions`` (F, J, 3) is where the poses place them;
+    """Joints of a file, in world axes and metres: ``positions`` (F, J, 3) is where the poses place them;
     ``unit`` and ``up_axis`` are those of the file.
     """
 

@@ -12,7 +12,7 @@ from typing import IO
 STUDIO_ROOT = Path(__file__).resolve().parents[2]
 """Where ``python -m studio...`` finds this studio."""
 CHILD_NICENESS = 5
-"""How much nicer than this process a child is by default: of two that want a processor, it gets a quarter."""
+"""Niceness of a child above this process by default: of two that want a processor, it gets a quarter."""
 POSIX = os.name == "posix"
 """Process groups and niceness exist; Windows has neither."""
 MOST_NICENESS = 19

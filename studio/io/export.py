@@ -38,15 +38,17 @@ class Take:
     """A motion on its way out: joints and poses for every format, and what more is known for those that hold it."""
 
     capture: Capture
-    """What is written, as if it had been captured: joints, poses, which joint plays which part, the ground."""
+    """Motion to be written, as if it had been captured: joints, poses, body map, ground."""
     annotations: Annotations = Annotations()
     """Contacts, constraints and labels to be written beside it."""
     character: Character | None = None
-    """Who performs ``adapted``, with the skin; the joints are then those of its ``character_skeleton``, and behind them
-    those that are carried along."""
+    """Character that performs ``adapted``, with the skin.
+
+    The joints are then those of its ``character_skeleton``, and behind them those that it carries along.
+    """
     adapted: AdaptedMotion | None = None
     request: AdaptRequest | None = None
-    """What ``adapted`` answers: the normalised motion, contacts, constraints."""
+    """Request that ``adapted`` answers: the normalised motion, contacts, constraints."""
     bound: JointSkin | None = None
     """The skin on the joints as they are written, where options have changed these; else ``skin_of`` makes it."""
     rest_rotations: FloatArray | None = None
@@ -77,7 +79,7 @@ class Take:
 
     @property
     def poses(self) -> PoseSequence:
-        """How the joints stand, metres, Z up."""
+        """Poses of the joints, metres, Z up."""
         return self.capture.poses
 
     @property

@@ -1,4 +1,4 @@
-"""What the user chooses of a file that is written, beside its kind: the same for all kinds and all doors."""
+"""Options of an exported file beside its kind: the same for all kinds, the window, shell and scripts."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -27,7 +27,7 @@ _ENDS = 1e-6
 
 @dataclass(frozen=True)
 class ExportOptions:
-    """What is empty stays as the take has it: a T-pose and HumanIK's names for characters, its own for a capture."""
+    """Options of an export; an empty one keeps what the take has: a T-pose and HumanIK's names for characters."""
 
     joint_names: str = ""
     """A key of ``joint_names.joint_namings``; without one a character that has joints of its own keeps these."""
@@ -47,7 +47,7 @@ class ExportOptions:
     """Leave a body where its own motion begins, instead of where it stands on the stage."""
 
     def carries(self, path: Path) -> bool:
-        """Whether a character's file is to have the capture's other joints as well: skeletons have them, tables not."""
+        """True if a character's file is to have the capture's other joints as well: skeletons have them, tables not."""
         return not self.body_only and path.suffix.lower() in SKELETAL
 
     def check(self, path: Path) -> None:
@@ -97,7 +97,7 @@ class ExportOptions:
         return take
 
     def _is_timed(self, take: Take) -> bool:
-        """Whether other frames are written than those of the take."""
+        """True if other frames are written than those of the take."""
         others = self.frame_rate not in (None, take.frame_rate)
         return others or self.begin is not None or self.end is not None
 

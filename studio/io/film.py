@@ -19,7 +19,7 @@ _QUALITY = 15
 
 
 def is_film(path: Path) -> bool:
-    """Whether ``path`` is to become a film, and not a folder of pictures."""
+    """True if ``path`` is to become a film, and not a folder of pictures."""
     return path.suffix.lower() == ".mp4"
 
 
@@ -71,7 +71,7 @@ class FilmEncoder:
 
 @contextmanager
 def film_encoder(path: Path, source: Streams, size: tuple[int, int], frame_rate: float) -> Iterator[FilmEncoder]:
-    """What writes the RGBA frames that ``source`` gives, or ``take`` where that is a pipe.
+    """Writer of the RGBA frames that ``source`` gives, or ``take`` where that is a pipe.
 
     The film appears whole or not at all: whatever the block raises, the encoder is ended at once. Raises StudioError.
     """
@@ -92,7 +92,7 @@ def _command(part: Path, size: tuple[int, int], frame_rate: float) -> list[str]:
 
 
 def _frames_in(part: Path) -> int:
-    """How many frames are really in the file: ffmpeg does not say that it ran out of room."""
+    """Count of the frames that are really in the file: ffmpeg does not say that it ran out of room."""
     from imageio_ffmpeg import count_frames_and_secs
 
     try:

@@ -1,4 +1,4 @@
-"""What a file does not say: its unit, its floor, its frame rate, where the motion begins."""
+"""Guesses of what a file does not say: unit, floor, frame rate, first frame of the motion."""
 
 from dataclasses import replace
 from typing import NamedTuple

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ImportOptions:
-    """What the user knows better; None is guessed and listed."""
+    """Import settings of the user; what is None is guessed and listed."""
 
     unit: str | None = None
     """``m``, ``dm``, ``cm``, ``mm``, ``inch``, ``foot``, ``cmu``, ``unknown``, or metres a unit as a number."""
@@ -30,9 +30,9 @@ class ImportOptions:
     reference: str | Mapping[str, Sequence[float]] | None = None
     """``zero``, the number of a frame, or the pose itself: local rotations (x, y, z, w) by joint."""
     marker_map: "MarkerMap | None" = None
-    """Which markers of an optical capture lie at which places of the body."""
+    """Places of the body by markers of an optical capture."""
     marker_steps: "tuple[Step, ...] | None" = None
-    """How its markers are cleaned; None fills gaps."""
+    """Steps that clean its markers; None fills gaps."""
 
 
 GUESS_ALL = ImportOptions()
@@ -76,7 +76,7 @@ def load_capture(path: Path | str, options: ImportOptions = GUESS_ALL, progress:
 
 
 def known_of_motion(capture: Capture, said: Annotations, motion_id: str) -> Annotations:
-    """What a file has ``said`` of the motion of its ``capture``; contacts that it says nothing about are detected."""
+    """Annotations of a motion that its file has ``said``; contacts are detected where it says nothing."""
     from studio.core.normalized.normalize import detected_contacts  # late: it loads kernels
 
     said = said.of_motion(motion_id)

@@ -1,4 +1,4 @@
-"""What other programs call the joints of a body: ``resources/joint_names``, for files that are written."""
+"""Names of joints in other programs: ``resources/joint_names``, for files that are written."""
 
 import json
 from collections.abc import Mapping

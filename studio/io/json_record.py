@@ -82,7 +82,7 @@ class Record:
         return float(value)
 
     def flag(self, key: str) -> bool:
-        """Whether ``key`` is true."""
+        """True if ``key`` is true."""
         return self.value.get(key) is True
 
     def items(self) -> Iterator[tuple[str, "Record"]]:

@@ -19,7 +19,7 @@ DEEPEST_RECORD = 100
 LONGEST_NUMBER = 1000
 """Digits of a whole number."""
 _ESCAPE, _STRING = re.compile(rb"\\.", re.DOTALL), re.compile(rb'"[^"]*"?')
-"""What is taken out before brackets are counted: brackets in names nest nothing."""
+"""Strings, left out before brackets are counted: brackets in names nest nothing."""
 _OPENING, _CLOSING = np.zeros((2, 256), dtype=np.int32)
 _OPENING[list(b"[{")] = _CLOSING[list(b"]}")] = 1
 
@@ -34,7 +34,7 @@ def read_json(path: Path, largest: int = LARGEST_REFERENCED_FILE) -> Any:
 
 
 def json_of(content: bytes, parse_float: Parse | None = None, parse_constant: Parse | None = None) -> Any:
-    """What ``content`` says; ``parse_float`` and ``parse_constant`` as for ``json.loads``.
+    """Value in ``content``; ``parse_float`` and ``parse_constant`` as for ``json.loads``.
 
     Raises ValueError, also for what is nested too deeply, half characters and whole numbers beyond all bounds.
     """

@@ -85,7 +85,7 @@ def lines_of(content: bytes, start: int = 0) -> list[bytes]:
 
 
 def count_per_line(lines: list[bytes]) -> NDArray[np.int64]:
-    """How many words each line has."""
+    """Count of the words of each line."""
     from studio.core.kernels.decimals import count_words  # late: it loads numba
 
     counts = np.zeros(len(lines), dtype=np.int64)

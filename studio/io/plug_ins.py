@@ -1,4 +1,4 @@
-"""What installed packages add to the studio by entry points: kinds of files, verbs, panels.
+"""Plug-ins of installed packages, found by entry points: kinds of files, verbs, panels.
 
 A package names what it adds in its ``pyproject.toml``, for example a verb:
 
@@ -47,7 +47,7 @@ class Offer:
 
     entry: EntryPoint
     words: str
-    """What it would add, such as ``verb``."""
+    """Kind of plug-in, such as ``verb``."""
 
     @property
     def name(self) -> str:
@@ -60,7 +60,7 @@ class Offer:
         return self.entry.dist.name if self.entry.dist else self.entry.value
 
     def load(self, accepted: Callable[[Any], T]) -> T:
-        """What ``accepted`` makes of the object; raises StudioError, whatever the package raises."""
+        """Load the object and return what ``accepted`` makes of it; raises StudioError, whatever the package raises."""
         try:
             return accepted(self.entry.load())
         except Exception as error:  # another's code may raise anything

@@ -66,7 +66,7 @@ class ReadCharacter:
     joints: Mapping[str, str] = field(default_factory=dict)
     """The file's own joints by part, where it has joints of its own."""
     moves: bool = False
-    """Whether the file holds a motion too, to be read as a capture."""
+    """True if the file holds a motion too, to be read as a capture."""
 
 
 @dataclass(frozen=True)
@@ -98,16 +98,16 @@ class Format:
 
     @property
     def reads(self) -> list[str]:
-        """What it can be read as: ``capture``, ``character``."""
+        """Kinds of content that can be read: ``capture``, ``character``."""
         return [what for what in ("capture", "character") if getattr(self, f"{what}_reader")]
 
     @property
     def writes(self) -> list[str]:
-        """What can be written to it: ``motion``, ``stage``, ``character``."""
+        """Kinds of content that can be written: ``motion``, ``stage``, ``character``."""
         return [what for what in ("motion", "stage", "character") if getattr(self, f"{what}_writer")]
 
     def recognises(self, head: bytes) -> bool:
-        """Whether a file that begins with ``head`` is one of this kind."""
+        """True if a file that begins with ``head`` is one of this kind."""
         return bool(self.sniff) and bool(self._function("sniff")(head))
 
     def read(self, path: Path, options: "ImportOptions", progress: Progress) -> ReadCapture | ReadCharacter:
@@ -280,7 +280,7 @@ def _check_size(capture: "Capture", path: Path) -> None:
 
 @dataclass(frozen=True)
 class KnownFormats:
-    """What there is, and what there could be: for each entry point that failed, who and why."""
+    """Known formats, and a sentence for each entry point that failed."""
 
     formats: tuple[Format, ...]
     failures: tuple[str, ...]

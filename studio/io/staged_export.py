@@ -1,4 +1,4 @@
-"""What a performer of a stage plays, as a file: its row of clips on its character."""
+"""Export of a performer of a stage: its row of clips on its character."""
 
 import re
 from dataclasses import replace
@@ -28,7 +28,7 @@ def safe_name(name: str) -> str:
 
 
 def take_of_performer(project: Project, performer_id: str, performance: Performance, *, along: bool = False) -> Take:
-    """What one performer plays on its character; ``along`` has it carry the other joints of its only capture."""
+    """Take of one performer on its character; ``along`` has it carry the other joints of its only capture."""
     performer = project.performers[performer_id]
     character = project.characters[performer.character_id]
     clips = performer.clips

@@ -24,7 +24,7 @@ FILE_AXES = MappingProxyType({"Y": _Y, "Z": _Z, "X": _X, "-Y": _Y @ _ABOUT_X, "-
 about a level axis from there."""
 BVH_USE = MappingProxyType({"Y": 0.2, "Z": 0.15, "-Y": -0.1, "-Z": -0.05, "-X": -0.05})
 C3D_USE = MappingProxyType({"Z": 0.2, "Y": 0.15})
-"""How usual an axis is among files that do not say theirs, in units of the score."""
+"""Prior of an axis among files that do not say theirs, in units of the score."""
 _SAID = 0.6
 """The same for the axis that the format, or the file, says."""
 _AT_REST, _SUPPORTED = 0.4, 2.0
@@ -105,7 +105,7 @@ def turn_to_world(up_axis: str) -> FloatArray:
 def guess_up_axis(
     body: BodyPoints, usual: dict[str, float] | MappingProxyType[str, float], rest: FloatArray | None = None
 ) -> Guess:
-    """Which direction of the file is up, by where the body stands and moves, ``usual`` axes and the rest pose.
+    """Guess of the up direction of a file, by the standing and moving body, ``usual`` axes and the rest pose.
 
     ``rest`` (3,) is the direction from ankles to shoulders at rest. The highest score of the six axes wins: the body
     stands along it in one line, lies above what rests on the ground, whose level keeps its height, near zero.

@@ -24,7 +24,7 @@ _DAMAGE = (
     *(zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error, EOFError, OSError),
     *(KeyError, OverflowError, NotImplementedError, RuntimeError, MemoryError),
 )
-"""What zipfile, and whatever unpacks for it, raise over bytes that are no archive."""
+"""Errors that zipfile and its decompressors raise over bytes that are no archive."""
 
 
 class UnpacksTooFarError(ValueError):

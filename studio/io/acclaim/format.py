@@ -8,5 +8,5 @@ _BEGINNING = re.compile(
 
 
 def is_acclaim(head: bytes) -> bool:
-    """Whether a file that begins with ``head`` is a skeleton or a motion of Acclaim's: a keyword after comments."""
+    """True if a file that begins with ``head`` is a skeleton or a motion of Acclaim's: a keyword after comments."""
     return _BEGINNING.match(head) is not None

@@ -22,7 +22,7 @@ _SHOWN = 3
 
 @dataclass(frozen=True)
 class AmcMotion:
-    """What an AMC file says, as written."""
+    """Content of an AMC file, as written."""
 
     values: Mapping[str, FloatArray]
     """For each bone that moves (F, C), in the order of its channels."""
@@ -105,7 +105,7 @@ def _strangers(file: str, names: list[str], channels: Mapping[str, tuple[str, ..
 
 
 def _ends_within_a_frame(frames: NDArray[np.int64], short: NDArray[np.bool_]) -> bool:
-    """Whether the last of several frames has fewer bones than the one before, or its last bone too few numbers.
+    """True if the last of several frames has fewer bones than the one before, or its last bone too few numbers.
 
     ``frames`` (L,) of each line of a bone, in order; ``short`` (L,) the lines that have too few numbers.
     """

@@ -37,7 +37,7 @@ class AsfSkeleton:
     channels: tuple[tuple[str, ...], ...]
     """For each joint what an AMC file says of it, in its order: ``tx`` to ``tz``, ``rx`` to ``rz``, ``l``."""
     degrees: bool
-    """Whether angles are in degrees where the motion does not say."""
+    """True if angles are in degrees where the motion does not say."""
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,7 @@ _LOOKED_AT = 128
 
 
 class JointRecording(Protocol):
-    """What a file says of joints that move, in its own units and axes."""
+    """Moving joints of a file, in its own units and axes."""
 
     @property
     def skeleton(self) -> Skeleton: ...

@@ -7,7 +7,7 @@ from studio.io.registry import Progress
 
 
 def is_bvh(head: bytes) -> bool:
-    """Whether a file that begins with ``head`` is a BVH file."""
+    """True if a file that begins with ``head`` is a BVH file."""
     return head.lstrip(b"\xef\xbb\xbf \t\r\n")[:9].upper() == b"HIERARCHY"
 
 

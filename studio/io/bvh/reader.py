@@ -44,14 +44,14 @@ _MOTION = re.compile(rb"(?:\A|[\r\n}])[ \t]*(MOTION)[ \t]*(?=[\r\n]|\Z)", re.IGN
 
 @dataclass(frozen=True)
 class BvhFile:
-    """What a BVH file says, in its own units and axes, with what had to be repaired to read it."""
+    """Content of a BVH file, in its own units and axes, with the repairs that it took to read it."""
 
     name: str
     skeleton: Skeleton
     channels: tuple[tuple[str, ...], ...]
     """For each joint its channels in the order of the file (``Zrotation``); empty for end sites."""
     moved_from_offsets: bool
-    """Whether positions, the first joint's aside, count from the offsets instead of replacing them."""
+    """True if positions, the first joint's aside, count from the offsets instead of replacing them."""
     frames: FloatArray
     """(F, C) as written: file units and degrees."""
     frame_time: float | None
@@ -129,7 +129,7 @@ def _first_with_positions(channels: Sequence[tuple[str, ...]]) -> int:
 def _moved_from_offsets(
     name: str, channels: list[tuple[str, ...]], offsets: FloatArray, frames: FloatArray, repairs: list[str]
 ) -> bool:
-    """Whether most joints with positions, the first aside, stay near zero though their bones are long.
+    """True if most joints with positions, the first aside, stay near zero though their bones are long.
 
     As a rule a position replaces the offset; read so, these files would have no bones.
     """

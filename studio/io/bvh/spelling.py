@@ -1,4 +1,4 @@
-"""What some programs write into BVH files beside BVH: comments, the DOS mark of the end, commas, semicolons."""
+"""Dialects of BVH files: comments, the DOS mark of the end, commas, semicolons."""
 
 import re
 

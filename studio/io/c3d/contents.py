@@ -1,4 +1,4 @@
-"""What the parameters of a C3D file say about its numbers: labels, kinds, units, signals, plates, events, measures."""
+"""Contents of the parameters of a C3D file: labels, kinds, units, signals, plates, events, measures."""
 
 import numpy as np
 from numpy.typing import NDArray

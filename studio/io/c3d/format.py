@@ -17,7 +17,7 @@ _SIDES = ("Left", "Right")
 
 
 def is_c3d(head: bytes) -> bool:
-    """Whether a file that begins so may be C3D: the block of its parameters, the mark 80, and in that block the kind
+    """True if a file that begins so may be C3D: the block of its parameters, the mark 80, and in that block the kind
     of processor, as far as ``head`` reaches."""
     if len(head) < 2 or head[0] < 2 or head[1] != 0x50:
         return False

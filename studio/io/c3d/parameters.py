@@ -24,7 +24,7 @@ _MOST_DIMENSIONS = 7
 
 @dataclass(frozen=True)
 class Numbers:
-    """How the machine that wrote the file stores numbers."""
+    """Number format of the machine that wrote the file."""
 
     order: Order
 

@@ -150,7 +150,7 @@ def _header(name: str, content: bytes, parameters: Parameters, repairs: list[str
 
 
 def _without_points(unsigned: list[int], channels: int, parameters: Parameters) -> str:
-    """What a file says that it holds in the place of points, and what to do."""
+    """Sentence for a file without points: what it says that it holds, and what to do."""
     samples = max(unsigned[4] - unsigned[3] + 1, 0) * unsigned[9]
     rotations = int(parameters.number("ROTATION", "USED") or 0)
     held = [f"{channels} signals of {samples} samples"] if channels else []
@@ -196,7 +196,7 @@ def _scale(name: str, header: float, parameters: Parameters, repairs: list[str])
 
 
 def _differ(header: float, parameter: float) -> bool:
-    """Whether they are not one number written in two ways, as 60 Hz and 59.94."""
+    """True if they are not one number written in two ways, as 60 Hz and 59.94."""
     return not math.isclose(header, parameter, rel_tol=2e-3)
 
 
@@ -227,7 +227,7 @@ def _frame_rate(name: str, header: float, parameters: Parameters, repairs: list[
 def _frames(
     name: str, content: bytes, unsigned: list[int], header: _Header, parameters: Parameters, repairs: list[str]
 ) -> int:
-    """How many frames there are: as said where 16 bits suffice to say it, else by the longest that is there."""
+    """Count of frames: as said where 16 bits suffice, else the largest of the counts in the file."""
     there = (len(content) - header.data_start) // header.bytes_a_frame
     start, end = (_long(parameters, f"ACTUAL_{which}_FIELD") for which in ("START", "END"))
     told = unsigned[4] - unsigned[3] + 1 if unsigned[4] >= unsigned[3] else 0

@@ -10,7 +10,7 @@ MOST_CORNERS = 4_000_000
 
 
 def meshes_of(nodes: list[Any], joints: dict[int, int]) -> tuple[list[dict[str, Any]], dict[str, FloatArray]]:
-    """What is told of each mesh of the nodes, and its arrays, by number and name; ``joints`` by the ids of their nodes.
+    """Record of each mesh of the nodes, and its arrays, by number and name; ``joints`` by the ids of their nodes.
 
     Vertices stand as they were bound; ``carrier`` is the joint from which one hangs as a whole, -1 for a skinned one.
     ``bind`` (J, 3, 4) are the joints as they were bound, NaN where nothing tells.

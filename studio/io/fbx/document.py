@@ -16,7 +16,7 @@ from studio.io.fbx.binary import CREATION_TIME, FBX_VERSION, FILE_ID, FbxElement
 FloatArray = NDArray[np.float64]
 
 TICKS = 46_186_158_000
-"""Of a second."""
+"""Units of FBX's time in a second."""
 _TIME_MODES = {120: 1, 100: 2, 60: 3, 50: 4, 48: 5, 30: 6, 25: 10, 24: 11, 1000: 12, 96: 15, 72: 16}
 """The format's numbers of frame rates in Hz."""
 _CUSTOM_TIME_MODE = 14

@@ -1,4 +1,4 @@
-"""What ufbx hands out, for the child process that reads FBX: kept, as lists, as numbers.
+"""Objects of ufbx, for the child process that reads FBX: kept alive, as lists, as numbers.
 
 In ufbx 0.0.5 an object that Python lets go of takes memory with it that others still need: ``_kept`` holds all of them.
 """
@@ -21,13 +21,13 @@ def keep(thing: Any) -> Any:
 
 
 def all_of(things: Any) -> list[Any]:
-    """What one of ufbx's lists of objects holds."""
+    """Elements of one of ufbx's lists of objects."""
     keep(things)
     return [keep(things[place]) for place in range(len(things))]
 
 
 def numbers_of(things: Any) -> list[Any]:
-    """What one of ufbx's lists of numbers, or vectors, holds."""
+    """Array of one of ufbx's lists of numbers or vectors."""
     keep(things)
     return [things[place] for place in range(len(things))]
 

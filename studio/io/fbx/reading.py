@@ -25,12 +25,12 @@ Arrays = Mapping[str, NDArray[Any]]
 
 
 def is_fbx(head: bytes) -> bool:
-    """Whether a file that begins with ``head`` is an FBX file, binary or text."""
+    """True if a file that begins with ``head`` is an FBX file, binary or text."""
     return head.startswith((b"Kaydara FBX Binary", b"; FBX"))
 
 
 def read_arrays(path: Path, what: str, progress: Progress) -> Arrays:
-    """What ``child`` has read: ``motion``, ``figure`` or ``either``. Raises StudioError with what to do."""
+    """Arrays that ``child`` has read: ``motion``, ``figure`` or ``either``. Raises StudioError with what to do."""
     if find_spec("ufbx") is None:
         raise StudioError(
             f"{path.name}: FBX is read with the package 'ufbx' (`pip install morpho-studio[fbx]`). Or: {FBX_ADVICE}"

@@ -121,7 +121,7 @@ def _put_joints(document: FbxDocument, take: Take, parent: Long, progress: Share
 
 
 def node(*rows: FbxElement, order: int = 0) -> list[FbxElement]:
-    """What every node has, with ``rows`` of its own; ``order`` is that of its three rotations."""
+    """Properties of a node, with ``rows`` of its own; ``order`` is that of its three rotations."""
     common = [
         row("RotationActive", "bool", "", "", 1),
         choice("RotationOrder", order),

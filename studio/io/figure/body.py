@@ -63,7 +63,7 @@ class _Body:
 
     @property
     def fault(self) -> float:
-        """How unlike a human at ease it stands."""
+        """Distance of its pose from that of a human at ease."""
         return float(faults(self.points[None], self.body_map).max())
 
 
@@ -305,7 +305,7 @@ def _rig(
 
 
 def _worn(figure: Figure, segments: IntArray, spine_count: int, repairs: list[str]) -> list[MeshPiece]:
-    """What belongs to the body: not what only lies in hands that are drawn already."""
+    """Pieces that belong to the body, without those that only lie in hands that are drawn already."""
     hands = {spine_count + 5, spine_count + 9}
     drawn = {
         int(segment)

@@ -1,4 +1,4 @@
-"""Which joints play which parts, by the naming tables in ``resources/body_maps``."""
+"""Body maps of skeletons, by the naming tables in ``resources/body_maps``."""
 
 import json
 import re
@@ -198,7 +198,7 @@ def _numberless(name: str, key: Callable[[str], str]) -> str:
 
 
 def _suffixes(name: str) -> Iterator[str]:
-    """What follows the first two separators, and what follows ``mixamorig`` and its like without one."""
+    """Endings of a name behind its first two separators, and behind ``mixamorig`` and its like without one."""
     for separator in list(re.finditer(r"[:_ .|-]", name))[:3]:
         yield name[separator.end() :]
     if run_in := re.match(r"mixamorig\d*|bip\d+|character\d+", name, re.IGNORECASE):
@@ -221,7 +221,7 @@ def _fixed(skeleton: Skeleton, chosen: Mapping[str, str]) -> dict[BodyPart, list
 def _overruled(
     found: BodyMap, skeleton: Skeleton, chosen: Mapping[str, str], fixed: Mapping[BodyPart, list[int]]
 ) -> BodyMap:
-    """What the user chose stands, also where the search would have decided by topology."""
+    """Put the user's choices into a match, also where the search would have decided by topology."""
     if not chosen:
         return found
     parts = {part: joint for part, joint in found.parts.items() if part not in fixed}

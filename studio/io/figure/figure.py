@@ -33,7 +33,7 @@ class MeshPiece:
     weights: FloatArray
     material: Material | None = None
     rigid: bool = False
-    """Whether it hangs from one joint as a whole."""
+    """True if it hangs from one joint as a whole."""
     name: str = ""
 
 
@@ -70,5 +70,5 @@ class Figure:
     metres: float = 1.0
     """Metres a unit as the file, or the format's own rule, says."""
     moves: bool = False
-    """Whether the file holds a motion of it too."""
+    """True if the file holds a motion of it too."""
     repairs: tuple[str, ...] = ()

@@ -25,7 +25,7 @@ class Accessors:
 
     @property
     def count(self) -> int:
-        """How many there are."""
+        """Count of its elements."""
         return len(self._records)
 
     def numbers(self, index: int, width: int, missing: bool = False) -> FloatArray:

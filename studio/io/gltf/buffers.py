@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 VERTICES, TRIANGLES = 34962, 34963
-"""What a view is for, where a graphics card takes it: ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER."""
+"""Targets of views that a graphics card takes: ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER."""
 _COMPONENTS = {np.dtype("u1"): 5121, np.dtype("<u2"): 5123, np.dtype("<u4"): 5125, np.dtype("<f4"): 5126}
 _TYPES = {(): "SCALAR", (2,): "VEC2", (3,): "VEC3", (4,): "VEC4", (4, 4): "MAT4"}
 

@@ -36,10 +36,10 @@ _SPARSE = 1.0 / 15.0
 _USUAL_RATE = 30.0
 _DIGIT = 1e-4
 _EVEN = 0.05
-"""Of a step: keys whose distances differ by less are evenly spaced."""
+"""Parts of a step by which the distances of evenly spaced keys may differ."""
 _SPARE_POSES = 2_500_000
 _DRAWN = {"mesh", "camera"}
-"""What makes a node a thing that is shown and no joint."""
+"""Fields of a node that is drawn and no joint."""
 _PIECE = 1024
 """Frames whose matrices are made at a time."""
 _LOOKED_AT = 128

@@ -36,7 +36,7 @@ class GltfFile:
 
 
 def is_gltf(head: bytes) -> bool:
-    """Whether a file that begins with ``head`` is one."""
+    """True if a file that begins with ``head`` is one."""
     return head[:4] == MAGIC or (head.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] == b"{" and b'"asset"' in head)
 
 

@@ -16,7 +16,7 @@ from studio.io.json_record import Record
 
 @dataclass(frozen=True, eq=False)
 class Placing:
-    """Which set of texture coordinates a texture follows, and how they are moved (KHR_texture_transform)."""
+    """Set of texture coordinates of a texture, and their transform (KHR_texture_transform)."""
 
     set: int
     form: NDArray[np.float64]
@@ -26,7 +26,7 @@ class Placing:
 
     @classmethod
     def of(cls, slot: Record) -> "Placing":
-        """What a texture's record says; its ``extensions`` overrule the set."""
+        """Coordinates in a texture's record; its ``extensions`` overrule the set."""
         moved = slot.inner("extensions").inner("KHR_texture_transform")
         angle = moved.number("rotation", 0.0)
         c, s = np.cos(angle), np.sin(angle)
@@ -52,7 +52,7 @@ class Materials:
 
     @property
     def count(self) -> int:
-        """How many there are."""
+        """Count of its elements."""
         return len(self._materials)
 
     def __getitem__(self, index: int) -> tuple[Material, "Placing"]:

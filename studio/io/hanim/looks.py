@@ -25,7 +25,7 @@ class Looks:
         self._materials: dict[tuple[str, int, bool], Material] = {}
 
     def material(self, shape: SceneNode, two_sided: bool) -> Material:
-        """How a Shape looks."""
+        """Material of a Shape."""
         appearance = shape.node("appearance")
         texture = self._texture(appearance.node("texture")) if appearance is not None else None
         colour = "#FFFFFF" if texture is not None else _colour(appearance)

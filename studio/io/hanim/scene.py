@@ -87,7 +87,7 @@ class SceneNode:
         return [item for item in value if isinstance(item, str)] if isinstance(value, list) else []
 
     def flag(self, name: str, default: bool) -> bool:
-        """Whether a field is true."""
+        """True if a field is true."""
         value = self.fields.get(name)
         return value.strip().upper() == "TRUE" if isinstance(value, str) else default
 

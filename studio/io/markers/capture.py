@@ -66,7 +66,7 @@ def capture_of_take(
 
 
 def _there(take: MarkerTake) -> MarkerMap:
-    """What of the map this trial ever shows."""
+    """The map restricted to markers that this trial shows."""
     return take.marker_map.among(seen_labels(take.trial, take.subject, (MARKER_KIND, VIRTUAL_KIND)).values())
 
 
@@ -216,7 +216,7 @@ def _body_guesses(
     solved: SolvedBody,
     off: Mapping[str, FloatArray],
 ) -> list[Guess]:
-    """What was assumed of the body; ``off`` (N,) are metres from each joint to its centre, where that is seen."""
+    """Guesses about the body; ``off`` (N,) are metres from each joint to its centre, where that is seen."""
     used = _there(take)
     first = followed.first_frame
     every = np.concatenate(list(off.values()))
@@ -286,7 +286,7 @@ def _side_guesses(take: MarkerTake) -> list[Guess]:
 
 
 def _not_shown(take: MarkerTake, used: MarkerMap, resting: Sequence[str]) -> Guess:
-    """What rests, the places that it lacks, and the markers that may lie there: they are at no place of the map."""
+    """Guess about limbs that rest: the places that they lack, and unused markers that may lie there."""
     there = {*used.markers, *used.centres}
     sentences = []
     for part in resting:

@@ -44,7 +44,7 @@ class Element:
 
     @property
     def is_plain(self) -> bool:
-        """Whether no property is a list."""
+        """True if no property is a list."""
         return all(len(types) == 1 for _, types in self.properties)
 
 

@@ -1,4 +1,4 @@
-"""What a reader of meshes gathers: points, and polygons cut into triangles."""
+"""Points and polygons of a mesh that is read, cut into triangles."""
 
 from array import array
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ FARTHEST_INDEX = 1 << 53
 
 
 class MeshError(ValueError):
-    """What is wrong with a file, to follow its name."""
+    """Fault of a file, in words that follow its name."""
 
 
 class Corners:

@@ -32,7 +32,7 @@ Stamp = tuple[int, int, int]
 
 @dataclass
 class Archive:
-    """What could be read: intact members by name, names of damaged ones, and whether the seal is unbroken."""
+    """Members that could be read, names of damaged ones, and a flag for an unbroken seal."""
 
     members: dict[str, bytes] = field(default_factory=dict)
     damaged: list[str] = field(default_factory=list)

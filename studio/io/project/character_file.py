@@ -36,14 +36,14 @@ CHARACTER_FORMAT = "morpho-studio character"
 CHARACTER_VERSION = 1
 _LIMIT = 200_000_000
 _DAMAGE = (KeyError, ValueError, TypeError, ArithmeticError)
-"""What comes of arrays that are no mesh."""
+"""Errors that arrays raise that are no mesh."""
 _MEMBERS = ("vertices", "normals", "centres", "triangles", "segments", "weights")
 _RIG = ("parents", "positions", "rotations", "segments", "joints", "weights")
 _LOOK = ("triangle_materials", "coordinates")
 
 
 def is_character(head: bytes) -> bool:
-    """Whether a file that begins with ``head`` is a character of ours."""
+    """True if a file that begins with ``head`` is a character of ours."""
     return CHARACTER_FORMAT.encode() in head
 
 

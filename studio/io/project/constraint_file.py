@@ -42,7 +42,7 @@ _USUAL: Mapping[str, Json] = {"priority": 0, "chain": {}}
 
 @dataclass(frozen=True)
 class ConstraintFile:
-    """What such a file holds; ``contacts`` is None where it says nothing about them, ``props`` are by id."""
+    """Content of such a file; ``contacts`` is None where it says nothing about them, ``props`` are by id."""
 
     constraints: tuple[Constraint, ...]
     contacts: tuple[ContactInterval, ...] | None

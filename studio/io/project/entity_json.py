@@ -126,7 +126,7 @@ def entity_of(collection: str, record: Json, load: Callable[[str], Array]) -> En
 
 
 def is_known(collection: str, record: Json) -> bool:
-    """Whether this version understands the record; what it does not is carried through as it is."""
+    """True if this version understands the record; what it does not is carried through as it is."""
     schema = record.get("schema", 1)
     return schema <= ENTITY_SCHEMAS[collection] and _class_of(collection, record) is not None
 

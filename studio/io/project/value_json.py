@@ -87,7 +87,7 @@ def from_json(record: Json, hint: Any, members: MemberCodec) -> Any:
 
 
 def unknown_fields(record: Json, hint: Any) -> dict[str, Json]:
-    """What stands in ``record`` and its inner records but in no field of the dataclass ``hint``.
+    """Entries of ``record`` and its inner records that are no fields of the dataclass ``hint``.
 
     For a list of records it is a list as long, where any of them has something unknown.
     """

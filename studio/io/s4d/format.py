@@ -16,7 +16,7 @@ _NORMALISED = 0.3
 
 
 def is_s4d(head: bytes) -> bool:
-    """Whether a file that begins with ``head`` is an S4D file: a ZIP whose first member is the record."""
+    """True if a file that begins with ``head`` is an S4D file: a ZIP whose first member is the record."""
     return head.startswith(b"PK\x03\x04") and head[30 : 30 + len(_FIRST_MEMBER)] == _FIRST_MEMBER
 
 

@@ -76,7 +76,7 @@ class _Record:
 
 
 def read_s4d(path: Path, motion_id: str = "") -> S4d:
-    """What the file at ``path`` holds; contacts and constraints become those of ``motion_id``.
+    """Content of the file at ``path``; contacts and constraints become those of ``motion_id``.
 
     Raises StudioError naming the file, the member and what to do.
     """

@@ -30,7 +30,7 @@ S4D_FORMAT, S4D_VERSION = "S4D", 1
 RECORD, CHANNELS, ROTATIONS, TRANSLATIONS = "s4d.json", "channels.npy", "rotations.npy", "translations.npy"
 
 NUMBER_STEP = 2.0**-17
-"""What stored numbers are multiples of: 8 micrometres, or 0.0004 degrees, so that a ZIP can pack float32 well."""
+"""Quantum of stored numbers: 8 micrometres, or 0.0004 degrees, so that a ZIP packs float32 well."""
 _UNROUNDED = slice(at.LIMB_SLACK, at.LIMB_OFF_PLANE + 4)
 """Channels whose square root places elbow and knee of a straight limb: kept as float32 has them."""
 _STILL = 1e-9
@@ -38,7 +38,7 @@ _STILL = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class S4d:
-    """What an S4D file holds; ``motion`` and ``actor`` are those of ``capture``."""
+    """Record of an S4D file; ``motion`` and ``actor`` are those of ``capture``."""
 
     capture: Capture
     motion: NormalizedMotion

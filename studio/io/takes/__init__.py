@@ -1,1 +1,1 @@
-"""What a take is made of on its way out: a whole stage of takes, a character's own joints."""
+"""Takes to be exported: those of a whole stage, and those on a character's own joints."""

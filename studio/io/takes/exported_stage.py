@@ -38,12 +38,12 @@ class ExportedProp:
 
     @property
     def material(self) -> Material:
-        """What it is made of."""
+        """Material of the prop."""
         return Material(self.name, PROP_COLOUR)
 
     @property
     def is_still(self) -> bool:
-        """Whether it never moves."""
+        """True if it never moves."""
         return not (np.ptp(self.places, axis=0).any() or np.ptp(self.rotations, axis=0).any())
 
 

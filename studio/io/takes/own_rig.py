@@ -102,7 +102,7 @@ def _local(parents: NDArray[np.int64], turns: FloatArray, places: FloatArray) ->
 
 
 def _body_map(rig: Rig, spine_count: int) -> BodyMap:
-    """Which joint plays which part: the first that moves with its segment."""
+    """Body map: for each part the first joint that moves with its segment."""
     first = {int(segment): int(np.argmax(rig.segments == segment)) for segment in np.unique(rig.segments)}
     spine = tuple(first[segment] for segment in range(spine_count) if segment in first)
     layout = BodyLayout(spine_count)

@@ -2,5 +2,5 @@
 
 
 def is_trc(head: bytes) -> bool:
-    """Whether a file that begins with ``head`` is a TRC file."""
+    """True if a file that begins with ``head`` is a TRC file."""
     return head.lstrip(b"\xef\xbb\xbf \t\r\n")[:12].lower() == b"pathfiletype"

@@ -27,7 +27,7 @@ _FARTHEST = 1e6
 
 @dataclass(frozen=True)
 class TrcFile:
-    """What a TRC file says, in its own unit and axes, and what had to be repaired to read it."""
+    """Content of a TRC file, in its own unit and axes, and the repairs that it took to read it."""
 
     trial: Trial
     repairs: tuple[str, ...]
@@ -67,7 +67,7 @@ def read_trc(path: Path, progress: Callable[[float], object] = lambda share: Non
 
 
 def _header(keys: bytes, values: bytes) -> dict[str, str]:
-    """What the second and third line say, by keys in lower case."""
+    """Values of the third line by the keys of the second, in lower case."""
     words = [line.decode("utf-8", "replace").lower().split() for line in (keys, values)]
     return dict(zip(*words, strict=False))
 
