@@ -27,7 +27,10 @@ _ENDS = 1e-6
 
 @dataclass(frozen=True)
 class ExportOptions:
-    """Options of an export; an empty one keeps what the take has: a T-pose and HumanIK's names for characters."""
+    """Options of an export; an empty one keeps what the take has.
+
+    That is a T-pose and HumanIK's names for characters, a capture's own for a capture.
+    """
 
     joint_names: str = ""
     """A key of ``joint_names.joint_namings``; without one a character that has joints of its own keeps these."""

@@ -30,7 +30,7 @@ class ImportOptions:
     reference: str | Mapping[str, Sequence[float]] | None = None
     """``zero``, the number of a frame, or the pose itself: local rotations (x, y, z, w) by joint."""
     marker_map: "MarkerMap | None" = None
-    """Places of the body by markers of an optical capture."""
+    """Markers of an optical capture by their places on the body."""
     marker_steps: "tuple[Step, ...] | None" = None
     """Steps that clean its markers; None fills gaps."""
 

@@ -19,7 +19,7 @@ DEEPEST_RECORD = 100
 LONGEST_NUMBER = 1000
 """Digits of a whole number."""
 _ESCAPE, _STRING = re.compile(rb"\\.", re.DOTALL), re.compile(rb'"[^"]*"?')
-"""Strings, left out before brackets are counted: brackets in names nest nothing."""
+"""Escapes and strings, left out before brackets are counted: brackets in names nest nothing."""
 _OPENING, _CLOSING = np.zeros((2, 256), dtype=np.int32)
 _OPENING[list(b"[{")] = _CLOSING[list(b"]}")] = 1
 

@@ -275,7 +275,7 @@ class _Body:
 
 
 def _stature(joints: Tracks) -> float:
-    """Stature in metres by legs, 0.491 of it, else by arms, 0.332 of it."""
+    """Stature in metres by legs, 0.491 of it, else by arms, 0.332 of it, else 1.75."""
     for names, share in ((("hip", "knee", "ankle"), _LEG), (("shoulder", "elbow", "wrist"), _UPPER_ARM + _FOREARM)):
         if f"left_{names[0]}" in joints:
             lengths = [

@@ -227,7 +227,10 @@ def _frame_rate(name: str, header: float, parameters: Parameters, repairs: list[
 def _frames(
     name: str, content: bytes, unsigned: list[int], header: _Header, parameters: Parameters, repairs: list[str]
 ) -> int:
-    """Count of frames: as said where 16 bits suffice, else the largest of the counts in the file."""
+    """Count of frames by ACTUAL_START_FIELD and ACTUAL_END_FIELD, else header, else POINT:FRAMES; at most those there.
+
+    Where 16 bits are full, LONG_FRAMES is believed first, else the largest of these counts.
+    """
     there = (len(content) - header.data_start) // header.bytes_a_frame
     start, end = (_long(parameters, f"ACTUAL_{which}_FIELD") for which in ("START", "END"))
     told = unsigned[4] - unsigned[3] + 1 if unsigned[4] >= unsigned[3] else 0

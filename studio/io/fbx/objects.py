@@ -27,7 +27,7 @@ def all_of(things: Any) -> list[Any]:
 
 
 def numbers_of(things: Any) -> list[Any]:
-    """Array of one of ufbx's lists of numbers or vectors."""
+    """Elements of one of ufbx's lists of numbers or vectors."""
     keep(things)
     return [things[place] for place in range(len(things))]
 

@@ -63,7 +63,7 @@ class _Body:
 
     @property
     def fault(self) -> float:
-        """Distance of its pose from that of a human at ease."""
+        """Largest deviation from the stance of a human at ease, in parts of what is tolerable."""
         return float(faults(self.points[None], self.body_map).max())
 
 

@@ -198,7 +198,7 @@ def _numberless(name: str, key: Callable[[str], str]) -> str:
 
 
 def _suffixes(name: str) -> Iterator[str]:
-    """Endings of a name behind its first two separators, and behind ``mixamorig`` and its like without one."""
+    """Endings of a name behind its first three separators, and behind ``mixamorig`` and its like without one."""
     for separator in list(re.finditer(r"[:_ .|-]", name))[:3]:
         yield name[separator.end() :]
     if run_in := re.match(r"mixamorig\d*|bip\d+|character\d+", name, re.IGNORECASE):

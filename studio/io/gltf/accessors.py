@@ -25,7 +25,7 @@ class Accessors:
 
     @property
     def count(self) -> int:
-        """Count of its elements."""
+        """Count of the accessors in the file."""
         return len(self._records)
 
     def numbers(self, index: int, width: int, missing: bool = False) -> FloatArray:

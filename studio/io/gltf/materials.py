@@ -52,7 +52,7 @@ class Materials:
 
     @property
     def count(self) -> int:
-        """Count of its elements."""
+        """Count of the materials in the file."""
         return len(self._materials)
 
     def __getitem__(self, index: int) -> tuple[Material, "Placing"]:

@@ -74,7 +74,7 @@ def find_subject(trial: Trial) -> str:
 
 
 def fitted(known: MarkerMap, labels: Iterable[str]) -> MarkerMap:
-    """The map of a trial, with the labels as it writes them: ``lasi`` or ``Skeleton_LASI`` for ``LASI``."""
+    """``known`` restricted to a trial's labels, as written there: ``lasi`` or ``Skeleton_LASI`` for ``LASI``."""
     labels = list(labels)
     named = {label.lower() for own in known.markers.values() for label in own} | {
         label.lower() for label in known.centres.values()

@@ -38,7 +38,7 @@ _STILL = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class S4d:
-    """Record of an S4D file; ``motion`` and ``actor`` are those of ``capture``."""
+    """Content of an S4D file; ``motion`` and ``actor`` are those of ``capture``."""
 
     capture: Capture
     motion: NormalizedMotion
