@@ -48,7 +48,7 @@ def _always(_: Workbench) -> bool:
 
 
 def _viewing(bench: Workbench) -> bool:
-    return bench.viewport is not None
+    return bench.has_viewport
 
 
 def _performing(bench: Workbench) -> bool:
@@ -60,7 +60,7 @@ def _ready(bench: Workbench) -> bool:
 
 
 def _keyed(bench: Workbench) -> bool:
-    return bench.timeline is not None and _performing(bench)
+    return bench.has_timeline and _performing(bench)
 
 
 def _with_bodies(bench: Workbench) -> bool:
@@ -338,10 +338,10 @@ VIEW = (
            _viewing, lambda bench: _viewing(bench) and bench.viewport.recording.named, ends_group=True),
     Action("dope_sheet", "View", "Dope sheet", view.toggle_dope_sheet, ("Shift+D",),
            "The timeline shows the keys of the selection, or of all", _keyed,
-           lambda bench: bench.timeline is not None and bench.timeline.dope),
+           lambda bench: bench.has_timeline and bench.timeline.dope),
     Action("curve_editor", "View", "Curve editor", view.toggle_curve_editor, ("Shift+E",),
            "The plot shows the values of what is selected, with keys and tangents", _keyed,
-           lambda bench: bench.timeline is not None and bench.timeline.editing_curves),
+           lambda bench: bench.has_timeline and bench.timeline.editing_curves),
     Action("fold_rows", "View", "Fold timeline rows", view.fold_rows, ("Shift+T",),
            "Show constraints and plot as single lines, or at full height", _keyed),
     Action("console", "View", "Python console", view.console, ("Ctrl+Shift+P",),
@@ -349,7 +349,7 @@ VIEW = (
     Action("problems", "View", "Table of problems", view.problems,
            tooltip="Every constraint by body: error, slide, penetration and peak, sorted by a click"),
     Action("arrange", "View", "Arrange panels", view.arrange, tooltip="Show title bars, so that panels can be moved",
-           checked=lambda bench: bool(bench.window and bench.window.arranging)),
+           checked=lambda bench: bench.window.arranging),
     Action("reset_layout", "View", "Reset layout", view.reset_layout, ends_group=True),
 )  # fmt: skip
 
