@@ -89,10 +89,6 @@ def _clip_shared(bench: Workbench) -> bool:
     return len(players_of(bench.document.project, clips.chosen_clip(bench) or "")) > 1
 
 
-def _picked(bench: Workbench) -> bool:
-    return _viewing(bench) and _performing(bench)
-
-
 @dataclass(frozen=True)
 class Action:
     """One thing the user can do. ``checked`` makes it a switch; ``tool`` puts it on the toolbar."""
@@ -201,7 +197,7 @@ CLIP = (
 def _adding(kind: str, shown: KindInfo) -> Action:
     """The action that adds a constraint of a kind; a position is what C adds."""
     name, keys = ("add_constraint", ("C",)) if kind == "position" else (f"add_{kind}", ())
-    return Action(name, "Constraint", shown.action, adder(kind), keys, shown.hint, _picked)
+    return Action(name, "Constraint", shown.action, adder(kind), keys, shown.hint, _ready)
 
 
 CONSTRAINT = (
