@@ -48,7 +48,6 @@ class ActionSet(QObject):
         bench.live.interactive_changed.connect(self.refresh)
         bench.live.play.running_changed.connect(self.refresh)
         bench.live.play.recording_changed.connect(self.refresh)
-        self.refresh()
 
     def refresh(self, *_: object) -> None:
         """Fetch what can be done now, what is switched on, and what undo would take back; after a drag, not in it."""

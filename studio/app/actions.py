@@ -48,7 +48,7 @@ def _always(_: Workbench) -> bool:
 
 
 def _viewing(bench: Workbench) -> bool:
-    return bench.viewport is not None
+    return bench.has_viewport
 
 
 def _performing(bench: Workbench) -> bool:
@@ -60,7 +60,7 @@ def _ready(bench: Workbench) -> bool:
 
 
 def _keyed(bench: Workbench) -> bool:
-    return bench.timeline is not None and _performing(bench)
+    return bench.has_timeline and _performing(bench)
 
 
 def _with_bodies(bench: Workbench) -> bool:
@@ -87,10 +87,6 @@ def _copyable(bench: Workbench) -> bool:
 
 def _clip_shared(bench: Workbench) -> bool:
     return len(players_of(bench.document.project, clips.chosen_clip(bench) or "")) > 1
-
-
-def _picked(bench: Workbench) -> bool:
-    return _viewing(bench) and _performing(bench)
 
 
 @dataclass(frozen=True)
@@ -201,7 +197,7 @@ CLIP = (
 def _adding(kind: str, shown: KindInfo) -> Action:
     """The action that adds a constraint of a kind; a position is what C adds."""
     name, keys = ("add_constraint", ("C",)) if kind == "position" else (f"add_{kind}", ())
-    return Action(name, "Constraint", shown.action, adder(kind), keys, shown.hint, _picked)
+    return Action(name, "Constraint", shown.action, adder(kind), keys, shown.hint, _ready)
 
 
 CONSTRAINT = (
@@ -338,10 +334,10 @@ VIEW = (
            _viewing, lambda bench: _viewing(bench) and bench.viewport.recording.named, ends_group=True),
     Action("dope_sheet", "View", "Dope sheet", view.toggle_dope_sheet, ("Shift+D",),
            "The timeline shows the keys of the selection, or of all", _keyed,
-           lambda bench: bench.timeline is not None and bench.timeline.dope),
+           lambda bench: bench.has_timeline and bench.timeline.dope),
     Action("curve_editor", "View", "Curve editor", view.toggle_curve_editor, ("Shift+E",),
            "The plot shows the values of what is selected, with keys and tangents", _keyed,
-           lambda bench: bench.timeline is not None and bench.timeline.editing_curves),
+           lambda bench: bench.has_timeline and bench.timeline.editing_curves),
     Action("fold_rows", "View", "Fold timeline rows", view.fold_rows, ("Shift+T",),
            "Show constraints and plot as single lines, or at full height", _keyed),
     Action("console", "View", "Python console", view.console, ("Ctrl+Shift+P",),
@@ -349,7 +345,7 @@ VIEW = (
     Action("problems", "View", "Table of problems", view.problems,
            tooltip="Every constraint by body: error, slide, penetration and peak, sorted by a click"),
     Action("arrange", "View", "Arrange panels", view.arrange, tooltip="Show title bars, so that panels can be moved",
-           checked=lambda bench: bool(bench.window and bench.window.arranging)),
+           checked=lambda bench: bench.window.arranging),
     Action("reset_layout", "View", "Reset layout", view.reset_layout, ends_group=True),
 )  # fmt: skip
 

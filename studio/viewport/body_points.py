@@ -55,4 +55,5 @@ def point_path(motion: AdaptedMotion, point: BodyPoint, rows: slice = slice(None
     segment = layout.segment(point.part)
     origin = (layout.distal_points() if point.at_end else layout.proximal_points())[segment]
     turned = motion.rotations[rows, segment] @ np.asarray(point.offset)
-    return motion.positions[rows, origin] + turned
+    path: NDArray[np.float64] = motion.positions[rows, origin] + turned
+    return path

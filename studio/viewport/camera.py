@@ -42,7 +42,8 @@ class OrbitCamera:
     @cached_property
     def eye(self) -> FloatArray:
         """(3,) where the camera stands, stage space."""
-        return np.asarray(self.target) + self.distance * self.axes[2]
+        eye: FloatArray = np.asarray(self.target) + self.distance * self.axes[2]
+        return eye
 
     def orbited(self, azimuth: float, elevation: float) -> Self:
         """Turned about its target by angles in radians; it never rolls over the top."""

@@ -103,7 +103,8 @@ class StageScene:
         self._shading.turn(tuple(camera.axes[:, 2].tolist()))
         window.Render()
         window.GetRGBACharPixelData(0, 0, size[0] - 1, size[1] - 1, 0, self._pixels)
-        return vtk_to_numpy(self._pixels).reshape(size[1], size[0], 4)[::-1]
+        pixels: NDArray[np.uint8] = vtk_to_numpy(self._pixels).reshape(size[1], size[0], 4)[::-1]
+        return pixels
 
     def close(self) -> None:
         """Free the window and everything drawn in it."""

@@ -303,7 +303,7 @@ class Monkey:
         match self.random.randrange(3):
             case 0:
                 playhead.set_frame(self.random.choice([0, 1, 500, 9_999_999]))
-            case 1 if self.window.bench.timeline is not None:
+            case 1 if self.window.bench.has_timeline:
                 self.window.bench.timeline.transport.last.setValue(self.random.choice([1, 300, 9_999_999]))
             case _ if self.tracks() is not None:
                 self.tracks().axis.zoom(self.random.choice([1e-9, 1e9, 3.0]), self.random.randrange(2000))

@@ -147,7 +147,7 @@ def preferences(bench: Workbench) -> None:
 
 def escape(bench: Workbench) -> None:
     """Leave a gesture, close what was said, else select nothing."""
-    view = bench.viewport
+    view = bench.viewport if bench.has_viewport else None
     if view is not None and (view.cancel_gesture() or view.joint_picked is not None):
         view.pick(None)
     elif bench.window.strip.text:

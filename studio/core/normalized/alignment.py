@@ -32,7 +32,7 @@ def find_alignments(marks: Landmarks) -> FloatArray:
     body = anatomical_frame(reference[layout.hip(0)] - reference[layout.hip(1)])
     proximal, distal = layout.proximal_points(), layout.distal_points()
     bones = normalized(reference[list(distal)] - reference[list(proximal)])
-    left, right = (layout.spine_count + 2 + 4 * side for side in (0, 1))
+    left, right = (layout.clavicle(side) for side in (0, 1))
     for segment, usual in ((layout.neck_base, ALIGNED_UP), (left, body[:, 1]), (right, -body[:, 1])):
         if not bones[segment].any():  # a neck or clavicle without length
             bones[segment] = usual
@@ -41,7 +41,7 @@ def find_alignments(marks: Landmarks) -> FloatArray:
     desired[layout.head_joint] = body
     for limb in range(4):
         side, is_leg = limb % 2, limb >= 2
-        upper = layout.spine_count + (10 if is_leg else 3) + 4 * side
+        upper = layout.thigh(side) if is_leg else layout.upper_arm(side)
         hinge = limb_hinge(marks, upper, is_leg, body)
         desired[upper] = frame_along(bones[upper], hinge)
         carried = shortest_arc(bones[upper], bones[upper + 1]) @ hinge
@@ -105,7 +105,7 @@ def level_soles(marks: Landmarks, alignments: FloatArray, standing: BoolArray) -
     rear heel, which is raised all the time, shows by a bone steeper than that of the other foot.
     """
     layout = marks.layout
-    feet = [layout.spine_count + 12 + 4 * side for side in (0, 1)]
+    feet = [layout.foot(side) for side in (0, 1)]
     proximal, distal = layout.proximal_points(), layout.distal_points()
     bones = np.stack([marks.reference[distal[foot]] - marks.reference[proximal[foot]] for foot in feet])
     slopes = np.arctan2(-bones[:, 2], np.linalg.norm(bones[:, :2], axis=1))
