@@ -13,7 +13,7 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import Any
 
-DEAREST = 60
+DEAREST = 20
 
 
 class Costs:
