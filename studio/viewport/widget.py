@@ -37,10 +37,11 @@ from studio.viewport.glide import Glide
 from studio.viewport.handles import Handle, constraint_handles
 from studio.viewport.movables import Movable
 from studio.viewport.newcomers import Newcomers
+from studio.viewport.onion_skins import Ghost, OnionSkins, kept_ghosts, onion_ghosts
 from studio.viewport.opening import is_another_size, opening_camera
 from studio.viewport.overlay import Overlay
 from studio.viewport.pace import Pace
-from studio.viewport.paths import StagePath, prop_paths, selection_rings, stage_paths
+from studio.viewport.paths import StagePath, prop_paths, selection_rings, stage_paths, trail_keys
 from studio.viewport.picking import PickedJoint
 from studio.viewport.preview import Preview
 from studio.viewport.problem import Problem, worst_problem
@@ -66,6 +67,8 @@ class Viewport(Canvas):
         self.tool = "move"
         self.gizmo_space = Space.WORLD
         self.snap_steps = DEFAULT_STEPS
+        self.onion_skins = OnionSkins()
+        self._kept: list[tuple[str, float]] = []
         self._nudged = "z"
         self.posed: dict[str, Posed] = {}
         self.resting: dict[str, Posed] = {}
@@ -97,6 +100,7 @@ class Viewport(Canvas):
                 "shading": self.toggle_bones,
                 "space": self.next_gizmo_space,
                 "ghost": self.show_again,
+                "onion": self.show_again,
                 "trails": self.show_again,
                 "follow": self.show_again,
                 "markers": self.show_again,
@@ -184,6 +188,37 @@ class Viewport(Canvas):
     def ghost_shown(self) -> bool:
         """True if the ghost of the source is on."""
         return self._chips.ghost.isChecked()
+
+    def set_onion_shown(self, shown: bool) -> None:
+        """The onion skins of the selected bodies, on or off."""
+        self._chips.onion.setChecked(shown)
+        self.show_again()
+
+    @property
+    def onion_shown(self) -> bool:
+        """True if onion skins are on."""
+        return self._chips.onion.isChecked()
+
+    def set_onion_skins(self, skins: OnionSkins) -> None:
+        """Show so many skins, so many frames apart."""
+        self.onion_skins = skins
+        self.show_again()
+
+    def keep_ghosts(self) -> None:
+        """Keep the moment of the playhead: the selected bodies are seen as they are then, or the active one is."""
+        now = self._document.playhead.time
+        self._kept += [(key, now) for key in self._ghosted() if (key, now) not in self._kept]
+        self.show_again()
+
+    @property
+    def kept_ghosts(self) -> tuple[tuple[str, float], ...]:
+        """Performer id and seconds of the stage of each kept moment."""
+        return tuple(self._kept)
+
+    def clear_ghosts(self) -> None:
+        """Let go of all kept moments."""
+        self._kept.clear()
+        self.show_again()
 
     def set_following(self, following: bool) -> None:
         """The camera goes with the active performer, or stays."""
@@ -320,9 +355,32 @@ class Viewport(Canvas):
         self.camera = self._follower.moved(self.camera, active, pose if self.following else None)
         self._chips.tell_recorded(recorded_of(self._document, pose) is not None)
         self.props = props_at(project, self.posed, time)
-        scene.sync(project, bodies, self.props, self._bones, self._paths(), self.moving and not self._glide.moving)
+        scene.sync(
+            project,
+            bodies,
+            self.props,
+            self._bones,
+            self._paths(),
+            self.moving and not self._glide.moving,
+            self._ghosts(time),
+        )
         self._pace.posed(self._live.asked_at(active) if self._live.interactive else None)
         self._chips.tell_work(len(self.posed), self._pace.words, all(map(self._live.is_eased, self.posed)))
+
+    def _ghosted(self) -> list[str]:
+        """Ids of the selected performers, else that of the active one, as far as they are seen."""
+        selected = self._document.selection.of("performers") or (self._document.active_performer_id or "",)
+        return [key for key in selected if key in self.posed]
+
+    def _ghosts(self, time: float) -> list[Ghost]:
+        if self._live.play.running:
+            return []  # its motion is not known ahead
+        project, rate = self._posed_in, self._document.playhead.frame_rate
+        poses = [self.posed[key] for key in self._ghosted()] if self.onion_shown else []
+        return [
+            *onion_ghosts(project, poses, self.onion_skins, time, rate),
+            *kept_ghosts(project, self.posed, self._kept),
+        ]
 
     def _told_changed(self) -> None:
         if not self._live.interactive:
@@ -349,6 +407,9 @@ class Viewport(Canvas):
         if ghost is not None:
             overlay.ghost(ghost.points, bone_pairs(ghost.motion.morphology.layout))
         self.preview.paint(overlay)
+        point, constraints = self._trail_point(), self._document.selection.of("constraints")
+        if point is not None and constraints:
+            overlay.trail_keys(trail_keys(self._posed_in, self.posed, point, constraints[-1]))
         if self._recorded is not None:
             overlay.markers(self._recorded, self.recording.marked, self.recording.named)
         chosen = set(self._document.selection.of("constraints"))
@@ -455,6 +516,7 @@ class Viewport(Canvas):
 
     def _project_opened(self) -> None:
         self._played, self._framed = self._document.project.motions_played, False
+        self._kept.clear()
         self._tell_problem()
         if self.gesture is not None:
             self.gesture.finish()  # there is nothing left to take back
