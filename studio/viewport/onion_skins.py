@@ -37,7 +37,7 @@ def onion_ghosts(
     The newest motion over time is shown, so that the skins follow a drag when its clip has been solved again.
     """
     for pose in poses:
-        for sign, count, colour in ((-1, skins.before, colours.BEFORE), (1, skins.after, colours.AFTER)):
+        for sign, count, colour in ((-1, skins.before, colours.BEFORE_PLAYHEAD), (1, skins.after, colours.AFTER_PLAYHEAD)):
             last = pose.frame
             for place in range(1, count + 1):
                 moment = time + sign * place * skins.step / frame_rate
@@ -56,4 +56,4 @@ def kept_ghosts(project: Project, posed: Mapping[str, Posed], kept: Iterable[tup
         if pose is not None and not pose.resting:
             ghost = pose_of(project, pose.performer, pose.over_time, time)
             if ghost.frame != pose.frame:
-                yield Ghost(ghost, colours.KEPT, NEAREST_OPACITY)
+                yield Ghost(ghost, colours.KEPT_GHOST, NEAREST_OPACITY)

@@ -30,7 +30,7 @@ def test_skins_are_so_many_frames_apart_before_and_after_and_fade_away(stage):
     pose = [posed["performer 0"]]
     assert frames_of(project, pose, OnionSkins(2, 3, 4)) == [6, 2, 14, 18, 22]
     ghosts = list(onion_ghosts(project, pose, OnionSkins(2, 3, 4), 10 / RATE, RATE))
-    assert [ghost.colour for ghost in ghosts] == [colours.BEFORE] * 2 + [colours.AFTER] * 3
+    assert [ghost.colour for ghost in ghosts] == [colours.BEFORE_PLAYHEAD] * 2 + [colours.AFTER_PLAYHEAD] * 3
     opacities = [ghost.opacity for ghost in ghosts[2:]]
     assert opacities == sorted(opacities, reverse=True)
     assert opacities[-1] > 0.0
@@ -46,7 +46,7 @@ def test_no_skin_lies_beyond_the_ends_of_the_motion_and_none_twice(stage):
 def test_a_kept_ghost_is_where_the_body_was_and_goes_with_its_performer(stage):
     project, posed = stage
     (ghost,) = kept_ghosts(project, posed, [("performer 1", 20 / RATE), ("gone", 0.1), ("performer 1", 10 / RATE)])
-    assert (ghost.pose.frame, ghost.colour) == (20, colours.KEPT)
+    assert (ghost.pose.frame, ghost.colour) == (20, colours.KEPT_GHOST)
     assert np.array_equal(ghost.pose.points[:, 1:], posed["performer 1"].points[:, 1:])
 
 
