@@ -15,12 +15,13 @@ from studio.app.marker_dialog import has_markers, open_markers
 from studio.app.pose_mapping import show_map
 from studio.app.relinking import relink_shown, shown_capture
 from studio.app.striking import label_strike, show_strikes, strike_chosen
-from studio.app.verbs import behaviours, clips, editing, files, playback, props, view
+from studio.app.verbs import behaviours, cameras, clips, editing, files, playback, props, view
 from studio.app.verbs.constraining import adder, choose_joint, load_area_mesh, selected_area, selected_constraint, shift
 from studio.app.workbench import Workbench
 from studio.core.constraints.base import KindInfo
 from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.stage.clip_row import players_of
+from studio.core.stage.saved_camera import CAMERA_SLOTS
 from studio.library.scenes import SCENES
 from studio.viewport.eyes import Stereo
 
@@ -313,6 +314,22 @@ VIEW = (
     Action("top", "View", "Top", view.top, ("7",), enabled=_viewing),
     Action("perspective", "View", "Perspective", view.perspective, ("0",), "Three-quarter view", _viewing,
            ends_group=True),
+    *(
+        Action(f"camera_{slot}", "View", f"Look through camera {slot}", cameras.recall(slot), (f"F{slot + 4}",),
+               "The view that is stored under this key", _viewing)
+        for slot in CAMERA_SLOTS
+    ),
+    *(
+        Action(f"store_camera_{slot}", "View", f"Store camera {slot}", cameras.store(slot),
+               (f"Shift+F{slot + 4}", f"Ctrl+F{slot + 4}"), "The view as it is, under this key", _viewing)
+        for slot in CAMERA_SLOTS
+    ),
+    Action("add_camera", "View", "Add camera", cameras.add, (), "Save the view with a name", _viewing),
+    Action("cameras", "View", "Cameras…", cameras.choose, ("Alt+C",), "Look through a saved camera, by its name",
+           _viewing),
+    Action("turntable", "View", "Turntable", cameras.toggle_turntable, ("Alt+T",),
+           "The camera goes round what it looks at; a click in the view stops it", _viewing,
+           lambda bench: _viewing(bench) and bench.viewport.turntable, ends_group=True),
     Action("follow", "View", "Camera follows character", view.toggle_following, ("Shift+F",),
            "Keep the camera on the selected character, or on the first one", _viewing,
            lambda bench: _viewing(bench) and bench.viewport.following),

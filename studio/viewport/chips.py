@@ -127,6 +127,10 @@ class Chips:
         self._wide = width >= 920
         self.work.setVisible(self._wide and bool(self.work.text()))
 
+    def tell_parallel(self, parallel: bool) -> None:
+        """Show whether the view is parallel."""
+        self.view.say("Parallel" if parallel else "Perspective")
+
     def tell_space(self, space: str, used: bool) -> None:
         """Show along whose axes the gizmo moves and rotates, while it does."""
         self.space.say(f"{space.capitalize()} axes")

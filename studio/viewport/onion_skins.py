@@ -37,7 +37,10 @@ def onion_ghosts(
     The newest motion over time is shown, so that the skins follow a drag when its clip has been solved again.
     """
     for pose in poses:
-        for sign, count, colour in ((-1, skins.before, colours.BEFORE_PLAYHEAD), (1, skins.after, colours.AFTER_PLAYHEAD)):
+        for sign, count, colour in (
+            (-1, skins.before, colours.BEFORE_PLAYHEAD),
+            (1, skins.after, colours.AFTER_PLAYHEAD),
+        ):
             last = pose.frame
             for place in range(1, count + 1):
                 moment = time + sign * place * skins.step / frame_rate

@@ -17,7 +17,7 @@ from studio.core.project import Project
 from studio.engine.performance import Posed
 from studio.engine.props import PropPose
 from studio.viewport.bodies import BodyVisual
-from studio.viewport.camera import VIEW_ANGLE, OrbitCamera
+from studio.viewport.camera import OrbitCamera
 from studio.viewport.eyes import CENTRE_EYE, Eye
 from studio.viewport.floor import SHADOW_REACH, SoftShadows, make_lines, make_plane, make_sky
 from studio.viewport.ghost_bodies import GhostBodies
@@ -93,7 +93,7 @@ class StageScene:
         window, lens = self._window, self.plotter.renderer.GetActiveCamera()
         if tuple(window.GetSize()) != size:
             window.SetSize(*size)
-        tall = camera.distance * math.tan(VIEW_ANGLE / 2)  # half of the window at the target
+        tall = camera.half_height
         away = np.array([eye.right, eye.up, eye.back]) @ camera.axes
         lens.SetPosition(*(camera.eye + away))
         lens.SetFocalPoint(*(camera.eye + away - camera.distance * camera.axes[2]))

@@ -14,6 +14,7 @@ from PySide6.QtWidgets import QWidget
 from studio.core.body.sticks import bone_pairs
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.kinds import CONSTRAINT_KINDS
+from studio.core.stage.saved_camera import CameraPlacement
 from studio.document import colours
 from studio.document.document import Document
 from studio.engine.empty_stage import empty_words
@@ -49,6 +50,7 @@ from studio.viewport.recording import MarkerFrame, RecordingView, recorded_of
 from studio.viewport.selected_movable import AnyGizmo, gizmo_of, selected_movable
 from studio.viewport.shots import View
 from studio.viewport.snapping import DEFAULT_STEPS
+from studio.viewport.turntable import TURN_RATE, Turntable
 
 if TYPE_CHECKING:
     from studio.viewport.scene import StageScene
@@ -93,6 +95,7 @@ class Viewport(Canvas):
         self.preview, self.strike_drops = Preview(self), StrikeDrops(self, document)
         self._problem: Problem | None = None
         self._glide = Glide(self.set_camera, self)
+        self._turntable = Turntable(self._turn, self)
         self._chips = Chips(
             self,
             {
@@ -119,6 +122,7 @@ class Viewport(Canvas):
         """Let go of VTK, document and engine. May be called twice."""
         self.cancel_gesture()
         self._glide.stop()
+        self._turntable.stop()
         self.preview.show(None)
         for link in self._links:
             link()
@@ -171,7 +175,33 @@ class Viewport(Canvas):
     def toggle_parallel(self) -> None:
         """Perspective or parallel."""
         self.set_camera(replace(self.camera, parallel=not self.camera.parallel))
-        self._chips.view.say("Parallel" if self.camera.parallel else "Perspective")
+        self._chips.tell_parallel(self.camera.parallel)
+
+    @property
+    def placement(self) -> CameraPlacement:
+        """Where the camera is, to be saved."""
+        return self.camera.placement
+
+    def look_through(self, placement: CameraPlacement) -> None:
+        """Glide to a placement of the camera."""
+        self._glide.start(self.camera, OrbitCamera.at(placement))
+        self._chips.tell_parallel(placement.parallel)
+
+    def set_turntable(self, on: bool) -> None:
+        """Let the camera go round what it looks at, or stop it."""
+        if on:
+            self._turntable.start()
+        else:
+            self._turntable.stop()
+        self.show_again()
+
+    def _turn(self, angle: float) -> None:
+        self.set_camera(replace(self.camera, azimuth=self.camera.azimuth + angle))
+
+    @property
+    def turntable(self) -> bool:
+        """True while the camera goes round."""
+        return self._turntable.running
 
     def toggle_bones(self) -> None:
         """Skin or bones."""
@@ -329,7 +359,13 @@ class Viewport(Canvas):
     @property
     def moving(self) -> bool:
         """While something moves, pictures are not smoothed."""
-        return self._document.playhead.playing or self._live.play.running or self.in_hand or self._glide.moving
+        return (
+            self._document.playhead.playing
+            or self._live.play.running
+            or self.in_hand
+            or self._glide.moving
+            or self.turntable
+        )
 
     @property
     def in_hand(self) -> bool:
@@ -468,7 +504,8 @@ class Viewport(Canvas):
         """Picture of the stage now, without what serves only to edit it."""
         active, now = self._document.active_performer_id, self._document.playhead.time
         ghost_of, followed = active if self.ghost_shown else None, active if self.following else None
-        return View(self.camera, self.view_size[1], self._bones, self._trail_point(), ghost_of, followed, now)
+        turning = TURN_RATE if self.turntable else 0.0
+        return View(self.camera, self.view_size[1], self._bones, self._trail_point(), ghost_of, followed, now, turning)
 
     def _trail_point(self) -> BodyPoint | None:
         """The point whose paths are drawn: the selected constraint's, else the picked joint's."""
@@ -555,6 +592,7 @@ class Viewport(Canvas):
         """Begin a gesture, or select."""
         self.setFocus(Qt.FocusReason.MouseFocusReason)
         self._glide.stop()
+        self._turntable.stop()
         mouse.press(self, self._document, self._live, event)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
