@@ -147,6 +147,7 @@ class MainWindow(QMainWindow):
     def _apply_preferences(self) -> None:
         if self.bench.has_viewport:
             self.bench.viewport.snap_steps = self.bench.preferences.snap_steps
+            self.bench.viewport.set_onion_skins(self.bench.preferences.onion_skins)
 
     def show_shortcuts(self) -> None:
         """The sheet of all shortcuts."""

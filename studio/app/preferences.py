@@ -9,12 +9,14 @@ from PySide6.QtGui import QKeySequence
 
 from studio.app.settings import Settings
 from studio.resources_folder import resources_folder
+from studio.viewport.onion_skins import OnionSkins
 from studio.viewport.snapping import SnapSteps
 
 KeyTable = Mapping[str, tuple[str, ...]]
 """Keys by the id of an action."""
 STUDIO_KEYS = "studio"
 LEAST_SNAP = 1e-3
+ONION_RANGES = (("onion_before", 0, 20), ("onion_after", 0, 20), ("onion_step", 1, 120))
 
 
 @dataclass(frozen=True)
@@ -27,6 +29,10 @@ class Preferences:
     """Degrees."""
     scale_step: float = 10.0
     """Percent."""
+    onion_before: int = 3
+    onion_after: int = 3
+    onion_step: int = 4
+    """Frames between two onion skins."""
     key_map: str = STUDIO_KEYS
     own_keys: KeyTable = field(default_factory=dict)
     """Keys that the user has given to actions, over those of the map."""
@@ -36,7 +42,16 @@ class Preferences:
             value = getattr(self, each)
             if not (isinstance(value, float | int) and math.isfinite(value) and value >= LEAST_SNAP):
                 raise ValueError(f"The preference '{each}' is a number above zero, got {value!r}.")
+        for each, least, most in ONION_RANGES:
+            value = getattr(self, each)
+            if not (isinstance(value, int) and least <= value <= most):
+                raise ValueError(f"The preference '{each}' is a whole number from {least} to {most}, got {value!r}.")
         object.__setattr__(self, "own_keys", {key: tuple(keys) for key, keys in dict(self.own_keys).items()})
+
+    @property
+    def onion_skins(self) -> OnionSkins:
+        """Onion skins of the viewport."""
+        return OnionSkins(self.onion_before, self.onion_after, self.onion_step)
 
     @property
     def snap_steps(self) -> SnapSteps:

@@ -8,7 +8,7 @@ from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QDialog, QHeaderView, QTableWidget, QTableWidgetItem, QVBoxLayout
 
 from studio.app.actions import ACTIONS
-from studio.app.preferences import conflicts_in, key_maps, keys_in
+from studio.app.preferences import ONION_RANGES, conflicts_in, key_maps, keys_in
 from studio.app.workbench import Workbench
 from studio.document import colours
 from studio.panels.fields import Choice, NumberField, Section, labelled
@@ -18,11 +18,16 @@ NUMBERS = (
     ("rotate_step", "Rotate step", "°", 0.1, 180.0),
     ("scale_step", "Scale step", "%", 1.0, 100.0),
 )
+ONION_NUMBERS = (
+    ("onion_before", "Before", ""),
+    ("onion_after", "After", ""),
+    ("onion_step", "Every", "frames"),
+)
 ACTION_ID = Qt.ItemDataRole.UserRole
 
 
 class PreferencesDialog(QDialog):
-    """Snapping steps, and keys in a table in which they are typed."""
+    """Snapping steps, onion skins, and keys in a table in which they are typed."""
 
     def __init__(self, bench: Workbench) -> None:
         super().__init__(bench.window)
@@ -37,6 +42,13 @@ class PreferencesDialog(QDialog):
             field.show_value(getattr(bench.preferences, name))
             field.edited.connect(lambda value, name=name: self._change(**{name: value}))
             section.add_row(words, field)
+        onion = Section("Onion skins")
+        for name, words, unit in ONION_NUMBERS:
+            [(_, low, high)] = [each for each in ONION_RANGES if each[0] == name]
+            field = NumberField(words, unit, low, high, 1, 0)
+            field.show_value(getattr(bench.preferences, name))
+            field.edited.connect(lambda value, name=name: self._change(**{name: round(value)}))
+            onion.add_row(words, field)
         keys = Section("Keys")
         self.map = Choice("Key map", [(key, name) for key, (name, _) in key_maps().items()])
         self.map.show_value(bench.preferences.key_map)
@@ -49,7 +61,7 @@ class PreferencesDialog(QDialog):
         self.table.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.Stretch)
         self.words = labelled("", "hint")
         column = QVBoxLayout(self)
-        for widget in (section, keys, self.table, self.words):
+        for widget in (section, onion, keys, self.table, self.words):
             column.addWidget(widget)
         self._fill()
         self.table.itemChanged.connect(self._typed)

@@ -25,6 +25,7 @@ from studio.core.stage.behaviour import Behaviour, State, Transition
 from studio.core.stage.clip import Clip
 from studio.core.stage.layer import Layer
 from studio.core.stage.prop import Prop
+from studio.core.stage.saved_camera import SavedCamera
 from studio.core.stage.scope import Scope, meant_for, narrowest
 
 GROUND_ID = "ground"
@@ -83,7 +84,19 @@ class Performer:
         return (*self.clips, *(layer.clip for layer in self.layers))
 
 
-Entity = Capture | Motion | Character | Performer | Constraint | ContactInterval | Label | Ground | Prop | Behaviour
+Entity = (
+    Capture
+    | Motion
+    | Character
+    | Performer
+    | Constraint
+    | ContactInterval
+    | Label
+    | Ground
+    | Prop
+    | Behaviour
+    | SavedCamera
+)
 
 COLLECTIONS = (
     "captures",
@@ -96,6 +109,7 @@ COLLECTIONS = (
     "grounds",
     "props",
     "behaviours",
+    "cameras",
 )
 
 
@@ -111,6 +125,7 @@ CLASSES: Mapping[str, type] = MappingProxyType(
         "grounds": Ground,
         "props": Prop,
         "behaviours": Behaviour,
+        "cameras": SavedCamera,
     }
 )
 
@@ -170,6 +185,7 @@ class Project:
     grounds: Mapping[str, Ground] = field(default_factory=lambda: {GROUND_ID: Ground()})
     props: Mapping[str, Prop] = field(default_factory=dict)
     behaviours: Mapping[str, Behaviour] = field(default_factory=dict)
+    cameras: Mapping[str, SavedCamera] = field(default_factory=dict)
     carried: Mapping[str, Any] = field(default_factory=dict)
     """JSON, by its place, that a newer version wrote and this one does not know; written back unchanged."""
 

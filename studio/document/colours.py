@@ -18,6 +18,8 @@ SELECTED_CONTROL = "#3d6fa8"
 SELECTED_HANDLE = "#cfe3ff"
 PLAYHEAD = "#ff6b5e"
 LIVE = "#ff6b5e"
+BEFORE_PLAYHEAD, AFTER_PLAYHEAD, KEPT_GHOST = "#e8915b", "#58bfb0", "#dfe6ee"
+"""Bodies at moments before and after the playhead, and at kept ones."""
 
 VIEWPORT_TOP = "#2a3038"
 VIEWPORT_BOTTOM = "#1d2126"

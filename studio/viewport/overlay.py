@@ -10,6 +10,7 @@ from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 from studio.document import colours
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.handles import Handle
+from studio.viewport.paths import TrailKeys
 from studio.viewport.recording import MarkerFrame
 from studio.viewport.strokes import SHADOW, draw_disc, draw_line
 
@@ -21,6 +22,8 @@ NOTICE_ABOVE = 150.0
 """Pixels from the lower edge up to what is said while nobody performs: clear of a sentence of two lines."""
 
 
+TRAIL_KEY_PX = 5.0
+"""Pixels from the middle of a key on a trail to its corners."""
 GAZE = 0.6
 """Least strength of the line from eyes to what they look at, whoever's they are."""
 JOINT_COLOUR = QColor(colours.SELECTED_HANDLE)
@@ -65,6 +68,22 @@ class Overlay:
         self._painter.setBrush(GHOST)
         for x, y in pixels:
             self._painter.drawEllipse(QPointF(x, y), 2.8, 2.8)
+
+    def trail_keys(self, keys: Iterable[TrailKeys]) -> None:
+        """Diamonds on trails, as keys are on the timeline."""
+        for each in keys:
+            pixels, depth = self._camera.project(each.points, self._size)
+            for (x, y), ahead in zip(pixels, depth, strict=True):
+                if ahead > 0:
+                    self._painter.setPen(QPen(SHADOW, 1.5))
+                    self._painter.setBrush(QColor(each.colour))
+                    corners = (
+                        (x - TRAIL_KEY_PX, y),
+                        (x, y - TRAIL_KEY_PX),
+                        (x + TRAIL_KEY_PX, y),
+                        (x, y + TRAIL_KEY_PX),
+                    )
+                    self._painter.drawPolygon(QPolygonF([QPointF(*corner) for corner in corners]))
 
     def markers(self, recording: MarkerFrame, marked: Collection[str], named: bool) -> None:
         """Dots seen through everything, those that no map names fainter; names at the marked ones, or at all."""

@@ -23,8 +23,10 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import DistanceCondition
 from studio.core.stage.manners import KeepDistance
 from studio.core.stage.prop import Prop
+from studio.core.stage.saved_camera import CAMERA_SLOTS, CameraPlacement
 from studio.core.stage.whom import DistanceMeasure, FollowPartner
 from studio.document.document import Document
+from studio.document.stored_cameras import give_slot, store_camera
 from studio.io.project.entity_json import project_json
 from tests.builders import make_capture, make_constraint, make_contact, make_project
 
@@ -32,8 +34,8 @@ WRIST = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
 PROJECT = make_project(characters=3, constraints=2, contacts=3)
 
 REMOVED = {
-    "behaviours": 2, "constraints": 6, "contacts": 6, "props": 6, "performers": 2, "characters": 1, "motions": 0.1,
-    "captures": 0.1,
+    "behaviours": 2, "cameras": 1, "constraints": 6, "contacts": 6, "props": 6, "performers": 2, "characters": 1,
+    "motions": 0.1, "captures": 0.1,
 }  # fmt: skip
 """How often something of each collection is removed, beside the others."""
 
@@ -59,7 +61,7 @@ def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
     project = document.project
     constraints, contacts = list(project.constraints), list(project.contacts)
     match chance.choice(
-        ["add", "add contact", "add prop", "drag", "drag", "trim", "remove", "ground", "group", "behave"]
+        ["add", "add contact", "add prop", "drag", "drag", "trim", "remove", "ground", "group", "behave", "camera"]
     ):
         case "add" if project.motions:
             props = [FollowProp(key) for key in project.props]
@@ -84,6 +86,10 @@ def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
             document.replace("behaviours", key, behaviour_of(document, chance), "Change behaviour", gesture)
         case "behave":
             document.add("behaviours", behaviour_of(document, chance), "Add behaviour")
+        case "camera":
+            placement = CameraPlacement((0.0, 0.0, chance.choice([0.0, 1.0])), 3.0, chance.uniform(-3.0, 3.0))
+            camera_id = store_camera(document, placement, chance.choice([None, *CAMERA_SLOTS]))
+            give_slot(document, chance.choice([camera_id, *document.project.cameras]), chance.choice(CAMERA_SLOTS))
         case "remove":
             [name] = chance.choices(list(REMOVED), list(REMOVED.values()))
             keys = list(getattr(project, name))

@@ -45,6 +45,21 @@ def toggle_ghost(bench: Workbench) -> None:
     bench.viewport.set_ghost_shown(not bench.viewport.ghost_shown)
 
 
+def toggle_onion_skins(bench: Workbench) -> None:
+    """The selected bodies at frames before and after the playhead, or not."""
+    bench.viewport.set_onion_shown(not bench.viewport.onion_shown)
+
+
+def keep_ghost(bench: Workbench) -> None:
+    """The selected bodies as they are at the playhead stay in sight."""
+    bench.viewport.keep_ghosts()
+
+
+def clear_ghosts(bench: Workbench) -> None:
+    """No kept moment is seen any more."""
+    bench.viewport.clear_ghosts()
+
+
 def toggle_following(bench: Workbench) -> None:
     """The camera goes with the selected character."""
     bench.viewport.set_following(not bench.viewport.following)
