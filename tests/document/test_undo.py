@@ -21,6 +21,7 @@ from studio.core.project import GROUND_ID, Motion
 from studio.core.stage.behaviour import Behaviour, Role, State, Transition
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import DistanceCondition
+from studio.core.stage.correction import Correction, PoseKey, range_around
 from studio.core.stage.manners import KeepDistance
 from studio.core.stage.prop import Prop
 from studio.core.stage.whom import DistanceMeasure, FollowPartner
@@ -32,8 +33,8 @@ WRIST = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
 PROJECT = make_project(characters=3, constraints=2, contacts=3)
 
 REMOVED = {
-    "behaviours": 2, "constraints": 6, "contacts": 6, "props": 6, "performers": 2, "characters": 1, "motions": 0.1,
-    "captures": 0.1,
+    "behaviours": 2, "corrections": 3, "constraints": 6, "contacts": 6, "props": 6, "performers": 2, "characters": 1,
+    "motions": 0.1, "captures": 0.1,
 }  # fmt: skip
 """How often something of each collection is removed, beside the others."""
 
@@ -59,7 +60,20 @@ def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
     project = document.project
     constraints, contacts = list(project.constraints), list(project.contacts)
     match chance.choice(
-        ["add", "add contact", "add prop", "drag", "drag", "trim", "remove", "ground", "group", "behave"]
+        [
+            "add",
+            "add contact",
+            "add prop",
+            "drag",
+            "drag",
+            "trim",
+            "remove",
+            "ground",
+            "group",
+            "behave",
+            "correct",
+            "correct",
+        ]
     ):
         case "add" if project.motions:
             props = [FollowProp(key) for key in project.props]
@@ -84,6 +98,15 @@ def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
             document.replace("behaviours", key, behaviour_of(document, chance), "Change behaviour", gesture)
         case "behave":
             document.add("behaviours", behaviour_of(document, chance), "Add behaviour")
+        case "correct" if project.corrections:
+            key = chance.choice(list(project.corrections))
+            turn = (BodyPart.LEFT_FOREARM, (chance.uniform(-1.0, 1.0), 0.0, 0.0))
+            posed = project.corrections[key].with_key(PoseKey(chance.uniform(0.0, 2.0), (turn,)))
+            document.replace("corrections", key, posed, "Pose elbow", gesture)
+        case "correct" if project.performers:
+            performer = chance.choice(list(project.performers))
+            added = Correction("Elbow", performer, range_around(0.2), (PoseKey(0.2),))
+            document.add("corrections", added, "Add correction")
         case "remove":
             [name] = chance.choices(list(REMOVED), list(REMOVED.values()))
             keys = list(getattr(project, name))
