@@ -35,7 +35,7 @@ from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
 from studio.core.project import Motion, Performer, Project
 from studio.core.stage.clip import Clip
-from studio.core.stage.correction import Correction, PoseKey
+from studio.core.stage.correction import Correction, KeyedPoses, PoseOffsets
 from studio.core.stage.prop import Prop
 from studio.core.stage.scope import Scope
 from studio.io.export_options import ExportOptions
@@ -76,6 +76,7 @@ __all__ = [
     "ImportOptions",
     "KeyedOwnPlace",
     "KeyedPlace",
+    "KeyedPoses",
     "KeyedTurn",
     "Kind",
     "Limb",
@@ -85,7 +86,7 @@ __all__ = [
     "OwnPlace",
     "Panel",
     "Performer",
-    "PoseKey",
+    "PoseOffsets",
     "PositionConstraint",
     "Project",
     "Prop",

@@ -17,11 +17,12 @@ from studio.core.constraints.own_place import KeyedOwnPlace
 from studio.core.errors import StudioError
 from studio.core.names import free_name
 from studio.core.project import Project
-from studio.core.stage.correction import Correction
+from studio.core.stage.correction import Correction, KeyedPoses
 from studio.core.stage.scope import EVERYONE, Scope
 from studio.document.editing import EditedProject
 from studio.document.key_edits import replace_fields
 from studio.document.keyed_fields import (
+    KEYED_COLLECTIONS,
     KeyedField,
     KeyRef,
     from_stage,
@@ -45,6 +46,7 @@ CLIPBOARD_KEY_KINDS: Mapping[str, type[Keys]] = {
     "numbers": KeyedNumber,
     "rotations": KeyedTurn,
     "measures": KeyedProportions,
+    "poses": KeyedPoses,
 }
 NOTHING_TO_PASTE = "The clipboard holds nothing to paste here. Copy constraints, contacts, corrections or keys first."
 _NUMBERS = re.compile(r"\[\s+(-?[\d.e+-]+(?:,\s+-?[\d.e+-]+)*)\s+\]")
@@ -154,7 +156,7 @@ def _paste_entities(document: EditedProject, record: Mapping[str, Any], mirrored
         raise StudioError(NOTHING_TO_PASTE)
     moves = not (mirrored or body or origin.get("motion_id") != clip.motion_id)
     if moves and corrections:
-        first = min(each.keys[0].time for each in corrections)
+        first = min(each.keys.times[0] for each in corrections)
         corrections = [each.moved(document.playhead.time - first) for each in corrections]
     if moves and (constraints or contacts):
         begins = [each.activation.start for each in constraints] + [each.first / rate for each in contacts]
@@ -311,7 +313,7 @@ def _destinations(document: EditedProject, copies: Iterable[_CopiedKeys]) -> Ite
     )
     if not items:
         items = dict.fromkeys(_item(entity) for entity in groups)
-    fitting = [item for item in items if item[0] in ("constraints", "props", "characters")]
+    fitting = [item for item in items if item[0] in KEYED_COLLECTIONS]
     pairs = (
         [(group, item) for group in groups.values() for item in fitting]
         if len(groups) == 1
@@ -353,6 +355,8 @@ def _is_plain(value: Any, keyed: Keys) -> bool:
 def _mirrored(project: Project, field: KeyedField, keyed: Keys) -> Keys:
     """The keys in the mirror image of the motion."""
     match keyed:
+        case KeyedPoses():
+            return keyed.mirrored()
         case KeyedOwnPlace():
             values = tuple(map(tuple, MIRROR.ways(keyed.values).tolist()))
             return replace(keyed.with_rates(MIRROR.ways), values=values)

@@ -7,7 +7,7 @@ from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import Vector
 from studio.core.errors import StudioError
 from studio.core.names import free_name
-from studio.core.stage.correction import Correction, PoseKey, range_around
+from studio.core.stage.correction import new_correction
 from studio.document.editing import EditedProject
 
 
@@ -36,9 +36,9 @@ def set_pose(
     with document.group(text, gesture):
         key = correction_at(document, performer_id, time) or _add(document, performer_id, time, name)
         correction = document.project.corrections[key]
-        pose = correction.pose_at(time).with_turns(turns)
+        pose = correction.keys.value_at(time).with_turns(turns)
         pose = pose if hips is None else replace(pose, hips=hips)
-        document.replace("corrections", key, correction.with_key(pose), text)
+        document.replace("corrections", key, correction.with_key(time, pose), text)
     document.selection.set(*_with_body(document, performer_id), ("corrections", key))
     return key
 
@@ -47,18 +47,11 @@ def set_key(document: EditedProject, correction_id: str, time: float) -> None:
     """Set a key of a correction at ``time`` with the offsets that it has there."""
     correction = document.project.corrections[correction_id]
     document.replace(
-        "corrections", correction_id, correction.with_key(correction.pose_at(time)), f"Set key of {correction.name}"
+        "corrections",
+        correction_id,
+        correction.with_key(time, correction.keys.value_at(time)),
+        f"Set key of {correction.name}",
     )
-
-
-def remove_key(document: EditedProject, correction_id: str, place: int) -> None:
-    """Remove a key of a correction; with its last key the correction goes."""
-    correction = document.project.corrections[correction_id]
-    text = f"Delete key of {correction.name}"
-    if len(correction.keys) == 1:
-        document.remove("corrections", correction_id, text)
-    else:
-        document.replace("corrections", correction_id, correction.without_key(place), text)
 
 
 def mirror_correction(document: EditedProject, correction_id: str) -> None:
@@ -72,7 +65,7 @@ def _add(document: EditedProject, performer_id: str, time: float, name: str) -> 
     if performer is None or not performer.clips:
         raise StudioError("Nothing plays that could be corrected. Add a clip to the character first.")
     taken = {each.name for each in document.project.corrections_of(performer_id).values()}
-    made = Correction(free_name(name[:1].upper() + name[1:], taken), performer_id, range_around(time), (PoseKey(time),))
+    made = new_correction(free_name(name[:1].upper() + name[1:], taken), performer_id, time)
     return document.add("corrections", made, f"Correct {name}")
 
 

@@ -132,7 +132,7 @@ def test_a_corrected_pose_is_adapted_and_taken_back_by_undo() -> None:
     assert off[np.abs(times - 0.5).argmin()] > 0.03
     assert not off[np.abs(times - 0.5) > 0.26].any()
     assert scene.correct_pose(body, 0.6, hips=(0.0, 0.0, -0.1)) == key
-    assert len(scene.project.corrections[key].keys) == 2
+    assert len(scene.project.corrections[key].keys.times) == 2
     scene.undo()
     scene.undo()
     assert scene.project == before

@@ -13,7 +13,7 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.rotations import from_matrix, from_rotation_vector, to_matrix, to_rotation_vector
 from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.stage.correction import Correction, PoseKey, range_around
+from studio.core.stage.correction import Correction, KeyedPoses, PoseOffsets, range_around
 from tests.builders import make_morphology
 from tests.core.motions import walk
 
@@ -24,7 +24,7 @@ ELBOW = ((BodyPart.LEFT_FOREARM, (0.5, 0.0, 0.0)),)
 
 
 def correction(turns: tuple = ELBOW, hips: tuple = (0.0, 0.0, 0.0), time: float = 1.1, **changes: object) -> Correction:
-    return Correction("Elbow", "p", RANGE, (PoseKey(time, turns, hips),), **changes)  # type: ignore[arg-type]
+    return Correction("Elbow", "p", RANGE, KeyedPoses((time,), (PoseOffsets(turns, hips),)), **changes)  # type: ignore[arg-type]
 
 
 def request(*corrections: Correction, body: Morphology = BODY, **changes: object) -> AdaptRequest:
@@ -114,14 +114,13 @@ def test_a_window_is_corrected_as_the_whole_clip_is() -> None:
 
 
 def test_rotations_between_two_keys_neither_flip_nor_leave_the_shorter_path() -> None:
-    keys = (PoseKey(1.0, ELBOW), PoseKey(1.2, ((BodyPart.LEFT_FOREARM, (0.0, 1.4, 0.0)),)))
-    both = Correction("Two", "p", RANGE, keys)
-    turns = both.turns_at(BodyPart.LEFT_FOREARM, np.linspace(0.9, 1.3, 81))
+    keys = KeyedPoses((1.0, 1.2), (PoseOffsets(ELBOW), PoseOffsets(((BodyPart.LEFT_FOREARM, (0.0, 1.4, 0.0)),))))
+    turns = keys.turns_at(BodyPart.LEFT_FOREARM, np.linspace(0.9, 1.3, 81))
     steps = to_rotation_vector(from_matrix(turns[:-1].transpose(0, 2, 1) @ turns[1:]))
     assert np.linalg.norm(steps, axis=1).max() < 0.12
     np.testing.assert_allclose(turns[0], to_matrix(from_rotation_vector(np.array([0.5, 0.0, 0.0]))), atol=1e-12)
-    assert both.pose_at(1.0) == keys[0]
-    assert both.pose_at(1.1).time == 1.1
+    assert keys.value_at(1.0) == keys.values[0]
+    assert keys.value_at(1.1).turn(BodyPart.LEFT_FOREARM) == pytest.approx((0.25, 0.7, 0.0), abs=0.1)
 
 
 def test_a_correction_mirrored_twice_is_itself_and_mirrors_the_pose() -> None:
@@ -148,20 +147,20 @@ def _other(name: str) -> str:
 
 
 def test_a_key_beyond_the_range_takes_the_range_along() -> None:
-    grown = correction().with_key(PoseKey(2.0, ELBOW))
+    grown = correction().with_key(2.0, PoseOffsets(ELBOW))
     np.testing.assert_allclose(grown.activation.times, (0.8, 1.0, 2.0, 2.2))
-    assert [key.time for key in grown.keys] == [1.1, 2.0]
+    assert grown.keys.times == (1.1, 2.0)
     assert range_around(1.0).times == pytest.approx((0.75, 0.95, 1.05, 1.25))
 
 
 @pytest.mark.parametrize(
     "wrong",
     [
-        lambda: PoseKey(float("nan")),
-        lambda: PoseKey(0.0, ((BodyPart.HEAD, (0.0, float("inf"), 0.0)),)),
-        lambda: PoseKey(0.0, (*ELBOW, *ELBOW)),
-        lambda: Correction("None", "p", RANGE, ()),
-        lambda: Correction("Twice", "p", RANGE, (PoseKey(1.0), PoseKey(1.0))),
+        lambda: KeyedPoses((float("nan"),), (PoseOffsets(),)),
+        lambda: PoseOffsets(((BodyPart.HEAD, (0.0, float("inf"), 0.0)),)),
+        lambda: PoseOffsets((*ELBOW, *ELBOW)),
+        lambda: KeyedPoses((), ()),
+        lambda: KeyedPoses((1.0, 1.0), (PoseOffsets(), PoseOffsets())),
         lambda: correction(weight=1.5),
     ],
 )

@@ -21,7 +21,7 @@ from studio.core.project import GROUND_ID, Motion
 from studio.core.stage.behaviour import Behaviour, Role, State, Transition
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import DistanceCondition
-from studio.core.stage.correction import Correction, PoseKey, range_around
+from studio.core.stage.correction import PoseOffsets, new_correction
 from studio.core.stage.manners import KeepDistance
 from studio.core.stage.prop import Prop
 from studio.core.stage.whom import DistanceMeasure, FollowPartner
@@ -101,11 +101,11 @@ def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
         case "correct" if project.corrections:
             key = chance.choice(list(project.corrections))
             turn = (BodyPart.LEFT_FOREARM, (chance.uniform(-1.0, 1.0), 0.0, 0.0))
-            posed = project.corrections[key].with_key(PoseKey(chance.uniform(0.0, 2.0), (turn,)))
+            posed = project.corrections[key].with_key(chance.uniform(0.0, 2.0), PoseOffsets((turn,)))
             document.replace("corrections", key, posed, "Pose elbow", gesture)
         case "correct" if project.performers:
             performer = chance.choice(list(project.performers))
-            added = Correction("Elbow", performer, range_around(0.2), (PoseKey(0.2),))
+            added = new_correction("Elbow", performer, 0.2)
             document.add("corrections", added, "Add correction")
         case "remove":
             [name] = chance.choices(list(REMOVED), list(REMOVED.values()))

@@ -27,7 +27,7 @@ from studio.core.stage.conditions import (
     KeyCondition,
     TimeCondition,
 )
-from studio.core.stage.correction import Correction, PoseKey, range_around
+from studio.core.stage.correction import PoseOffsets, new_correction
 from studio.core.stage.manners import Meet
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Prop
@@ -478,7 +478,7 @@ def test_a_correction_acts_live_and_one_that_is_edited_while_it_plays_too():
     stage.step(0.5)
     plain = stage.results["one"]
     turn = ((BodyPart.LEFT_FOREARM, (0.6, 0.0, 0.0)),)
-    made = Correction("Elbow", "one", range_around(0.5), (PoseKey(0.5, turn),))
+    made = new_correction("Elbow", "one", 0.5, PoseOffsets(turn))
     stage.project = stage.project.with_entity("corrections", "c", made)
     stage.step(0.0)
     posed, wrist = stage.results["one"], plain.morphology.layout.wrist(0)

@@ -152,10 +152,13 @@ def _posed(
     heading = standing.motion.channels[window, at.YAW]
     for each in corrections:
         fractions = each.fractions(times)[:, None]
-        vectors = {part: fractions * to_rotation_vector(from_matrix(each.turns_at(part, times))) for part in each.parts}
+        vectors = {
+            part: fractions * to_rotation_vector(from_matrix(each.keys.turns_at(part, times)))
+            for part in each.keys.parts
+        }
         shift = None
-        if each.moves_hips:
-            shift = standing.morphology.leg_length * fractions * along_heading(each.hips_at(times), heading)
+        if each.keys.moves_hips:
+            shift = standing.morphology.leg_length * fractions * along_heading(each.keys.hips_at(times), heading)
         positions, rotations = turned(layout, positions, rotations, segment_turns(layout, vectors), shift)
     return positions, rotations
 
