@@ -64,7 +64,19 @@ def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
     constraints, contacts = list(project.constraints), list(project.contacts)
     match chance.choice(
         [
-            *("add", "add contact", "add prop", "drag", "drag", "trim", "remove", "ground", "group", "behave", "camera"),
+            *(
+                "add",
+                "add contact",
+                "add prop",
+                "drag",
+                "drag",
+                "trim",
+                "remove",
+                "ground",
+                "group",
+                "behave",
+                "camera",
+            ),
             *("correct", "correct"),
         ]
     ):
