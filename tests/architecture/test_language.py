@@ -51,7 +51,9 @@ def files_of(rooms: tuple[str, ...]) -> list[Path]:
 
 
 def every_file() -> list[Path]:
-    return sorted((ROOT / "studio").rglob("*.py"))
+    return sorted(
+        file for folder in ("studio", "tests", "benchmarks", "examples") for file in (ROOT / folder).rglob("*.py")
+    )
 
 
 def classes_of(file: Path) -> Iterator[str]:
