@@ -266,6 +266,9 @@ def add_import_options(parser: ArgumentParser) -> None:
     group.add_argument("--reference", metavar="POSE", help="'zero', or the frame that stands upright")
     group.add_argument("--marker-map", type=Path, metavar="FILE.json", help="which marker of a C3D lies where")
     group.add_argument(
+        "--clean", action="store_true", help="take spikes, exchanged limbs and tremble off a noisy motion"
+    )
+    group.add_argument(
         "--undo-swaps", action="store_true", help="exchange markers of a C3D back that took each other's name"
     )
     group.add_argument(

@@ -4,12 +4,11 @@ import ast
 import re
 from collections import defaultdict
 from collections.abc import Callable, Iterator
-from functools import cache
 from pathlib import Path
 
 import pytest
 
-from tests.architecture.sources import ROOT, place_of
+from tests.architecture.sources import ROOT, place_of, tree_of
 
 DONE = ("core/kernels", "core/solver")
 """Rooms of studio/ that speak it. A room that is put here stays here."""
@@ -53,11 +52,6 @@ def files_of(rooms: tuple[str, ...]) -> list[Path]:
 
 def every_file() -> list[Path]:
     return sorted((ROOT / "studio").rglob("*.py"))
-
-
-@cache
-def tree_of(file: Path) -> ast.Module:
-    return ast.parse(file.read_text(encoding="utf-8"))
 
 
 def classes_of(file: Path) -> Iterator[str]:
