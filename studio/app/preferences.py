@@ -24,8 +24,8 @@ WHOLE_NUMBERS = (
     ("autosave_minutes", 0, 600),
     ("interface_scale", 50, 300),
 )
-FITTED, WHOLE_CLIP = "fitted", "whole_clip"
-CHOICES: Mapping[str, tuple[str, ...]] = {"activation": (FITTED, WHOLE_CLIP), "theme": tuple(colours.THEMES)}
+FITTED, WHOLE_CLIP_ACTIVATION = "fitted", "whole_clip"
+CHOICES: Mapping[str, tuple[str, ...]] = {"activation": (FITTED, WHOLE_CLIP_ACTIVATION), "theme": tuple(colours.THEMES)}
 
 
 @dataclass(frozen=True)

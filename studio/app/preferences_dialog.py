@@ -9,7 +9,15 @@ from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QDialog, QHeaderView, QTableWidget, QTableWidgetItem, QVBoxLayout
 
 from studio.app.actions import ACTIONS
-from studio.app.preferences import CHOICES, FITTED, WHOLE_CLIP, WHOLE_NUMBERS, conflicts_in, key_maps, keys_in
+from studio.app.preferences import (
+    CHOICES,
+    FITTED,
+    WHOLE_CLIP_ACTIVATION,
+    WHOLE_NUMBERS,
+    conflicts_in,
+    key_maps,
+    keys_in,
+)
 from studio.app.workbench import Workbench
 from studio.document import colours
 from studio.panels.fields import Choice, NumberField, Section, labelled
@@ -24,7 +32,7 @@ ONION_NUMBERS = (
     ("onion_after", "After", ""),
     ("onion_step", "Every", "frames"),
 )
-ACTIVATIONS = ((FITTED, "While the body stays"), (WHOLE_CLIP, "For the whole clip"))
+ACTIVATIONS = ((FITTED, "While the body stays"), (WHOLE_CLIP_ACTIVATION, "For the whole clip"))
 ACTION_ID = Qt.ItemDataRole.UserRole
 
 
