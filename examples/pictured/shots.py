@@ -14,6 +14,7 @@ from studio.app.marker_dialog import open_markers
 from studio.core.body.morphology import Proportions
 from studio.core.constraints.keyed import KeyedPlace
 from studio.core.stage.prop import Prop
+from studio.document import colours
 from studio.document.channels import Side, with_handle
 from studio.document.key_edits import replace_fields
 from studio.document.keyed_fields import KeyedField, KeyRef
@@ -35,6 +36,17 @@ def window() -> QImage:
     _aim(session, "child")
     session.look(35, 8, 1.15)
     return _taken(session)
+
+
+def light_theme() -> QImage:
+    """The window in the light theme."""
+    colours.use_theme("light")
+    session = Session("front_kick", (1280, 800))
+    _aim(session, "child")
+    session.look(35, 8, 1.15)
+    image = _taken(session)
+    colours.use_theme("dark")
+    return image
 
 
 def constrain() -> QImage:

@@ -156,7 +156,7 @@ EDIT = (
            "Paste with left for right", ends_group=True),
     Action("set_key", "Edit", "Set key", editing.set_key, ("S",), "Key the selection at the playhead", _any_selected),
     Action("preferences", "Edit", "Preferences…", editing.preferences, ("Ctrl+,",),
-           "Steps to which the gizmo snaps, onion skins, and keys"),
+           "Snapping steps, onion skins, activation, autosave, theme, scale, and keys"),
     Action("escape", "Edit", "Deselect", editing.escape, ("Esc",), "Cancel the current action"),
     Action(
         "report", "Edit", "Show import report", editing.select_capture,
@@ -374,6 +374,7 @@ VIEW = (
 )  # fmt: skip
 
 HELP = (
+    Action("guide", "Help", "Guide", view.guide, ("F1",), "How everything is done, with pictures"),
     Action("palette", "Help", "Search actions…", view.palette, ("Ctrl+K",), "Find anything by its name"),
     Action(
         "formats",

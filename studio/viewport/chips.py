@@ -13,13 +13,13 @@ PROBLEM_FRAME = 60
 """Pixels of a view's width that the problem's words may not take."""
 _SHAPE = "border-radius: 11px; padding: 3px 10px; font-size: 12px; border: 1px solid transparent;"
 _BUTTON = f"""
-QPushButton {{ background: rgba(22, 25, 29, 205); color: {colours.TEXT_SECOND}; {_SHAPE} }}
-QPushButton:checked {{ background: rgba(58, 66, 75, 235); color: {colours.TEXT}; }}
-QPushButton:hover {{ background: {colours.CONTROL}; color: {colours.TEXT}; }}
-QPushButton:focus {{ border: 1px solid {colours.SELECTED_CONTROL}; }}
+QPushButton {{ background: rgba(22, 25, 29, 205); color: {colours.STAGE_TEXT_SECOND}; {_SHAPE} }}
+QPushButton:checked {{ background: rgba(58, 66, 75, 235); color: {colours.STAGE_TEXT}; }}
+QPushButton:hover {{ background: {colours.STAGE_CONTROL}; color: {colours.STAGE_TEXT}; }}
+QPushButton:focus {{ border: 1px solid {colours.STAGE_SELECTED_CONTROL}; }}
 """
-_WARNING = f"QPushButton {{ color: {colours.PARTLY}; }} QPushButton:hover {{ color: {colours.PARTLY}; }}"
-_CALL = f"QPushButton {{ background: {colours.SELECTED_CONTROL}; color: #ffffff; }}"
+_WARNING = f"QPushButton {{ color: {colours.STAGE_PARTLY}; }} QPushButton:hover {{ color: {colours.STAGE_PARTLY}; }}"
+_CALL = f"QPushButton {{ background: {colours.STAGE_SELECTED_CONTROL}; color: #ffffff; }}"
 
 
 class Chip(QPushButton):
@@ -80,7 +80,7 @@ class Chips:
         self.markers = ToggleChip("Markers", "Markers as they were recorded", False, clicked["markers"], parent)
         self.work = QLabel(parent)
         self.work.setAccessibleName("Bodies, pictures a second, and how far these are behind the hand")
-        self.work.setStyleSheet(f"background: rgba(22, 25, 29, 205); color: {colours.TEXT_SECOND}; {_SHAPE}")
+        self.work.setStyleSheet(f"background: rgba(22, 25, 29, 205); color: {colours.STAGE_TEXT_SECOND}; {_SHAPE}")
         self.problem = Chip("", "Most important problem", clicked["problem"], parent, _WARNING)
         self.constrain = Chip("", "Constrain the picked joint", clicked["constrain"], parent, _CALL)
         self._view = parent

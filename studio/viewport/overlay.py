@@ -16,7 +16,7 @@ from studio.viewport.strokes import SHADOW, draw_disc, draw_line
 
 GHOST = QColor(196, 204, 214, 215)
 MARKER_COLOUR, OTHER_MARKER_COLOUR = QColor("#f0f4f8"), QColor(142, 152, 164, 170)
-CHOSEN_MARKER_COLOUR = QColor(colours.PLAYHEAD)
+CHOSEN_MARKER_COLOUR = QColor(colours.STAGE_PLAYHEAD)
 
 NOTICE_ABOVE = 150.0
 """Pixels from the lower edge up to what is said while nobody performs: clear of a sentence of two lines."""
@@ -26,7 +26,7 @@ TRAIL_KEY_PX = 5.0
 """Pixels from the middle of a key on a trail to its corners."""
 GAZE = 0.6
 """Least strength of the line from eyes to what they look at, whoever's they are."""
-JOINT_COLOUR = QColor(colours.SELECTED_HANDLE)
+JOINT_COLOUR = QColor(colours.STAGE_SELECTED_HANDLE)
 """Of the dots at joints that can be picked."""
 
 
@@ -152,11 +152,11 @@ class Overlay:
         self._painter.setPen(Qt.PenStyle.NoPen)
         self._painter.setBrush(QColor(22, 25, 29, 225))
         self._painter.drawRoundedRect(plate, 11.0, 11.0)
-        self._painter.setPen(QColor(colours.TEXT))
+        self._painter.setPen(QColor(colours.STAGE_TEXT))
         self._painter.drawText(QRectF(plate.topLeft(), QSizeF(width, 34.0)), Qt.AlignmentFlag.AlignCenter, words)
         if share is not None:
             self._painter.setPen(Qt.PenStyle.NoPen)
-            for colour, part in ((colours.CONTROL, 1.0), (colours.KINDS["position"], share)):
+            for colour, part in ((colours.STAGE_CONTROL, 1.0), (colours.KINDS["position"], share)):
                 self._painter.setBrush(QColor(colour))
                 bar = QRectF(plate.left() + 20.0, top + 33.0, (width - 40.0) * part, 4.0)
                 self._painter.drawRoundedRect(bar, 2.0, 2.0)
@@ -172,7 +172,7 @@ class Overlay:
         for face in figure.faces:
             self._face(face, colour, 0.25 * strength)
         for line in figure.lines:
-            self._thin(line, colours.NOT_REACHED if handle.missed and figure.link is None else colour, strength)
+            self._thin(line, colours.STAGE_NOT_REACHED if handle.missed and figure.link is None else colour, strength)
         if figure.link is not None and (handle.missed or figure.link_always):
             gazes = handle.kind == "look_at" and handle.activation > 0.0
             self._link(handle, figure.link, colour, max(strength, GAZE) if gazes else strength)
@@ -183,7 +183,7 @@ class Overlay:
         if (depth <= 0).any():
             return
         if handle.missed:
-            draw_line(self._painter, pixels[0], pixels[1], colours.NOT_REACHED, 2.0 if handle.main else 1.2)
+            draw_line(self._painter, pixels[0], pixels[1], colours.STAGE_NOT_REACHED, 2.0 if handle.main else 1.2)
             return
         self._thin(link, colour, strength)
         dot = QColor(colour)

@@ -91,7 +91,7 @@ def selection_rings(project: Project, posed: Mapping[str, Posed], selected: Coll
     """A ring on the ground round each selected performer."""
     chosen = [posed[key] for key in selected if key in posed]
     centres, sizes = [pose.points[0] for pose in chosen], [2 * pose.motion.morphology.leg_length for pose in chosen]
-    return _rings(project, centres, PATH_RING_RADIUS * np.array(sizes), colours.SELECTED_HANDLE, 0.7)
+    return _rings(project, centres, PATH_RING_RADIUS * np.array(sizes), colours.STAGE_SELECTED_HANDLE, 0.7)
 
 
 def prop_paths(project: Project, selected: Collection[str], time: float) -> list[StagePath]:
@@ -100,7 +100,7 @@ def prop_paths(project: Project, selected: Collection[str], time: float) -> list
     paths = [
         each.position.path(time) for each in chosen if not each.held_at(time) and not isinstance(each.position, tuple)
     ]
-    return [StagePath(path, colours.SELECTED_HANDLE, np.full(len(path), 0.7)) for path in paths]
+    return [StagePath(path, colours.STAGE_SELECTED_HANDLE, np.full(len(path), 0.7)) for path in paths]
 
 
 def contact_marks(project: Project, posed: Mapping[str, Posed]) -> list[StagePath]:

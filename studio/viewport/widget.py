@@ -70,6 +70,8 @@ class Viewport(Canvas):
         self.gizmo_space = Space.WORLD
         self.snap_steps = DEFAULT_STEPS
         self.onion_skins = OnionSkins()
+        self.fits_activation = True
+        """True if new constraints act while the body stays, False if for the whole clip."""
         self._kept: list[tuple[str, float]] = []
         self._nudged = "z"
         self.posed: dict[str, Posed] = {}
@@ -299,7 +301,7 @@ class Viewport(Canvas):
         ):
             return None
         context, joint = TargetContext(project, self.posed, pose), picked.joint if picked else None
-        constraint = constraint_here(Here(context, joint), kind)
+        constraint = constraint_here(Here(context, joint, self.fits_activation), kind)
         constraint_id = self._document.add("constraints", constraint, f"Add '{constraint.name}'")
         self.pick(None)
         self._document.selection.set(("performers", performer_id), ("constraints", constraint_id))
@@ -459,7 +461,7 @@ class Viewport(Canvas):
         for picked, strong in ((self.joint_hovered, False), (self.joint_picked, True)):
             pose = self.posed.get(picked.performer_id) if picked else None
             if picked is not None and pose is not None:
-                overlay.joint(pose.points[picked.joint.index], colours.SELECTED_HANDLE, strong)
+                overlay.joint(pose.points[picked.joint.index], colours.STAGE_SELECTED_HANDLE, strong)
         gizmo = self.gizmo()
         if gizmo is not None and gizmo.in_sight:
             GizmoPainter(painter).paint(gizmo, self.gizmo_part_hovered, self.gesture)

@@ -3,10 +3,14 @@
 from collections.abc import Callable
 from dataclasses import replace
 
+from PySide6.QtCore import QUrl
+from PySide6.QtGui import QDesktopServices
+
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.io import plug_ins as plug_in_groups
 from studio.io.registry import Format, known_formats
+from studio.resources_folder import guide_file
 from studio.viewport.eyes import Stereo
 
 
@@ -138,6 +142,12 @@ def console(bench: Workbench) -> None:
 def shortcuts(bench: Workbench) -> None:
     """All shortcuts on one sheet."""
     bench.window.show_shortcuts()
+
+
+def guide(bench: Workbench) -> None:
+    """Open the guide in the system's own reader. Raises StudioError where there is none."""
+    if not QDesktopServices.openUrl(QUrl.fromLocalFile(str(guide_file()))):
+        raise StudioError(f"No program opens {guide_file()}. It is a Markdown file: open it with any text editor.")
 
 
 def formats(bench: Workbench) -> None:
