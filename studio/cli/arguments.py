@@ -175,6 +175,7 @@ def add_render_arguments(parser: ArgumentParser) -> None:
         help="characters that perform a capture; all bundled ones by default",
     )
     parser.add_argument("--time", type=seconds, metavar="S", help="moment of a picture in seconds; else the middle")
+    parser.add_argument("--camera", metavar="NAME", help="look through a saved camera of the project")
     parser.add_argument(
         "--size", type=size(16, 8192), default=(1280, 720), metavar="WxH", help="pixels; 1280x720 by default"
     )
