@@ -18,6 +18,7 @@ from studio.core.captures.contacts import (
     faces_down,
     lying,
     staying,
+    through_still_gaps,
     tipped_over,
     without,
 )
@@ -134,6 +135,14 @@ def test_a_foot_that_rolls_from_heel_to_toe_is_never_in_the_air() -> None:
     assert close_steps(rolling, [(40, 60)], middle, 3) == (rolling, [(40, 60)])
     middle[37:, 0] = 2.0 * WANDER
     assert close_steps(rolling, [(39, 60)], middle, 3) == (rolling, [(39, 60)])
+
+
+def test_toes_stand_through_a_gap_in_which_their_foot_does_not_move() -> None:
+    middle = np.zeros((80, 3))
+    middle[30:50, 2] = 0.01  # skin that moves over bones
+    assert through_still_gaps([(0, 32), (45, 60)], middle) == [(0, 60)]
+    middle[36:40, 2] = 0.03  # a tap in place
+    assert through_still_gaps([(0, 32), (45, 60)], middle) == [(0, 32), (45, 60)]
 
 
 def test_steps_are_kept_in_the_noise_of_joints_that_shake_by_half_a_degree() -> None:

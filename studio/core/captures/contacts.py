@@ -175,6 +175,8 @@ ROLLING_SECONDS = 0.06
 """Seconds by which a contact may begin earlier or end later at ``HEEL_SPEEDS`` or ``TOE_SPEEDS``."""
 SHORTEST_CONTACT = 0.05
 """Seconds: shorter contacts are dropped, shorter gaps closed."""
+UNMOVED = 0.015
+"""Metres that a foot goes at most from where a gap in the contact of its toes begins, if they stand through it."""
 SMOOTHING = 0.012
 """Seconds, standard deviation of the smoothing before speed is taken."""
 NOISE_SPEED = 0.12
@@ -308,6 +310,18 @@ def _without_pivots(
         if abs(ball_travel - heel_travel) > PIVOT:
             (toe if ball_travel > heel_travel else heel)[first : last + 1] = False
     return heel, toe
+
+
+def through_still_gaps(spans: list[Span], middle: FloatArray) -> list[Span]:
+    """The ``spans`` of toes, joined over gaps in which the ``middle`` (F, 3) of their foot hardly moves.
+
+    Soles that stand rise and sink by centimetres in captures of markers, as skin moves over bones.
+    """
+    standing = contact_mask(spans, len(middle))
+    for (_, before), (after, _) in pairwise(spans):
+        if np.linalg.norm(middle[before : after + 1] - middle[before], axis=1).max() < UNMOVED:
+            standing[before:after] = True
+    return spans_of(standing)
 
 
 def close_steps(heel: list[Span], toe: list[Span], middle: FloatArray, longest: int) -> tuple[list[Span], list[Span]]:

@@ -22,6 +22,7 @@ from studio.core.captures.contacts import (
     detect_contacts,
     faces_down,
     lying,
+    through_still_gaps,
     tipped_over,
     touching_points,
     trailed,
@@ -220,8 +221,9 @@ def _contacts_of(marks: Landmarks, capture: Capture) -> tuple[Contacts, FloorSlo
         feet[heel] = without(feet[heel], rising, shortest)
         low = tracks[knee][:, 2] < LOW_KNEE * leg
         down = low | contact_mask(bodies[ContactPoint.SEAT], len(points))
-        feet[toe] = trailed(feet[toe], toes[:, side], down, capture.frame_rate)
-        feet[heel], feet[toe] = close_steps(feet[heel], feet[toe], soles[:, side, :2].mean(axis=1), shortest)
+        middle = soles[:, side, :2].mean(axis=1)
+        feet[toe] = through_still_gaps(trailed(feet[toe], toes[:, side], down, capture.frame_rate), middle)
+        feet[heel], feet[toe] = close_steps(feet[heel], feet[toe], middle, shortest)
     # Low hips say what knees and toes do; but of who crawls they are carried, until it lies flat.
     prone = faces_down(points[:, hips], points[:, [layout.collar(0) + 1, layout.collar(1) + 1]])
     flat = tracks[ContactPoint.SEAT][:, 2] < LYING_HIP_HEIGHT * leg
