@@ -104,11 +104,17 @@ class MainWindow(QMainWindow):
         for note in (self.recovery, self.question, self.strip):
             note.raise_()
         viewport.strike_drops.dropped.connect(self.striking.play)
+        viewport.covered_below = self._covered_below
         self.bench.set_viewport(viewport)
         self._apply_preferences()
         self._show_progress(*self.status.progress.now)
         viewport.setFocus()
         self.bench.views_changed.emit()
+
+    def _covered_below(self) -> float:
+        """Pixels of the view that the message strip covers along its lower edge."""
+        self._stage_layout.activate()
+        return 0.0 if self.strip.isHidden() else float(self._stage_layout.geometry().height() - self.strip.y())
 
     def show_timeline(self, timeline: "Timeline") -> None:
         """Put the timeline in its dock."""

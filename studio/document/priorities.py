@@ -39,4 +39,5 @@ def shift_priority(document: Document, constraint_id: str, step: int) -> None:
     order.insert(goal, order.pop(place))
     if goal != place:
         ties = ties_with_moved(constraints, order, constraint_id)
-        put_priorities(document, order, ties, f"Reorder priority of {constraint.name}")
+        name = document.shown_project.constraints[constraint_id].name
+        put_priorities(document, order, ties, f"Reorder priority of {name}")

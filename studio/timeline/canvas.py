@@ -318,9 +318,17 @@ class TrackCanvas(TrackView):
         text = self._hovered = hover_text(self.sheet, self.picture.plot, event.position())
         self.told.emit(text)
         if text and is_value(self.sheet, event.position()):
-            QToolTip.showText(event.globalPosition().toPoint() + QPoint(4, -2), text, self)
+            self._show_tooltip(event.position().toPoint(), text)
         elif QToolTip.isVisible():
             QToolTip.hideText()
+
+    def _show_tooltip(self, point: QPoint, text: str) -> None:
+        """Show a text below the row at ``point``, or beside the mouse where there is no row."""
+        row = self.sheet.row_at(point) if self.sheet else None
+        place = point + QPoint(4, -2)
+        if self.sheet is not None and row is not None:
+            place.setY(self.sheet.rect(row).bottom())
+        QToolTip.showText(self.mapToGlobal(place), text, self)
 
     def _hover_again(self) -> None:
         """Look again for the thing under the mouse, which may have changed or be gone, and update its tooltip."""
@@ -366,7 +374,7 @@ class TrackCanvas(TrackView):
                 event.accept()
                 return True
         elif event.type() == QEvent.Type.ToolTip and isinstance(event, QHelpEvent) and self.sheet:
-            QToolTip.showText(event.globalPos(), hover_text(self.sheet, self.picture.plot, QPointF(event.pos())), self)
+            self._show_tooltip(event.pos(), hover_text(self.sheet, self.picture.plot, QPointF(event.pos())))
             return True
         return super().event(event)
 

@@ -2,8 +2,8 @@
 
 from collections.abc import Callable, Mapping
 
-from PySide6.QtCore import QPoint, Qt
-from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
+from PySide6.QtCore import QPoint, QRect, Qt
+from PySide6.QtWidgets import QGraphicsOpacityEffect, QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
 
 from studio.document import colours
 
@@ -83,6 +83,9 @@ class Chips:
         self.work.setStyleSheet(f"background: rgba(22, 25, 29, 205); color: {colours.STAGE_TEXT_SECOND}; {_SHAPE}")
         self.problem = Chip("", "Most important problem", clicked["problem"], parent, _WARNING)
         self.constrain = Chip("", "Constrain the picked joint", clicked["constrain"], parent, _CALL)
+        self._top = (
+            self.view, self.shading, self.space, self.ghost, self.onion, self.trails, self.follow, self.markers
+        )  # fmt: skip
         self._view = parent
         self._wide, self._recorded, self._space_used = True, False, True
         self._arrange(parent)
@@ -94,16 +97,7 @@ class Chips:
         grid.setContentsMargins(12, 12, 12, 12)
         top, bottom = QHBoxLayout(), QHBoxLayout()
         top.setSpacing(8)
-        for chip in (
-            self.view,
-            self.shading,
-            self.space,
-            self.ghost,
-            self.onion,
-            self.trails,
-            self.follow,
-            self.markers,
-        ):
+        for chip in self._top:
             top.addWidget(chip)
         top.addStretch(1)
         top.addWidget(self.work)
@@ -126,6 +120,18 @@ class Chips:
             chip.setVisible(width >= needed and (chip is not self.markers or self._recorded))
         self._wide = width >= 920
         self.work.setVisible(self._wide and bool(self.work.text()))
+
+    def make_room(self, gizmo: QRect) -> None:
+        """Hide the chips that the gizmo's pixels lie under, so that the gizmo is seen and takes the mouse there."""
+        for chip in (*self._top, self.work, self.problem):
+            covers = gizmo.intersects(chip.geometry())
+            if covers == chip.testAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents):
+                continue
+            chip.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents, covers)
+            effect = QGraphicsOpacityEffect(chip) if covers else None
+            if effect is not None:
+                effect.setOpacity(0.0)
+            chip.setGraphicsEffect(effect)  # type: ignore[arg-type]
 
     def tell_parallel(self, parallel: bool) -> None:
         """Show whether the view is parallel."""

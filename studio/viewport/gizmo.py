@@ -70,6 +70,12 @@ class GizmoFrame:
         """(3, 2) pixels of the axes' ends."""
         return self.pixels_of(np.eye(3))
 
+    @property
+    def extent(self) -> tuple[FloatArray, FloatArray]:
+        """Least and greatest pixel (2,) of what is drawn and can be gripped."""
+        pixels = np.vstack([self.centre, self.tips])
+        return pixels.min(axis=0) - BALL_REACH, pixels.max(axis=0) + BALL_REACH
+
     @cached_property
     def sight(self) -> FloatArray:
         """(3,) unit direction from the eye to the origin, stage space."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from studio.engine.performance import Posed
 from studio.viewport.camera import OrbitCamera
-from studio.viewport.opening import below_chips
+from studio.viewport.opening import clear_of_words
 
 Size = tuple[float, float]
 PICTURE_EDGE = 0.06
@@ -50,8 +50,9 @@ class Newcomers:
         if all(is_seen(bodies[key], camera, size) for key in new):
             return camera
         shown = {key: body for key, body in bodies.items() if key in new or seen(body, camera, size, 0.0) > 0.5}
-        framed = camera.framing(np.concatenate([body.points for body in shown.values()]), size)
-        framed = below_chips(replace(framed, distance=max(framed.distance, camera.distance)), shown, size)
+        points = np.concatenate([body.points for body in shown.values()])
+        framed = camera.framing(points, size)
+        framed = clear_of_words(replace(framed, distance=max(framed.distance, camera.distance)), points, size)
         self._step = CameraStep(frozenset(new), camera, framed)
         return framed
 

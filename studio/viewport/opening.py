@@ -19,8 +19,8 @@ UNEVEN_GROUND = 0.15
 ENOUGH_APART = 0.8
 """Metres between two bodies, as seen, beyond which more makes nothing clearer."""
 ROWS = 24
-CHIPS, STEPS_BACK = 56.0, 6
-"""Pixels that the chips take along the upper edge; most steps back to free the heads of them."""
+CHIPS, STEPS_BACK = 56.0, 12
+"""Pixels that the chips take along the upper edge; most steps back to show bodies clear of words."""
 LOOKED_AT = 500
 """Frames, spread over a motion, that tell where its body faces."""
 CLEARLY = 0.3
@@ -39,30 +39,41 @@ def performed_points(posed: Mapping[str, Posed]) -> FloatArray:
 
 
 def opening_camera(
-    posed: Mapping[str, Posed], size: tuple[float, float], parallel: bool = False, ground: Ground | None = None
+    posed: Mapping[str, Posed],
+    size: tuple[float, float],
+    parallel: bool = False,
+    ground: Ground | None = None,
+    covered_below: float = 0.0,
 ) -> OrbitCamera:
-    """The first camera for these performers, more from the side where the ``ground`` goes up or down before them."""
+    """The first camera for these performers, more from the side where the ``ground`` goes up or down before them.
+
+    It shows them above the ``covered_below`` pixels along the lower edge.
+    """
     places = np.array([pose.points[0] for pose in posed.values()]).reshape(-1, 3)
     front = _facing(posed)
     heights = ground.height_at(performed_points(posed)) if ground is not None else np.zeros(1)
     azimuths = SLOPE_VIEW_ANGLES if float(np.ptp(heights)) > UNEVEN_GROUND else AZIMUTHS
     cameras = [replace(OrbitCamera(), azimuth=front + azimuth, parallel=parallel) for azimuth in azimuths]
     best = max(cameras, key=lambda camera: round(5 * _apart(camera, places)) - _tall_in_front(camera, posed))
-    return below_chips(best.framing(performed_points(posed), size), posed, size)
+    now = np.concatenate([pose.points for pose in posed.values()]) if posed else np.zeros((0, 3))
+    return clear_of_words(best.framing(performed_points(posed), size), now, size, covered_below)
 
 
-def below_chips(camera: OrbitCamera, posed: Mapping[str, Posed], size: tuple[float, float]) -> OrbitCamera:
-    """Farther away and looking higher, until no head stands behind the chips along the upper edge."""
-    heads = np.array([pose.points[pose.over_time.morphology.layout.head_end] for pose in posed.values()]).reshape(-1, 3)
+def clear_of_words(
+    camera: OrbitCamera, points: FloatArray, size: tuple[float, float], covered_below: float = 0.0
+) -> OrbitCamera:
+    """Farther away and looking higher or lower, until no stage point (N, 3) lies behind the chips along the upper edge
+    or behind the ``covered_below`` pixels along the lower one.
+    """
     for _ in range(STEPS_BACK):
-        pixels, depth = camera.project(heads, size)
-        short = CHIPS - float(pixels[:, 1].min(initial=CHIPS))
-        if short <= 0.0:
+        pixels, depth = camera.project(points, size)
+        above = max(CHIPS - float(pixels[:, 1].min(initial=CHIPS)), 0.0)
+        below = max(float(pixels[:, 1].max(initial=0.0)) - (size[1] - covered_below), 0.0) if covered_below else 0.0
+        if above <= 0.0 and below <= 0.0:
             break
-        lifted = np.asarray(camera.target) + camera.axes[1] * (
-            0.5 * short * camera.metres_per_pixel(size[1], float(depth.min()))
-        )
-        camera = replace(camera, target=tuple(lifted.tolist()), distance=camera.distance * 1.04)
+        raised = 0.5 * (above - below) * camera.metres_per_pixel(size[1], float(depth.min()))
+        target = np.asarray(camera.target) + camera.axes[1] * raised
+        camera = replace(camera, target=tuple(target.tolist()), distance=camera.distance * 1.04)
     return camera
 
 

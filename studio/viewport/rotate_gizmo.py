@@ -36,6 +36,12 @@ class RotateGizmo(GizmoFrame):
         points = np.outer(np.cos(_ROUND), first) + np.outer(np.sin(_ROUND), second)
         return self.camera.project(self.origin + radius * points, self.size)[0]
 
+    @property
+    def extent(self) -> tuple[FloatArray, FloatArray]:
+        """Least and greatest pixel (2,) of the rings."""
+        pixels = np.vstack([self.ring(part) for part in self.parts])
+        return pixels.min(axis=0) - LINE_REACH, pixels.max(axis=0) + LINE_REACH
+
     def in_front(self, part: str) -> NDArray[np.bool_]:
         """(RING_SIDES,) True for sides on the half towards the viewer; all of a ring that is seen from its axis."""
         first, second, axis = self._basis(part)

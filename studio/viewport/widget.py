@@ -7,12 +7,13 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import QEvent, QPoint, QPointF, Qt, Signal
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QRectF, Qt, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QResizeEvent, QWheelEvent
 from PySide6.QtWidgets import QWidget
 
 from studio.core.body.sticks import bone_pairs
 from studio.core.constraints.base import BodyPoint
+from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.stage.saved_camera import CameraPlacement
 from studio.document import colours
@@ -39,7 +40,7 @@ from studio.viewport.handles import Handle, constraint_handles
 from studio.viewport.movables import Movable
 from studio.viewport.newcomers import Newcomers
 from studio.viewport.onion_skins import Ghost, OnionSkins, kept_ghosts, onion_ghosts
-from studio.viewport.opening import is_another_size, opening_camera
+from studio.viewport.opening import clear_of_words, is_another_size, opening_camera
 from studio.viewport.overlay import Overlay
 from studio.viewport.pace import Pace
 from studio.viewport.paths import StagePath, prop_paths, selection_rings, stage_paths, trail_keys
@@ -90,6 +91,8 @@ class Viewport(Canvas):
         self._framed = False
         self._opening: OrbitCamera | None = None
         self._opening_size = self.view_size
+        self.covered_below: Callable[[], float] = lambda: 0.0
+        """Pixels along the lower edge that a sentence covers; the camera frames bodies above it."""
         self._played = document.project.motions_played
         self._posed_in = document.project
         self._follower, self._newcomers = FollowCamera(), Newcomers()
@@ -302,7 +305,8 @@ class Viewport(Canvas):
             return None
         context, joint = TargetContext(project, self.posed, pose), picked.joint if picked else None
         constraint = constraint_here(Here(context, joint, self.fits_activation), kind)
-        constraint_id = self._document.add("constraints", constraint, f"Add '{constraint.name}'")
+        shown = mirrored_constraint(constraint) if pose.mirrored else constraint
+        constraint_id = self._document.add("constraints", constraint, f"Add '{shown.name}'")
         self.pick(None)
         self._document.selection.set(("performers", performer_id), ("constraints", constraint_id))
         return constraint_id
@@ -434,7 +438,9 @@ class Viewport(Canvas):
     def _open(self) -> None:
         self._opening_size = self.view_size
         posed, parallel = self.posed or self.resting, self.camera.parallel
-        self.camera = self._opening = opening_camera(posed, self.view_size, parallel, self._document.project.ground)
+        self.camera = self._opening = opening_camera(
+            posed, self.view_size, parallel, self._document.project.ground, self.covered_below()
+        )
         self._newcomers.meet(self._document.project.performers)
 
     def paint_over(self, painter: QPainter) -> None:
@@ -463,8 +469,12 @@ class Viewport(Canvas):
             if picked is not None and pose is not None:
                 overlay.joint(pose.points[picked.joint.index], colours.STAGE_SELECTED_HANDLE, strong)
         gizmo = self.gizmo()
+        room = QRect()
         if gizmo is not None and gizmo.in_sight:
             GizmoPainter(painter).paint(gizmo, self.gizmo_part_hovered, self.gesture)
+            low, high = gizmo.extent
+            room = QRectF(QPointF(*low), QPointF(*high)).toAlignedRect()
+        self._chips.make_room(room)
         if self.notice:
             overlay.notice(self.notice, self._progress[1] if self._progress[0] else None)
         self._place_constrain_chip()
@@ -520,7 +530,8 @@ class Viewport(Canvas):
         return self.joint_picked.joint.point if self.joint_picked else None
 
     def _frame(self, points: FloatArray) -> None:
-        self._glide.start(self.camera, self.camera.framing(points, self.view_size))
+        framed = self.camera.framing(points, self.view_size)
+        self._glide.start(self.camera, clear_of_words(framed, points, self.view_size, self.covered_below()))
 
     # What changes elsewhere
 

@@ -69,6 +69,29 @@ def test_a_behaviour_hears_keys_and_its_state_is_lit(playing, qtbot):
     assert playing.behaviour.diagram.running == {}
 
 
+def test_a_take_begins_at_the_playhead_and_plays_there_what_was_recorded(playing, qtbot):
+    document, play = playing.bench.document, playing.bench.live.play
+    press(playing, Qt.Key.Key_2)
+    qtbot.waitUntil(lambda: playing.bench.viewport.posed["one"].motion_id == "front_kick", timeout=PATIENCE)
+    begin = document.playhead.time
+    seconds = play.moment.seconds
+    qtbot.waitUntil(lambda: play.moment.seconds > seconds + 0.5, timeout=PATIENCE)  # the stage is ahead of the playhead
+    press(playing, Qt.Key.Key_R, Qt.KeyboardModifier.ShiftModifier)
+    begun = play.moment.seconds
+    assert begun > begin + 0.3
+    qtbot.waitUntil(lambda: play.moment.seconds > begun + 0.5, timeout=PATIENCE)
+    press(playing, Qt.Key.Key_R, Qt.KeyboardModifier.ShiftModifier)
+    press(playing, Qt.Key.Key_Escape)
+    clips = document.project.performers["one"].clips
+    assert clips[0].motion_id == "front_kick"
+    assert clips[0].start == pytest.approx(begin, abs=1.0 / document.playhead.frame_rate)
+    assert document.playhead.time == pytest.approx(begin, abs=1.0 / document.playhead.frame_rate)
+    assert playing.bench.live.wait(100.0)
+    qtbot.waitUntil(lambda: playing.bench.viewport.posed["one"].motion_id == "front_kick", timeout=PATIENCE)
+    document.undo_stack.undo()
+    assert document.project.performers["one"].clips[0].motion_id == "straight_punch"
+
+
 def test_a_target_that_is_moved_while_it_plays_is_followed_and_kept_in_the_take(playing, qtbot):
     document, play = playing.bench.document, playing.bench.live.play
     press(playing, Qt.Key.Key_R, Qt.KeyboardModifier.ShiftModifier)

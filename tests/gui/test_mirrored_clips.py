@@ -153,8 +153,12 @@ def test_a_handle_of_a_mirrored_clip_lifts_the_foot_that_it_lies_on(window):
 def test_a_joint_that_is_constrained_on_a_mirrored_clip_is_the_one_that_was_picked(window):
     mirror(window)
     constraint_id = constrain(window, "left ball of foot")
+    assert window.bench.document.undo_stack.undoText() == "Add 'Left ball of foot'"
     assert_all_is_of_the_left(window, constraint_id)
     assert miss(window, constraint_id, side=0) < 0.01
+    constrain(window, "right wrist")
+    window.actions_by_id.by_id["raise_priority"].trigger()
+    assert window.bench.document.undo_stack.undoText() == "Reorder priority of Right wrist"
 
 
 def test_the_second_loop_of_a_mirrored_clip_shows_the_same_sides(window):

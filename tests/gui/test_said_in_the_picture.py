@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from PySide6.QtTest import QTest
 
+from studio.app.application import import_views, show_views
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
@@ -13,6 +14,7 @@ from studio.core.constraints.follow import FollowPerformer
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.stage.scope import Scope
 from studio.document.document import Document
+from studio.viewport.opening import CHIPS
 from studio.viewport.overlay import Overlay
 from studio.viewport.widget import Viewport
 from tests.builders import make_project
@@ -80,3 +82,21 @@ def test_a_line_leads_from_the_eyes_to_what_they_look_at_whoever_is_active_and_w
     [[handles, _], *_] = drawn(viewport, monkeypatch, "handles")
     assert [one.kind for one in handles] == ["look_at"]
     document.playhead.pause()
+
+
+def test_feet_stand_above_the_sentence_that_is_said_as_the_stage_opens(window, qtbot):
+    window.strip.say("A scene's sentence of what is to be seen, " * 6)
+    import_views()
+    show_views(window)
+    viewport = window.bench.viewport
+    assert window.bench.live.wait(300.0)
+    qtbot.waitUntil(lambda: len(viewport.posed) == 2, timeout=20000)
+    settle(viewport)
+    points = np.concatenate([pose.points for pose in viewport.posed.values()])
+    pixels, _ = viewport.camera.project(points, viewport.view_size)
+    above = viewport.mapFromGlobal(window.strip.mapToGlobal(window.strip.rect().topLeft())).y()
+    assert pixels[:, 1].max() <= above
+    viewport.frame_all()
+    settle(viewport)
+    pixels, _ = viewport.camera.project(points, viewport.view_size)
+    assert CHIPS <= pixels[:, 1].min() < pixels[:, 1].max() <= above

@@ -1,8 +1,8 @@
 """The timeline as a person uses it: with mouse and keys, on the real widget over a real document."""
 
 import pytest
-from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
-from PySide6.QtGui import QMouseEvent
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, Qt
+from PySide6.QtGui import QHelpEvent, QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
@@ -213,6 +213,19 @@ def test_hover_texts_go_when_what_they_tell_of_goes(document, timeline, live):
     assert "contact" in said[-1]
     QApplication.sendEvent(timeline.tracks, QEvent(QEvent.Type.Leave))
     assert said[-1] == ""
+
+
+@pytest.mark.parametrize(("kind", "x"), [("constraints", 60), ("lane", 400), ("clip", 400)])
+def test_a_tooltip_leaves_the_row_free_that_it_tells_of(timeline, kind, x):
+    row = timeline.row_rect(kind, next(row.id for row in timeline.tracks.sheet.rows if row.kind == kind))
+    for y in (row.top() + 4, row.center().y(), row.bottom() - 4):
+        place = QPoint(x, y)
+        rest = QHelpEvent(QEvent.Type.ToolTip, place, timeline.tracks.mapToGlobal(place))
+        QApplication.sendEvent(timeline.tracks, rest)
+        [tip] = [each for each in QApplication.topLevelWidgets() if each.inherits("QTipLabel") and each.isVisible()]
+        covered = QRect(timeline.tracks.mapFromGlobal(tip.geometry().topLeft()), tip.size())
+        assert not covered.intersects(row)
+        tip.hide()
 
 
 def test_the_playhead_is_wiped_from_where_it_was_painted_last_also_by_a_zoom(document, timeline, monkeypatch):

@@ -11,7 +11,9 @@ from studio.core.stage.prop import Prop
 from studio.viewport.gizmo import GIZMO_AXES
 from tests.gui.viewport_use import (
     LEFT,
+    MIDDLE,
     NONE,
+    chip,
     drag,
     joint_pixel,
     on_arrow,
@@ -185,3 +187,28 @@ def test_the_select_tool_hides_the_gizmo_and_the_move_tool_brings_it_back(studio
     assert viewport.gizmo() is None
     viewport.set_tool("move")
     assert viewport.gizmo() is not None
+
+
+@pytest.mark.parametrize("tool", ["move", "rotate", "scale"])
+def test_a_gizmo_under_the_chips_is_seen_and_takes_the_mouse(studio, tool):
+    viewport, document, _ = studio
+    document.add("props", Prop("Box", position=(0.0, 0.0, 0.5)), "Add")
+    [prop_id] = document.project.props
+    document.selection.set(("performers", "performer 0"), ("props", prop_id))
+    viewport.frame_selection()
+    settle(viewport)
+    viewport.set_tool(tool)
+    word = chip(viewport, "skin_or_bones")
+    where = word.geometry().center()
+    assert viewport.childAt(where) is word
+    centre = viewport.gizmo().centre
+    drag(viewport, QPoint(300, 200), QPoint(300, 200) + where - QPoint(*(round(each) for each in centre)), MIDDLE)
+    settle(viewport)
+    viewport.grab()
+    assert viewport.gizmo().part_at(where.x(), where.y()) is not None
+    assert viewport.childAt(where) is None
+    assert not word.grab().toImage().pixelColor(word.rect().center()).alpha()
+    document.selection.clear()
+    settle(viewport)
+    viewport.grab()
+    assert viewport.childAt(where) is word

@@ -6,7 +6,7 @@ from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.keyed import KeyedPlace
 from studio.core.grounds.steps import Steps
 from studio.engine.performance import posed_performers
-from studio.viewport.opening import opening_camera
+from studio.viewport.opening import CHIPS, opening_camera
 from studio.viewport.paths import contact_marks, selection_rings, trail_keys, trails
 from tests.builders import make_constraint, make_contact, make_project
 from tests.viewport.standing import RATE, results_of
@@ -71,6 +71,16 @@ def test_the_opening_camera_looks_at_the_faces_and_holds_every_body(stage):
     assert camera.axes[2, 0] > 0.5
     pixels, _ = camera.project(np.concatenate([pose.points for pose in posed.values()]), size)
     assert ((pixels > 0) & (pixels < size)).all()
+
+
+@pytest.mark.parametrize("covered", [40.0, 110.0, 180.0])
+def test_the_opening_camera_shows_every_body_between_the_chips_and_a_sentence_below(stage, covered):
+    _, posed = stage
+    for size in ((1200.0, 700.0), (700.0, 560.0)):
+        camera = opening_camera(posed, size, covered_below=covered)
+        pixels, _ = camera.project(np.concatenate([pose.points for pose in posed.values()]), size)
+        assert (pixels[:, 1] >= CHIPS - 1.0).all()
+        assert (pixels[:, 1] <= size[1] - covered + 1.0).all()
 
 
 def test_the_opening_camera_sees_the_risers_of_steps_before_the_bodies(stage):
