@@ -96,11 +96,10 @@ def remapped(character: Character, names: Mapping[str, str]) -> Character:
         )
     if twice := [name for name, count in Counter(names.values()).items() if count > 1]:
         raise StudioError(f"{character.name}: {', '.join(twice)} cannot play several parts. Choose a joint for each.")
-    coordinates = np.zeros((len(skin.vertices), 2)) if skin.appearance is None else skin.appearance.coordinates
     piece = MeshPiece(
         skin.vertices.astype(np.float64),
         skin.normals.astype(np.float64),
-        coordinates,
+        np.zeros((len(skin.vertices), 2)),
         skin.triangles.astype(np.int64),
         rig.joints.astype(np.int64),
         rig.weights.astype(np.float64),
