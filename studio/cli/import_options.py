@@ -1,12 +1,10 @@
 """Options that override the guesses of importers, the same for every verb that reads captures."""
 
 from argparse import Namespace
-from pathlib import Path
 
-from studio.core.errors import StudioError
 from studio.core.markers.cleaning import USUAL_STEPS, FillLongGaps, FillShortGaps, LowPass, Step, UndoSwaps
+from studio.io.figure.body_maps import read_body_map
 from studio.io.importing import ImportOptions
-from studio.io.json_text import read_json
 from studio.io.markers.maps import read_map
 
 
@@ -21,7 +19,7 @@ def import_options(arguments: Namespace) -> ImportOptions:
         clean=arguments.clean,
         marker_map=read_map(arguments.marker_map) if arguments.marker_map else None,
         marker_steps=_marker_steps(arguments),
-        body_map=_read_body_map(arguments.body_map) if arguments.body_map else None,
+        body_map=read_body_map(arguments.body_map) if arguments.body_map else None,
     )
 
 
@@ -37,10 +35,3 @@ def _marker_steps(arguments: Namespace) -> tuple[Step, ...] | None:
     if arguments.smooth is not None:
         steps.append(LowPass(cutoff=arguments.smooth))
     return tuple(steps)
-
-
-def _read_body_map(path: Path) -> dict[str, str]:
-    names = read_json(path)
-    if not isinstance(names, dict) or not all(isinstance(name, str) for name in names.values()):
-        raise StudioError(f'{path}: a body map is a record of joints by part, {{"pelvis": "Hips", ...}}.')
-    return names

@@ -1,58 +1,227 @@
-"""Form section of a capture's body map: the joint of each body part, each of which can be changed."""
+"""Form section of a body map: click a part, then its joint; presets by naming, and body maps as JSON files."""
 
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtWidgets import QFileDialog, QHBoxLayout, QWidget
 
 from studio.core.body.canonical import BodyPart
+from studio.core.body.character import Character
+from studio.core.body.humanoid import BodyMap
+from studio.core.body.kinematics import joint_positions, rest_poses
+from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture
+from studio.core.errors import StudioError
+from studio.core.mesh.rig import rig_body_map
+from studio.io.figure.body import remapped
+from studio.io.figure.body_maps import NamingFamily, find_preset, naming_families, read_body_map
+from studio.io.json_text import write_json
+from studio.panels.constraint_editors.body_figure import SEGMENT_SHAPES, BodyFigure
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, Section, press_button
+from studio.panels.joint_figure import JointFigure
+
+FloatArray = NDArray[np.float64]
+
+BODY_MAP_FILTER = "Body maps (*.json)"
+_CLICKED = frozenset(SEGMENT_SHAPES) - {BodyPart.ABDOMEN}
+
+
+@dataclass(frozen=True, eq=False)
+class MappedBody:
+    """Joints of a capture or a character at rest, ``positions`` (J, 3) with Z up, and the part that each plays."""
+
+    name: str
+    skeleton: Skeleton
+    positions: FloatArray
+    body_map: BodyMap
+
+    @property
+    def joints(self) -> dict[str, str]:
+        """Joints by part, as in a JSON file."""
+        return self.body_map.to_json(self.skeleton)
+
+
+def body_of_capture(capture: Capture) -> MappedBody | None:
+    """The body of a capture in its reference pose; None if no body was found in it."""
+    if capture.body_map is None:
+        return None
+    rest = joint_positions(capture.skeleton, rest_poses(capture.skeleton, capture.reference_rotations))[0]
+    return MappedBody(capture.name, capture.skeleton, rest, capture.body_map)
+
+
+def body_of_character(character: Character) -> MappedBody | None:
+    """The body of a character as it was bound; None if it has no joints of its own."""
+    rig = character.skin.rig
+    if rig is None:
+        return None
+    parents = rig.parents.astype(np.int64)
+    offsets = rig.positions - np.where((parents < 0)[:, None], 0.0, rig.positions[parents])
+    skeleton = Skeleton(rig.names, parents, offsets, np.zeros(len(parents), dtype=bool))
+    return MappedBody(character.name, skeleton, rig.positions, rig_body_map(rig, character.build.layout.spine_count))
+
+
+class PartFigure(BodyFigure):
+    """The parts of a body; the one whose joint is being chosen is bright."""
+
+    def tip(self, part: BodyPart | None) -> str:
+        """Name of the part under the mouse."""
+        return "Click a part, then its joint." if part is None else f"{part.label}. Click, then click its joint."
 
 
 class BodyMapSection(Section):
     """Form section of the body map, folded at first, since most maps are right."""
 
-    def __init__(self, editor: Editor) -> None:
+    def __init__(
+        self, editor: Editor, find: Callable[[], MappedBody | None], put: Callable[[Mapping[str, str], str], None]
+    ) -> None:
         super().__init__("Body map")
-        self._editor = editor
+        self._editor, self._find, self._put = editor, find, put
         self._choices: dict[str, Choice] = {}
+        self._part = BodyPart.PELVIS
         self._fold = press_button("Show", self._unfold, "link")
         self.head.addWidget(self._fold)
 
     def refresh(self) -> None:
         """Fetch the joints of all parts that are on show."""
-        capture: Capture = self._editor.entity
-        self.setVisible(capture.body_map is not None)
-        names = capture.body_map.to_json(capture.skeleton) if capture.body_map else {}
+        body = self._find()
+        self.setVisible(body is not None)
+        if body is None or not self._choices:
+            return
         for part, choice in self._choices.items():
-            choice.show_value(names.get(part, ""))
+            choice.offer([("", "none"), *((name, name) for name in body.skeleton.names)])
+            choice.show_value(body.joints.get(part, ""))
+        self._parts.show_weights({part: 1.0 if part is self._part else 0.25 for part in _CLICKED})
+        chosen = body.body_map.spine[-1] if self._part is BodyPart.THORAX else body.body_map.get(self._part)
+        self._joints.show_body(body.skeleton, body.positions, body.body_map, chosen)
 
     def _unfold(self) -> None:
         self._fold.hide()
-        capture: Capture = self._editor.entity
-        joints = [("", "none"), *((name, name) for name in capture.skeleton.names)]
-        spine = (
-            [part for part in capture.body_map.to_json(capture.skeleton) if part.startswith("spine")]
-            if capture.body_map
-            else []
-        )
+        body = self._find()
+        if body is None:
+            return
+        self._parts = PartFigure("Parts of the body: click one, then its joint")
+        self._parts.clicked.connect(self._choose_part)
+        self._joints = JointFigure()
+        self._joints.clicked.connect(self._choose_joint)
+        figures = QWidget()
+        row = QHBoxLayout(figures)
+        row.setContentsMargins(0, 0, 0, 0)
+        row.addWidget(self._parts)
+        row.addWidget(self._joints, 1)
+        self.add_wide(figures)
+        self._preset = Choice("Preset", [(family, family.name) for family in naming_families()])
+        self._preset.setPlaceholderText("Names of joints as in…")
+        self._preset.setCurrentIndex(-1)
+        self._preset.chosen.connect(self._choose_preset)
+        self.add_row("Preset", self._preset)
+        self.add_row("File", press_button("Load…", self._ask_load), press_button("Save…", self._ask_save))
+        spine = [part for part in body.joints if part.startswith("spine")]
         for part in (BodyPart.PELVIS.value, *spine, *(each.value for each in BodyPart)):
             if part in self._choices or part in (BodyPart.ABDOMEN, BodyPart.THORAX):
                 continue
             words = part.replace("_", " ").capitalize()
-            choice = Choice(words, joints)
-            choice.chosen.connect(partial(self._choose, part, words))
+            choice = Choice(words, [])
+            choice.chosen.connect(partial(self._map, part, words))
             self.add_row(words, choice)
             self._choices[part] = choice
         self.refresh()
 
-    def _choose(self, part: str, words: str, joint: str) -> None:
-        editor = self._editor
-
-        def make() -> Capture:
-            capture: Capture = editor.entity
-            names = capture.body_map.to_json(capture.skeleton) if capture.body_map else {}
-            names |= {part: joint}
-            return capture.with_body_map({key: name for key, name in names.items() if name})
-
-        editor.put(make, f"Map {words.lower()} of {editor.entity.name} to {joint or 'nothing'}")
+    def _choose_part(self, part: BodyPart) -> None:
+        self._part = part
         self.refresh()
+
+    def _choose_joint(self, joint: str) -> None:
+        if self._part is not BodyPart.THORAX:
+            self._map(self._part.value, self._part.label, joint)
+            return
+        body = self._find()
+        if body is None:
+            return
+        path = body.skeleton.path(body.body_map.spine[0], body.skeleton.index(joint))
+        names = {part: name for part, name in body.joints.items() if not part.startswith("spine")}
+        names |= {f"spine_{place}": body.skeleton.names[each] for place, each in enumerate(path[1:], 1)}
+        self._apply(names, f"Map chest of {body.name} to {joint}")
+
+    def _map(self, part: str, words: str, joint: str) -> None:
+        """Give a part a joint; the part that it played until now gets the one that is free."""
+        body = self._find()
+        if body is not None:
+            joints = body.joints
+            exchanged = {other: joints.get(part, "") for other, name in joints.items() if joint and name == joint}
+            self._apply(
+                joints | exchanged | {part: joint}, f"Map {words.lower()} of {body.name} to {joint or 'nothing'}"
+            )
+
+    def _choose_preset(self, family: NamingFamily) -> None:
+        body = self._find()
+        if body is None:
+            return
+        try:
+            found = find_preset(body.skeleton, body.positions[None], family)
+        except StudioError as error:
+            self._editor.document.problem.emit(f"{error}")
+            return
+        self._apply(found.to_json(body.skeleton), f"Map {body.name} by names of {family.name}")
+
+    def _apply(self, names: Mapping[str, str], text: str) -> None:
+        self._put({part: name for part, name in names.items() if name}, text)
+        self.refresh()
+
+    def _ask_load(self) -> None:
+        dialog = QFileDialog(self, "Load body map", "", BODY_MAP_FILTER)
+        dialog.setFileMode(QFileDialog.FileMode.ExistingFile)
+        dialog.fileSelected.connect(lambda name: self.load_from(Path(name)))
+        dialog.open()
+
+    def _ask_save(self) -> None:
+        dialog = QFileDialog(self, "Save body map", "", BODY_MAP_FILTER)
+        dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
+        dialog.setDefaultSuffix("json")
+        dialog.fileSelected.connect(lambda name: self.save_to(Path(name)))
+        dialog.open()
+
+    def load_from(self, path: Path) -> None:
+        """Apply the body map in a file; what is wrong with it is reported as a message."""
+        body = self._find()
+        try:
+            names = read_body_map(path)
+        except StudioError as error:
+            self._editor.document.problem.emit(f"{error}")
+            return
+        if body is not None:
+            self._apply(names, f"Load body map of {body.name}")
+
+    def save_to(self, path: Path) -> None:
+        """Write the body map to a file; a failure is reported as a message."""
+        body = self._find()
+        try:
+            if body is not None:
+                write_json(path, body.joints)
+        except StudioError as error:
+            self._editor.document.problem.emit(f"{error}")
+
+
+def capture_section(editor: Editor) -> BodyMapSection:
+    """Section for the capture that ``editor`` shows."""
+
+    def put(names: Mapping[str, str], text: str) -> None:
+        editor.put(lambda: editor.entity.with_body_map(names), text)
+
+    return BodyMapSection(editor, lambda: body_of_capture(editor.entity), put)
+
+
+def character_section(editor: Editor, character_id: Callable[[], str]) -> BodyMapSection:
+    """Section for a character that ``editor`` shows, alone or as that of a performer."""
+
+    def character() -> Character:
+        return editor.document.project.characters[character_id()]
+
+    def put(names: Mapping[str, str], text: str) -> None:
+        editor.put_other("characters", character_id(), lambda: remapped(character(), names), text)
+
+    return BodyMapSection(editor, lambda: body_of_character(character()), put)

@@ -12,7 +12,7 @@ from studio.core.captures.remarks import remarks_on
 from studio.document import colours
 from studio.document.document import Document
 from studio.engine.live import Live
-from studio.panels.body_map_section import BodyMapSection
+from studio.panels.body_map_section import capture_section
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section, labelled, press_button
 from studio.panels.reference_figure import ReferenceFigure
@@ -55,7 +55,7 @@ class CaptureEditor(Editor):
         self._marker_section.add_row("Map", self._markers)
         self.column.addWidget(self._marker_section)
         self._report: QWidget | None = None
-        self._body_map = BodyMapSection(self)
+        self._body_map = capture_section(self)
         self.column.addWidget(self._body_map)
         self.finish()
 

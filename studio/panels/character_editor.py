@@ -12,6 +12,7 @@ from studio.core.captures.remarks import remarks_on_body
 from studio.core.mesh.skin import Blending
 from studio.document.document import Document
 from studio.engine.live import Live
+from studio.panels.body_map_section import character_section
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, Section, labelled, press_button
 from studio.panels.growth_row import GrowthRow
@@ -158,6 +159,8 @@ class CharacterEditor(Editor):
         self._body = BodySection(self, lambda: self.entity_id)
         self.column.addWidget(section)
         self.column.addWidget(self._body)
+        self._body_map = character_section(self, lambda: self.entity_id)
+        self.column.addWidget(self._body_map)
         self.finish()
 
     def refresh(self) -> None:
@@ -165,6 +168,7 @@ class CharacterEditor(Editor):
         if self.entity is not None:
             self._name.setText(self.entity.name)
             self._body.refresh()
+            self._body_map.refresh()
 
     def _rename(self) -> None:
         name = self._name.text().strip()

@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QCheckBox, QLabel, QLineEdit
 
 from studio.document.document import Document
 from studio.engine.live import Live
+from studio.panels.body_map_section import character_section
 from studio.panels.character_editor import BodySection
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section, labelled
@@ -64,6 +65,8 @@ class PerformerEditor(Editor):
         self._body = BodySection(self, lambda: self.entity.character_id)
         self.column.addWidget(section)
         self.column.addWidget(self._body)
+        self._body_map = character_section(self, lambda: self.entity.character_id)
+        self.column.addWidget(self._body_map)
         self.finish()
 
     def concerns(self, collection: str, entity_id: str) -> bool:
@@ -94,6 +97,7 @@ class PerformerEditor(Editor):
         self._y.show_value(performer.position[1])
         self._heading.show_value(math.degrees(performer.heading))
         self._body.refresh()
+        self._body_map.refresh()
 
     def _show_or_hide(self, visible: bool) -> None:
         self.change(f"{'Show' if visible else 'Hide'} {self.entity.name}", visible=visible)

@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body.canonical import BodyLayout, BodyPart
+from studio.core.body.humanoid import BodyMap
 from studio.core.plausible import SKIN
 
 FloatArray = NDArray[np.float64]
@@ -67,3 +69,15 @@ class Rig:
             raise ValueError(f"rig: {name} are not finite numbers of shape {shape}.")
         array.setflags(write=False)
         object.__setattr__(self, name, array)
+
+
+def rig_body_map(rig: Rig, spine_count: int) -> BodyMap:
+    """Body map: for each part the first joint that moves with its segment."""
+    first = {int(segment): int(np.argmax(rig.segments == segment)) for segment in np.unique(rig.segments)}
+    spine = tuple(first[segment] for segment in range(spine_count) if segment in first)
+    layout = BodyLayout(spine_count)
+    inner = (BodyPart.ABDOMEN, BodyPart.THORAX)
+    parts = {
+        part: first[layout.segment(part)] for part in BodyPart if part not in inner and layout.segment(part) in first
+    }
+    return BodyMap(parts, spine)

@@ -1,6 +1,7 @@
 """From a figure to a character: which joint is what, which way is up and forward, how long a unit is."""
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -81,6 +82,34 @@ def character_of(figures: Sequence[Figure], options: ImportOptions) -> ReadChara
         return _embodied(body, guesses)
     except ValueError as error:
         raise StudioError(f"{body.figure.source}: invalid body or skin. {error}") from error
+
+
+def remapped(character: Character, names: Mapping[str, str]) -> Character:
+    """The character measured and bound anew, by joints of its own rig for each part as in ``BodyMap.to_json``.
+
+    Raises StudioError when it has no rig, or the joints make no body.
+    """
+    skin, rig = character.skin, character.skin.rig
+    if rig is None:
+        raise StudioError(
+            f"{character.name} keeps no joints of its own, so its body map cannot change. Import it again."
+        )
+    if twice := [name for name, count in Counter(names.values()).items() if count > 1]:
+        raise StudioError(f"{character.name}: {', '.join(twice)} cannot play several parts. Choose a joint for each.")
+    piece = MeshPiece(
+        skin.vertices.astype(np.float64),
+        skin.normals.astype(np.float64),
+        np.zeros((len(skin.vertices), 2)),
+        skin.triangles.astype(np.int64),
+        rig.joints.astype(np.int64),
+        rig.weights.astype(np.float64),
+    )
+    figure = Figure(
+        character.name, character.name, rig.names, tuple(rig.parents.tolist()), rig.positions, rig.rotations, (piece,),
+        names, "Z",
+    )  # fmt: skip
+    read = character_of([figure], ImportOptions(unit="m")).character
+    return replace(character, build=read.build, skin=replace(read.skin, appearance=skin.appearance))
 
 
 def _body(figure: Figure, options: ImportOptions) -> _Body:

@@ -5,6 +5,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from studio.core.body.body_matching import LOOSE_VARIATION, MOST_VARIATION, Body
 from studio.core.body.humanoid import LIMB_PARTS, BodyMap, BodyPart, is_spine, part_called
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
+from studio.io.json_text import read_json
 from studio.resources_folder import resources_folder
 
 FloatArray = NDArray[np.float64]
@@ -83,6 +85,25 @@ def _best_match(skeleton: Skeleton, positions: FloatArray, fixed: dict[BodyPart,
         if best.body_map is not None:
             break
     return family, best
+
+
+def find_preset(skeleton: Skeleton, positions: FloatArray, family: NamingFamily) -> BodyMap:
+    """The body whose joints have the names of ``family``. Raises StudioError with the limbs that have none."""
+    candidates = _candidates(family, _joints_by_name(skeleton))
+    match = BodySearch(skeleton, positions, LOOSE_VARIATION).match(candidates)
+    if match.body_map is None:
+        raise StudioError(
+            f"The names of {family.name} show no {' and no '.join(match.missing)}. Choose another preset or joints."
+        )
+    return match.body_map
+
+
+def read_body_map(path: Path) -> dict[str, str]:
+    """Names of joints by part, as ``BodyMap.to_json`` gives them. Raises StudioError for a file of something else."""
+    names = read_json(path)
+    if not isinstance(names, dict) or not all(isinstance(name, str) for name in names.values()):
+        raise StudioError(f'{path}: a body map is a record of joints by part, {{"pelvis": "Hips", ...}}.')
+    return names
 
 
 def loose_feet(skeleton: Skeleton) -> dict[int, int]:

@@ -5,12 +5,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.canonical import BodyLayout, BodyPart
-from studio.core.body.humanoid import BodyMap
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.mesh.joint_skin import FloatArray, JointSkin
-from studio.core.mesh.rig import NO_SEGMENT, Rig
+from studio.core.mesh.rig import NO_SEGMENT, Rig, rig_body_map
 from studio.core.mesh.skin import bound_pose, fit_skin, segment_forms
 from studio.core.rotations import from_matrix
 from studio.io.export import Take
@@ -63,7 +61,7 @@ def on_own_rig(take: Take, suffix: str) -> Take:
             take.capture,
             skeleton=Skeleton(rig.names, parents, rest_places, np.zeros(count, dtype=bool)),
             poses=PoseSequence(from_matrix(local_turns), local_places),
-            body_map=_body_map(rig, body.layout.spine_count),
+            body_map=rig_body_map(rig, body.layout.spine_count),
             reference_rotations=from_matrix(rest_turns),
         ),
         bound=JointSkin(
@@ -99,15 +97,3 @@ def _local(parents: NDArray[np.int64], turns: FloatArray, places: FloatArray) ->
     carriers = np.where(is_root[:, None, None], np.eye(3), np.swapaxes(turns[:, above], -1, -2))
     moved = places - np.where(is_root[:, None], 0.0, places[:, above])
     return carriers @ turns, np.einsum("fjab,fjb->fja", carriers, moved)
-
-
-def _body_map(rig: Rig, spine_count: int) -> BodyMap:
-    """Body map: for each part the first joint that moves with its segment."""
-    first = {int(segment): int(np.argmax(rig.segments == segment)) for segment in np.unique(rig.segments)}
-    spine = tuple(first[segment] for segment in range(spine_count) if segment in first)
-    layout = BodyLayout(spine_count)
-    inner = (BodyPart.ABDOMEN, BodyPart.THORAX)
-    parts = {
-        part: first[layout.segment(part)] for part in BodyPart if part not in inner and layout.segment(part) in first
-    }
-    return BodyMap(parts, spine)

@@ -44,9 +44,9 @@ class BodyFigure(QWidget):
 
     clicked = Signal(object)
 
-    def __init__(self) -> None:
+    def __init__(self, name: str = "Chain, drawn on a body: click segments to lock or free them") -> None:
         super().__init__()
-        self.setAccessibleName("Chain, drawn on a body: click segments to lock or free them")
+        self.setAccessibleName(name)
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
         self.setMouseTracking(True)
         self._weights: dict[BodyPart, float] = {}
@@ -56,12 +56,18 @@ class BodyFigure(QWidget):
     def sizeHint(self) -> QSize:
         return QSize(round(SCALE * BODY_FIGURE_WIDTH), round(SCALE * BODY_FIGURE_HEIGHT))
 
-    def show_weights(self, weights: dict[BodyPart, float], point: BodyPoint) -> None:
+    def show_weights(self, weights: dict[BodyPart, float], point: BodyPoint | None = None) -> None:
         """Weights from 0 (locked) to 1 (free) by segment, and the point that is constrained."""
         self._weights = weights
-        shape = SEGMENT_SHAPES.get(point.part)
-        self._point = None if shape is None else _place(point, shape)
+        shape = None if point is None else SEGMENT_SHAPES.get(point.part)
+        self._point = None if point is None or shape is None else _place(point, shape)
         self.update()
+
+    def tip(self, part: BodyPart | None) -> str:
+        """Tool tip of a segment, or of the figure beside all of them."""
+        if part is None:
+            return "Click segments to lock or free them."
+        return f"{part.label} {'moves' if self._weights[part] > 0.0 else 'is locked'}. Click to change."
 
     def part_at(self, place: QPointF) -> BodyPart | None:
         """The segment under a point of the widget, if it can be clicked."""
@@ -87,11 +93,7 @@ class BodyFigure(QWidget):
     def event(self, event: QEvent) -> bool:
         if isinstance(event, QHelpEvent) and event.type() == QEvent.Type.ToolTip:
             part = self.part_at(QPointF(event.pos()))
-            words = "Click segments to lock or free them."
-            if part is not None:
-                state = "moves" if self._weights[part] > 0.0 else "is locked"
-                words = f"{part.label} {state}. Click to change."
-            QToolTip.showText(event.globalPos(), words, self)
+            QToolTip.showText(event.globalPos(), self.tip(part), self)
             return True
         return bool(super().event(event))
 
