@@ -1,4 +1,4 @@
-"""What each kernel costs to compile: ``python -m benchmarks.compile_costs``.
+"""Compile time of each kernel: ``python -m benchmarks.compile_costs``.
 
 Processor seconds in one process with an empty cache: of each kernel's translation, for all types of arguments that it
 is called with and without the kernels it calls, and of linking and optimising what Python calls.

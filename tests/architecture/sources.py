@@ -46,7 +46,7 @@ def functions_of(file: Path) -> list[Function]:
 
 
 def is_compiled(function: Function) -> bool:
-    """Whether numba compiles it, whichever way the decorator is written."""
+    """True if numba compiles it, whichever way the decorator is written."""
     calls = [node.func if isinstance(node, ast.Call) else node for node in function.decorator_list]
     return any(ast.unparse(call).rpartition(".")[2] in COMPILED for call in calls)
 

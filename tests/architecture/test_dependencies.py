@@ -25,7 +25,7 @@ TOOLS = {
     "scipy-stubs": ("pyproject.toml", "[tool.mypy]"),
     "daqp": ("benchmarks/peers/mink_qp.py", '"daqp"'),
 }
-"""What is run or found by name instead of imported: the file and the words that do so."""
+"""Dependencies run or found by name instead of imported: the file and the words that do so."""
 
 
 def distribution_names(requirements):

@@ -50,8 +50,8 @@ def files_of(rooms: tuple[str, ...]) -> list[Path]:
     return sorted(file for room in rooms for file in (ROOT / "studio" / room).rglob("*.py"))
 
 
-def every_file() -> list[Path]:
-    return sorted((ROOT / "studio").rglob("*.py"))
+def every_file(folders: tuple[str, ...] = ("studio",)) -> list[Path]:
+    return sorted(file for folder in folders for file in (ROOT / folder).rglob("*.py"))
 
 
 def classes_of(file: Path) -> Iterator[str]:
@@ -124,7 +124,7 @@ def test_no_file_of_these_rooms_shares_its_name() -> None:
 def test_docstrings_begin_with_what_is_returned_or_done() -> None:
     riddles = [
         f"{place_of(file, line)} {text[:50]}"
-        for file in every_file()
+        for file in every_file(("studio", "tests", "benchmarks", "examples"))
         for line, text in docstrings_of(file)
         if is_riddle(text)
     ]

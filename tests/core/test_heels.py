@@ -31,7 +31,7 @@ def test_an_ankle_is_as_high_as_the_motion_has_it_soon_after_its_heel_left_the_g
 
 
 def test_a_contact_in_which_no_heel_stands_is_left_as_it_is() -> None:
-    """Who kneels or lies rolls over nothing."""
+    """A body that kneels or lies rolls over nothing."""
     states = np.where(STATES == SOLE_STANDS, 0, STATES)
     rotations = _level()
     heel_roll.lift_heels(SOLE, states, RISE, 10.0, rotations)

@@ -39,7 +39,7 @@ REMOVED = {
     "behaviours": 2, "cameras": 1, "sounds": 1, "corrections": 3, "constraints": 6, "contacts": 6, "props": 6,
     "performers": 2, "characters": 1, "motions": 0.1, "captures": 0.1,
 }  # fmt: skip
-"""How often something of each collection is removed, beside the others."""
+"""Relative frequency with which something of each collection is removed."""
 
 
 def state(document: Document) -> bytes:

@@ -1,4 +1,4 @@
-"""What stands in the place of a file is named as what it is, whatever the format."""
+"""Stand-ins for a file are named as what they are, whatever the format."""
 
 from pathlib import Path
 
