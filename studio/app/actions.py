@@ -15,7 +15,7 @@ from studio.app.marker_dialog import has_markers, open_markers
 from studio.app.pose_mapping import show_map
 from studio.app.relinking import relink_shown, shown_capture
 from studio.app.striking import label_strike, show_strikes, strike_chosen
-from studio.app.verbs import behaviours, cameras, clips, editing, files, playback, props, view
+from studio.app.verbs import behaviours, cameras, clips, editing, files, playback, props, sounds, view
 from studio.app.verbs.constraining import adder, choose_joint, load_area_mesh, selected_area, selected_constraint, shift
 from studio.app.workbench import Workbench
 from studio.core.constraints.base import KindInfo
@@ -124,6 +124,8 @@ FILE = (
         "Write the next numbered version beside this one", ends_group=True,
     ),
     Action("import", "File", "Import motion…", files.import_motion, ("Ctrl+I",), "Read a capture, or drop it here"),
+    Action("add_sound", "File", "Add sound…", sounds.ask_sound,
+           tooltip="A sound or a film: its waveform and beats on the timeline, which keys and contacts snap to"),
     Action("import_character", "File", "Import character…", files.import_character, ("Ctrl+Shift+I",),
            "Read a character, or drop it on the window"),
     Action("relink", "File", "Relink source…", relink_shown,

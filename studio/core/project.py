@@ -28,6 +28,7 @@ from studio.core.stage.layer import Layer
 from studio.core.stage.prop import Prop
 from studio.core.stage.saved_camera import SavedCamera
 from studio.core.stage.scope import Scope, meant_for, narrowest
+from studio.core.stage.sound_track import SoundTrack
 
 GROUND_ID = "ground"
 _SORTED = "_contacts_by_motion"
@@ -97,6 +98,7 @@ Entity = (
     | Prop
     | Behaviour
     | SavedCamera
+    | SoundTrack
     | Correction
 )
 
@@ -112,6 +114,7 @@ COLLECTIONS = (
     "props",
     "behaviours",
     "cameras",
+    "sounds",
     "corrections",
 )
 
@@ -129,6 +132,7 @@ CLASSES: Mapping[str, type] = MappingProxyType(
         "props": Prop,
         "behaviours": Behaviour,
         "cameras": SavedCamera,
+        "sounds": SoundTrack,
         "corrections": Correction,
     }
 )
@@ -192,6 +196,7 @@ class Project:
     props: Mapping[str, Prop] = field(default_factory=dict)
     behaviours: Mapping[str, Behaviour] = field(default_factory=dict)
     cameras: Mapping[str, SavedCamera] = field(default_factory=dict)
+    sounds: Mapping[str, SoundTrack] = field(default_factory=dict)
     corrections: Mapping[str, Correction] = field(default_factory=dict)
     carried: Mapping[str, Any] = field(default_factory=dict)
     """JSON, by its place, that a newer version wrote and this one does not know; written back unchanged."""

@@ -21,6 +21,7 @@ from studio.panels.ground_editor import GroundEditor
 from studio.panels.label_editor import LabelEditor
 from studio.panels.performer_editor import PerformerEditor
 from studio.panels.prop_editor import PropEditor
+from studio.panels.sound_editor import SoundEditor
 from studio.panels.stage_editor import StageEditor
 
 ENTITY_EDITORS: dict[str, Callable[[Document, Live, str, str], Editor]] = {
@@ -34,6 +35,7 @@ ENTITY_EDITORS: dict[str, Callable[[Document, Live, str, str], Editor]] = {
     "props": PropEditor,
     "behaviours": BehaviourEditor,
     "cameras": CameraEditor,
+    "sounds": SoundEditor,
     "states": StateEditor,
     "transitions": TransitionEditor,
 }

@@ -39,6 +39,9 @@ def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
             alone = f", of {sheet.shown.subject_name} alone" if contact.scope.is_narrow else ""
             ends = (sheet.shown.frame_words(frame) for frame in (contact.first, contact.last))
             return f"{name_of(contact)}: {' to '.join(ends)}, {seconds:.3f} s{alone}"
+        case "sounds":
+            sound = sheet.shown.project.sounds[hit.id]
+            return f"{sound.name}: {len(sound.beats)} beats, to which keys and contacts snap; drag to move it"
         case "labels":
             return _label_words(sheet, hit)
         case "clips":

@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QWidget
 from studio.document import colours
 from studio.timeline.sheet import Sheet
 from studio.timeline.shown import ROW_LABEL_WIDTH, RowContext, TimelineRow, label_area
-from studio.timeline.tracks import clip, constraint, contacts, hold, keys, labels, layer, remarks, ruler
+from studio.timeline.tracks import clip, constraint, contacts, hold, keys, labels, layer, remarks, ruler, waveform
 from studio.timeline.tracks.brush import time_area, translucent
 from studio.timeline.tracks.plot import FOLDED_PLOT_HEIGHT, PlotPicture
 from studio.timeline.tracks.value_curves import ValueCurves
@@ -126,6 +126,8 @@ def _paint_label(painter: QPainter, area: QRect, shown: RowContext, row: Timelin
     if shown.is_selected(collection, row.id):
         painter.fillRect(label_area(area), QColor(colours.SELECTED_ROW))
     match row.kind:
+        case "sounds":
+            waveform.paint_waveform_label(painter, area, shown, row.id)
         case "labels":
             labels.paint_labels_label(painter, area)
         case "clip":
@@ -146,6 +148,8 @@ def _paint_label(painter: QPainter, area: QRect, shown: RowContext, row: Timelin
 
 def _paint_content(painter: QPainter, area: QRect, shown: RowContext, row: TimelineRow) -> None:
     match row.kind:
+        case "sounds":
+            waveform.paint_waveform(painter, area, shown, row.id)
         case "labels":
             labels.paint_labels(painter, area, shown)
         case "clip":

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from PySide6.QtCore import QPoint, QPointF, QRect, QSize
 
 from studio.timeline.shown import FOLD_WIDTH, ROW_LABEL_WIDTH, Hit, ItemPart, RowContext, TimelineRow
-from studio.timeline.tracks import clip, constraint, contacts, hold, keys, labels, layer, plot, ruler
+from studio.timeline.tracks import clip, constraint, contacts, hold, keys, labels, layer, plot, ruler, waveform
 
 PLAYHEAD_REACH = 4.0
 RIGHT_MARGIN = 12
@@ -16,7 +16,7 @@ FOLDING = ("constraints", "lane")
 
 
 def rows_of(shown: RowContext) -> tuple[TimelineRow, ...]:
-    """Labels, clips, layers, keys of growth, when props are held, contacts, constraints by priority; or the keys."""
+    """Sounds, labels, clips, layers, growth, holds of props, contacts, constraints by priority; or the keys."""
     return _stacked(keys.rows_of(shown) if shown.dope else _heights(shown))
 
 
@@ -41,6 +41,7 @@ def _heights(shown: RowContext) -> list[tuple[str, str, int]]:
         for key in constraints
     }
     return [
+        *waveform.rows_of(shown),
         *labels.rows_of(shown),
         *(
             each
@@ -151,6 +152,8 @@ class Sheet:
                 return clip.clip_hit(clip.bars_of(self.shown, area, row.id), row.id, position)
             case "layer":
                 return clip.clip_hit(layer.clip_bars(self.shown, area, row.id), layer.performer_of(row.id), position)
+            case "sounds":
+                return waveform.waveform_hit(self.shown, area, row.id, position)
             case "labels":
                 return labels.labels_hit(self.shown, area, position)
             case "props":

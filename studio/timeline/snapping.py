@@ -1,9 +1,10 @@
-"""Snapping: dragged times catch on frames, and on what lies near: the playhead, ends of contacts, and keys."""
+"""Snapping: dragged times catch on frames, and on what lies near: the playhead, ends of contacts, keys, and beats."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from studio.core.project import Project
 from studio.timeline.axis import TimeAxis
 from studio.timeline.shown import RowContext
 from studio.timeline.tracks.keys import sheet_fields, stage_times
@@ -35,8 +36,13 @@ def magnets_of(contacts: dict[str, tuple[float, float]], playhead: float, *witho
     return (playhead, *edges)
 
 
+def beat_times(project: Project) -> tuple[float, ...]:
+    """Seconds of the stage at which sounds have beats."""
+    return tuple(beat for sound in project.sounds.values() for beat in sound.stage_beats)
+
+
 def key_magnets(shown: RowContext, scaling: bool) -> tuple[float, ...]:
-    """Times that dragged keys snap to: the playhead unless they are scaled about it, contacts, and other keys.
+    """Times that dragged keys snap to: the playhead unless they are scaled about it, contacts, beats, other keys.
 
     Only what is in view counts.
     """
@@ -44,6 +50,7 @@ def key_magnets(shown: RowContext, scaling: bool) -> tuple[float, ...]:
     contacts = project.contacts_of(shown.subject.motion_id).values()
     ends = np.array([frame for each in contacts for frame in (each.first, each.last)], dtype=np.float64)
     times = [np.asarray(shown.subject.to_stage(ends / shown.subject.frame_rate))]
+    times.append(np.array(beat_times(project)))
     for field in dict.fromkeys((*sheet_fields(shown), *selected)):
         stays = np.ones(len(every := stage_times(shown, field)), dtype=bool)
         stays[list(selected.get(field, ()))] = False

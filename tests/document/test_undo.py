@@ -25,6 +25,7 @@ from studio.core.stage.correction import PoseOffsets, new_correction
 from studio.core.stage.manners import KeepDistance
 from studio.core.stage.prop import Prop
 from studio.core.stage.saved_camera import CAMERA_SLOTS, CameraPlacement
+from studio.core.stage.sound_track import SoundTrack
 from studio.core.stage.whom import DistanceMeasure, FollowPartner
 from studio.document.document import Document
 from studio.document.stored_cameras import give_slot, store_camera
@@ -35,9 +36,8 @@ WRIST = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
 PROJECT = make_project(characters=3, constraints=2, contacts=3)
 
 REMOVED = {
-    "behaviours": 2, "cameras": 1, "corrections": 3, "constraints": 6, "contacts": 6, "props": 6, "performers": 2,
-    "characters": 1,
-    "motions": 0.1, "captures": 0.1,
+    "behaviours": 2, "cameras": 1, "sounds": 1, "corrections": 3, "constraints": 6, "contacts": 6, "props": 6,
+    "performers": 2, "characters": 1, "motions": 0.1, "captures": 0.1,
 }  # fmt: skip
 """Relative frequency with which something of each collection is removed."""
 
@@ -76,6 +76,7 @@ def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
                 "group",
                 "behave",
                 "camera",
+                "sound",
             ),
             *("correct", "correct"),
         ]
@@ -103,6 +104,10 @@ def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
             document.replace("behaviours", key, behaviour_of(document, chance), "Change behaviour", gesture)
         case "behave":
             document.add("behaviours", behaviour_of(document, chance), "Add behaviour")
+        case "sound":
+            sound = SoundTrack("Steps", "steps.wav", (0, 255), (0.01,), chance.uniform(0.0, 2.0))
+            sound_id = chance.choice([document.add("sounds", sound, "Add sound"), *project.sounds])
+            document.replace("sounds", sound_id, replace(sound, start=chance.random()), "Move sound", gesture)
         case "camera":
             placement = CameraPlacement((0.0, 0.0, chance.choice([0.0, 1.0])), 3.0, chance.uniform(-3.0, 3.0))
             camera_id = store_camera(document, placement, chance.choice([None, *CAMERA_SLOTS]))

@@ -9,6 +9,7 @@ from studio.timeline.gestures.contact import DragContact
 from studio.timeline.gestures.gesture import TimelineGesture
 from studio.timeline.gestures.hold import DragHold
 from studio.timeline.gestures.label import DragLabel
+from studio.timeline.gestures.sound import MoveSound
 from studio.timeline.gestures.view import Scrub
 from studio.timeline.shown import EDGES, HANDLES, Hit, ItemPart, RowContext
 
@@ -29,6 +30,8 @@ def gesture_at(hit: Hit, shown: RowContext, press: QPointF) -> TimelineGesture |
         )
     if hit.kind == "props" and (hit.part == ItemPart.BODY or hit.part in EDGES):
         return DragHold(shown, hit.id, hit.part, press)
+    if hit.kind == "sounds" and hit.part == ItemPart.BODY:
+        return MoveSound(shown, hit.id, press)
     if hit.kind == "labels" and hit.id:
         return DragLabel(shown, hit.id, hit.part, press)
     if hit.kind == "contacts":
@@ -40,7 +43,7 @@ def cursor_at(hit: Hit) -> Cursor:
     """Arrows for what moves, a hand for what is chosen, a cross where a contact or label may be added."""
     if hit.part in HANDLES or hit.part in (*EDGES, ItemPart.KEY) or hit.kind == "playhead":
         return Cursor.SizeHorCursor
-    if hit.part == ItemPart.BODY and hit.kind in ("constraints", "contacts", "clips", "props", "labels"):
+    if hit.part == ItemPart.BODY and hit.kind in ("constraints", "contacts", "clips", "props", "labels", "sounds"):
         return Cursor.OpenHandCursor
     if hit.part == ItemPart.FOLD or (hit.part == ItemPart.LABEL and hit.kind in ("constraints", "plot", "performers")):
         return Cursor.PointingHandCursor
@@ -60,7 +63,7 @@ def items_of(hit: Hit) -> tuple[tuple[str, str], ...]:
     if (
         hit.kind == "contacts"
         or (hit.kind == "labels" and hit.id)
-        or (hit.kind in ("constraints", "performers", "props") and hit.part != ItemPart.EMPTY)
+        or (hit.kind in ("constraints", "performers", "props", "sounds") and hit.part != ItemPart.EMPTY)
     ):
         return ((hit.kind, hit.id),)
     return ()

@@ -7,7 +7,7 @@ from typing import Any
 from PySide6.QtCore import QPointF, Qt
 
 from studio.timeline.shown import RowContext
-from studio.timeline.snapping import Snapped, magnets_of, snapped
+from studio.timeline.snapping import Snapped, beat_times, magnets_of, snapped
 
 
 @dataclass(frozen=True)
@@ -96,4 +96,5 @@ class EditGesture(TimelineGesture):
         stage_time = self.shown.subject.stage_time
         contacts = self.shown.project.contacts_of(self.shown.subject.motion_id)
         edges = {key: (stage_time(each.first), stage_time(each.last)) for key, each in contacts.items()}
-        return magnets_of(edges, self.shown.document.playhead.time, *self.originals)
+        beats = () if self.collection == "sounds" else beat_times(self.shown.project)
+        return (*magnets_of(edges, self.shown.document.playhead.time, *self.originals), *beats)

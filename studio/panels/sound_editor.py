@@ -1,0 +1,38 @@
+"""Form of a sound track: its name and when it begins."""
+
+from PySide6.QtWidgets import QLineEdit
+
+from studio.document.document import Document
+from studio.engine.live import Live
+from studio.panels.editor import Editor
+from studio.panels.fields import NumberField, Section, labelled
+
+
+class SoundEditor(Editor):
+    """Name, begin, and what was found in the file."""
+
+    def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
+        super().__init__(document, live, collection, entity_id)
+        section = Section("Sound")
+        self._name = QLineEdit()
+        self._name.editingFinished.connect(self._rename)
+        section.add_row("Name", self._name)
+        field = NumberField("Begins at", "s", -1e5, 1e5, 0.01, 3)
+        self._start = self.bind(field, lambda value: self.change(f"Move {self.entity.name}", start=value))
+        section.add_row("Begins at", self._start)
+        self._found = labelled("", "hint")
+        section.add_wide(self._found)
+        self.column.addWidget(section)
+        self.finish()
+
+    def refresh(self) -> None:
+        """Show the sound as it is."""
+        sound = self.entity
+        self._name.setText(sound.name)
+        self._start.show_value(sound.start)
+        self._found.setText(f"{len(sound.beats)} beats in {sound.end - sound.start:.2f} s of {sound.source}")
+
+    def _rename(self) -> None:
+        name = self._name.text().strip()
+        if self.entity is not None and name and name != self.entity.name:
+            self.change(f"Rename {self.entity.name}", name=name)

@@ -1,0 +1,25 @@
+"""Drags of a sound track in time."""
+
+from dataclasses import replace
+
+from PySide6.QtCore import QPointF
+
+from studio.timeline.figures import moment
+from studio.timeline.gestures.gesture import DragHint, EditGesture
+from studio.timeline.shown import RowContext
+
+
+class MoveSound(EditGesture):
+    """Drag the bar of a sound to let it begin at another time."""
+
+    collection = "sounds"
+
+    def __init__(self, shown: RowContext, entity_id: str, press: QPointF) -> None:
+        super().__init__(shown, entity_id, press)
+        self.text = f"Move {self.original.name}"
+
+    def update(self, position: QPointF, free: bool) -> None:
+        """The begin catches on frames, contacts and the playhead."""
+        caught = self.snap(self.original.start + self.moved(position), free)
+        self.put(replace(self.original, start=caught.time))
+        self.mark = DragHint(caught.time, moment(caught.time * self.shown.axis.frame_rate, caught.time), caught.caught)
