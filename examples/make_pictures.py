@@ -11,6 +11,7 @@ from pictured.scenes import fight, handstand
 from pictured.shots import (
     behaviour,
     constrain,
+    correction,
     curve_editor,
     dope_sheet,
     import_report,
@@ -31,6 +32,7 @@ STILLS = {
     "handstand": handstand,
     "constrain": constrain,
     "rotate": rotate,
+    "correction": correction,
     "timeline": timeline,
     "keys": keys,
     "dope_sheet": dope_sheet,

@@ -69,10 +69,13 @@ class Chips:
     """The chips of a viewport: what is seen top left, work top right, trouble bottom left."""
 
     def __init__(self, parent: QWidget, clicked: Mapping[str, Callable[[], object]]) -> None:
-        """``clicked``: what view, shading, space, ghost, trails, follow, markers, problem and constrain do."""
+        """``clicked``: what view, shading, space, correct, ghost, trails, follow, markers, problem and constrain do."""
         self.view = Chip("Perspective", "Perspective or parallel view", clicked["view"], parent)
         self.shading = Chip("Skin", "Skin or bones", clicked["shading"], parent)
         self.space = Chip("World axes", "Axes of the gizmo: world, local, parent or screen", clicked["space"], parent)
+        self.correct = ToggleChip(
+            "Correct pose", "Pose joints by the gizmo, as corrections", False, clicked["correct"], parent
+        )
         self.ghost = ToggleChip("Ghost of source", "Ghost of the source", False, clicked["ghost"], parent)
         self.trails = ToggleChip("Trails", "Trails of the constrained point", True, clicked["trails"], parent)
         self.follow = ToggleChip("Follow", "Camera follows the selected character", False, clicked["follow"], parent)
@@ -93,7 +96,16 @@ class Chips:
         grid.setContentsMargins(12, 12, 12, 12)
         top, bottom = QHBoxLayout(), QHBoxLayout()
         top.setSpacing(8)
-        for chip in (self.view, self.shading, self.space, self.ghost, self.trails, self.follow, self.markers):
+        for chip in (
+            self.view,
+            self.shading,
+            self.space,
+            self.correct,
+            self.ghost,
+            self.trails,
+            self.follow,
+            self.markers,
+        ):
             top.addWidget(chip)
         top.addStretch(1)
         top.addWidget(self.work)
@@ -106,9 +118,15 @@ class Chips:
     def fit(self, width: int) -> None:
         """Leave out what a narrow view has no room for, the least important first."""
         self.space.setVisible(self._space_used and width >= 340)
-        for chip, needed in ((self.ghost, 430), (self.trails, 520), (self.follow, 610), (self.markers, 720)):
+        for chip, needed in (
+            (self.correct, 450),
+            (self.ghost, 550),
+            (self.trails, 640),
+            (self.follow, 730),
+            (self.markers, 830),
+        ):
             chip.setVisible(width >= needed and (chip is not self.markers or self._recorded))
-        self._wide = width >= 790
+        self._wide = width >= 910
         self.work.setVisible(self._wide and bool(self.work.text()))
 
     def tell_space(self, space: str, used: bool) -> None:
