@@ -26,6 +26,7 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.correction import Correction
 from studio.core.stage.layer import Layer
 from studio.core.stage.prop import Prop
+from studio.core.stage.saved_camera import SavedCamera
 from studio.core.stage.scope import Scope, meant_for, narrowest
 
 GROUND_ID = "ground"
@@ -95,6 +96,7 @@ Entity = (
     | Ground
     | Prop
     | Behaviour
+    | SavedCamera
     | Correction
 )
 
@@ -109,6 +111,7 @@ COLLECTIONS = (
     "grounds",
     "props",
     "behaviours",
+    "cameras",
     "corrections",
 )
 
@@ -125,6 +128,7 @@ CLASSES: Mapping[str, type] = MappingProxyType(
         "grounds": Ground,
         "props": Prop,
         "behaviours": Behaviour,
+        "cameras": SavedCamera,
         "corrections": Correction,
     }
 )
@@ -187,6 +191,7 @@ class Project:
     grounds: Mapping[str, Ground] = field(default_factory=lambda: {GROUND_ID: Ground()})
     props: Mapping[str, Prop] = field(default_factory=dict)
     behaviours: Mapping[str, Behaviour] = field(default_factory=dict)
+    cameras: Mapping[str, SavedCamera] = field(default_factory=dict)
     corrections: Mapping[str, Correction] = field(default_factory=dict)
     carried: Mapping[str, Any] = field(default_factory=dict)
     """JSON, by its place, that a newer version wrote and this one does not know; written back unchanged."""

@@ -57,7 +57,7 @@ class CorrectedJoint(Movable):
     def pivot(self) -> FloatArray:
         """(3,) stage point about which the segment turns."""
         layout = self._pose.motion.morphology.layout
-        return self._pose.points[layout.proximal_points()[layout.segment(self._part)]]
+        return np.asarray(self._pose.points[layout.proximal_points()[layout.segment(self._part)]])
 
     @property
     def own_axes(self) -> FloatArray:

@@ -84,7 +84,7 @@ def reaching(motion: str, place: tuple[float, float, float], **changes: object) 
 
 
 class Shown:
-    """What was seen of one performer, and which points of its feet stood."""
+    """Poses shown of one performer, and the points of its feet that stood."""
 
     def __init__(self, stage: LiveStage, key: str = "one") -> None:
         self.stage, self.key = stage, key
