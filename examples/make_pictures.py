@@ -11,6 +11,7 @@ from pictured.scenes import fight, handstand
 from pictured.shots import (
     behaviour,
     constrain,
+    correction,
     curve_editor,
     dope_sheet,
     import_report,
@@ -35,6 +36,7 @@ STILLS = {
     "light_theme": light_theme,
     "onion_skins": onion_skins,
     "rotate": rotate,
+    "correction": correction,
     "timeline": timeline,
     "keys": keys,
     "dope_sheet": dope_sheet,

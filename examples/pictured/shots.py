@@ -111,6 +111,34 @@ def rotate() -> QImage:
     return image
 
 
+def correction() -> QImage:
+    """An elbow of a walk turned by a ring, its form, and its bar on the timeline."""
+    session = Session("walk_turn", (1440, 900))
+    session.document.playhead.set_time(0.8)
+    session.settle()
+    session.look(28, 6, 1.1, among=("adult_woman",))
+    viewport = session.bench.viewport
+    pose = viewport.posed["adult_woman"]
+    joint = next(one for one in body_joints(pose.motion.morphology.layout) if one.name == "left elbow")
+    viewport.set_correcting(True)
+    QTest.mouseClick(viewport, LEFT, NO_KEY, viewport.widget_point(pose.points[joint.index]).toPoint())
+    viewport.set_tool("rotate")
+    session.settle()
+    gizmo = viewport.gizmo()
+    assert isinstance(gizmo, RotateGizmo)
+    ring = gizmo.ring("y")
+    begin, *path = (QPoint(*(round(each) for each in ring[place].tolist())) for place in range(42, 49))
+    QTest.mousePress(viewport, LEFT, NO_KEY, begin)
+    for place in path:
+        QTest.mouseMove(viewport, place)
+        session.rest(0.05)
+    session.rest(0.3)
+    image = session.picture()
+    QTest.mouseRelease(viewport, LEFT, NO_KEY, path[-1])
+    session.close()
+    return image
+
+
 def timeline() -> QImage:
     """The bars of the kick with their strips, near enough to be grabbed."""
     session = Session("front_kick", (1040, 1040))

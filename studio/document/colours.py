@@ -30,7 +30,12 @@ GRID = "#3a424b"
 
 CHARACTERS = ("#7FB4E6", "#E8A95B", "#8FCB8A", "#D98BB5", "#B9A6E8")
 
-KINDS = {**{kind: each.shown.colour for kind, each in CONSTRAINTS.items()}, "contact": "#95ad74", "label": "#8fa8cf"}
+KINDS = {
+    **{kind: each.shown.colour for kind, each in CONSTRAINTS.items()},
+    "contact": "#95ad74",
+    "label": "#8fa8cf",
+    "correction": "#d98bb5",
+}
 
 HELD = "#3f7f57"
 PARTLY = "#E3A23C"

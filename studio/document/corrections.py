@@ -36,7 +36,7 @@ def set_pose(
     with document.group(text, gesture):
         key = correction_at(document, performer_id, time) or _add(document, performer_id, time, name)
         correction = document.project.corrections[key]
-        pose = correction.keys.value_at(time).with_turns(turns)
+        pose = correction.pose_at(time).with_turns(turns)
         pose = pose if hips is None else replace(pose, hips=hips)
         document.replace("corrections", key, correction.with_key(time, pose), text)
     document.selection.set(*_with_body(document, performer_id), ("corrections", key))
@@ -49,7 +49,7 @@ def set_key(document: EditedProject, correction_id: str, time: float) -> None:
     document.replace(
         "corrections",
         correction_id,
-        correction.with_key(time, correction.keys.value_at(time)),
+        correction.with_key(time, correction.pose_at(time)),
         f"Set key of {correction.name}",
     )
 

@@ -189,8 +189,13 @@ class EditedProject(QObject):
         return next(iter((*reversed(selected), *concerned, *visible)), None)
 
     def _concerns_selection(self, performer: Performer, performer_id: str) -> bool:
-        """True if the performer plays a selected clip, or a clip to which a selected constraint or contact applies."""
+        """True if the performer plays a selected clip, or one to which a selected constraint or contact applies, or
+        has a selected correction.
+        """
         clips = {*self.selection.of("clips")}
+        corrections = self._project.corrections_of(performer_id)
+        if any(key in corrections for key in self.selection.of("corrections")):
+            return True
         scoped = [self._project.get(*item) for item in self.selection.items if item[0] in ("constraints", "contacts")]
         return any(
             clip.id in clips

@@ -9,6 +9,7 @@ from studio.core.body.morphology import Proportions
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
 from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.tangents import Beyond
+from studio.core.stage.correction import KeyedPoses
 from studio.document.editing import EditedProject
 from studio.document.keyed_fields import (
     Keyed,
@@ -122,21 +123,29 @@ def stretch_keys(document: EditedProject, frames: int) -> None:
 def delete_keys(document: EditedProject) -> bool:
     """Delete the selected keys as one step; true if there were any that can be deleted.
 
-    A field that has no key left keeps the value that it has at the playhead. An activation keeps its four times.
+    A field that has no key left keeps the value that it has at the playhead. An activation keeps its four times. A
+    correction goes with its last key.
     """
     values: dict[KeyedField, Any] = {}
+    gone: list[tuple[str, str]] = []
     count = 0
     for field, places in document.keys.by_field().items():
         value = keyed_value(document.shown_project, field)
         if not isinstance(value, Keys):
             continue
         count += len(places)
+        if isinstance(value, KeyedPoses) and len(places) == len(value.times):
+            gone.append(field.item)
+            continue
         values[field] = (
             value.without_keys(set(places)) if len(places) < len(value.times) else _fixed(document, field, value)
         )
-    if values:
-        replace_fields(document, values, f"Delete {words_for(count)}")
-    return bool(values)
+    text = f"Delete {words_for(count)}"
+    with document.group(text):
+        replace_fields(document, values, text)
+        for item in gone:
+            document.remove(*item, text)
+    return bool(values or gone)
 
 
 def set_keys(document: EditedProject) -> int:

@@ -16,6 +16,7 @@ from studio.panels.character_editor import CharacterEditor
 from studio.panels.clip_editor import ClipEditor
 from studio.panels.constraint_editors import editor_of_kind
 from studio.panels.contact_editor import ContactEditor
+from studio.panels.correction_editor import CorrectionEditor
 from studio.panels.editor import Editor, PlainEditor
 from studio.panels.ground_editor import GroundEditor
 from studio.panels.label_editor import LabelEditor
@@ -31,6 +32,7 @@ ENTITY_EDITORS: dict[str, Callable[[Document, Live, str, str], Editor]] = {
     "performers": PerformerEditor,
     "contacts": ContactEditor,
     "labels": LabelEditor,
+    "corrections": CorrectionEditor,
     "grounds": GroundEditor,
     "props": PropEditor,
     "behaviours": BehaviourEditor,

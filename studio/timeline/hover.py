@@ -42,6 +42,8 @@ def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
         case "sounds":
             sound = sheet.shown.project.sounds[hit.id]
             return f"{sound.name}: {len(sound.beats)} beats, to which keys and contacts snap; drag to move it"
+        case "corrections":
+            return _correction_text(sheet, hit)
         case "labels":
             return _label_words(sheet, hit)
         case "clips":
@@ -117,6 +119,17 @@ def _label_words(sheet: Sheet, hit: Hit) -> str:
     if label.last == label.first:
         return f"{label.name}: {moment(label.first, label.first / rate)}"
     return f"{label.name}: frames {label.first} to {label.last}, {(label.last - label.first) / rate:.3f} s"
+
+
+def _correction_text(sheet: Sheet, hit: Hit) -> str:
+    """``Left elbow: 0.750 s to 1.250 s, below the constraints``."""
+    entity = sheet.shown.project.corrections[hit.id]
+    where = "above" if entity.above else "below"
+    curve = entity.activation
+    if hit.part in HANDLES:
+        time = time_of(curve, hit.part)
+        return f"{entity.name}, {hit.part}: {moment(time * sheet.shown.axis.frame_rate, time)}"
+    return f"{entity.name}: {curve.start:.3f} s to {curve.end:.3f} s, {where} the constraints"
 
 
 def _keys_text(sheet: Sheet, hit: Hit) -> str:

@@ -7,7 +7,19 @@ from PySide6.QtWidgets import QWidget
 from studio.document import colours
 from studio.timeline.sheet import Sheet
 from studio.timeline.shown import ROW_LABEL_WIDTH, RowContext, TimelineRow, label_area
-from studio.timeline.tracks import clip, constraint, contacts, hold, keys, labels, layer, remarks, ruler, waveform
+from studio.timeline.tracks import (
+    clip,
+    constraint,
+    contacts,
+    correction,
+    hold,
+    keys,
+    labels,
+    layer,
+    remarks,
+    ruler,
+    waveform,
+)
 from studio.timeline.tracks.brush import time_area, translucent
 from studio.timeline.tracks.plot import FOLDED_PLOT_HEIGHT, PlotPicture
 from studio.timeline.tracks.value_curves import ValueCurves
@@ -134,6 +146,8 @@ def _paint_label(painter: QPainter, area: QRect, shown: RowContext, row: Timelin
             clip.paint_clip_label(painter, area, shown, row.id)
         case "layer":
             layer.paint_layer_label(painter, area, row.id)
+        case "corrections":
+            correction.paint_correction_label(painter, area, shown, row.id)
         case "growth":
             keys.paint_growth_label(painter, area)
         case "summary" | "sheet":
@@ -156,6 +170,10 @@ def _paint_content(painter: QPainter, area: QRect, shown: RowContext, row: Timel
             clip.paint_clips(painter, area, shown, row.id)
         case "layer":
             layer.paint_layers(painter, area, shown, row.id)
+        case "corrections":
+            correction.paint_correction(painter, area, shown, row.id)
+            keys.paint_keys(painter, shown, row, area, correction.key_colour(shown, row.id))
+            correction.paint_correction_handles(painter, area, shown, row.id)
         case "growth":
             performer = shown.project.performers[row.id]
             keys.paint_keys(painter, shown, row, area, shown.project.characters[performer.character_id].colour)

@@ -5,7 +5,19 @@ from dataclasses import dataclass
 from PySide6.QtCore import QPoint, QPointF, QRect, QSize
 
 from studio.timeline.shown import FOLD_WIDTH, ROW_LABEL_WIDTH, Hit, ItemPart, RowContext, TimelineRow
-from studio.timeline.tracks import clip, constraint, contacts, hold, keys, labels, layer, plot, ruler, waveform
+from studio.timeline.tracks import (
+    clip,
+    constraint,
+    contacts,
+    correction,
+    hold,
+    keys,
+    labels,
+    layer,
+    plot,
+    ruler,
+    waveform,
+)
 
 PLAYHEAD_REACH = 4.0
 RIGHT_MARGIN = 12
@@ -16,7 +28,7 @@ FOLDING = ("constraints", "lane")
 
 
 def rows_of(shown: RowContext) -> tuple[TimelineRow, ...]:
-    """Sounds, labels, clips, layers, growth, holds of props, contacts, constraints by priority; or the keys."""
+    """Sounds, labels, clips, layers, corrections, growth, held props, contacts, constraints by priority; or the keys."""
     return _stacked(keys.rows_of(shown) if shown.dope else _heights(shown))
 
 
@@ -46,7 +58,12 @@ def _heights(shown: RowContext) -> list[tuple[str, str, int]]:
         *(
             each
             for key in players
-            for each in (("clip", key, clip.CLIP_ROW_HEIGHT), *layer.rows_of(shown, key), *keys.growth_rows(shown, key))
+            for each in (
+                ("clip", key, clip.CLIP_ROW_HEIGHT),
+                *layer.rows_of(shown, key),
+                *correction.rows_of(shown, key),
+                *keys.growth_rows(shown, key),
+            )
         ),
         *hold.rows_of(shown),
         *(
@@ -154,6 +171,8 @@ class Sheet:
                 return clip.clip_hit(layer.clip_bars(self.shown, area, row.id), layer.performer_of(row.id), position)
             case "sounds":
                 return waveform.waveform_hit(self.shown, area, row.id, position)
+            case "corrections":
+                return correction.correction_hit(self.shown, area, row.id, position)
             case "labels":
                 return labels.labels_hit(self.shown, area, position)
             case "props":

@@ -51,7 +51,8 @@ EDGES = (ItemPart.FIRST, ItemPart.LAST)
 class TimelineRow:
     """One row: its kind, its id, and pixels below the first row.
 
-    Kinds are labels, constraints, clip, layer, growth, props and lane; summary and sheet are those of the dope sheet.
+    Kinds are labels, constraints, clip, layer, corrections, growth, props and lane; summary and sheet are those of the
+    dope sheet.
     A row of clips or of growth has its performer's id, one of layers that and the region.
     """
 

@@ -239,10 +239,13 @@ class TrackView(QWidget):
             self._redraw(*((row.kind, row.id) for row in rows if row.kind in ROWS_WHILE_DRAGGED))
         elif (
             self.sheet is None
-            or collection not in ("constraints", "contacts")
+            or collection not in ("constraints", "contacts", "corrections")
+            or (collection == "corrections" and self.dope)
             or rows_of(self.sheet.shown) != self.sheet.rows
         ):
             self.lay_out()
+        elif collection == "corrections":
+            self._redraw((collection, entity_id))
         elif collection == "contacts":
             self._redraw(*((row.kind, row.id) for row in self.sheet.rows if row.kind == "lane"))
         elif self._looks.get(entity_id) != (look := looks_of(self.document.project.constraints.get(entity_id))):

@@ -69,10 +69,15 @@ class Chips:
     """The chips of a viewport: what is seen top left, work top right, trouble bottom left."""
 
     def __init__(self, parent: QWidget, clicked: Mapping[str, Callable[[], object]]) -> None:
-        """``clicked``: what view, shading, space, ghost, onion, trails, follow, markers, problem and constrain do."""
+        """``clicked``: what view, shading, space, correct, ghost, onion, trails, follow, markers, problem and constrain
+        do.
+        """
         self.view = Chip("Perspective", "Perspective or parallel view", clicked["view"], parent)
         self.shading = Chip("Skin", "Skin or bones", clicked["shading"], parent)
         self.space = Chip("World axes", "Axes of the gizmo: world, local, parent or screen", clicked["space"], parent)
+        self.correct = ToggleChip(
+            "Correct pose", "Pose joints by the gizmo, as corrections", False, clicked["correct"], parent
+        )
         self.ghost = ToggleChip("Ghost of source", "Ghost of the source", False, clicked["ghost"], parent)
         self.onion = ToggleChip("Onion skins", "Onion skins of the selected body", False, clicked["onion"], parent)
         self.trails = ToggleChip("Trails", "Trails of the constrained point", True, clicked["trails"], parent)
@@ -84,8 +89,9 @@ class Chips:
         self.problem = Chip("", "Most important problem", clicked["problem"], parent, _WARNING)
         self.constrain = Chip("", "Constrain the picked joint", clicked["constrain"], parent, _CALL)
         self._top = (
-            self.view, self.shading, self.space, self.ghost, self.onion, self.trails, self.follow, self.markers
-        )  # fmt: skip
+            *(self.view, self.shading, self.space, self.correct),
+            *(self.ghost, self.onion, self.trails, self.follow, self.markers),
+        )
         self._view = parent
         self._wide, self._recorded, self._space_used = True, False, True
         self._arrange(parent)
@@ -111,14 +117,15 @@ class Chips:
         """Leave out what a narrow view has no room for, the least important first."""
         self.space.setVisible(self._space_used and width >= 340)
         for chip, needed in (
-            (self.ghost, 430),
-            (self.trails, 520),
-            (self.follow, 610),
-            (self.onion, 740),
-            (self.markers, 850),
+            (self.correct, 450),
+            (self.ghost, 550),
+            (self.trails, 640),
+            (self.follow, 730),
+            (self.onion, 860),
+            (self.markers, 970),
         ):
             chip.setVisible(width >= needed and (chip is not self.markers or self._recorded))
-        self._wide = width >= 920
+        self._wide = width >= 1040
         self.work.setVisible(self._wide and bool(self.work.text()))
 
     def make_room(self, gizmo: QRect) -> None:

@@ -29,6 +29,7 @@ from studio.viewport.camera import VIEWS, FloatArray, OrbitCamera
 from studio.viewport.canvas import Canvas
 from studio.viewport.chips import Chips
 from studio.viewport.constraining import Here, constraint_here
+from studio.viewport.corrected_joint import CorrectedJoint
 from studio.viewport.dropping import StrikeDrops
 from studio.viewport.following import FollowCamera
 from studio.viewport.framing import selected_points
@@ -107,6 +108,7 @@ class Viewport(Canvas):
                 "view": self.toggle_parallel,
                 "shading": self.toggle_bones,
                 "space": self.next_gizmo_space,
+                "correct": self._correcting_changed,
                 "ghost": self.show_again,
                 "onion": self.show_again,
                 "trails": self.show_again,
@@ -223,6 +225,21 @@ class Viewport(Canvas):
     def ghost_shown(self) -> bool:
         """True if the ghost of the source is on."""
         return self._chips.ghost.isChecked()
+
+    @property
+    def correcting(self) -> bool:
+        """True if the gizmo poses the picked joint, as a correction."""
+        return self._chips.correct.isChecked()
+
+    def set_correcting(self, correcting: bool) -> None:
+        """Pose the picked joint by the gizmo, or move and turn what is selected."""
+        self._chips.correct.setChecked(correcting)
+        self._correcting_changed()
+
+    def _correcting_changed(self) -> None:
+        if self.correcting and self.tool not in ("move", "rotate"):
+            self.set_tool("rotate")
+        self.show_again()
 
     def set_onion_shown(self, shown: bool) -> None:
         """The onion skins of the selected bodies, on or off."""
@@ -354,7 +371,11 @@ class Viewport(Canvas):
 
     def movable(self) -> Movable | None:
         """The thing that the gizmo moves; None if there is none."""
-        return selected_movable(self._document, self.posed, picking=self.joint_picked is not None)
+        picked = self.joint_picked
+        pose = self.posed.get(picked.performer_id) if picked else None
+        if self.correcting and picked is not None and pose is not None and pose.motion_id is not None:
+            return CorrectedJoint(self._document, picked.performer_id, pose, picked.joint)
+        return selected_movable(self._document, self.posed, picking=picked is not None)
 
     def handles(self, only: Container[str] | None = None) -> list[Handle]:
         """The constraint handles, of all constraints or ``only`` some."""
@@ -491,7 +512,7 @@ class Viewport(Canvas):
     def _place_constrain_chip(self) -> None:
         picked, chip = self.joint_picked, self._chips.constrain
         pose = self.posed.get(picked.performer_id) if picked else None
-        chip.setVisible(pose is not None and self.gesture is None)
+        chip.setVisible(pose is not None and self.gesture is None and not self.correcting)
         if picked is not None and pose is not None:
             chip.say(f"Constrain {picked.joint.name}  (C)")
             beside_gizmo = QPoint(16, -34 if self.gizmo() is None else 26)
@@ -622,7 +643,7 @@ class Viewport(Canvas):
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Constrain the joint under the mouse."""
         self.mousePressEvent(event)
-        if self.gesture is None and self.joint_picked is not None:
+        if self.gesture is None and self.joint_picked is not None and not self.correcting:
             self.add_constraint_at_pick()
 
     def leaveEvent(self, event: QEvent) -> None:

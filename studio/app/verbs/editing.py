@@ -17,10 +17,14 @@ from studio.core.stage.staging import lined_up, travel_heading
 from studio.document.behaviours import duplicate_states, remove_parts
 from studio.document.clipboard import copied, paste
 from studio.document.clips import name_of, remove_clips
+from studio.document.corrections import set_key as set_correction_key
 from studio.document.key_edits import delete_keys, set_keys
 
 EDITED_PARTS = ("clips", "states", "transitions")
-SMALL_THINGS = ("constraints", "contacts", "labels", "props", "behaviours", "cameras", "sounds", *EDITED_PARTS)
+SMALL_THINGS = (
+    *("constraints", "contacts", "labels", "props", "behaviours", "corrections", "cameras", "sounds"),
+    *EDITED_PARTS,
+)
 
 
 def undo(bench: Workbench) -> None:
@@ -79,10 +83,10 @@ def delete(bench: Workbench) -> None:
 
 
 def copy(bench: Workbench) -> None:
-    """Put the selected keys, constraints and contacts on the system's clipboard, as JSON."""
+    """Put the selected keys, constraints, contacts and corrections on the system's clipboard, as JSON."""
     text = copied(bench.document)
     if not text:
-        raise StudioError("Select constraints, contacts or keys to copy first.")
+        raise StudioError("Select constraints, contacts, corrections or keys to copy first.")
     QGuiApplication.clipboard().setText(text)
 
 
@@ -98,8 +102,14 @@ def paste_mirrored(bench: Workbench) -> None:
 
 def set_key(bench: Workbench) -> None:
     """Set a key of what is selected at the playhead. Raises StudioError where nothing of it can be keyed."""
-    if not set_keys(bench.document):
-        raise StudioError("Nothing here can be keyed. Select a constraint with a target, a prop or a character first.")
+    document = bench.document
+    corrections = [key for key in document.selection.of("corrections") if key in document.project.corrections]
+    for key in corrections:
+        set_correction_key(document, key, document.playhead.time)
+    if not corrections and not set_keys(document):
+        raise StudioError(
+            "Nothing here can be keyed. Select a constraint with a target, a correction, a prop or a character first."
+        )
 
 
 def hide(bench: Workbench) -> None:

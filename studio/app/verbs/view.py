@@ -124,6 +124,11 @@ def scale_tool(bench: Workbench) -> None:
     _take_tool(bench, "scale")
 
 
+def toggle_correcting(bench: Workbench) -> None:
+    """Pose joints by the gizmo, as corrections, or move and turn what is selected."""
+    bench.viewport.set_correcting(not bench.viewport.correcting)
+
+
 def next_gizmo_axes(bench: Workbench) -> None:
     """Move and rotate along the axes of the next space."""
     bench.viewport.next_gizmo_space()

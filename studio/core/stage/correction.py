@@ -45,6 +45,11 @@ class PoseOffsets:
         """Rotation vector of a part; zero if it is not turned."""
         return dict(self.turns).get(part, STILL)
 
+    def scaled(self, fraction: float) -> Self:
+        """The same turned and displaced by a ``fraction``."""
+        turns = tuple((part, _times(turn, fraction)) for part, turn in self.turns)
+        return replace(self, turns=turns, hips=_times(self.hips, fraction))
+
     def with_turns(self, turns: Mapping[BodyPart, Vector]) -> Self:
         """The same with other rotation vectors of some parts; zero removes a part."""
         return replace(self, turns=tuple({**dict(self.turns), **turns}.items()))
@@ -54,6 +59,11 @@ class PoseOffsets:
         turns = tuple((other_side(part), _mirrored_turn(part, turn)) for part, turn in self.turns)
         x, y, z = self.hips
         return replace(self, turns=turns, hips=(x, -y, z))
+
+
+def _times(vector: Vector, factor: float) -> Vector:
+    x, y, z = vector
+    return factor * x, factor * y, factor * z
 
 
 def _mirrored_turn(part: BodyPart, turn: Vector) -> Vector:
@@ -137,6 +147,10 @@ class Correction:
     def fractions(self, times: ArrayLike) -> FloatArray:
         """Weights (N,) at ``times`` (N,) seconds: activation times weight, 0 if disabled."""
         return self.activation.at(times) * (self.weight * self.enabled)
+
+    def pose_at(self, time: float) -> PoseOffsets:
+        """Offsets of a key at full activation that leaves the pose at ``time`` as it is."""
+        return self.keys.value_at(time).scaled(float(self.activation.at(time)))
 
     def with_key(self, time: float, pose: PoseOffsets) -> Self:
         """The same with a key, in the place of one at its time; the range grows to reach it at full weight."""

@@ -108,15 +108,21 @@ class ReplaceValue(QUndoCommand):
 
 
 def merged(earlier: tuple[Edit, ...], later: tuple[Edit, ...]) -> tuple[Edit, ...]:
-    """Both as one: replacements of an entity become one edit, and those that change nothing are left out.
+    """Both as one: edits of an entity become one, and those that change nothing are left out.
 
-    Additions and removals are kept in sequence, for the places they name are those of their moment.
+    An edit joins an earlier one of its entity unless others were added or removed in between, for the places that
+    these name are those of their moment; an addition that is removed again vanishes.
     """
-    result = {edit.item: edit for edit in earlier}
-    replacements = all(edit.old is not None and edit.new is not None for edit in (*earlier, *later))
-    if not replacements or len(result) < len(earlier):
-        return (*earlier, *later)
+    result, last, fixed = list(earlier), {edit.item: at for at, edit in enumerate(earlier)}, -1
+    for at, edit in enumerate(earlier):
+        fixed = at if edit.old is None or edit.new is None else fixed
     for edit in later:
-        first = result.get(edit.item)
-        result[edit.item] = edit if first is None else replace(edit, old=first.old)
-    return tuple(edit for edit in result.values() if not same_value(edit.old, edit.new))
+        at = last.get(edit.item, -1)
+        before = result[at] if at >= max(fixed, 0) else None
+        if before is None or before.new is None or (edit.new is None and before.old is not None):
+            fixed = len(result) if edit.old is None or edit.new is None else fixed
+            last[edit.item] = len(result)
+            result.append(edit)
+        else:
+            result[at] = replace(before, new=edit.new)
+    return tuple(edit for edit in result if edit.old is not edit.new and not same_value(edit.old, edit.new))

@@ -6,6 +6,7 @@ from studio.core.captures.contacts import ContactInterval
 from studio.timeline.gestures.activation import DragHandle, MoveActivation
 from studio.timeline.gestures.clip import MoveClips, TrimClip
 from studio.timeline.gestures.contact import DragContact
+from studio.timeline.gestures.correction import DragCorrectionRange, MoveCorrection
 from studio.timeline.gestures.gesture import TimelineGesture
 from studio.timeline.gestures.hold import DragHold
 from studio.timeline.gestures.label import DragLabel
@@ -24,6 +25,10 @@ def gesture_at(hit: Hit, shown: RowContext, press: QPointF) -> TimelineGesture |
         return DragHandle(shown, hit.id, hit.part, press)
     if hit.kind == "constraints" and hit.part == ItemPart.BODY:
         return MoveActivation(shown, hit.id, press)
+    if hit.kind == "corrections" and hit.part in HANDLES:
+        return DragCorrectionRange(shown, hit.id, hit.part, press)
+    if hit.kind == "corrections" and hit.part == ItemPart.BODY:
+        return MoveCorrection(shown, hit.id, press)
     if hit.kind == "clips":
         return (
             MoveClips(shown, hit.id, press) if hit.part == ItemPart.BODY else TrimClip(shown, hit.id, hit.part, press)
@@ -39,13 +44,19 @@ def gesture_at(hit: Hit, shown: RowContext, press: QPointF) -> TimelineGesture |
     return None
 
 
+MOVED = ("constraints", "contacts", "clips", "props", "labels", "corrections", "sounds")
+"""Kinds of things whose bars are dragged as a whole."""
+
+
 def cursor_at(hit: Hit) -> Cursor:
     """Arrows for what moves, a hand for what is chosen, a cross where a contact or label may be added."""
     if hit.part in HANDLES or hit.part in (*EDGES, ItemPart.KEY) or hit.kind == "playhead":
         return Cursor.SizeHorCursor
-    if hit.part == ItemPart.BODY and hit.kind in ("constraints", "contacts", "clips", "props", "labels", "sounds"):
+    if hit.part == ItemPart.BODY and hit.kind in MOVED:
         return Cursor.OpenHandCursor
-    if hit.part == ItemPart.FOLD or (hit.part == ItemPart.LABEL and hit.kind in ("constraints", "plot", "performers")):
+    if hit.part == ItemPart.FOLD or (
+        hit.part == ItemPart.LABEL and hit.kind in ("constraints", "plot", "performers", "corrections")
+    ):
         return Cursor.PointingHandCursor
     if hit.kind in ("lane", "labels") and hit.part == ItemPart.EMPTY:
         return Cursor.CrossCursor
@@ -56,14 +67,14 @@ def items_of(hit: Hit) -> tuple[tuple[str, str], ...]:
     """Items that a click selects: a clip with the performer of its row."""
     if hit.kind == "clips":
         return ("performers", hit.performer_id), ("clips", hit.id)
-    if hit.part == ItemPart.KEY and hit.kind not in ("growth", "props", "constraints"):
+    if hit.part == ItemPart.KEY and hit.kind not in ("growth", "props", "constraints", "corrections"):
         return ()
     if hit.kind == "growth":
         return (("performers", hit.id),) if hit.part == ItemPart.KEY else ()
     if (
         hit.kind == "contacts"
         or (hit.kind == "labels" and hit.id)
-        or (hit.kind in ("constraints", "performers", "props", "sounds") and hit.part != ItemPart.EMPTY)
+        or (hit.kind in ("constraints", "performers", "props", "corrections", "sounds") and hit.part != ItemPart.EMPTY)
     ):
         return ((hit.kind, hit.id),)
     return ()

@@ -52,6 +52,7 @@ def sheet_fields(shown: RowContext) -> dict[KeyedField, Keyed]:
     entities = (
         *(("constraints", key, each) for key, each in constraints.items()),
         *(("props", key, each) for key, each in project.props.items()),
+        *(("corrections", key, each) for key, each in project.corrections.items()),
         *(("characters", key, project.characters[key]) for key in characters),
     )
     return {field: value for entity in entities for field, value in fields_of(*entity).items()}
@@ -72,7 +73,7 @@ def fields_in(shown: RowContext, row: TimelineRow) -> tuple[KeyedField, ...]:
             return (field_of(row.id),)
         case "growth":
             return growth_fields(shown, row.id)
-        case "constraints" | "props":
+        case "constraints" | "props" | "corrections":
             return _keys_of(shown, row.kind, row.id)
     return ()
 
@@ -191,6 +192,8 @@ def row_colour(shown: RowContext, row: TimelineRow) -> str:
     entity = shown.project.get(*field.item)
     if field.collection == "constraints" and entity is not None:
         return colours.kind_colour(entity.kind)
+    if field.collection == "corrections":
+        return colours.kind_colour("correction")
     return getattr(entity, "colour", colours.TEXT_SECOND)
 
 

@@ -1,0 +1,109 @@
+"""Pose of one frame pulled by hand: rotations of parts that bring a hand, foot or head to a target.
+
+A limb is solved in closed form: the lower segment turns about its hinge until the end is as far from the root as the
+target is, then the upper one turns the end there by the shortest arc; hand or foot keep their rotation on the stage.
+The head is brought by turns of trunk and neck, each a part of what is left (cyclic coordinate descent).
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.canonical import BodyLayout, BodyPart
+from studio.core.rotations import from_matrix, from_rotation_vector, shortest_arc, to_matrix, to_rotation_vector
+from studio.core.solver.correction_layer import segment_turns, turned
+
+FloatArray = NDArray[np.float64]
+Turns = dict[BodyPart, FloatArray]
+"""Rotation vectors (3,) of parts, in their own axes."""
+
+NEARLY_STRAIGHT = 0.999
+"""Greatest extension of a limb that is pulled, in limb lengths."""
+HEAD_CHAIN, HEAD_ROUNDS = (BodyPart.NECK, BodyPart.THORAX, BodyPart.ABDOMEN), 6
+HEAD_GAINS = (0.4, 0.3, 0.6)
+"""Fractions of the remaining rotation that each part of the head's chain makes in a round."""
+
+
+def limb_turns(
+    layout: BodyLayout, positions: FloatArray, rotations: FloatArray, upper: BodyPart, target: FloatArray
+) -> Turns:
+    """Rotations that bring the end of a limb to ``target`` (3,), or as near as it reaches.
+
+    ``upper`` is its upper segment; ``positions`` (P, 3) and ``rotations`` (S, 3, 3) of one frame.
+    """
+    segment = layout.segment(upper)
+    lower, end = layout.part(segment + 1), layout.part(segment + 2)
+    root, middle, tip = positions[list(layout.proximal_points()[segment : segment + 3])]
+    above, below = float(np.linalg.norm(middle - root)), float(np.linalg.norm(tip - middle))
+    least, most = abs(above - below) + 1e-3, NEARLY_STRAIGHT * (above + below)
+    wanted = float(np.clip(np.linalg.norm(target - root), least, max(most, least)))
+    hinge = rotations[segment + 1, :, 0]
+    angle = _bend(root, middle, tip, hinge, wanted)
+    bent = to_matrix(from_rotation_vector(angle * hinge))
+    tip = middle + bent @ (tip - middle)
+    arc = shortest_arc(_unit(tip - root), _unit(target - root))
+    own = rotations[segment]
+    moved_end = arc @ bent @ rotations[segment + 2]
+    return {
+        upper: _vector(own.T @ arc @ own),
+        lower: np.array([angle, 0.0, 0.0]),
+        end: _vector(moved_end.T @ rotations[segment + 2]),
+    }
+
+
+def head_turns(layout: BodyLayout, positions: FloatArray, rotations: FloatArray, target: FloatArray) -> Turns:
+    """Rotations of trunk and neck that bring the head's joint towards ``target`` (3,)."""
+    found = {part: np.zeros(3) for part in HEAD_CHAIN}
+    for _ in range(HEAD_ROUNDS):
+        for part, gain in zip(HEAD_CHAIN, HEAD_GAINS, strict=True):
+            posed, turns = _with(layout, positions, rotations, found)
+            segment = layout.segment(part)
+            pivot = posed[layout.proximal_points()[segment]]
+            arc = _vector(shortest_arc(_unit(posed[layout.head_joint] - pivot), _unit(target - pivot)))
+            step = gain * turns[segment].T @ arc
+            found[part] = to_rotation_vector(_product(found[part], step))
+    return found
+
+
+def composed(turn: Mapping[BodyPart, FloatArray], before: Mapping[BodyPart, FloatArray]) -> Turns:
+    """Rotation vectors of ``before`` followed, in their own axes, by those of ``turn``."""
+    return {part: to_rotation_vector(_product(before[part], step)) for part, step in turn.items()}
+
+
+def _product(first: FloatArray, second: FloatArray) -> FloatArray:
+    matrices = to_matrix(from_rotation_vector(np.stack([first, second])))
+    return from_matrix(matrices[0] @ matrices[1])
+
+
+def _with(
+    layout: BodyLayout, positions: FloatArray, rotations: FloatArray, turns: Turns
+) -> tuple[FloatArray, FloatArray]:
+    batch = {part: vector[None] for part, vector in turns.items()}
+    posed = turned(layout, positions[None], rotations[None], segment_turns(layout, batch))
+    return posed[0][0], posed[1][0]
+
+
+def _bend(root: FloatArray, middle: FloatArray, tip: FloatArray, hinge: FloatArray, wanted: float) -> float:
+    """Angle about ``hinge`` through ``middle`` that puts the tip ``wanted`` metres from the root, the nearest one."""
+    to_root, to_tip = root - middle, tip - middle
+    along = to_tip - (to_tip @ hinge) * hinge
+    across = np.cross(hinge, along)
+    # |to_root - R(a) to_tip|^2 = |to_root|^2 + |to_tip|^2 - 2 (A cos a + B sin a + C)
+    a, b = float(to_root @ along), float(to_root @ across)
+    c = float((to_root @ hinge) * (to_tip @ hinge))
+    dot = 0.5 * (to_root @ to_root + to_tip @ to_tip - wanted * wanted) - c
+    amplitude = float(np.hypot(a, b))
+    if amplitude < 1e-9:
+        return 0.0
+    phase, spread = float(np.arctan2(b, a)), float(np.arccos(np.clip(dot / amplitude, -1.0, 1.0)))
+    angles = np.remainder(np.array([phase + spread, phase - spread]) + np.pi, 2.0 * np.pi) - np.pi
+    return float(angles[np.abs(angles).argmin()])
+
+
+def _unit(vector: FloatArray) -> FloatArray:
+    return np.asarray(vector / max(float(np.linalg.norm(vector)), 1e-9))
+
+
+def _vector(matrix: FloatArray) -> FloatArray:
+    return to_rotation_vector(from_matrix(matrix))

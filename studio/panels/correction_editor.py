@@ -1,0 +1,190 @@
+"""Form of a manual correction: its range, weight, order with the constraints, and the pose at the playhead."""
+
+import math
+from functools import partial
+
+from PySide6.QtCore import QSignalBlocker
+from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QLineEdit, QWidget
+
+from studio.core.body.canonical import BodyPart
+from studio.core.stage.correction import Correction
+from studio.document.corrections import mirror_correction, set_key, set_pose
+from studio.document.document import Document
+from studio.engine.live import Live
+from studio.panels.editor import Editor
+from studio.panels.fields import Choice, NumberField, Section, labelled, press_button
+
+PER_CENT = 100.0
+RANGE_FIELDS = ("Start", "Full from", "Full until", "End")
+TURN_AXES = ("x", "y", "z")
+
+
+class CorrectionEditor(Editor):
+    """Form of a correction."""
+
+    def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
+        super().__init__(document, live, collection, entity_id)
+        section = Section("Correction")
+        mirror = press_button("Mirror", lambda: mirror_correction(document, self.entity_id), "link")
+        mirror.setToolTip("Move it to the other side of the body")
+        section.head.addWidget(mirror)
+        self._name = QLineEdit()
+        self._name.setAccessibleName("Name")
+        self._name.editingFinished.connect(self._rename)
+        section.add_row("Name", self._name)
+        self._enabled = QCheckBox("Enabled")
+        self._enabled.toggled.connect(lambda on: self._change("Switch", enabled=on))
+        section.add_row("State", self._enabled)
+        self._above = Choice("Order", [(False, "Below constraints"), (True, "Above constraints")])
+        self._above.setToolTip(
+            "Below, constraints still hold and planted feet stay; above, the pose is left as corrected."
+        )
+        self._above.chosen.connect(lambda above: self._change("Reorder", above=above))
+        section.add_row("Order", self._above)
+        self._weight = self.bind(
+            NumberField("Weight", "%", 0.0, PER_CENT, 1.0, 0),
+            lambda number: self._change("Weight of", weight=number / PER_CENT),
+        )
+        section.add_row("Weight", self._weight)
+        self._range = [
+            self.bind(NumberField(name, "s", -1e6, 1e6, 0.01, 3), partial(self._set_time, place))
+            for place, name in enumerate(RANGE_FIELDS)
+        ]
+        section.add_row("Start · full", *self._range[:2])
+        section.add_row("Full · end", *self._range[2:])
+        self.column.addWidget(section)
+        self._pose = Section("Pose at playhead")
+        self._pose.head.addWidget(press_button("Set key", self._set_key, "link"))
+        self._words = labelled("", "hint")
+        self._pose.add_wide(self._words)
+        self.column.addWidget(self._pose)
+        self._joints: QWidget | None = None
+        self._shown_parts: tuple[BodyPart, ...] | None = None
+        self._turns: dict[BodyPart, list[NumberField]] = {}
+        self._hips: list[NumberField] = []
+        document.playhead.changed.connect(self._show_pose)
+        self.finish()
+
+    def refresh(self) -> None:
+        """Fetch the correction."""
+        correction: Correction | None = self.entity
+        if correction is None:
+            return
+        if not self._name.hasFocus():
+            self._name.setText(correction.name)
+        with QSignalBlocker(self._enabled):
+            self._enabled.setChecked(correction.enabled)
+        self._above.show_value(correction.above)
+        self._weight.show_value(PER_CENT * correction.weight)
+        for field, time in zip(self._range, correction.activation.times, strict=True):
+            field.show_value(time)
+        self._show_joints(correction)
+        self._show_pose()
+
+    def _show_joints(self, correction: Correction) -> None:
+        """A row of three angles for each part that is turned, and one for the hips."""
+        parts = (*correction.keys.parts, *((None,) if correction.keys.moves_hips else ()))
+        if parts == self._shown_parts:
+            return
+        self._shown_parts = parts
+        self._turns, self._hips = {}, []
+        joints = Section("Joints")
+        for part in correction.keys.parts:
+            fields = [
+                self.bind(
+                    NumberField(f"{part.label} {axis}", "°", -720.0, 720.0, 1.0, 1),
+                    partial(self._set_turn, part, place),
+                )
+                for place, axis in enumerate(TURN_AXES)
+            ]
+            self._turns[part] = fields
+            joints.add_row(part.label, *fields)
+            joints.add_wide(self._deletion(part))
+        if correction.keys.moves_hips:
+            self._hips = [
+                self.bind(NumberField(f"Hips {axis}", "×", -10.0, 10.0, 0.01, 3), partial(self._set_hips, place))
+                for place, axis in enumerate(("ahead", "left", "up"))
+            ]
+            joints.add_row("Hips", *self._hips)
+        if self._joints is None:
+            self.column.insertWidget(self.column.indexOf(self._pose) + 1, joints)
+        else:
+            self.column.replaceWidget(self._joints, joints)
+            self._joints.hide()
+            self._joints.deleteLater()
+        self._joints = joints
+
+    def _deletion(self, part: BodyPart) -> QWidget:
+        holder = QWidget()
+        row = QHBoxLayout(holder)
+        row.setContentsMargins(0, 0, 0, 0)
+        row.addStretch(1)
+        button = press_button("Delete joint", lambda: self._delete(part), "link")
+        button.setAccessibleName(f"Delete {part.label.lower()}")
+        row.addWidget(button)
+        return holder
+
+    def _show_pose(self) -> None:
+        correction: Correction | None = self.entity
+        if correction is None:
+            return
+        time = self.document.playhead.time
+        pose, count = correction.keys.value_at(time), len(correction.keys.times)
+        at_key = correction.keys.key_at(time) is not None
+        keys = "1 key" if count == 1 else f"{count} keys"
+        where = "a key here" if at_key else "between keys" if count > 1 else "no key here"
+        self._words.setText(f"{keys}, {where}. Degrees in the axes of each part: x bends an elbow or a knee.")
+        for part, fields in self._turns.items():
+            for field, angle in zip(fields, pose.turn(part), strict=True):
+                field.show_value(math.degrees(angle))
+        for field, value in zip(self._hips, pose.hips, strict=False):
+            field.show_value(value)
+
+    def _change(self, verb: str, **values: object) -> None:
+        self.change(f"{verb} {self.entity.name}", **values)
+
+    def _rename(self) -> None:
+        name = self._name.text().strip()
+        if self.entity is not None and name and name != self.entity.name:
+            self._change("Rename", name=name)
+
+    def _set_time(self, place: int, time: float) -> None:
+        """Set one time of the range; those in its way are pushed along."""
+        times = [*self.entity.activation.times]
+        times[place] = time
+        times[:place] = [min(each, time) for each in times[:place]]
+        times[place + 1 :] = [max(each, time) for each in times[place + 1 :]]
+        self._change("Range of", activation=self.entity.activation.with_times(*times))
+
+    def _set_turn(self, part: BodyPart, place: int, degrees: float) -> None:
+        turn = [*self.entity.pose_at(self.document.playhead.time).turn(part)]
+        turn[place] = math.radians(degrees)
+        x, y, z = turn
+        self._pose_by({part: (x, y, z)}, None)
+
+    def _set_hips(self, place: int, value: float) -> None:
+        hips = [*self.entity.pose_at(self.document.playhead.time).hips]
+        hips[place] = value
+        x, y, z = hips
+        self._pose_by({}, (x, y, z))
+
+    def _pose_by(
+        self, turns: dict[BodyPart, tuple[float, float, float]], hips: tuple[float, float, float] | None
+    ) -> None:
+        with self._objections_told():
+            set_pose(
+                self.document, self.entity.performer_id, self.document.playhead.time, turns, hips, self.gesture,
+                f"Correct {self.entity.name}",
+            )  # fmt: skip
+
+    def _set_key(self) -> None:
+        set_key(self.document, self.entity_id, self.document.playhead.time)
+
+    def _delete(self, part: BodyPart) -> None:
+        correction: Correction = self.entity
+        left = correction.without_part(part)
+        text = f"Delete {part.label.lower()} of {correction.name}"
+        if left.keys.parts or left.keys.moves_hips:
+            self.put(lambda: left, text)
+        else:
+            self.document.remove("corrections", self.entity_id, text)

@@ -1,0 +1,142 @@
+"""A joint of a body that is posed by the gizmo: turned by E, or pulled by W, as a manual correction."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from studio.core.body.canonical import BodyPart
+from studio.core.constraints.base import limb_bones
+from studio.core.kernels import layout as at
+from studio.core.rotations import from_matrix, to_rotation_vector
+from studio.core.stage.correction import STILL, PoseOffsets
+from studio.document.corrections import correction_at, set_pose
+from studio.document.document import Document
+from studio.engine.performance import Posed
+from studio.viewport.body_points import BodyJoint
+from studio.viewport.camera import FloatArray
+from studio.viewport.constraining import turned_part
+from studio.viewport.movables import Movable
+
+HIPS = (BodyPart.PELVIS,)
+
+
+class CorrectedJoint(Movable):
+    """A picked joint as it is shown at the playhead: its rotation and its place change a correction of the pose."""
+
+    rotates = True
+
+    def __init__(self, document: Document, performer_id: str, pose: Posed, joint: BodyJoint) -> None:
+        self._document, self._performer_id, self._pose, self._joint = document, performer_id, pose, joint
+        self.placement = pose.placement
+        self._part = turned_part(joint.point)
+        self._time = document.playhead.time
+        self._id = correction_at(document, performer_id, self._time)
+        self._before = document.project.corrections.get(self._id or "")
+        self._selected = document.selection.items
+        limb = limb_bones(self._part)
+        self._upper = limb[0] if limb and self._part not in limb else None
+        self._is_hips = joint.point.part is BodyPart.PELVIS
+        self._is_head = self._part in (BodyPart.HEAD, BodyPart.NECK) and joint.point.at_end
+        self.moves = self._upper is not None or self._is_hips or self._is_head
+
+    @property
+    def words(self) -> str:
+        """Words for what is posed: ``left elbow``."""
+        return self._joint.name
+
+    @property
+    def place(self) -> FloatArray:
+        """(3,) in the space of the motion: the end of the limb for a hand or foot, else the joint."""
+        layout = self._pose.motion.morphology.layout
+        index = self._joint.index
+        if self._upper is not None:
+            index = layout.proximal_points()[layout.segment(self._upper) + 2]
+        return np.asarray(self._pose.motion.positions[self._pose.row, index])
+
+    @property
+    def pivot(self) -> FloatArray:
+        """(3,) stage point about which the segment turns."""
+        layout = self._pose.motion.morphology.layout
+        return np.asarray(self._pose.points[layout.proximal_points()[layout.segment(self._part)]])
+
+    @property
+    def own_axes(self) -> FloatArray:
+        """(3, 3) axes of the segment."""
+        return self._axes(self._segment)
+
+    @property
+    def parent_axes(self) -> FloatArray:
+        """(3, 3) axes of the segment that carries it, else of the motion's space."""
+        parent = self._pose.motion.morphology.layout.parent_segments()[self._segment]
+        return self._axes(parent) if parent >= 0 else self.placement.rotation
+
+    @property
+    def _segment(self) -> int:
+        return self._pose.motion.morphology.layout.segment(self._part)
+
+    def _axes(self, segment: int) -> FloatArray:
+        return np.asarray(self.placement.rotation @ self._pose.motion.rotations[self._pose.row, segment])
+
+    def rotate(self, rotation: FloatArray, gesture: int) -> None:
+        """Turn the segment by ``rotation`` (3, 3) of the stage from how it is shown."""
+        own = self.own_axes
+        self._set({self._part: to_rotation_vector(from_matrix(own.T @ rotation @ own))}, None, gesture)
+
+    def move(self, place: FloatArray, gesture: int) -> None:
+        """Pull the joint to ``place``: a limb bends, trunk and neck lean, or the hips move."""
+        from studio.core.solver.posing import head_turns, limb_turns  # here: it loads kernels
+
+        motion, row = self._pose.motion, self._pose.row
+        posed = motion.morphology.layout, motion.positions[row], motion.rotations[row]
+        if self._is_hips:
+            self._set({}, place - self.place, gesture)
+        elif self._upper is not None:
+            self._set(limb_turns(*posed, self._upper, place), None, gesture)
+        else:
+            further = place - self.place
+            self._set(head_turns(*posed, posed[1][posed[0].head_joint] + further), None, gesture)
+
+    def put_back(self, gesture: int) -> None:
+        """Put the correction as it was; a new one goes."""
+        document = self._document
+        with document.group(f"Correct {self.words}", gesture):
+            if self._id is not None and self._id in document.project.corrections:
+                if self._before is None:
+                    document.remove("corrections", self._id, "Correct pose")
+                else:
+                    document.replace("corrections", self._id, self._before, "Correct pose")
+        document.selection.set(*(item for item in self._selected if document.project.get(*item) is not None))
+
+    def _set(self, turns: Mapping[BodyPart, FloatArray], displacement: FloatArray | None, gesture: int) -> None:
+        """Key turns, and a displacement (3,) of the hips in metres, from how the body is shown."""
+        from studio.core.solver.posing import composed  # here: it loads kernels
+
+        before, weight = self._offsets
+        now = composed(turns, {part: weight * np.array(before.turn(part)) for part in turns})
+        keyed = {part: _vector(turn / weight) for part, turn in now.items()}
+        hips = None
+        if displacement is not None:
+            hips = _vector((weight * np.array(before.hips) + self._along_body(displacement)) / weight)
+        text = f"Correct {self.words}"
+        self._id = set_pose(self._document, self._performer_id, self._time, keyed, hips, gesture, text)
+
+    @property
+    def _offsets(self) -> tuple[PoseOffsets, float]:
+        """Offsets of a key at the playhead that leaves the pose as it is, and the weight with which they act."""
+        if self._before is None:
+            return PoseOffsets(), 1.0
+        return self._before.pose_at(self._time), self._before.weight or 1.0
+
+    def _along_body(self, displacement: FloatArray) -> FloatArray:
+        """A displacement in the motion's space, in leg lengths along the body's heading."""
+        motion = self._pose.motion
+        channels = motion.composite.motion.channels if motion.composite else None
+        yaw = 0.0 if channels is None else float(channels[min(self._pose.frame, len(channels) - 1), at.YAW])
+        c, s = np.cos(yaw), np.sin(yaw)
+        x, y, z = displacement
+        return np.array([c * x + s * y, -s * x + c * y, z]) / motion.body.leg_length
+
+
+def _vector(numbers: FloatArray) -> tuple[float, float, float]:
+    x, y, z = (round(float(number), 6) for number in numbers)
+    return (x, y, z) if (x, y, z) != STILL else STILL
