@@ -37,6 +37,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.project import Motion, Performer, Project
 from studio.core.quality.motion_measures import MotionMeasure
 from studio.core.stage.clip import Clip
+from studio.core.stage.correction import Correction, KeyedPoses, PoseOffsets
 from studio.core.stage.prop import Prop
 from studio.core.stage.scope import Scope
 from studio.io.export_options import ExportOptions
@@ -66,6 +67,7 @@ __all__ = [
     "ConstraintKind",
     "ContactInterval",
     "ContactPoint",
+    "Correction",
     "DistanceConstraint",
     "EaseShape",
     "ExportOptions",
@@ -77,6 +79,7 @@ __all__ = [
     "ImportOptions",
     "KeyedOwnPlace",
     "KeyedPlace",
+    "KeyedPoses",
     "KeyedTurn",
     "Kind",
     "KindInfo",
@@ -88,6 +91,7 @@ __all__ = [
     "OwnPlace",
     "Panel",
     "Performer",
+    "PoseOffsets",
     "PositionConstraint",
     "Project",
     "Prop",

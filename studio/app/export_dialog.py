@@ -170,7 +170,7 @@ class ExportDialog(QDialog):
     def _said(self, what: What) -> str:
         """Words for the content, with the bodies that it would be exported for."""
         if what is not What.ADAPTED:
-            return what.value
+            return str(what.value)
         keys = exporting.chosen_performers(self._bench)
         performers = self._bench.document.project.performers
         return f"{what.value} of {performers[keys[0]].name if len(keys) == 1 else f'{len(keys)} bodies'}"
@@ -227,7 +227,7 @@ class ExportDialog(QDialog):
             What.ADAPTED: bool(performing),
             What.STAGE: bool(performing),
             What.MOTION: motion is not None,
-            What.FILM: bool(performing) and self._bench.viewport is not None,
+            What.FILM: bool(performing) and self._bench.has_viewport,
         }
         return [what for what in What if there[what]]
 

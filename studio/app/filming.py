@@ -36,7 +36,7 @@ def film(bench: Workbench, path: Path, size: tuple[int, int], frame_rate: float)
     ``size`` is width and height in pixels, ``frame_rate`` pictures a second; a ``path`` that does not end with
     .mp4 becomes a folder of pictures. Raises StudioError without a 3D view, and for far too long a range.
     """
-    if bench.viewport is None:
+    if not bench.has_viewport:
         raise StudioError("There is no 3D view to film.")
     playhead = bench.document.playhead
     begin, end = playhead.first / playhead.frame_rate, playhead.last / playhead.frame_rate

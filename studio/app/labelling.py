@@ -1,6 +1,6 @@
 """Labels of the library's clips in the window: one is opened, corrected on its small timeline, and kept."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from studio.library.clips import ClipLabel
 from studio.panels.clip_form import ClipForm
@@ -24,7 +24,7 @@ class Labelling:
     def open(self, clip: "LibraryClip") -> None:
         """Show a clip in the form; its take is posed beside the window."""
 
-        def work(_: Any) -> "OpenedClip":
+        def work(_: object) -> "OpenedClip":
             from studio.library.labelling import OpenedClip
 
             return OpenedClip.of(clip)
@@ -40,7 +40,7 @@ class Labelling:
         """Write a label into the catalogue, and search again with it."""
         number, folder = self._number, self._striking.folder
 
-        def work(_: Any) -> "Library":
+        def work(_: object) -> "Library":
             from studio.library.catalogue import Catalogue
             from studio.library.indexing import corrected
             from studio.library.library import Library

@@ -281,8 +281,8 @@ class LiveControl:
             self._look_from(Eye(-left, up, -ahead))
 
     def _look_from(self, head: Eye) -> None:
-        viewport = self.bench.viewport
-        if viewport is not None:
+        if self.bench.has_viewport:
+            viewport = self.bench.viewport
             viewport.set_sight(replace(viewport.sight, head=head))
 
     def _rest(self) -> None:
@@ -359,7 +359,7 @@ class LiveControl:
         self.panel.offer(performers, [(key, each.name) for key, each in project.props.items()])
 
     def _repaint(self) -> None:
-        if self.bench.viewport is not None:
+        if self.bench.has_viewport:
             self.bench.viewport.show_soon()
 
 
@@ -390,8 +390,7 @@ def toggle_head_tracking(bench: Workbench) -> None:
 
 def is_head_tracked(bench: Workbench) -> bool:
     """True if the camera follows a tracked head."""
-    control: LiveControl | None = getattr(bench.window, "live_control", None)  # actions are made before panels
-    return control is not None and control.head_from is not None
+    return bench.window.live_control.head_from is not None
 
 
 def toggle_streaming(bench: Workbench) -> None:
@@ -401,5 +400,4 @@ def toggle_streaming(bench: Workbench) -> None:
 
 def is_streaming(bench: Workbench) -> bool:
     """True while bodies are streamed."""
-    control: LiveControl | None = getattr(bench.window, "live_control", None)  # actions are made before panels
-    return control is not None and control.broadcast is not None
+    return bench.window.live_control.broadcast is not None

@@ -1,11 +1,20 @@
 """The main window: puts bar, docks, views and strips together, and takes what is dropped."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QPoint, Qt, QTimer, Signal
-from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDragLeaveEvent, QDropEvent, QMouseEvent, QResizeEvent
+from PySide6.QtGui import (
+    QAction,
+    QCloseEvent,
+    QDragEnterEvent,
+    QDragLeaveEvent,
+    QDropEvent,
+    QMouseEvent,
+    QResizeEvent,
+    QShowEvent,
+)
 from PySide6.QtWidgets import QDockWidget, QGridLayout, QMainWindow, QRubberBand, QTabWidget, QVBoxLayout, QWidget
 
 from studio.app import casting, importing
@@ -14,7 +23,7 @@ from studio.app.live_control import LiveControl
 from studio.app.marker_dialog import open_markers
 from studio.app.playing_live import LivePlaying
 from studio.app.plug_in_panels import add_panel_actions
-from studio.app.preferences import Preferences, save_preferences
+from studio.app.preferences import FITTED, Preferences, save_preferences
 from studio.app.problem_tour import ProblemTour
 from studio.app.striking import Striking
 from studio.app.top_bar import TopBar
@@ -33,6 +42,10 @@ from studio.panels.library import LibraryPanel
 from studio.panels.message_strip import MessageStrip, RecoveryBar
 from studio.panels.problem_table import ProblemTable
 from studio.panels.status_line import StatusLine
+
+if TYPE_CHECKING:
+    from studio.timeline.timeline import Timeline
+    from studio.viewport.widget import Viewport
 
 MAIN_WINDOW_SIZE = (1680, 1050)
 LIBRARY_WIDTH, INSPECTOR_WIDTH = 236, 316
@@ -58,7 +71,7 @@ class MainWindow(QMainWindow):
         self.bench = bench
         bench.setParent(self)
         bench.window = self
-        self.arranging = False
+        self.arranging: bool = False
         self._leaving = False
         self._after_save: Callable[[], object] | None = None
         self.setAcceptDrops(True)
@@ -68,6 +81,8 @@ class MainWindow(QMainWindow):
         self.actions_by_id = ActionSet(bench, self)
         self.actions_by_id.apply_keys()
         self.addActions(list(self.actions_by_id.by_id.values()))
+        self._autosave = QTimer(self)
+        self._autosave.timeout.connect(self._save_now_and_then)
         self._make_bars()
         self._make_centre()
         self._make_docks()
@@ -75,31 +90,33 @@ class MainWindow(QMainWindow):
         self.palette_panel = CommandPalette(self, list(self.actions_by_id.by_id.values()))
         self.choice_panel = CommandPalette(self, [])
         self._connect()
+        self._apply_preferences()
         self.resize(*MAIN_WINDOW_SIZE)
         self._restore_layout()
         self._stay_on_screen()
         self._show_title()
+        self.actions_by_id.refresh()
 
-    def show_viewport(self, viewport: Any) -> None:
+    def show_viewport(self, viewport: "Viewport") -> None:
         """Put the 3D view in the place that is kept for it."""
         self._stage_layout.replaceWidget(self._waiting, viewport)
         self._waiting.hide()
         for note in (self.recovery, self.question, self.strip):
             note.raise_()
         viewport.strike_drops.dropped.connect(self.striking.play)
-        self.bench.viewport = viewport
+        self.bench.set_viewport(viewport)
         self._apply_preferences()
         self._show_progress(*self.status.progress.now)
         viewport.setFocus()
         self.bench.views_changed.emit()
 
-    def show_timeline(self, timeline: Any) -> None:
+    def show_timeline(self, timeline: "Timeline") -> None:
         """Put the timeline in its dock."""
         self.docks["Timeline"].setWidget(timeline)
         timeline.told.connect(self.status.tell)
         timeline.wanted.connect(lambda key: self.actions_by_id.by_id[key].trigger())
         timeline.tracks.strike_dropped.connect(self.striking.play)
-        self.bench.timeline = timeline
+        self.bench.set_timeline(timeline)
         self._show_progress(*self.status.progress.now)
         self.bench.views_changed.emit()
 
@@ -113,7 +130,7 @@ class MainWindow(QMainWindow):
         self.show_dock("Console")
         self.console.setFocus()
 
-    def choose(self, title: str, choices: list[tuple[tuple[str, str], Callable[[], object]]]) -> None:
+    def choose(self, title: str, choices: Sequence[tuple[tuple[str, str], Callable[[], object]]]) -> None:
         """Let the user choose from a list like the palette's: ((text, detail), what it does)."""
         actions = []
         for (text, detail), run in choices:
@@ -131,8 +148,20 @@ class MainWindow(QMainWindow):
         self._apply_preferences()
 
     def _apply_preferences(self) -> None:
-        if self.bench.viewport is not None:
+        minutes = self.bench.preferences.autosave_minutes
+        if minutes:
+            self._autosave.start(60_000 * minutes)
+        else:
+            self._autosave.stop()
+        if self.bench.has_viewport:
             self.bench.viewport.snap_steps = self.bench.preferences.snap_steps
+            self.bench.viewport.fits_activation = self.bench.preferences.activation == FITTED
+            self.bench.viewport.set_onion_skins(self.bench.preferences.onion_skins)
+
+    def _save_now_and_then(self) -> None:
+        document = self.bench.document
+        if document.dirty and document.path is not None and not self.bench.live.interactive:
+            files.save(self.bench)
 
     def show_shortcuts(self) -> None:
         """The sheet of all shortcuts."""
@@ -299,9 +328,10 @@ class MainWindow(QMainWindow):
     # What it answers to
 
     def _show_progress(self, words: str, share: float) -> None:
-        for view in (self.bench.viewport, self.bench.timeline):
-            if view is not None:
-                view.show_progress(words, share)
+        if self.bench.has_viewport:
+            self.bench.viewport.show_progress(words, share)
+        if self.bench.has_timeline:
+            self.bench.timeline.show_progress(words, share)
 
     def _saved_state_changed(self) -> None:
         self._show_title()
@@ -357,7 +387,7 @@ class MainWindow(QMainWindow):
             except StudioError as error:
                 self.strip.say(str(error))
 
-    def showEvent(self, event: Any) -> None:
+    def showEvent(self, event: QShowEvent) -> None:
         """Docks take their measures only once there is a window."""
         super().showEvent(event)
         if self.bench.settings.layout() is None:
@@ -382,10 +412,11 @@ class MainWindow(QMainWindow):
             self.when_saved(self.leave)
             return
         self.bench.settings.remember_layout(self.saveGeometry(), self.saveState())
-        if self.bench.viewport is not None:
+        if self.bench.has_viewport:
             self.bench.viewport.stop()
-        if self.bench.timeline is not None:
+        if self.bench.has_timeline:
             self.bench.timeline.close()
+        self._autosave.stop()
         self.live_control.close()
         self.problem_search.close()
         self.console.close_session()

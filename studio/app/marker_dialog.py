@@ -143,7 +143,7 @@ class MarkerDialog(QDialog):
 
     def _mark(self, labels: Collection[str]) -> None:
         """Let markers stand out in the 3D view."""
-        if self._bench.viewport is not None:
+        if self._bench.has_viewport:
             self._bench.viewport.recording.mark(labels)
 
     def _show_time(self, seconds: float) -> None:

@@ -50,7 +50,7 @@ class LivePlaying(QObject):
 
     def _meaning(self, event: QKeyEvent) -> Callable[[], object] | None:
         """Function of a key during live play; None if it keeps its usual one."""
-        dragging = self._bench.viewport is not None and self._bench.viewport.gesture is not None
+        dragging = self._bench.has_viewport and self._bench.viewport.gesture is not None
         if event.key() == Qt.Key.Key_Escape:
             return None if dragging else self._play.end
         name, project = QKeySequence(event.key()).toString(), self._bench.document.project

@@ -1,6 +1,6 @@
 """Panels of installed packages, loaded when they are first shown."""
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction
@@ -9,8 +9,11 @@ from PySide6.QtWidgets import QDockWidget, QWidget
 from studio.core.errors import StudioError
 from studio.io import plug_ins
 
+if TYPE_CHECKING:
+    from studio.app.main_window import MainWindow
 
-def add_panel_actions(window: Any) -> None:
+
+def add_panel_actions(window: "MainWindow") -> None:
     """A line in the menu *View* of the main window for each panel that packages offer; nothing is loaded."""
     for offer in plug_ins.offers(plug_ins.PANELS_GROUP):
         action = QAction(f"{offer.name.replace('_', ' ').capitalize()} panel", window)
@@ -19,7 +22,7 @@ def add_panel_actions(window: Any) -> None:
         window.actions_by_id.menus["View"].addAction(action)
 
 
-def show_plug_in(window: Any, offer: plug_ins.Offer) -> None:
+def show_plug_in(window: "MainWindow", offer: plug_ins.Offer) -> None:
     """Show a package's panel beside the inspector; what goes wrong in it is a sentence."""
     key = f"plug-in {offer.name}"
     if key not in window.docks:
@@ -36,7 +39,7 @@ def show_plug_in(window: Any, offer: plug_ins.Offer) -> None:
     window.show_dock(key)
 
 
-def _dock(window: Any, offer: plug_ins.Offer) -> QDockWidget:
+def _dock(window: "MainWindow", offer: plug_ins.Offer) -> QDockWidget:
     from studio import api  # late: it loads what renders and searches
 
     panel = offer.load(plug_ins.panel_of)

@@ -1,6 +1,6 @@
 """The map of the library in the window: made beside it, and what is pointed at or chosen on it shown elsewhere."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -33,7 +33,7 @@ class PoseMapping:
         if library is self._library:
             return
 
-        def work(_: Any) -> "tuple[PoseMap, list[PoseGroup]]":
+        def work(_: object) -> "tuple[PoseMap, list[PoseGroup]]":
             from studio.library.clusters import map_of
 
             made = map_of(library.table, GROUPS)

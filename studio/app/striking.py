@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from PySide6.QtWidgets import QStackedWidget
 
@@ -19,7 +19,7 @@ from studio.core.errors import StudioError
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.placement import Placement
 from studio.engine.performance import row_at
-from studio.engine.tasks import CancelledError
+from studio.engine.tasks import CancelledError, Progress
 from studio.io.importing import GUESS_ALL
 from studio.library.clips import Kind, Limb
 from studio.panels.strikes import (
@@ -70,7 +70,7 @@ class Striking:
         bench.document.project_opened.connect(self._offer_targets)
         bench.live.adapted.connect(lambda _: self.search() if self._waits else None)
         self._offer_targets()
-        self.panel.opened.connect(lambda place: self.labelling.open(self.listed[place]))
+        self.panel.opened.connect(self.label)
 
     def _entity_changed(self, collection: str, entity_id: str) -> None:
         if collection in ("props", "performers"):
@@ -92,7 +92,7 @@ class Striking:
     def add_folder(self, folder: Path) -> int:
         """Index a folder in the background; returns the task. Cancelled, it leaves what has been read until then."""
 
-        def work(progress: Any) -> "tuple[IndexReport | None, Library, str]":
+        def work(progress: Progress) -> "tuple[IndexReport | None, Library, str]":
             from studio.library.catalogue import Catalogue
             from studio.library.indexing import index
             from studio.library.library import Library
@@ -121,7 +121,7 @@ class Striking:
             self.search_in(self.library)
             return
 
-        def work(progress: Any) -> "tuple[Library, str]":
+        def work(progress: Progress) -> "tuple[Library, str]":
             from studio.library.catalogue import Catalogue
             from studio.library.indexing import index, whole_library
 
@@ -198,13 +198,17 @@ class Striking:
         else:
             self.show_ghost(None, 0)
 
+    def label(self, place: int) -> None:
+        """Open the result of a place in the list, to say what it is."""
+        self.labelling.open(self.listed[place])
+
     def show_ghost(self, clip: "LibraryClip | None", frame: int) -> None:
         """Show a clip from a frame of its take to its hit, laid on the active body where it is now; None ends it."""
         document = self.bench.document
         key = document.active_performer_id
         asked = None if clip is None or key is None else self._posed(key, document.playhead.time)
         if clip is None or key is None or asked is None:
-            if self.bench.viewport is not None:
+            if self.bench.has_viewport:
                 self.bench.viewport.preview.show(None)
             return
         from studio.library.searching import laid_on
@@ -213,7 +217,7 @@ class Striking:
         self._show_ghost(laid_on(clip, frame, asked), asked, where)
 
     def _show_ghost(self, found: "Result", asked: "StrikeQuery", where: Placement) -> None:
-        if self.bench.viewport is None:  # the window has no 3D view
+        if not self.bench.has_viewport:  # the window has no 3D view
             return
         from studio.core.body.sticks import bone_pairs
         from studio.library.searching import outline
@@ -304,14 +308,15 @@ def show_strikes(bench: Workbench) -> None:
 
 def strike_chosen(bench: Workbench) -> bool:
     """True if one of the listed strikes is chosen."""
-    striking: Striking | None = getattr(bench.window, "striking", None)  # actions are made before panels
-    return striking is not None and striking.panel.correct.isEnabled()
+    return bench.window.striking.panel.place is not None
 
 
 def label_strike(bench: Workbench) -> None:
     """Open the chosen strike, to say what it is."""
     bench.window.show_dock("Strikes")
-    bench.window.striking.panel.correct.click()
+    striking = bench.window.striking
+    if striking.panel.place is not None:
+        striking.label(striking.panel.place)
 
 
 def _told(report: "IndexReport | None", folder: Path) -> str:

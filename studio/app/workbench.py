@@ -1,7 +1,7 @@
 """Workbench: what the verbs work with, the document, the engine and the views, and one place to say things."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Signal
 
@@ -9,22 +9,32 @@ from studio.app.corrections import ReadAs
 from studio.app.preferences import load_preferences
 from studio.app.settings import Settings
 from studio.document.document import Document
+from studio.engine.live_adaptation import LiveAdaptation
+from studio.engine.tasks import TaskRunner
+
+# Both views load what a window can be shown without; the window loads this module.
+if TYPE_CHECKING:
+    from studio.app.main_window import MainWindow
+    from studio.timeline.timeline import Timeline
+    from studio.viewport.widget import Viewport
 
 
 class Workbench(QObject):
-    """Holds the parts of the running studio together. Views are None until they are made."""
+    """Holds the parts of the running studio together; the views come after the window."""
+
+    window: "MainWindow"
+    """The one window, which enters itself when it is made."""
 
     said = Signal(str)
     """A sentence for the message strip."""
     views_changed = Signal()
 
-    def __init__(self, document: Document, live: Any, runner: Any, settings: Settings) -> None:
+    def __init__(self, document: Document, live: LiveAdaptation, runner: TaskRunner, settings: Settings) -> None:
         super().__init__()
         self.document, self.live, self.runner, self.settings = document, live, runner, settings
         self.preferences = load_preferences(settings)
-        self.window: Any = None
-        self.viewport: Any = None
-        self.timeline: Any = None
+        self._viewport: Viewport | None = None
+        self._timeline: Timeline | None = None
         self.journals: Path | None = None
         """Where sessions are kept for recovery."""
         self.sources: dict[str, Path] = {}
@@ -36,6 +46,38 @@ class Workbench(QObject):
             part.setParent(self)
         document.problem.connect(self.said)
         runner.failed.connect(lambda _, sentence: self.said.emit(sentence))
+
+    @property
+    def has_viewport(self) -> bool:
+        """True once the 3D view is there; it comes after the window, and not on every machine."""
+        return self._viewport is not None
+
+    @property
+    def viewport(self) -> "Viewport":
+        """The 3D view. RuntimeError while there is none."""
+        if self._viewport is None:
+            raise RuntimeError("There is no 3D view.")
+        return self._viewport
+
+    @property
+    def has_timeline(self) -> bool:
+        """True once the timeline is there."""
+        return self._timeline is not None
+
+    @property
+    def timeline(self) -> "Timeline":
+        """The timeline. RuntimeError while there is none."""
+        if self._timeline is None:
+            raise RuntimeError("There is no timeline.")
+        return self._timeline
+
+    def set_viewport(self, viewport: "Viewport | None") -> None:
+        """Take the 3D view that the window shows; None: it shows none."""
+        self._viewport = viewport
+
+    def set_timeline(self, timeline: "Timeline | None") -> None:
+        """Take the timeline that the window shows; None: it shows none."""
+        self._timeline = timeline
 
     def close(self) -> None:
         """Stop requests, join workers, then leave the document."""

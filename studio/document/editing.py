@@ -247,7 +247,7 @@ class EditedProject(QObject):
         self.saved_state_changed.emit()
 
     def _existing(self, collection: str, entity_id: str) -> Entity:
-        entity = self._project.get(collection, entity_id)
+        entity: Entity | None = self._project.get(collection, entity_id)
         if entity is None:
             raise StudioError(f"The project has no {entity_id!r} among its {collection}.")
         return entity

@@ -1,27 +1,40 @@
 """Interface of the engine for the views."""
 
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Protocol
+
+from PySide6.QtCore import SignalInstance
 
 from studio.core.solver.request import AdaptedMotion
+
+if TYPE_CHECKING:
+    from studio.engine.live_play import LivePlay
 
 
 class Live(Protocol):
     """Keeps every visible performer's adapted motion up to date (``LiveAdaptation`` is the real one)."""
 
-    adapted: Any
-    """Signal(str): a newer result of that performer is there."""
-    ready: bool
-    """True once the kernels of constraints are compiled."""
     interactive: bool
     """True during a drag: whole clips are then solved when it rests."""
-    interactive_changed: Any
-    """Signal(bool): a drag has begun or ended."""
 
-    play: Any
-    """The stage as it plays live (``LivePlay``)."""
+    @property
+    def adapted(self) -> SignalInstance:
+        """Signal(str): a newer result of that performer is there."""
 
-    told_changed: Any
-    """Signal(): ``told`` has a new value."""
+    @property
+    def ready(self) -> bool:
+        """True once the kernels of constraints are compiled."""
+
+    @property
+    def interactive_changed(self) -> SignalInstance:
+        """Signal(bool): a drag has begun or ended."""
+
+    @property
+    def play(self) -> "LivePlay":
+        """The stage as it plays live."""
+
+    @property
+    def told_changed(self) -> SignalInstance:
+        """Signal(): ``told`` has a new value."""
 
     def told(self, performer_id: str) -> AdaptedMotion | None:
         """Motion from which every view reports the residuals, so that all show the same number at one moment.

@@ -156,7 +156,7 @@ class TargetContext:
         )
         frame = self.pose.row + motion.first_frame
         stands = standing_points(contacts, frame + 1)[:, frame:]
-        area = corners(outlines(motion.positions[row], motion.rotations[row], stands, motion.morphology))[0]
+        area: FloatArray = corners(outlines(motion.positions[row], motion.rotations[row], stands, motion.morphology))[0]
         if np.isnan(area).any():
             return None
         if composite is None or composite.is_plain:

@@ -55,8 +55,8 @@ class _Task:
     title: str
     progress: Progress
     thread: threading.Thread
-    on_done: Callable[[Any], None]
-    on_error: Callable[[StudioError], None]
+    on_done: Callable[[Any], object]
+    on_error: Callable[[StudioError], object]
 
 
 class TaskRunner(QObject):
@@ -85,8 +85,8 @@ class TaskRunner(QObject):
         self,
         title: str,
         job: Callable[[Progress], Result],
-        on_done: Callable[[Result], None] = lambda _result: None,
-        on_error: Callable[[StudioError], None] = lambda _error: None,
+        on_done: Callable[[Result], object] = lambda _result: None,
+        on_error: Callable[[StudioError], object] = lambda _error: None,
     ) -> int:
         """Run ``job(progress)``, then ``on_done`` unless it failed or was cancelled. Returns the job's id.
 

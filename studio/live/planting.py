@@ -123,5 +123,5 @@ class Planted:
 
 def _posed(foot: Foothold, positions: FloatArray, rotations: FloatArray) -> FootPose:
     layout, side = foot.body.layout, foot.side
-    segment = layout.spine_count + 12 + 4 * side
+    segment = layout.foot(side)
     return FootPose(positions[0, layout.ankle(side)].copy(), *rotations[0, segment : segment + 2].copy())

@@ -82,8 +82,8 @@ def bone_segments(layout: BodyLayout) -> tuple[BoneSegment, ...]:
     chain += [BoneSegment("Neck", top, count), BoneSegment("Head", "Neck", count + 1)]
     for side, name in enumerate(("Left", "Right")):
         for bones, carrier, first in (
-            (VMC_ARM_BONES, top, count + 2 + 4 * side),
-            (VMC_LEG_BONES, "Hips", count + 10 + 4 * side),
+            (VMC_ARM_BONES, top, layout.clavicle(side)),
+            (VMC_LEG_BONES, "Hips", layout.thigh(side)),
         ):
             for place, bone in enumerate(bones):
                 parent = f"{name}{bones[place - 1]}" if place else carrier

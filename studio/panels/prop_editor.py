@@ -195,7 +195,8 @@ class PropEditor(Editor):
 
     def _meanwhile(self, hold: InHand | Carried) -> Prop:
         """Prop whose current hold is replaced by ``hold``, with the same begin and end."""
-        prop, old = self.entity, self._hold_now
+        prop: Prop = self.entity
+        old = self._hold_now
         return prop.with_hold(old, replace(hold, begin=old.begin, end=old.end)) if old else prop.with_holds([hold])
 
     def _hold_always(self) -> None:

@@ -102,6 +102,12 @@ class Strikes(QWidget):
         self._look(-1)
         super().hideEvent(event)
 
+    @property
+    def place(self) -> int | None:
+        """Place in the list of the chosen result; None if none is chosen."""
+        row = self.results.currentRow()
+        return None if row < 0 else row
+
     def _look(self, row: int) -> None:
         if row != self._looked:
             self._looked = row
@@ -115,7 +121,7 @@ class Strikes(QWidget):
 
     def _current_changed(self, row: int) -> None:
         self.use.setEnabled(row >= 0 and self._usable)
-        self.correct.setEnabled(row >= 0)
+        self.correct.setEnabled(self.place is not None)
         self._look(row)
 
     def _make_results(self) -> "Results":

@@ -147,7 +147,8 @@ class CurveQuery:
             case Quantity.KNEE_SPEED:
                 from studio.core.quality.metrics import knee_speeds  # not before a result is there: it loads kernels
 
-                return np.degrees(knee_speeds(adapted).max(axis=0))
+                speeds: FloatArray = np.degrees(knee_speeds(adapted).max(axis=0))
+                return speeds
             case Quantity.SLIDE:
                 return self._slide(performer_id, adapted)
             case Quantity.OFF_SUPPORT:

@@ -91,4 +91,5 @@ def strip_heights(errors: NDArray[np.float64], most: int, measure: Measure = LEN
     """Pixels for errors: 1 for what is held, growing with the logarithm to ``most``."""
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.log(errors / measure.held_below) / np.log(measure.worst_shown / measure.held_below)
-    return 1 + np.rint(np.clip(np.nan_to_num(share), 0.0, 1.0) * (most - 1)).astype(np.int64)
+    heights: NDArray[np.int64] = 1 + np.rint(np.clip(np.nan_to_num(share), 0.0, 1.0) * (most - 1)).astype(np.int64)
+    return heights

@@ -1,12 +1,17 @@
 """Subject: which motion the timeline shows, on which bodies, and how its frames lie on the stage."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from studio.core.project import Motion, Performer, Project
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.clip import Clip
 from studio.document.document import Document
+
+Seconds = TypeVar("Seconds", float, NDArray[np.float64])
 
 
 @dataclass(frozen=True)
@@ -39,11 +44,11 @@ class Subject:
         """The motion's last frame."""
         return self.frame_count - 1
 
-    def to_stage(self, seconds: Any) -> Any:
+    def to_stage(self, seconds: Seconds) -> Seconds:
         """Seconds on the stage at which seconds of the motion, one number or many, are played first."""
         return self.clip.start + (seconds - self.clip.first / self.frame_rate) / self.clip.speed
 
-    def to_motion(self, seconds: Any) -> Any:
+    def to_motion(self, seconds: Seconds) -> Seconds:
         """Seconds of the motion that are played at times of the stage, before and after the clip too."""
         return (seconds - self.clip.start) * self.clip.speed + self.clip.first / self.frame_rate
 

@@ -166,7 +166,8 @@ def _add(row: QHBoxLayout, *widgets: QWidget) -> None:
 
 
 def _icon(name: str) -> QIcon:
-    return qtawesome.icon(name, color=colours.TEXT, color_on=colours.SELECTED_HANDLE)
+    icon: QIcon = qtawesome.icon(name, color=colours.TEXT, color_on=colours.SELECTED_HANDLE)
+    return icon
 
 
 def _button(icon: str, text: str, action: Callable[[], object]) -> QToolButton:

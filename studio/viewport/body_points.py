@@ -49,10 +49,13 @@ def body_joints(layout: BodyLayout) -> tuple[BodyJoint, ...]:
     return tuple(joints)
 
 
-def point_path(motion: AdaptedMotion, point: BodyPoint, rows: slice = slice(None)) -> NDArray[np.float64]:
+def point_path(
+    motion: AdaptedMotion, point: BodyPoint, rows: slice | NDArray[np.intp] = slice(None)
+) -> NDArray[np.float64]:
     """(F, 3) where ``point`` is in the motion's space in each of ``rows``."""
     layout = motion.morphology.layout
     segment = layout.segment(point.part)
     origin = (layout.distal_points() if point.at_end else layout.proximal_points())[segment]
     turned = motion.rotations[rows, segment] @ np.asarray(point.offset)
-    return motion.positions[rows, origin] + turned
+    path: NDArray[np.float64] = motion.positions[rows, origin] + turned
+    return path

@@ -161,7 +161,8 @@ def line_tints(run: NDArray[np.float64], place: NDArray[np.float64], axis: int) 
 
 def line_fade(places: NDArray[np.float64]) -> NDArray[np.float64]:
     """(N, 1) how plain metre lines are at ``places`` (N, 2): less and less towards the rim."""
-    return np.clip(1.15 - np.linalg.norm(places, axis=1) / GRID_REACH, 0, 1)[:, None] ** 1.2
+    near: NDArray[np.float64] = np.clip(1.15 - np.linalg.norm(places, axis=1) / GRID_REACH, 0, 1)[:, None]
+    return near**1.2
 
 
 def as_bytes(colours: NDArray[np.float64]) -> NDArray[np.uint8]:

@@ -62,7 +62,8 @@ class GizmoFrame:
     @cached_property
     def centre(self) -> FloatArray:
         """(2,) pixel of the origin."""
-        return self.pixels_of(np.zeros((1, 3)))[0]
+        centre: FloatArray = self.pixels_of(np.zeros((1, 3)))[0]
+        return centre
 
     @cached_property
     def tips(self) -> FloatArray:

@@ -203,7 +203,8 @@ _FIGURES: dict[type[Constraint], Callable[[Any, Posed, float], HandleShape]] = {
 
 
 def _point(pose: Posed, point: BodyPoint) -> FloatArray:
-    return point_path(pose.motion, point, slice(pose.row, pose.row + 1))[0]
+    place: FloatArray = point_path(pose.motion, point, slice(pose.row, pose.row + 1))[0]
+    return place
 
 
 def _turn(pose: Posed, point: BodyPoint) -> FloatArray:
@@ -223,7 +224,8 @@ def _mass(pose: Posed) -> FloatArray:
     from studio.core.quality.metrics import centre_of_mass  # as above
 
     row = slice(pose.row, pose.row + 1)
-    return centre_of_mass(replace(pose.motion, positions=pose.motion.positions[row]))[0]
+    centre: FloatArray = centre_of_mass(replace(pose.motion, positions=pose.motion.positions[row]))[0]
+    return centre
 
 
 def _length(link: FloatArray) -> float:

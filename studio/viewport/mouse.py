@@ -16,6 +16,7 @@ from studio.viewport.scale_gizmo import ScaleGizmo
 from studio.viewport.selected_movable import zero_of
 
 if TYPE_CHECKING:
+    from studio.viewport.camera import OrbitCamera
     from studio.viewport.widget import Viewport
 
 HANDLE_PICK_REACH = 11.0
@@ -87,7 +88,9 @@ def _select(viewport: Viewport, document: Document, x: float, y: float) -> None:
         _select_body_or_prop(viewport, document, where)
 
 
-def _select_body_or_prop(viewport: Viewport, document: Document, where: tuple) -> None:
+def _select_body_or_prop(
+    viewport: Viewport, document: Document, where: tuple[OrbitCamera, picking.Size, float, float]
+) -> None:
     performer_id = picking.body_at(viewport.posed, *where)
     prop_id = None if performer_id else picking.prop_under(viewport.props, *where)
     if performer_id:

@@ -1,6 +1,6 @@
 """The movable thing that is selected, and the gizmo of a tool there."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -69,12 +69,13 @@ def gizmo_of(
 
 def axes_in(movable: Movable, space: Space, camera: OrbitCamera) -> FloatArray:
     """(3, 3) axes of a space as columns, stage space; of what stays on the ground, level."""
-    axes = {
+    makers: dict[Space, Callable[[], FloatArray]] = {
         Space.WORLD: lambda: np.eye(3),
         Space.LOCAL: lambda: movable.own_axes,
         Space.PARENT: lambda: movable.parent_axes,
         Space.SCREEN: lambda: camera.axes.T,
-    }[space]()
+    }
+    axes = makers[space]()
     if not movable.flat:
         return axes
     return Placement(heading=float(np.arctan2(axes[1, 0], axes[0, 0]))).rotation

@@ -39,11 +39,11 @@ def window(qtbot, tmp_path):
     project = project.with_entity("characters", "character 0", bundled_characters()["adult_woman"])
     window = make_window(Settings(tmp_path / "studio.ini"), Document(project))
     quiet = {name: lambda *_: None for name in ("show_progress", "close", "show_again")}
-    window.bench.viewport = SimpleNamespace(view=VIEW, **quiet)
+    window.bench.set_viewport(SimpleNamespace(view=VIEW, **quiet))
     window.bench.document.playhead.set_range(6, 18)
     (tmp_path / "out").mkdir()
     yield window
-    window.bench.viewport = None
+    window.bench.set_viewport(None)
     window.leave()
     window.deleteLater()
 
@@ -54,7 +54,7 @@ def viewport(qtbot, window):
     bench = window.bench
     viewport = Viewport(bench.document, bench.live)
     viewport.resize(640, 360)
-    bench.viewport = viewport
+    bench.set_viewport(viewport)
     with qtbot.waitSignal(viewport.started, timeout=PATIENCE):
         viewport.show()
     viewport.set_tool("select")
@@ -72,7 +72,7 @@ def idle(qtbot, window):
 
 
 def seen(viewport):
-    """What the widget shows below its chips, (height, width, 3)."""
+    """Picture of the widget below its chips, (height, width, 3)."""
     viewport.grab_image()
     image = viewport.grab().toImage().convertToFormat(QImage.Format.Format_RGBX8888)
     pixels = np.frombuffer(image.constBits(), np.uint8).reshape(image.height(), image.width(), 4)

@@ -168,12 +168,12 @@ class SeenViewport:
         """Nothing is drawn."""
 
 
-def test_the_camera_goes_with_a_head_from_where_it_was_and_back(control, window, qtbot, monkeypatch):
+def test_the_camera_goes_with_a_head_from_where_it_was_and_back(control, window, qtbot):
     said = []
     window.bench.said.connect(said.append)
     control.track_camera(True)
     assert "No head is being tracked" in said[-1]
-    monkeypatch.setattr(window.bench, "viewport", SeenViewport())
+    window.bench.set_viewport(SeenViewport())
     control.panel.names.setText("Cap")
     control.panel.head.show_value("1")
     send(control, cap(1.0))
@@ -184,6 +184,7 @@ def test_the_camera_goes_with_a_head_from_where_it_was_and_back(control, window,
     assert window.bench.viewport.sight.head.back == pytest.approx(-0.1, abs=1e-6)  # nearer to the screen
     control.track_camera(False)
     assert window.bench.viewport.sight == ONE_EYE
+    window.bench.set_viewport(None)
 
 
 def test_a_flood_leaves_the_window_alive(control, window, qtbot):

@@ -42,16 +42,17 @@ def test_a_click_lists_the_clips_of_the_group(view, window):
     assert striking.panel.hint.text() == strikes.OF_A_POSE
 
 
-def test_the_group_under_the_mouse_is_a_ghost_on_the_active_body(view, window, monkeypatch):
+def test_the_group_under_the_mouse_is_a_ghost_on_the_active_body(view, window):
     seen = []
     preview = SimpleNamespace(show=lambda points, pairs=None: seen.append(points))
-    monkeypatch.setattr(window.bench, "viewport", SimpleNamespace(preview=preview))
+    window.bench.set_viewport(SimpleNamespace(preview=preview))
     QTest.mouseMove(view, view.cell(3).center().toPoint())
     view._look(3)
     root = window.bench.live.result(window.bench.document.active_performer_id).positions[0, 0]
     assert np.linalg.norm(seen[-1][0, 0, :2] - root[:2]) < 0.3
     view._look(-1)
     assert seen[-1] is None
+    window.bench.set_viewport(None)
 
 
 def test_similar_poses_lie_side_by_side(view, window):

@@ -184,18 +184,19 @@ class SeenPreview:
         self.points = points
 
 
-def test_a_result_under_the_mouse_is_a_ghost_that_passes_the_target_and_no_edit(striking, window, qtbot, monkeypatch):
+def test_a_result_under_the_mouse_is_a_ghost_that_passes_the_target_and_no_edit(striking, window, qtbot):
     place = (0.75, -0.1, 1.3)
     add_box(window, place)
     solved(window, qtbot)
     striking.search()
     seen, results, before = SeenPreview(), striking.panel.results, window.bench.document.project
-    monkeypatch.setattr(window.bench, "viewport", SimpleNamespace(preview=seen))
+    window.bench.set_viewport(SimpleNamespace(preview=seen))
     results.itemEntered.emit(results.item(0))
     assert np.linalg.norm(seen.points[-1] - place, axis=1).min() < striking.found[0].found.reach + 0.25
     assert window.bench.document.project is before
     results.viewportEntered.emit()
     assert seen.points is None
+    window.bench.set_viewport(None)
 
 
 def test_the_button_uses_the_chosen_result(striking, window, qtbot):

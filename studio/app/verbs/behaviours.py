@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 from studio.app.workbench import Workbench
 from studio.core.captures.reaching import farthest_frame
@@ -133,9 +134,8 @@ def _with_motion(bench: Workbench, title: str, names: tuple[str, ...], make: Cal
         make(_whole(project, fitting[0]))
         return
     ordered = sorted(usable, key=lambda key: key not in fitting)
-    bench.window.choose(
-        title, [((usable[key].name, ""), lambda key=key: make(_whole(project, key))) for key in ordered]
-    )
+    choices = [((usable[key].name, ""), partial(lambda key: make(_whole(project, key)), key)) for key in ordered]
+    bench.window.choose(title, choices)
 
 
 def _when_hit(bench: Workbench, clip: Clip) -> ActivationCurve:

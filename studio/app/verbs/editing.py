@@ -20,7 +20,7 @@ from studio.document.clips import name_of, remove_clips
 from studio.document.key_edits import delete_keys, set_keys
 
 EDITED_PARTS = ("clips", "states", "transitions")
-SMALL_THINGS = ("constraints", "contacts", "labels", "props", "behaviours", *EDITED_PARTS)
+SMALL_THINGS = ("constraints", "contacts", "labels", "props", "behaviours", "cameras", *EDITED_PARTS)
 
 
 def undo(bench: Workbench) -> None:
@@ -147,7 +147,7 @@ def preferences(bench: Workbench) -> None:
 
 def escape(bench: Workbench) -> None:
     """Leave a gesture, close what was said, else select nothing."""
-    view = bench.viewport
+    view = bench.viewport if bench.has_viewport else None
     if view is not None and (view.cancel_gesture() or view.joint_picked is not None):
         view.pick(None)
     elif bench.window.strip.text:

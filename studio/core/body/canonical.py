@@ -98,6 +98,26 @@ class BodyLayout:
     def wrist(self, side: int) -> int:
         return self.collar(side) + 3
 
+    def clavicle(self, side: int) -> int:
+        """Index of the clavicle's segment; upper arm, forearm and hand follow it."""
+        return self.spine_count + 2 + 4 * side
+
+    def upper_arm(self, side: int) -> int:
+        return self.clavicle(side) + 1
+
+    def hand(self, side: int) -> int:
+        return self.clavicle(side) + 3
+
+    def thigh(self, side: int) -> int:
+        """Index of the thigh's segment; shank, foot and toes follow it."""
+        return self.spine_count + 10 + 4 * side
+
+    def foot(self, side: int) -> int:
+        return self.thigh(side) + 2
+
+    def toes(self, side: int) -> int:
+        return self.thigh(side) + 3
+
     def segment(self, part: BodyPart) -> int:
         """Index of the segment that plays ``part``."""
         match part:

@@ -98,7 +98,7 @@ def t_pose_rotations(morphology: Morphology) -> FloatArray:
     rotations[layout.neck_base] = frame_along(morphology.neck_rest, REST_FORWARD)
     for side in range(2):
         bone = np.array([0.0, 1.0 - 2.0 * side, 0.0])
-        arm, leg = layout.spine_count + 2 + 4 * side, layout.spine_count + 10 + 4 * side
+        arm, leg = layout.clavicle(side), layout.thigh(side)
         rotations[arm] = frame_along(morphology.clavicle_rest[side], REST_FORWARD)
         rotations[arm + 1 : arm + 4] = frame_along(bone, np.cross(bone, REST_FORWARD))
         rotations[leg : leg + 2] = frame_along(_DOWN, np.array([0.0, 1.0, 0.0]))

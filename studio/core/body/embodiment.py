@@ -112,7 +112,7 @@ def measured_by_mesh(
     hands, toes = body.hand.copy(), body.toe.copy()
     ankle_height, toe_height, heel_length = body.ankle_height.copy(), body.toe_height.copy(), body.heel_length.copy()
     for side in range(2):
-        hand, foot = layout.spine_count + 5 + 4 * side, layout.spine_count + 12 + 4 * side
+        hand, foot = layout.hand(side), layout.foot(side)
         fingers = (vertices[weights[:, hand] > 0.5] - points[layout.wrist(side)]) @ stance[hand]
         if len(fingers) and fingers[:, 2].max() > _SHORTEST_HAND:
             hands[side] = [0.0, 0.0, fingers[:, 2].max()]
@@ -140,7 +140,7 @@ def rolling_on_balls(
     """
     layout, foot, toe, weights = body.layout, body.foot.copy(), body.toe.copy(), weights.copy()
     for side in range(2):
-        segment = layout.spine_count + 12 + 4 * side
+        segment = layout.foot(side)
         heel, tip = float(body.heel_length[side]), float(foot[side, 0] + toe[side, 0])
         if foot[side, 0] + heel >= _LEAST_BALL * (tip + heel):
             continue

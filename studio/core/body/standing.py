@@ -15,7 +15,7 @@ def standing_points(morphology: Morphology, rotations: FloatArray) -> FloatArray
     points[1 : neck + 1] = np.cumsum(bones[: layout.spine_count], axis=0)
     points[neck + 1 : neck + 3] = points[neck] + np.cumsum(bones[neck : neck + 2], axis=0)
     for side in range(2):
-        arm, leg = layout.spine_count + 2 + 4 * side, layout.spine_count + 10 + 4 * side
+        arm, leg = layout.clavicle(side), layout.thigh(side)
         for start, base, first in (
             (layout.collar(side), points[neck] + rotations[thorax] @ morphology.collar_base[side], arm),
             (layout.hip(side), rotations[0] @ morphology.hip_offset[side], leg),
@@ -35,7 +35,7 @@ def bone_vectors(morphology: Morphology) -> FloatArray:
     vectors[layout.segment(BodyPart.NECK), 2] = morphology.neck
     vectors[layout.segment(BodyPart.HEAD), 2] = morphology.head
     for side in range(2):
-        arm, leg = layout.spine_count + 2 + 4 * side, layout.spine_count + 10 + 4 * side
+        arm, leg = layout.clavicle(side), layout.thigh(side)
         vectors[arm : arm + 3, 2] = morphology.clavicle[side], *morphology.arm[side]
         vectors[arm + 3] = morphology.hand[side]
         vectors[leg : leg + 2, 2] = morphology.leg[side]

@@ -114,7 +114,7 @@ def _standing_foot(
     )
     measures = at_frames(sole_rows(adapted.body, side), adapted.first_frame + frames)
     ankle, toe = adapted.positions[frames, layout.ankle(side)], adapted.positions[frames, layout.toe(side)]
-    segment = layout.spine_count + 12 + 4 * side
+    segment = layout.foot(side)
     foot = adapted.rotations[frames, segment]
     soles = soles_of(ankle[middles], foot[middles], at_frames(measures, middles))
     planes = planes_under(ground, soles)

@@ -111,7 +111,7 @@ def _sole_points(adapted: AdaptedMotion) -> FloatArray:
     body, points = adapted.body, []
     frames = np.arange(adapted.first_frame, adapted.first_frame + adapted.frame_count)
     for side in range(2):
-        foot, ankle = body.layout.spine_count + 12 + 4 * side, adapted.positions[:, body.layout.ankle(side)]
+        foot, ankle = body.layout.foot(side), adapted.positions[:, body.layout.ankle(side)]
         turns, measures = adapted.rotations[:, foot : foot + 2], at_frames(sole_rows(body, side), frames)
         points.append(Sole.of(ankle, turns[:, 0], turns[:, 1], measures).points)
     return np.array(points)

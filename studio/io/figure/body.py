@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.body_shape import body_by_shape
-from studio.core.body.canonical import BodyPart
+from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.body.character import Character
 from studio.core.body.embodiment import (
     bound_mesh,
@@ -306,7 +306,7 @@ def _rig(
 
 def _worn(figure: Figure, segments: IntArray, spine_count: int, repairs: list[str]) -> list[MeshPiece]:
     """Pieces that belong to the body, without those that only lie in hands that are drawn already."""
-    hands = {spine_count + 5, spine_count + 9}
+    hands = {BodyLayout(spine_count).hand(side) for side in (0, 1)}
     drawn = {
         int(segment)
         for piece in figure.pieces
@@ -328,8 +328,8 @@ def _padded(piece: MeshPiece, width: int) -> tuple[IntArray, FloatArray]:
 
 def _grounded(body: _Body, vertices: FloatArray, shares: FloatArray) -> tuple[Skeleton, FloatArray]:
     """The skeleton in the world with its soles on z = 0, end sites put where hands and feet have no children."""
-    spine_count = len(body.body_map.spine)
-    feet = [spine_count + place for place in (12, 13, 16, 17)]
+    layout = BodyLayout(len(body.body_map.spine))
+    feet = [segment(side) for side in (0, 1) for segment in (layout.foot, layout.toes)]
     soles = vertices[shares[:, feet].sum(axis=1) > 0.5]
     ankles = [body.points[body.body_map[BodyPart[f"{side}_FOOT"]]] for side in ("LEFT", "RIGHT")]
     leg = _leg(body.points, body.body_map)

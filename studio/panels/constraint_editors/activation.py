@@ -15,17 +15,19 @@ class ActivationSection(Section):
     def __init__(self, editor: Editor) -> None:
         super().__init__("Activation")
         self._editor = editor
-        step = 1.0 / editor.document.playhead.frame_rate
-        make = lambda name: NumberField(name, "", 0.0, LONGEST_ACTIVATION, step, 3)  # noqa: E731
-        self._start = editor.bind(make("Start"), self._set_start)
-        self._end = editor.bind(make("End"), self._set_end)
-        self._ease_in = editor.bind(make("Ease in"), self._set_ease_in)
-        self._ease_out = editor.bind(make("Ease out"), self._set_ease_out)
+        self._start = editor.bind(self._seconds("Start"), self._set_start)
+        self._end = editor.bind(self._seconds("End"), self._set_end)
+        self._ease_in = editor.bind(self._seconds("Ease in"), self._set_ease_in)
+        self._ease_out = editor.bind(self._seconds("Ease out"), self._set_ease_out)
         self._shape = Segments("Shape", [(shape, shape.value) for shape in EaseShape])
         self._shape.chosen.connect(self._set_shape)
         self.add_row("From · to  s", self._start, self._end)
         self.add_row("Ease  s", self._ease_in, self._ease_out)
         self.add_row("Shape", self._shape)
+
+    def _seconds(self, name: str) -> NumberField:
+        step = 1.0 / self._editor.document.playhead.frame_rate
+        return NumberField(name, "", 0.0, LONGEST_ACTIVATION, step, 3)
 
     def refresh(self) -> None:
         """Fetch the curve."""

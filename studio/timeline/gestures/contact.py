@@ -94,8 +94,9 @@ class DragContact(EditGesture):
         if self.part != ItemPart.BODY:
             return frames
         rooms = [(self._rooms[key], each) for key, each in self.originals.items()]
-        frames = min(frames, *(high - each.last for (_, high), each in rooms))
-        return max(frames, *(low - each.first for (low, _), each in rooms))
+        most: int = min(high - each.last for (_, high), each in rooms)
+        least: int = max(low - each.first for (low, _), each in rooms)
+        return max(least, min(frames, most))
 
     def _dragged(self, key: str, old: ContactInterval, frames: int) -> ContactInterval:
         low, high = self._rooms[key]

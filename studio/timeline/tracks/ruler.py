@@ -78,7 +78,8 @@ def _ticks(axis: TimeAxis, frames: range) -> Iterator[int]:
 
 def _step(axis: TimeAxis, spacing: int) -> int:
     least = spacing / axis.pixels_per_frame
-    return next(digit * 10**power for power in count() for digit in (1, 2, 5) if digit * 10**power >= least)
+    steps: Iterator[int] = (digit * 10**power for power in count() for digit in (1, 2, 5))
+    return next(step for step in steps if step >= least)
 
 
 def _multiples(axis: TimeAxis, step: int) -> range:

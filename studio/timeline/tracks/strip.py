@@ -58,7 +58,8 @@ def _columns(
     shown: RowContext, strip: Strip, xs: NDArray[np.int64], first: int, last: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """State and height of each pixel column, by the worst of the frames ``first`` to ``last`` in it."""
-    seconds = shown.subject.to_motion(shown.axis.start + (xs - shown.axis.left) / shown.axis.scale)
+    stage_seconds = shown.axis.start + (xs - shown.axis.left) / shown.axis.scale
+    seconds = shown.subject.to_motion(stage_seconds.astype(np.float64))
     frames = np.rint(seconds * shown.subject.frame_rate).astype(np.int64) - strip.first_frame
     starts = np.clip(frames, first, last)
     errors = np.nan_to_num(strip.errors)[: last + 1]

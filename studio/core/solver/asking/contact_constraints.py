@@ -16,7 +16,6 @@ from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.kernels import layout as at
 from studio.core.kernels import records
-from studio.core.kernels.body_indices import HAND_SEGMENT, SEGMENTS_PER_LIMB
 from studio.core.kernels.support.body_settling import place_arms
 from studio.core.single import PoseArray
 from studio.core.solver.asking.task_rows import TaskRecords
@@ -135,7 +134,7 @@ def release_hands(
         soft_thresholds[side, leaving] = arms.soft_thresholds[side, window][leaving]
         own = positions[:, layout.wrist(side)]
         wrists[side] = own + firm[:, None] * (wrists[side] - own)
-        turned = rotations[:, layout.spine_count + HAND_SEGMENT + SEGMENTS_PER_LIMB * side]
+        turned = rotations[:, layout.hand(side)]
         apart = Rotation.from_matrix(hands[side] @ np.swapaxes(turned, 1, 2)).as_rotvec()
         hands[side] = Rotation.from_rotvec(firm[:, None] * apart).as_matrix() @ turned
     bends = np.ascontiguousarray(arms.bends[:, window])

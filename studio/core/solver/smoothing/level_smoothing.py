@@ -17,7 +17,6 @@ from scipy.ndimage import convolve1d, maximum_filter1d, minimum_filter1d
 
 from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.kernels import records
-from studio.core.kernels.body_indices import THIGH_SEGMENT
 from studio.core.kernels.records import SMOOTHED_LEVEL, HigherLevelPoses
 from studio.core.kernels.search.joints import ROOT_TRANSLATION
 from studio.core.kernels.time.acceleration_peaks import ADDED_PEAK, TOTAL_PEAK, write_smoothed_peaks
@@ -200,7 +199,7 @@ def own_peaks(standing: Standing, searched: IntArray, legs_asked: bool) -> Float
     Legs count where they have a constraint; root and searched joints are then allowed at least the legs' peaks.
     """
     layout = standing.morphology.layout
-    peaks = standing.peaks if legs_asked else standing.peaks[: layout.spine_count + THIGH_SEGMENT]
+    peaks = standing.peaks if legs_asked else standing.peaks[: layout.thigh(0)]
     joints = peaks[searched[(searched != ROOT_TRANSLATION) & (searched < len(peaks))]]
     leg = max(QUIET_PEAK, *(peaks[layout.segment(part)] for part in LEG_BONES)) if legs_asked else QUIET_PEAK
     most = peaks.max(initial=QUIET_PEAK)

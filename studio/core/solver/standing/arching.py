@@ -5,7 +5,6 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from studio.core.body.morphology import AnyMorphology
-from studio.core.kernels.body_indices import SEGMENTS_PER_LIMB, UPPER_ARM_SEGMENT
 from studio.core.rotations import normalized, shortest_arc
 
 FloatArray = NDArray[np.float64]
@@ -55,7 +54,7 @@ def _aim_arm(
 
     The shortest rotation is used, as for arms in contact (``kernels.support.body_settling.place_arm``).
     """
-    wrist, upper = body.layout.wrist(side), body.layout.spine_count + UPPER_ARM_SEGMENT + SEGMENTS_PER_LIMB * side
+    wrist, upper = body.layout.wrist(side), body.layout.upper_arm(side)
     shoulder, arm, hand = wrist - 2, slice(wrist - 1, wrist + 1), upper + 2
     aims = shortest_arc(normalized(_way(positions, shoulder, wrist)), normalized(_way(before, shoulder, wrist)))
     bones = positions[:, arm] - positions[:, shoulder, None]

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from studio.core.body.morphology import AnyMorphology, leg_rows, sole_rows
 from studio.core.captures.contacts import FOOT_POINTS, ContactInterval, ContactPoint, spans_of
 from studio.core.grounds.ground import Ground
-from studio.core.kernels.body_indices import FOOT_SEGMENT, SEGMENTS_PER_LIMB
 from studio.core.kernels.layout import LIMB_SLACK
 from studio.core.kernels.limbs.legs import required_root_lowering
 from studio.core.kernels.limbs.limb import SOFT_IK_THRESHOLD, SOLE_SOFT_IK_THRESHOLD
@@ -248,11 +247,11 @@ class _Foot:
         """Plan it on the level floor at the ground's own height, before it rolls; writes ``plan``."""
         ankle, foot = (
             self.body.layout.ankle(self.side),
-            self.body.layout.spine_count + FOOT_SEGMENT + SEGMENTS_PER_LIMB * self.side,
+            self.body.layout.foot(self.side),
         )
         plan.ankles[:], plan.feet[:], plan.toes[:] = positions[:, ankle], rotations[:, foot], rotations[:, foot + 1]
-        balls, reach = np.ascontiguousarray(positions[:, ankle + 1, 2]), LET_GO * self.frame_rate
-        plan_foot(self.states, self.soles, self.ground.height, self.ground.is_level, reach, balls, plan)
+        reach = LET_GO * self.frame_rate
+        plan_foot(self.states, self.soles, self.ground.height, self.ground.is_level, reach, plan)
         if not self.ground.is_level:
             self._keep_above(plan)
 

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from studio.core.body.morphology import AnimatedMorphology, sole_rows
 from studio.core.captures.contacts import FOOT_POINTS
 from studio.core.kernels import layout as at
-from studio.core.kernels.body_indices import FOOT_SEGMENT, HAND_SEGMENT, SEGMENTS_PER_LIMB, THIGH_SEGMENT, TOE_SEGMENT
 from studio.core.kernels.limbs.legs import required_root_lowering
 from studio.core.kernels.solve_clip import place_frames
 from studio.core.normalized.differences import rotation_vectors
@@ -158,7 +157,7 @@ class _Change:
     @cached_property
     def legs(self) -> FloatArray:
         """Acceleration peaks (2, 3) of each leg: of the quieter bone, the foot and the toes."""
-        four = self.peaks[self.standing.morphology.layout.spine_count + THIGH_SEGMENT :].reshape(2, 4)
+        four = self.peaks[self.standing.morphology.layout.thigh(0) :].reshape(2, 4)
         return np.stack([four[:, :2].min(axis=1), four[:, 2], four[:, 3]], axis=1)
 
     @cached_property
@@ -228,7 +227,7 @@ class _Change:
 
     @property
     def leg_segments(self) -> tuple[slice, slice]:
-        legs = self.standing.morphology.layout.spine_count + THIGH_SEGMENT
+        legs = self.standing.morphology.layout.thigh(0)
         return slice(legs, legs + 4), slice(legs + 4, legs + 8)
 
     def footing(
@@ -316,7 +315,7 @@ class _Change:
         if flight.is_step:
             return base
         layout, free = self.standing.morphology.layout, flight.free(self.times, self.rate)[:, None]
-        segment = layout.spine_count + FOOT_SEGMENT + SEGMENTS_PER_LIMB * side
+        segment = layout.foot(side)
         feet, toes = (
             turned(free * _ways(part, rotations[self.first :, segment + off]), part)
             for off, part in enumerate((base.feet, base.toes))
@@ -370,12 +369,8 @@ class _Change:
             led.carry(proximal[segment], parent, proximal[parent])
             local = np.swapaxes(led.old_turns[:, parent], 1, 2) @ led.old_turns[:, segment]
             led.turns[:, segment] = led.turns[:, parent] @ turned(left, local)
-        hands = [
-            (layout.wrist(side) + 1, layout.spine_count + HAND_SEGMENT + SEGMENTS_PER_LIMB * side) for side in range(2)
-        ]
-        toes = [
-            (layout.ankle(side) + 2, layout.spine_count + TOE_SEGMENT + SEGMENTS_PER_LIMB * side) for side in range(2)
-        ]
+        hands = [(layout.wrist(side) + 1, layout.hand(side)) for side in range(2)]
+        toes = [(layout.ankle(side) + 2, layout.toes(side)) for side in range(2)]
         for end, segment in ((layout.head_end, layout.spine_count + 1), *hands, *toes):
             led.carry(end, segment, proximal[segment])
         positions[near.stop :] += goes[count:, None]

@@ -9,7 +9,6 @@ from scipy.spatial.transform import Rotation
 from studio.core.body.joint_limits import WRIST
 from studio.core.body.morphology import AnyMorphology
 from studio.core.grounds.ground import Ground
-from studio.core.kernels.body_indices import HAND_SEGMENT, SEGMENTS_PER_LIMB, UPPER_ARM_SEGMENT
 from studio.core.kernels.limbs.limb import MAX_EXTENSION
 from studio.core.kernels.support.heel_roll import LEAST_ROLL_GAIN
 from studio.core.rotations import normalized, shortest_arc
@@ -88,7 +87,7 @@ def _turn_arm(
     """Rotate an arm by rotation vectors (F, 3) about the line from its shoulder to its wrist, in place; the
     hand stays.
     """
-    wrist, arm = body.layout.wrist(side), body.layout.spine_count + UPPER_ARM_SEGMENT + SEGMENTS_PER_LIMB * side
+    wrist, arm = body.layout.wrist(side), body.layout.upper_arm(side)
     turned, upper = (
         Rotation.from_rotvec(rotation_matrices).as_matrix(),
         positions[:, wrist - 1] - positions[:, wrist - 2],
@@ -105,7 +104,7 @@ def _bend_hand(side: int, free: FloatArray, posed: _Posed) -> None:
     body, ground, frame_rate, positions, rotations = posed
     wrist, hand, margin = (
         body.layout.wrist(side),
-        body.layout.spine_count + HAND_SEGMENT + SEGMENTS_PER_LIMB * side,
+        body.layout.hand(side),
         ARM_CLEARANCE * body.leg_length,
     )
     heights = _above(ground, positions[:, wrist + 1])
@@ -136,7 +135,7 @@ def _raise_hand(side: int, free: FloatArray, posed: _Posed) -> None:
     raises = free * smooth_drops(smooth_penetrations(heights, margin), frame_rate)
     shoulders, wrists = positions[:, wrist - 2], positions[:, wrist]
     goals = raise_by_swinging(wrists, shoulders, raises)
-    arm = body.layout.spine_count + UPPER_ARM_SEGMENT + SEGMENTS_PER_LIMB * side
+    arm = body.layout.upper_arm(side)
     upper, lower = positions[:, wrist - 1] - shoulders, wrists - positions[:, wrist - 1]
     lengths = np.linalg.norm([upper, lower], axis=2)
     line, displacement = normalized(wrists - shoulders), normalized(goals - shoulders)
@@ -171,7 +170,7 @@ def _raise_elbow(side: int, free: FloatArray, posed: _Posed) -> None:
     """
     body, ground, _, positions, rotations = posed
     layout = body.layout
-    wrist, arm = layout.wrist(side), layout.spine_count + UPPER_ARM_SEGMENT + SEGMENTS_PER_LIMB * side
+    wrist, arm = layout.wrist(side), layout.upper_arm(side)
     if _above(ground, positions[:, wrist - 1]).min() >= 0.0:
         return
     shoulders = positions[:, wrist - 2]

@@ -11,7 +11,6 @@ from studio.core.captures.contacts import ContactPoint
 from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
 from studio.core.kernels import records
-from studio.core.kernels.body_indices import HAND_SEGMENT, SEGMENTS_PER_LIMB
 from studio.core.kernels.limbs.legs import knee_swivels, write_knee_targets
 from studio.core.kernels.limbs.limb import MAX_EXTENSION, SOFT_IK_THRESHOLD
 from studio.core.kernels.support.body_settling import move_bodies, settle_frames
@@ -367,7 +366,7 @@ def _arms(
     layout, count = body.layout, len(positions)
     soft_thresholds, standing = np.zeros((2, count)), np.zeros((2, count), dtype=np.bool_)
     wrists = np.stack([positions[:, layout.wrist(side)] for side in range(2)])
-    hands = np.stack([rotations[:, layout.spine_count + HAND_SEGMENT + SEGMENTS_PER_LIMB * side] for side in range(2)])
+    hands = np.stack([rotations[:, layout.hand(side)] for side in range(2)])
     bends = np.ones((2, count))
     for side, point in enumerate((ContactPoint.LEFT_HAND, ContactPoint.RIGHT_HAND)):
         if point not in holds:

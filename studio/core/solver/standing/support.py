@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactInterval, ContactPoint, contact_mask, touching_points
-from studio.core.kernels.body_indices import FOOT_SEGMENT, SEGMENTS_PER_LIMB
 from studio.core.single import PoseArray
 from studio.core.solver.asking.chains import point_masses
 
@@ -160,7 +159,7 @@ def _sole(
     """Circles of a sole where it ``stands`` (F,), at heel, ball and tip."""
     layout = body.layout
     ankle, ball, tip = (positions[stands, layout.ankle(side) + step] for step in range(3))
-    foot = rotations[stands, layout.spine_count + FOOT_SEGMENT + SEGMENTS_PER_LIMB * side]
+    foot = rotations[stands, layout.foot(side)]
     rear = ankle + foot @ np.array([-body.heel_length[side], 0.0, -body.ankle_height[side]])
     line = ball[:, :2] - rear[:, :2]
     ahead = line / np.maximum(np.linalg.norm(line, axis=1, keepdims=True), 1e-9)
