@@ -21,11 +21,12 @@ from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
 from studio.core.constraints.activation import ActivationCurve, EaseShape
 from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.balance import BalanceConstraint
-from studio.core.constraints.base import BodyPoint, Chain, Constraint
+from studio.core.constraints.base import BodyPoint, Chain, Constraint, KindInfo
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.follow import FollowBody, FollowPerformer, FollowProp, FollowTracked
 from studio.core.constraints.keyed import KeyedPlace, KeyedTurn
+from studio.core.constraints.kinds import ConstraintKind
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
@@ -34,6 +35,7 @@ from studio.core.constraints.upright import UprightConstraint
 from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
 from studio.core.project import Motion, Performer, Project
+from studio.core.quality.motion_measures import MotionMeasure
 from studio.core.stage.clip import Clip
 from studio.core.stage.correction import Correction, KeyedPoses, PoseOffsets
 from studio.core.stage.prop import Prop
@@ -62,6 +64,7 @@ __all__ = [
     "ClearConstraint",
     "Clip",
     "Constraint",
+    "ConstraintKind",
     "ContactInterval",
     "ContactPoint",
     "Correction",
@@ -79,9 +82,11 @@ __all__ = [
     "KeyedPoses",
     "KeyedTurn",
     "Kind",
+    "KindInfo",
     "Limb",
     "LookAtConstraint",
     "Motion",
+    "MotionMeasure",
     "OrientationConstraint",
     "OwnPlace",
     "Panel",

@@ -25,6 +25,7 @@ from studio.document.editing import EditedProject
 from studio.io.export import write_take
 from studio.io.export_options import ExportOptions
 from studio.io.importing import GUESS_ALL, ImportOptions, known_of_motion, read_capture
+from studio.io.plug_ins import load_registered
 from studio.io.png import write_png
 from studio.io.project.project_file import new_document_id, write_project
 from studio.io.staged_export import file_name, take_of_performer
@@ -251,11 +252,13 @@ class Scene:
 
 def new_scene() -> Scene:
     """An empty scene."""
+    load_registered()
     return Scene()
 
 
 def open_scene(source: Path | str) -> Scene:
     """The scene in a ``.studio`` file, or a bundled scene by name, such as ``fight-training``."""
+    load_registered()
     return Scene(_own_document(open_project(Path(source))))
 
 

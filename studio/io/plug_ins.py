@@ -1,4 +1,4 @@
-"""Plug-ins of installed packages, found by entry points: kinds of files, verbs, panels.
+"""Plug-ins of installed packages, found by entry points: kinds of files and of constraints, measures, verbs, panels.
 
 A package names what it adds in its ``pyproject.toml``, for example a verb:
 
@@ -11,12 +11,17 @@ What cannot be loaded is told with its package and error, and the studio starts 
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Generic, TypeVar
 
+from studio.core.constraints.base import Constraint, KindInfo
+from studio.core.constraints.kinds import ConstraintKind, add_kind
 from studio.core.errors import StudioError
+from studio.core.quality.motion_measures import MotionMeasure, add_measure
 
 FORMATS_GROUP, VERBS_GROUP, PANELS_GROUP = "morpho_studio.formats", "morpho_studio.verbs", "morpho_studio.panels"
+CONSTRAINTS_GROUP, MEASURES_GROUP = "morpho_studio.constraints", "morpho_studio.measures"
 
 T = TypeVar("T")
 
@@ -107,3 +112,31 @@ def panel_of(value: Any) -> Panel:
     if not isinstance(value, Panel):
         raise StudioError(f"{value!r:.60} is not a studio.api.Panel.")
     return value
+
+
+def kind_of(value: Any) -> ConstraintKind:
+    """``value`` registered as a kind of constraint; raises StudioError or ValueError where it is none."""
+    if not isinstance(value, ConstraintKind):
+        raise StudioError(f"{value!r:.60} is not a studio.api.ConstraintKind.")
+    kind = value.value
+    if not (isinstance(kind, type) and issubclass(kind, Constraint)):
+        raise StudioError(f"{kind!r:.60} is not a class of studio.api.Constraint.")
+    if not (isinstance(getattr(kind, "kind", None), str) and isinstance(getattr(kind, "shown", None), KindInfo)):
+        raise StudioError(f"{kind.__name__} needs 'kind', a name, and 'shown', a studio.api.KindInfo.")
+    if kind.unit not in ("m", "rad"):
+        raise StudioError(f"{kind.__name__} has the unit '{kind.unit}': its residual is in 'm' or 'rad'.")
+    return add_kind(value)
+
+
+def measure_of_plug_in(value: Any) -> MotionMeasure:
+    """``value`` registered as a measure; raises StudioError or ValueError where it is none."""
+    if not isinstance(value, MotionMeasure):
+        raise StudioError(f"{value!r:.60} is not a studio.api.MotionMeasure.")
+    return add_measure(value)
+
+
+@cache
+def load_registered() -> tuple[str, ...]:
+    """Register the kinds of constraint and the measures of all packages, once; a sentence for each that failed."""
+    kinds, measures = load_all(CONSTRAINTS_GROUP, kind_of), load_all(MEASURES_GROUP, measure_of_plug_in)
+    return kinds.failures + measures.failures

@@ -14,6 +14,7 @@ from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.base import Constraint
 from studio.core.quality.metrics import SLOW, acceleration_ratio, knee_speeds, speed_ratio, worst_of
+from studio.core.quality.motion_measures import ADDED_MEASURES
 from studio.core.solver.adapt import grounded, solve
 from studio.core.solver.report import (
     BLOCKED_BY_CLEARANCE,
@@ -88,8 +89,29 @@ def figures(
         "mass_margin_mm": _least(1000.0 * report.mass_margins),
         "constraints": constraint_records(request, adapted, report, by_frame),
     }
+    if ADDED_MEASURES:
+        record["measures"] = measure_records(adapted, by_frame)
     if by_frame:
         record["by_frame"] = frame_records(report)
+    return record
+
+
+def measure_records(adapted: AdaptedMotion, by_frame: bool) -> Record:
+    """Record of each plug-in's measure by title: unit, mean and greatest value, or the error of one that failed."""
+    record: Record = {}
+    for title, measure in ADDED_MEASURES.items():
+        try:
+            values = measure.of(adapted)
+        except ValueError as error:
+            record[title] = {"unit": measure.unit, "error": str(error)}
+            continue
+        known = values[np.isfinite(values)]
+        record[title] = {
+            "unit": measure.unit,
+            "mean": float(known.mean()) if len(known) else None,
+            "greatest": float(known.max()) if len(known) else None,
+            **({"by_frame": _numbers(values)} if by_frame else {}),
+        }
     return record
 
 

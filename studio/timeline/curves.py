@@ -1,7 +1,9 @@
 """Measured curves of bodies over time: speeds, slide, balance or error."""
 
+import logging
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +11,7 @@ from numpy.typing import NDArray
 from studio.core.body.canonical import BodyLayout
 from studio.core.captures.contacts import ContactInterval
 from studio.core.project import Project
+from studio.core.quality.motion_measures import ADDED_MEASURES, MotionMeasure
 from studio.core.solver.performers.rows import timing_of
 from studio.core.solver.request import AdaptedMotion
 from studio.engine.measures import LENGTH_MEASURE, Measure, measure_of
@@ -47,6 +50,31 @@ class Quantity(StrEnum):
         return self in (Quantity.ERROR, Quantity.SLIDE, Quantity.OFF_SUPPORT)
 
 
+@dataclass(frozen=True)
+class AddedQuantity:
+    """Quantity that a plug-in measures; there is no curve where it fails."""
+
+    measure: MotionMeasure
+    asks_document: ClassVar[bool] = False
+
+    @property
+    def value(self) -> str:
+        """Title of the measure."""
+        return self.measure.title
+
+    def unit(self, _shown: RowContext) -> str:
+        """Unit of the values drawn."""
+        return self.measure.unit
+
+
+Plotted = Quantity | AddedQuantity
+
+
+def plotted_quantities() -> tuple[Plotted, ...]:
+    """All quantities that can be plotted."""
+    return (*Quantity, *map(AddedQuantity, ADDED_MEASURES.values()))
+
+
 @dataclass(frozen=True, eq=False)
 class Curve:
     """One body's values over stage times, both (F,)."""
@@ -80,7 +108,7 @@ class CurveQuery:
 
     project: Project
     subject: Subject
-    quantity: Quantity
+    quantity: Plotted
     constraint_id: str | None
     """Constraint of which the error is plotted."""
 
@@ -103,6 +131,12 @@ class CurveQuery:
         return timing.begin + (adapted.first_frame + np.arange(adapted.frame_count)) / timing.frame_rate
 
     def _values(self, performer_id: str, adapted: AdaptedMotion) -> FloatArray | None:
+        if isinstance(self.quantity, AddedQuantity):
+            try:
+                return self.quantity.measure.of(adapted)
+            except ValueError as error:
+                logging.getLogger(__name__).warning("%s", error)
+                return None
         match self.quantity:
             case Quantity.FOOT_SPEED:
                 return foot_speed(adapted)

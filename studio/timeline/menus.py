@@ -11,7 +11,7 @@ from studio.document.key_edits import delete_keys
 from studio.timeline import edits
 from studio.timeline.clip_edits import offer_clip, offer_motions
 from studio.timeline.curve_menu import offer_curves
-from studio.timeline.curves import Quantity
+from studio.timeline.curves import plotted_quantities
 from studio.timeline.gestures.begin import items_of
 from studio.timeline.gestures.contact import new_contact
 from studio.timeline.shown import Hit, ItemPart, RowContext
@@ -56,10 +56,10 @@ def menu_at(canvas: "TrackCanvas", position: QPointF) -> QMenu | None:
 
 
 def _offer_quantities(menu: QMenu, canvas: "TrackCanvas", shown: RowContext) -> None:
-    for quantity in Quantity:
+    for quantity in plotted_quantities():
         action = menu.addAction(f"{quantity.value} ({quantity.unit(shown)})")
         action.setCheckable(True)
-        action.setChecked(quantity is canvas.picture.plot.quantity)
+        action.setChecked(quantity == canvas.picture.plot.quantity)
         action.triggered.connect(lambda _, chosen=quantity: canvas.set_quantity(chosen))
 
 

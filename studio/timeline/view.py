@@ -16,7 +16,7 @@ from studio.timeline import edits, overlay
 from studio.timeline.axis import TimeAxis
 from studio.timeline.curve_fields import CURVE_FIELDS_HEIGHT as FIELDS_HEIGHT
 from studio.timeline.curve_fields import CurveFields
-from studio.timeline.curves import Quantity
+from studio.timeline.curves import Plotted
 from studio.timeline.gestures.gesture import TimelineGesture
 from studio.timeline.gestures.keys import BoxSelect
 from studio.timeline.gestures.value_curves import BoxSelectCurves
@@ -277,7 +277,7 @@ class TrackView(QWidget):
         self.update(self._playhead_area)
         self.update(overlay.playhead_area(self.shown, self.height()))
 
-    def set_quantity(self, quantity: Quantity) -> None:
+    def set_quantity(self, quantity: Plotted) -> None:
         """Plot something else."""
         self.picture.plot.quantity = quantity
         self._redraw(PLOT)

@@ -17,6 +17,7 @@ from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.fitted_activation import LONGEST, fitted_activation
+from studio.core.constraints.kinds import ADDED_KINDS
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
@@ -141,7 +142,10 @@ class Here:
 
 def constraint_here(here: Here, kind: str) -> Constraint:
     """A constraint of ``kind`` that asks for what the body does at the playhead."""
-    made = _MAKERS[kind](here)
+    added = ADDED_KINDS.get(kind)
+    make = _MAKERS[kind] if added is None else added.make
+    assert make is not None  # a plug-in kind without one has no action
+    made = make(here)
     return mirrored_constraint(made) if here.pose.mirrored else made
 
 

@@ -12,6 +12,7 @@ from studio.core.constraints.base import BodyPoint, Constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.keyed import KeyedPlace
+from studio.core.constraints.kinds import ADDED_KINDS
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.own_place import KeyedOwnPlace
@@ -61,7 +62,8 @@ class HandleShape:
 
 def figure_of(constraint: Constraint, pose: Posed, floor: float) -> HandleShape:
     """Figure of ``constraint`` on a body at a moment, over a ground ``floor`` metres high."""
-    draw = _FIGURES.get(type(constraint))
+    added = ADDED_KINDS.get(constraint.kind)
+    draw = _FIGURES.get(type(constraint)) if added is None else added.figure
     if draw is None:
         return HandleShape(lines=constraint.sketch(_point(pose, constraint.point), _turn(pose, constraint.point)))
     return draw(constraint, pose, floor)

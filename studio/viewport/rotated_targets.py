@@ -4,12 +4,14 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
+from typing import Any, cast
 
 import numpy as np
 
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.keyed import KeyedTurn
+from studio.core.constraints.kinds import ADDED_KINDS
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.upright import UprightConstraint
@@ -165,7 +167,8 @@ class RotatedArea(RotatedTarget):
         area = self._area
         text = f"Turn {area.name}"
         if area.shape is AreaShape.HALF_SPACE:
-            x, y, z = (self._tilt.T @ self._here(rotation) @ self._tilt @ np.array(area.size)).tolist()
+            tilt = tilt_of(self._moment, area, "size")
+            x, y, z = (tilt.T @ self._here(rotation) @ tilt @ np.array(area.size)).tolist()
             self._put(replace(area, size=(x, y, z)), text, gesture)
         elif is_about_z(rotation):
             angle = math.atan2(rotation[1, 0], rotation[0, 0])
@@ -177,15 +180,16 @@ class RotatedArea(RotatedTarget):
         x, y, z = np.maximum(np.array(self._area.size) * factors, LEAST_SIDE).tolist()
         self._put(replace(self._area, size=(x, y, z)), f"Resize {self._area.name}", gesture)
 
-    @property
-    def _tilt(self) -> FloatArray:
-        """(3, 3) rotation from the stored normal of a half-space to that of the playhead."""
-        columns = []
-        for x, y, z in np.eye(3).tolist():
-            fixed = self._moment.fixed(replace(self._area, size=(x, y, z)))
-            assert isinstance(fixed, AreaConstraint)
-            columns.append(np.array(fixed.size))
-        return np.stack(columns, axis=1)
+
+def tilt_of(moment: TargetContext, constraint: Constraint, name: str) -> FloatArray:
+    """(3, 3) rotation from a stored direction of a constraint, its value ``name``, to that of the playhead."""
+    columns = []
+    for axis in np.eye(3).tolist():
+        along: dict[str, Any] = {name: tuple(axis)}
+        fixed = moment.fixed(replace(constraint, **along))
+        assert fixed is not None
+        columns.append(np.array(getattr(fixed, name)))
+    return np.stack(columns, axis=1)
 
 
 ROTATED_TARGETS: Mapping[type[Constraint], type[Target]] = MappingProxyType(
@@ -197,3 +201,11 @@ ROTATED_TARGETS: Mapping[type[Constraint], type[Target]] = MappingProxyType(
     }
 )
 """Targets that are rotated, by kind; those of other kinds are only moved."""
+
+
+def target_of_kind(constraint: Constraint) -> type[Target]:
+    """Class of a constraint's handle."""
+    added = ADDED_KINDS.get(constraint.kind)
+    if added is not None and added.target is not None:
+        return cast("type[Target]", added.target())
+    return ROTATED_TARGETS.get(type(constraint), Target)

@@ -12,9 +12,9 @@ from studio.engine.performance import Posed
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.gizmo import Gizmo, Space
 from studio.viewport.handles import floor_under
-from studio.viewport.movables import Movable, PlacedPerformer, PlacedProp, Target
+from studio.viewport.movables import Movable, PlacedPerformer, PlacedProp
 from studio.viewport.rotate_gizmo import RotateGizmo
-from studio.viewport.rotated_targets import ROTATED_TARGETS
+from studio.viewport.rotated_targets import target_of_kind
 from studio.viewport.scale_gizmo import ScaleGizmo
 
 AnyGizmo = Gizmo | RotateGizmo | ScaleGizmo
@@ -45,7 +45,7 @@ def selected_movable(document: Document, posed: Mapping[str, Posed], *, picking:
     now = moment.fixed(constraint) if constraint else None
     if now is None:
         return None
-    kind = ROTATED_TARGETS.get(type(now), Target)
+    kind = target_of_kind(now)
     return kind(document, entity_id, moment, floor) if kind.is_held(now) else None
 
 

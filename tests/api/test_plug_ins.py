@@ -1,5 +1,6 @@
 """The example package of plug-ins, installed beside the studio, and packages that fail."""
 
+import json
 import os
 import subprocess
 import sys
@@ -12,8 +13,15 @@ from PySide6.QtWidgets import QPushButton
 
 from studio.app.application import make_application, make_window
 from studio.app.settings import Settings
+from studio.core.constraints import kinds
+from studio.core.constraints.position import PositionConstraint
+from studio.core.quality import motion_measures
 from studio.document.document import Document
 from studio.io import plug_ins
+from studio.io.project.project_file import read_project, write_project
+from studio.panels.constraint_editors import editor_of_kind
+from studio.panels.constraint_editors.common import ConstraintEditor
+from studio.timeline.curves import plotted_quantities
 from tests.builders import make_project
 
 ROOT = Path(__file__).parents[2]
@@ -96,7 +104,97 @@ def test_plug_ins_that_fail_are_told_and_the_studio_starts(open_window, monkeypa
     _action(window, "Gone panel").trigger()
     assert "The panel 'gone' of no_such_module:X could not be added: No module named" in window.strip.text
     window.actions_by_id.by_id["plug_ins"].trigger()
-    assert window.choice_panel.list.topLevelItemCount() == 4
+    assert window.choice_panel.list.topLevelItemCount() == 8
     assert main(["wrong"]) == 1
     assert "The verb 'wrong'" in capsys.readouterr().err
     assert main(["formats"]) == 0
+
+
+HEIGHT_SCRIPT = """
+import json, sys
+import numpy as np
+from studio import api
+from example_plug_ins.height import HeightConstraint
+
+scene = api.new_scene()
+motion = scene.add_capture(sys.argv[1])
+body = scene.add_performer(scene.add_character("child"), motion)
+hand = api.BodyPoint(api.BodyPart.RIGHT_FOREARM, at_end=True)
+when = api.ActivationCurve(0.5, 1.0, 1.4, 1.9)
+before = scene.adapt(body)[body].place_of(hand)
+height = float(before[0, 2]) + 0.05
+key = scene.add_constraint(HeightConstraint(motion, "Level hand", hand, api.Chain(trunk=0.5), 0, when, height=height))
+adapted = scene.adapt(body)[body]
+full = (adapted.times > 1.0) & (adapted.times < 1.4)
+away = np.abs(adapted.place_of(hand)[full, 2] - height)
+scene.save(sys.argv[2])
+again = api.open_scene(sys.argv[2])
+same = again.project.constraints[key] == scene.project.constraints[key]
+print(json.dumps({"away": away.max(), "before": np.abs(before[full, 2] - height).max(), "same": same,
+                  "told": float(np.nanmax(adapted.residuals[key][full])), "measures": adapted.report["measures"]}))
+"""
+
+
+def test_a_kind_of_constraint_and_a_measure_of_a_package_are_solved_saved_and_reported(
+    site: Path, tmp_path: Path
+) -> None:
+    script, saved = tmp_path / "height.py", tmp_path / "height.studio"
+    script.write_text(HEIGHT_SCRIPT)
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join((str(site), str(ROOT)))}
+    command = [sys.executable, str(script), str(WALK), str(saved)]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout.splitlines()[-1])
+    assert found["away"] < 2e-4 < 0.01 < found["before"]
+    assert found["told"] == pytest.approx(found["away"], abs=1e-6)
+    assert found["same"]
+    assert found["measures"]["Hand speed"]["unit"] == "m/s"
+    assert 0.1 < found["measures"]["Hand speed"]["mean"] < found["measures"]["Hand speed"]["greatest"] < 20.0
+
+    opened = read_project(saved)
+    assert not opened.problems
+    assert not opened.project.constraints
+    assert "'Level hand'" in " ".join(opened.remarks)
+    write_project(saved, opened.project, "document")
+    script.write_text(
+        "import sys; from studio import api; print(*api.open_scene(sys.argv[2]).project.constraints.values())"
+    )
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert "HeightConstraint(" in done.stdout, done.stderr
+
+
+@pytest.fixture
+def registered(site: Path, monkeypatch):
+    """Registers what the example adds, and takes it away again."""
+    monkeypatch.syspath_prepend(str(site))
+    known = (kinds.CONSTRAINT_KINDS, kinds.ADDED_KINDS, motion_measures.ADDED_MEASURES)
+    before = [dict(each) for each in known]
+    plug_ins.load_registered.cache_clear()
+    assert plug_ins.load_registered() == ()
+    yield
+    plug_ins.load_registered.cache_clear()
+    for each, was in zip(known, before, strict=True):
+        each.clear()
+        each.update(was)
+
+
+def test_a_kind_of_a_package_has_its_form_and_a_measure_can_be_plotted(registered) -> None:
+    assert editor_of_kind("example_height").__name__ == "HeightEditor"
+    assert editor_of_kind("no_such_kind") is ConstraintEditor
+    assert [each.value for each in plotted_quantities()][-1] == "Hand speed"
+    assert plug_ins.kind_of(kinds.ADDED_KINDS["example_height"]).value.kind == "example_height"
+    with pytest.raises(ValueError, match="already"):
+        kinds.add_kind(kinds.ConstraintKind(PositionConstraint, lambda: None))
+
+
+def test_kinds_and_measures_that_fail_are_told_and_register_nothing(monkeypatch) -> None:
+    values = {"gone": "no_such_module:X", "wrong": "studio.core.errors:StudioError"}
+    monkeypatch.setattr(plug_ins, "entry_points", lambda group: [EntryPoint(*each, group) for each in values.items()])
+    plug_ins.load_registered.cache_clear()
+    before = dict(kinds.CONSTRAINT_KINDS)
+    failures = plug_ins.load_registered()
+    plug_ins.load_registered.cache_clear()
+    assert before == kinds.CONSTRAINT_KINDS
+    assert [each.split(" could not")[0] for each in failures] == [
+        f"The {words} '{name}' of {values[name]}" for words in ("constraint", "measure") for name in values
+    ]

@@ -169,6 +169,8 @@ def plug_ins(bench: Workbench) -> None:
         plug_in_groups.VERBS_GROUP: plug_in_groups.verb_of,
         plug_in_groups.PANELS_GROUP: plug_in_groups.panel_of,
         plug_in_groups.FORMATS_GROUP: lambda found: found,
+        plug_in_groups.CONSTRAINTS_GROUP: plug_in_groups.kind_of,
+        plug_in_groups.MEASURES_GROUP: plug_in_groups.measure_of_plug_in,
     }
     rows: list[tuple[str, str]] = []
     for group, accepted in groups.items():

@@ -1,5 +1,8 @@
 """Forms for constraints, found by kind; a kind without one gets the form that all kinds share."""
 
+from typing import cast
+
+from studio.core.constraints.kinds import ADDED_KINDS
 from studio.panels.constraint_editors.area import AreaEditor
 from studio.panels.constraint_editors.balance import BalanceEditor
 from studio.panels.constraint_editors.clear import ClearEditor
@@ -24,4 +27,7 @@ CONSTRAINT_EDITORS: dict[str, type[ConstraintEditor]] = {
 
 def editor_of_kind(kind: str) -> type[ConstraintEditor]:
     """The form for a kind of constraint."""
+    added = ADDED_KINDS.get(kind)
+    if added is not None and added.editor is not None:
+        return cast("type[ConstraintEditor]", added.editor())
     return CONSTRAINT_EDITORS.get(kind, ConstraintEditor)

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QWidget
 
 from studio.document import colours
 from studio.engine.scheduler import SolveScheduler
-from studio.timeline.curves import Curve, CurveQuery, Quantity, error_measure, plotted_constraint, seen_curve
+from studio.timeline.curves import Curve, CurveQuery, Plotted, Quantity, error_measure, plotted_constraint, seen_curve
 from studio.timeline.shown import ROW_LABEL_WIDTH, RowContext, label_area
 from studio.timeline.tracks.brush import font, paint_fold, paint_label, translucent
 
@@ -35,7 +35,7 @@ class PlotPicture(QObject):
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
-        self.quantity = Quantity.FOOT_SPEED
+        self.quantity: Plotted = Quantity.FOOT_SPEED
         self.curves: list[Curve] = []
         self.top = 1.0
         self._widget = pg.PlotWidget(parent, background=None)

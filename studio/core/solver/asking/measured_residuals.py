@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.constraints.base import Constraint
-from studio.core.solver.asking.kinds.known import SOLVER_KINDS
+from studio.core.solver.asking.kinds.known import solver_kind_of
 from studio.core.solver.asking.tracks import Targets
 from studio.core.solver.request import AdaptedMotion
 
@@ -18,7 +18,7 @@ def full_residuals(constraints: Sequence[Constraint], targets: Targets, adapted:
     """
     measured = np.array(adapted.residuals)
     for row, constraint in zip(measured, constraints, strict=True):
-        kind = SOLVER_KINDS.get(type(constraint))
+        kind = solver_kind_of(constraint)
         if kind is not None and kind.residual is not None:
             row[:] = kind.residual(constraint, targets, adapted)
     return measured

@@ -8,7 +8,7 @@ from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import THIGHS, UPPER_ARMS, Chain, Constraint
 from studio.core.kernels.tasks.task import TASK
-from studio.core.solver.asking.kinds.known import SOLVER_KINDS
+from studio.core.solver.asking.kinds.known import solver_kind_of
 from studio.core.solver.asking.task_rows import BLANK_TASK, NO_DISTANCE, NO_POSITION, NO_ROTATION, TaskRecords, row_of
 from studio.core.solver.asking.tracks import Targets
 
@@ -52,7 +52,7 @@ def pack_tasks(
     )
     rows.tasks["level"], rows.tasks["weight"] = levels, [constraint.weight for constraint in constraints]
     for c, constraint in enumerate(constraints):
-        kind = SOLVER_KINDS.get(type(constraint))
+        kind = solver_kind_of(constraint)
         if kind is None:
             raise TypeError(f"'{constraint.name}': the solver has no kind '{constraint.kind}'.")
         rows.tasks["kind"][c] = kind.code

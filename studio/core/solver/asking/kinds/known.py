@@ -1,4 +1,4 @@
-"""Table of the kinds of constraint: a new one is a file beside this one and a line here."""
+"""Table of the kinds of constraint: a new one is a file beside this one and a line here, or that of a plug-in."""
 
 from collections.abc import Mapping
 
@@ -6,6 +6,7 @@ from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.distance import DistanceConstraint
+from studio.core.constraints.kinds import ADDED_KINDS
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
@@ -29,5 +30,11 @@ SOLVER_KINDS: Mapping[type[Constraint], SolverKind] = {
     AreaConstraint: AREA_KIND,
 }
 KIND_BY_CODE = {kind.code: kind for kind in SOLVER_KINDS.values()}
-"""Kinds by their numbers in the kernels."""
+"""Kinds by their numbers in the kernels; those that share a number share their trajectory."""
 ENTERING_KINDS = [kind.code for kind in SOLVER_KINDS.values() if kind.enters]
+
+
+def solver_kind_of(constraint: Constraint) -> SolverKind | None:
+    """The solver's part of a constraint's kind, one of a plug-in too; None where the kernels have no task for it."""
+    added = ADDED_KINDS.get(constraint.kind)
+    return added.task() if added is not None else SOLVER_KINDS.get(type(constraint))
