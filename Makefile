@@ -7,8 +7,8 @@ STUDIO = .venv/bin/python main.py
 # The tests for `make check`, about a minute with lint and types beside them; `make test` runs every one.
 FAST = tests/architecture tests/document tests/panels tests/timeline
 
-# The tests of what computes; the others, of files, window and command line, take about as long beside them.
-COMPUTING = tests/core tests/real tests/library tests/live tests/examples
+# The tests of what computes and of files; the others, of window and command line, take about as long beside them.
+COMPUTING = tests/core tests/real tests/library tests/live tests/examples tests/io
 
 # Lines of jobs that run at once are shown as they come, each with the name of its job.
 shown = ($(1)) 2>&1 | awk '{ print "$@: " $$0; fflush() }'
@@ -35,7 +35,7 @@ computing: .venv/.ready-to-test
 	@$(call shown,.venv/bin/python -u -m pytest $(PYTEST) $(COMPUTING))
 
 others: .venv/.ready-to-test
-	@$(call shown,.venv/bin/python -u -m pytest $(PYTEST) tests $(addprefix --ignore=,$(COMPUTING) tests/monkey))
+	@$(call shown,.venv/bin/python -u -m pytest $(PYTEST) tests $(addprefix --ignore=,$(wildcard $(COMPUTING)) tests/monkey))
 
 monkey: .venv/.ready-to-test
 	@$(call shown,.venv/bin/python -u -m pytest $(PYTEST) tests/monkey)

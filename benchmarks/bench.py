@@ -85,7 +85,7 @@ def main(arguments: Sequence[str]) -> int:
 
 
 def say(what: str) -> None:
-    """What is being done now, on standard error."""
+    """Say on standard error which step runs now."""
     print(f"... {what}", file=sys.stderr, flush=True)
 
 

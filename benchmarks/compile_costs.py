@@ -1,4 +1,4 @@
-"""What each kernel costs to compile: ``python -m benchmarks.compile_costs``.
+"""Compile time of each kernel: ``python -m benchmarks.compile_costs``.
 
 Processor seconds in one process with an empty cache: of each kernel's translation, for all types of arguments that it
 is called with and without the kernels it calls, and of linking and optimising what Python calls.
@@ -12,8 +12,6 @@ from collections import Counter
 from collections.abc import Callable
 from importlib import import_module
 from typing import Any
-
-from benchmarks.report import table
 
 DEAREST = 20
 
@@ -47,12 +45,14 @@ def main() -> int:
     """Compile everything, and print the dearest kernels and the sums."""
     with tempfile.TemporaryDirectory(prefix="morpho-studio-bench-") as folder:
         os.environ["NUMBA_CACHE_DIR"] = folder
-        costs, compiler = Costs(), import_module("studio.core.kernels.compiling.linked").Compiler
+        costs, compiler = Costs(), import_module("studio.core.kernels.compiling.linked").PartCompiler
         compiler._make_part = costs.measured("translate", compiler._make_part)
         compiler._compile_core = costs.measured("link", compiler._compile_core)
         first_run = import_module("studio.startup.first_run")
         for part in (first_run.run_constraints, first_run.run_standing, first_run.run_rest, first_run.run):
             part()
+    from benchmarks.report import table  # late: it imports numba, which reads the name of its cache once
+
     total = sum(costs.seconds.values())
     rows = [
         [kernel.removeprefix("studio.core.kernels."), step, str(costs.calls[step, kernel]), f"{spent:.2f}"]

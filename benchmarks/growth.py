@@ -1,4 +1,4 @@
-"""How the cost grows with the number of constraints and of characters: measured, and fitted by a straight line."""
+"""Growth of the cost with the number of constraints and of characters: measured, and fitted by a straight line."""
 
 import time
 from collections.abc import Sequence

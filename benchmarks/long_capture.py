@@ -1,4 +1,4 @@
-"""How long a capture of 60 MB takes to open, stage by stage, and for how long the window is kept from answering.
+"""Time that a capture of 60 MB takes to open, stage by stage, and longest time without an answer of the window.
 
     python benchmarks/long_capture.py [CAPTURE.bvh]
 
@@ -95,14 +95,14 @@ def stages(path: Path) -> str:
 
 
 def one_moment() -> Constraint:
-    """What is asked for a moment at the very beginning, so that a body's motion is not the one that stands."""
+    """A constraint for a moment at the very beginning, so that a body's motion is not the standing one."""
     point = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
     place, curve = OwnPlace(point, 0.0, (0.1, 0.0, 0.1)), ActivationCurve(0.0, 0.0, 0.5, 1.0)
     return PositionConstraint("", "wrist", point, Chain(), 0, curve, target=place)
 
 
 def in_the_window(path: Path, folder: Path) -> str:
-    """What an animator does with the file: seconds by the clock and of all processors, and the longest silence."""
+    """Steps of an animator with the file: seconds by the clock and of all processors, and the longest silence."""
     window = make_window(Settings(folder / "studio.ini"), Document(journal_folder=folder))
     window.resize(1400, 900)
     window.show()
@@ -121,7 +121,7 @@ def in_the_window(path: Path, folder: Path) -> str:
 def deeds(
     window: MainWindow, path: Path, folder: Path
 ) -> Iterator[tuple[str, Callable[[], object], Callable[[], bool]]]:
-    """What is done one after the other: its name, how it begins, and whether it is done."""
+    """Steps one after the other: name, how each begins, and whether it is done."""
     bench = window.bench
     document, frames = bench.document, range(0, 100_000, 2_500)
 

@@ -1,4 +1,4 @@
-"""What was measured on, in words."""
+"""Machine of a measurement, in words."""
 
 import os
 import platform

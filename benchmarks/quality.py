@@ -1,4 +1,4 @@
-"""How well each task is done: reached what can be, near to the rest, feet held, balance kept, nothing jerked."""
+"""Quality of each task: reachable targets met, others neared, feet held, balance kept, nothing jerked."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What an animator would still clean by hand, of the captures of some folders on some characters; the tables in docs.
+"""Faults that an animator would still clean by hand, of captures of folders on characters; the tables in docs.
 
     python benchmarks/quality_tables.py [FOLDER ...] [--characters NAME ...] [--write]
 
@@ -90,7 +90,7 @@ ASKED = {
     "knees mean": 2.0, "knees most": 6.0, "hips mm": 5.0, "bob": 1.1, "shoulders": 0.05, "hands cm": 1.0,
     "sunk mm": 5.0, "inside mm": 5.0, "jump": 1.5, "posture": 20.0,
 }  # fmt: skip
-"""What is beyond is listed as short, by title."""
+"""Limits by title: figures beyond them are listed as short."""
 PEAK = 2.0
 """The same of the peaks of all segments."""
 RATIOS = "bob", "jump", *(f"peak of {part}" for part in PART_SEGMENTS)

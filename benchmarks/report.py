@@ -106,7 +106,7 @@ def growth(record: Record) -> str:
 
 
 def peers(record: Record) -> str:
-    """What others take, from the same poses, and how well they do it; those that are not installed by name."""
+    """Time and quality of other solvers, from the same poses; those that are not installed by name."""
     absent = [name for name, answers in record["peers"].items() if answers is None]
     keys = "miss", "slide", "balance"
     rows = [
@@ -146,7 +146,7 @@ PARTS: dict[str, Callable[[Record], str]] = {
     "peers": peers,
     "start": start,
 }
-"""What ``evidence.md`` shows between its marks."""
+"""Text of ``evidence.md`` between its marks."""
 
 
 def fill(record: Record, docs: Path) -> None:

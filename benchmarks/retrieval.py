@@ -34,7 +34,7 @@ PAPER_MOTIONS = {75: 0.54, 60: 0.52, 45: 0.46, 30: 0.38, 15: 0.34}
 PAPER_CLUSTERS = {10: 5.68, 50: 1.24, 100: 0.54, 200: 1.56, 1000: 4.87}
 """Seconds (P09, tables 1 and 2)."""
 FRAMES, ACTORS = 52, 4
-"""Of a clip in the paper, 3,900 in all; actors in the paper."""
+"""Frames of a clip in the paper, 3,900 in all; actors in the paper."""
 HEADER = """# Search of the motion library
 
 Written by `make bench`; nothing here is written by hand. [method.md](method.md) explains the search.

@@ -135,7 +135,7 @@ def _misses(solved: AdaptedMotion, asked: Sequence[Constraint]) -> FloatArray:
 
 
 def _timed(standing: Standing, asked: Sequence[Constraint], *, eased: bool) -> tuple[AdaptedMotion, float]:
-    """What is solved, and processor microseconds a frame, the better of two."""
+    """Solved motion, and processor microseconds a frame, the better of two."""
     costs = []
     for _ in range(2):
         start = time.process_time()

@@ -1,4 +1,4 @@
-"""How the cost of a stage grows with the number of its performers: rows of clips with constraints, on one core."""
+"""Growth of the cost of a stage with its performers: rows of clips with constraints, on one core."""
 
 import time
 from collections.abc import Mapping
@@ -109,6 +109,6 @@ def prepared_stage(characters: Mapping[str, Character]) -> Project:
 
 
 def beyond_linear(stage: Growth) -> float:
-    """How much more one of the most costs than one of ten."""
+    """Ratio of the cost of one of the most to that of one of ten."""
     each = [cost / count for cost, count in zip(stage.costs, stage.counts, strict=True)]
     return each[-1] / each[stage.counts.index(10)]

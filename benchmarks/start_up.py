@@ -1,4 +1,4 @@
-"""How long the kernels take to be there: compiled into an empty cache, and fetched from a full one."""
+"""Time until the kernels are there: compiled into an empty cache, and fetched from a full one."""
 
 import json
 import os

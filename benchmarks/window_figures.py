@@ -1,4 +1,4 @@
-"""What is measured in the window, and the tables of it."""
+"""Measurements of the window, and their tables."""
 
 import argparse
 import os
@@ -258,7 +258,7 @@ def _fields(window: MainWindow, name: str) -> list[Any]:
 DRAGS: dict[str, Callable[[MainWindow], tuple[QWidget, QPointF, QPointF]]] = {
     "target": _target, "slider of a measure": _slider, "curve's handle": _curve, "ground's height": _ground,
 }  # fmt: skip
-"""What is dragged: on which widget, from where, how far."""
+"""A drag: on which widget, from where, how far."""
 
 
 def playback(window: MainWindow, watch: Watch, parts: Parts, seconds: float) -> str:

@@ -1,4 +1,4 @@
-"""Which part of the window computes for how long: processor time of its thread, of its workers, and of the rest."""
+"""Computing time of each part of the window: processor time of its thread, of its workers, and of the rest."""
 
 import threading
 import time
@@ -33,7 +33,7 @@ MEASURED: tuple[tuple[str, type, str], ...] = (
 
 
 BESIDE = {"solve-": "solving beside", "journal": "keeping the journal"}
-"""What other threads do, by how their names begin."""
+"""Tasks of other threads, by how their names begin."""
 
 
 class Parts:

@@ -27,6 +27,11 @@ def help_file() -> Path:
     return _bundled("docs") / "headless.md"
 
 
+def guide_file() -> Path:
+    """Path of the user's guide."""
+    return _bundled("docs") / "guide.md"
+
+
 def sample_folder() -> Path:
     """Folder of the sample that the window opens with, adapted when it was made."""
     return _bundled("examples/sample")

@@ -1,4 +1,4 @@
-"""How long tests wait for what happens beside them: only a hang ends it, on however slow a machine."""
+"""Seconds that tests wait for work beside them: only a hang ends it, on however slow a machine."""
 
 import time
 from collections.abc import Callable

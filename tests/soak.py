@@ -73,7 +73,7 @@ def spoil(suffix: str, first: int, count: int, now: "Synchronized[int]", keep: P
 
 
 def limit_memory(size: int) -> None:
-    """What the process has now, and as much more as a file of that size may cost."""
+    """Limit the memory to that of the process now, and as much more as a file of that size may cost."""
     pages = int(Path("/proc/self/statm").read_text().split()[0])
     most = pages * resource.getpagesize() + MEMORY + TIMES_SIZE * size
     resource.setrlimit(resource.RLIMIT_AS, (most, most))
@@ -116,7 +116,7 @@ def _until_it_ends_or_hangs(
 
 
 def processor_seconds(process: "multiprocessing.process.BaseProcess") -> float:
-    """What a process has had of the processor; nothing once it has ended."""
+    """Processor seconds of a process; none once it has ended."""
     with contextlib.suppress(FileNotFoundError, ProcessLookupError):
         user, system = Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()[11:13]
         return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")

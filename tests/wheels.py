@@ -1,4 +1,4 @@
-"""Whether every dependency has a wheel for each system and Python: ``python -m tests.wheels`` asks the package index.
+"""Table of the dependencies' wheels for each system and Python: ``python -m tests.wheels`` asks the package index.
 
 Nothing is installed. The exit code is 1 where a set does not resolve.
 """

@@ -65,7 +65,7 @@ def run_peers(tasks: Sequence[Task]) -> dict[str, dict[str, Any] | None]:
 
 
 def our_answer(task: Task, microseconds: float) -> dict[str, Any]:
-    """What the studio answers, judged as the peers are: every frame of the clip."""
+    """The studio's answers, judged as the peers' are: every frame of the clip."""
     request = task.request
     adapted = adapt(request)
     before = hold(stand(request.motion, request.morphology, request.contacts, request.ground), ())

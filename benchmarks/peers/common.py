@@ -1,4 +1,4 @@
-"""What the peers' scripts share: the problem, and how an answer is timed and judged. Needs numpy alone."""
+"""Shared parts of the peers' scripts: the problem, timing and judging of an answer. Needs numpy alone."""
 
 import json
 import statistics

@@ -30,7 +30,7 @@ HIT, AFTER = 1.6, 1.7
 """Seconds before and after the hit."""
 GUARDS, ELBOWS = (LEFT_GUARD, RIGHT_GUARD), (LEFT_ELBOW, RIGHT_ELBOW)
 QUIET = {HIT - 0.9: 0.8, HIT - 0.5: 0.0, HIT + 0.8: 0.0, HIT + 1.3: 0.7}
-"""How strongly it bounces."""
+"""Strength of the bounce."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Punch:
     seed: int = 0
 
     def targets(self) -> Targets:
-        """What the clip keys."""
+        """Keys of the clip."""
         times = frame_times(HIT + AFTER)
         beat = bounce(times, QUIET)
         return Targets(
@@ -134,7 +134,7 @@ class Kick:
     seed: int = 0
 
     def targets(self) -> Targets:
-        """What the clip keys."""
+        """Keys of the clip."""
         times = frame_times(HIT + AFTER)
         beat = bounce(times, QUIET)
         return Targets(

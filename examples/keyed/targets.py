@@ -1,4 +1,4 @@
-"""What a clip keys: where the body should be, frame by frame, before its limbs are solved."""
+"""Targets of a clip: where the body should be, frame by frame, before its limbs are solved."""
 
 from dataclasses import dataclass, field
 
@@ -29,7 +29,7 @@ class ArmTargets:
     """(F, 3) a place in the world that holds the wrist, by ``holding`` (F,) from 0 to 1."""
     holding: FloatArray | None = None
     carries: bool = False
-    """Whether the body stands on the hand that is held: it sinks where the arm would not reach."""
+    """True if the body stands on the hand that is held: it sinks where the arm would not reach."""
     pronation: float | FloatArray = 0.0
     """Palm down; 0 has the thumb up when the forearm points forward."""
     flexion: float | FloatArray = 0.0
@@ -71,7 +71,7 @@ class Targets:
     arms: tuple[ArmTargets, ArmTargets]
     feet: tuple[FootPath, FootPath]
     splay: tuple[float, float] = (6.0, 6.0)
-    """How far each knee points outward."""
+    """Radians by which each knee points outward."""
     air: dict[int, AirLeg] = field(default_factory=dict)
     """Kicking legs by side."""
 

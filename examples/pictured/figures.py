@@ -69,7 +69,7 @@ def limb_frame() -> Figure:
 
 
 def reach_sharing() -> Figure:
-    """How far a limb stretches when more is asked, and how fast its elbow opens then."""
+    """Extension of a limb when more is asked, and speed at which its elbow opens then."""
     asked = np.linspace(0.85, 1.2, 1400)
     figure = Figure(figsize=(9.0, 3.2), layout="constrained")
     left, right = figure.subplots(1, 2)

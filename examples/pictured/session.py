@@ -94,7 +94,7 @@ class Session:
         self.rest(0.2)
 
     def picture(self, part: QRect | None = None) -> QImage:
-        """What the window, or a part of it, shows now, the 3D view made smooth."""
+        """Picture of the window, or of a part of it, now, the 3D view made smooth."""
         self.bench.viewport.grab_image()
         return (self.window.grab(part) if part else self.window.grab()).toImage()
 

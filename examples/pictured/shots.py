@@ -14,6 +14,7 @@ from studio.app.marker_dialog import open_markers
 from studio.core.body.morphology import Proportions
 from studio.core.constraints.keyed import KeyedPlace
 from studio.core.stage.prop import Prop
+from studio.document import colours
 from studio.document.channels import Side, with_handle
 from studio.document.key_edits import replace_fields
 from studio.document.keyed_fields import KeyedField, KeyRef
@@ -21,6 +22,7 @@ from studio.io.export import write_capture
 from studio.io.importing import load_capture
 from studio.library.scenes import SCENES
 from studio.viewport.body_points import body_joints
+from studio.viewport.onion_skins import OnionSkins
 from studio.viewport.rotate_gizmo import RotateGizmo
 
 KICK_KEYS = KeyedField("constraints", "kick", "target")
@@ -36,6 +38,17 @@ def window() -> QImage:
     return _taken(session)
 
 
+def light_theme() -> QImage:
+    """The window in the light theme."""
+    colours.use_theme("light")
+    session = Session("front_kick", (1280, 800))
+    _aim(session, "child")
+    session.look(35, 8, 1.15)
+    image = _taken(session)
+    colours.use_theme("dark")
+    return image
+
+
 def constrain() -> QImage:
     """The right wrist of one body is picked, and the studio offers to constrain it."""
     session = Session("reach_grasp", (1440, 860))
@@ -47,6 +60,26 @@ def constrain() -> QImage:
     joint = next(one for one in body_joints(pose.motion.morphology.layout) if one.name == "right wrist")
     QTest.mouseClick(viewport, LEFT, NO_KEY, viewport.widget_point(pose.points[joint.index]).toPoint())
     session.rest(0.2)
+    return _taken(session, [viewport])
+
+
+def onion_skins() -> QImage:
+    """A kick with its skins before and after, and a moment that is kept."""
+    session = Session("front_kick", (1440, 860))
+    session.document.selection.set(("performers", "adult_woman"))
+    viewport = session.bench.viewport
+    for key in session.document.project.performers:
+        if key != "adult_woman":
+            body = session.document.project.performers[key]
+            session.document.replace("performers", key, replace(body, visible=False), "Hide")
+    session.document.playhead.set_time(1.4)
+    session.settle()
+    viewport.keep_ghosts()
+    session.document.playhead.set_time(KICK_TIME - 0.1)
+    viewport.set_onion_skins(OnionSkins(3, 3, 4))
+    viewport.set_onion_shown(True)
+    session.settle()
+    session.look(-70, 8, 1.5, among=("adult_woman",))
     return _taken(session, [viewport])
 
 

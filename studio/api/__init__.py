@@ -35,6 +35,7 @@ from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
 from studio.core.project import Motion, Performer, Project
 from studio.core.stage.clip import Clip
+from studio.core.stage.correction import Correction, KeyedPoses, PoseOffsets
 from studio.core.stage.prop import Prop
 from studio.core.stage.scope import Scope
 from studio.io.export_options import ExportOptions
@@ -44,7 +45,7 @@ from studio.library.clips import Kind, Limb
 from studio.library.searching import Result
 from studio.resources_folder import example_captures_folder
 
-VERSION = "1.1.0"
+VERSION = "1.2.0"
 """Semantic version of this interface, apart from that of the program."""
 
 __all__ = [
@@ -63,6 +64,7 @@ __all__ = [
     "Constraint",
     "ContactInterval",
     "ContactPoint",
+    "Correction",
     "DistanceConstraint",
     "EaseShape",
     "ExportOptions",
@@ -74,6 +76,7 @@ __all__ = [
     "ImportOptions",
     "KeyedOwnPlace",
     "KeyedPlace",
+    "KeyedPoses",
     "KeyedTurn",
     "Kind",
     "Limb",
@@ -83,6 +86,7 @@ __all__ = [
     "OwnPlace",
     "Panel",
     "Performer",
+    "PoseOffsets",
     "PositionConstraint",
     "Project",
     "Prop",

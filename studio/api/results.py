@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from studio.core.constraints.base import BodyPoint
 from studio.core.project import Project
-from studio.core.solver.adapt import place_of
+from studio.core.solver.adapt import grounded, place_of
 from studio.core.solver.performers.performing import Performance
 from studio.core.solver.source import played_on
-from studio.core.solver.standing.stand import standing_of
 from studio.core.stage.placement import Placement
 from studio.jobs.adapt_report import figures
 
@@ -70,4 +69,4 @@ class Adapted:
         """The figures that ``adapt`` writes to ``report.json``: foot slide, penetration, constraints held, ..."""
         request, composite = self.performance.request, self.performance.composite
         source = played_on(composite.motion, request.actor or request.morphology.still)
-        return figures(standing_of(request), request, self.performance.played, source, by_frame=False)
+        return figures(grounded(request), request, self.performance.played, source, by_frame=False)

@@ -1,23 +1,26 @@
 """A scene that a script edits: a project in a document, so that every change can be undone."""
 
 import weakref
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from importlib.metadata import entry_points
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from PySide6.QtGui import QUndoStack
 
 from studio.api.results import Adapted
+from studio.core.body.canonical import BodyPart
 from studio.core.body.character import Character
 from studio.core.captures.contacts import ContactInterval, ContactPoint
-from studio.core.constraints.base import Constraint
+from studio.core.constraints.base import Constraint, Vector
 from studio.core.errors import StudioError
 from studio.core.project import Entity, Motion, Performer, Project, new_id
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.clip import Clip
+from studio.document.corrections import set_pose
 from studio.document.editing import EditedProject
 from studio.io.export import write_take
 from studio.io.export_options import ExportOptions
@@ -139,6 +142,33 @@ class Scene:
         """Let a point stand on the ground from frame ``first`` to ``last`` of a motion; the id of the contact."""
         contact = ContactInterval(motion_id, ContactPoint(point), first, last)
         return self.document.add("contacts", contact, f"Add contact of {contact.point.words}")
+
+    def correct_pose(
+        self,
+        performer_id: str,
+        time: float,
+        turns: Mapping[BodyPart | str, Vector] = MappingProxyType({}),
+        hips: Vector | None = None,
+        *,
+        above: bool = False,
+    ) -> str:
+        """Key a manual correction of a performer at ``time``, in seconds of the stage; the id of the correction.
+
+        ``turns`` has rotation vectors (radians, in the axes of the part), ``hips`` a displacement in leg lengths
+        (ahead, left, up). A new correction fades in and out within half a second; one that acts at that time
+        gets another key. With ``above`` it is applied after the constraints.
+        """
+        if performer_id not in self.project.performers:
+            raise StudioError(f"There is no performer '{performer_id}'. Add it first.")
+        try:
+            asked = {BodyPart(part): turn for part, turn in turns.items()}
+        except ValueError as error:
+            raise StudioError(f"{error}. The parts are {', '.join(BodyPart)}.") from error
+        with self.undo_step("Correct pose"):
+            key = set_pose(self.document, performer_id, time, asked, hips)
+            if self.project.corrections[key].above != above:
+                self.change("corrections", key, above=above)
+        return key
 
     # Results
 

@@ -11,6 +11,8 @@ from studio.app.preferences import key_maps, keys_with
 from studio.app.verbs import files
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
+from studio.core.stage.saved_camera import CAMERA_SLOTS
+from studio.document.stored_cameras import camera_in_slot
 
 
 def with_mnemonics(names: Iterable[str]) -> list[str]:
@@ -58,6 +60,11 @@ class ActionSet(QObject):
             action.setEnabled(row.enabled(self._bench))
             if row.checked is not None:
                 action.setChecked(row.checked(self._bench))
+        cameras = self._bench.document.project.cameras
+        for slot in CAMERA_SLOTS:
+            camera_id = camera_in_slot(self._bench.document.project, slot)
+            name = cameras[camera_id].name if camera_id else f"camera {slot}"
+            self.by_id[f"camera_{slot}"].setText(f"Look through {name}")
         stack = self._bench.document.undo_stack
         self.by_id["undo"].setText(f"Undo {_uncapitalised(stack.undoText())}".strip())
         self.by_id["redo"].setText(f"Redo {_uncapitalised(stack.redoText())}".strip())

@@ -15,12 +15,13 @@ from studio.app.marker_dialog import has_markers, open_markers
 from studio.app.pose_mapping import show_map
 from studio.app.relinking import relink_shown, shown_capture
 from studio.app.striking import label_strike, show_strikes, strike_chosen
-from studio.app.verbs import behaviours, clips, editing, files, playback, props, view
+from studio.app.verbs import behaviours, cameras, clips, editing, files, playback, props, view
 from studio.app.verbs.constraining import adder, choose_joint, load_area_mesh, selected_area, selected_constraint, shift
 from studio.app.workbench import Workbench
 from studio.core.constraints.base import KindInfo
 from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.stage.clip_row import players_of
+from studio.core.stage.saved_camera import CAMERA_SLOTS
 from studio.library.scenes import SCENES
 from studio.viewport.eyes import Stereo
 
@@ -155,7 +156,7 @@ EDIT = (
            "Paste with left for right", ends_group=True),
     Action("set_key", "Edit", "Set key", editing.set_key, ("S",), "Key the selection at the playhead", _any_selected),
     Action("preferences", "Edit", "Preferences…", editing.preferences, ("Ctrl+,",),
-           "Steps to which the gizmo snaps, and keys"),
+           "Snapping steps, onion skins, activation, autosave, theme, scale, and keys"),
     Action("escape", "Edit", "Deselect", editing.escape, ("Esc",), "Cancel the current action"),
     Action(
         "report", "Edit", "Show import report", editing.select_capture,
@@ -313,6 +314,22 @@ VIEW = (
     Action("top", "View", "Top", view.top, ("7",), enabled=_viewing),
     Action("perspective", "View", "Perspective", view.perspective, ("0",), "Three-quarter view", _viewing,
            ends_group=True),
+    *(
+        Action(f"camera_{slot}", "View", f"Look through camera {slot}", cameras.recall(slot), (f"F{slot + 4}",),
+               "The view that is stored under this key", _viewing)
+        for slot in CAMERA_SLOTS
+    ),
+    *(
+        Action(f"store_camera_{slot}", "View", f"Store camera {slot}", cameras.store(slot),
+               (f"Shift+F{slot + 4}", f"Ctrl+F{slot + 4}"), "The view as it is, under this key", _viewing)
+        for slot in CAMERA_SLOTS
+    ),
+    Action("add_camera", "View", "Add camera", cameras.add, (), "Save the view with a name", _viewing),
+    Action("cameras", "View", "Cameras…", cameras.choose, ("Alt+C",), "Look through a saved camera, by its name",
+           _viewing),
+    Action("turntable", "View", "Turntable", cameras.toggle_turntable, ("Alt+T",),
+           "The camera goes round what it looks at; a click in the view stops it", _viewing,
+           lambda bench: _viewing(bench) and bench.viewport.turntable, ends_group=True),
     Action("follow", "View", "Camera follows character", view.toggle_following, ("Shift+F",),
            "Keep the camera on the selected character, or on the first one", _viewing,
            lambda bench: _viewing(bench) and bench.viewport.following),
@@ -327,6 +344,13 @@ VIEW = (
            checked=is_head_tracked, ends_group=True),
     Action("ghost", "View", "Ghost of source", view.toggle_ghost, ("G",), "The capture on its actor's own body",
            _viewing, lambda bench: _viewing(bench) and bench.viewport.ghost_shown),
+    Action("onion_skins", "View", "Onion skins", view.toggle_onion_skins, ("Alt+O",),
+           "The selected body at frames before and after the playhead; how many is set in the preferences", _viewing,
+           lambda bench: _viewing(bench) and bench.viewport.onion_shown),
+    Action("keep_ghost", "View", "Keep ghost", view.keep_ghost, ("Alt+K",),
+           "The selected body as it is at the playhead stays in sight", _ready),
+    Action("clear_ghosts", "View", "Clear ghosts", view.clear_ghosts, ("Alt+Shift+K",), "Kept moments are let go",
+           lambda bench: _viewing(bench) and bool(bench.viewport.kept_ghosts)),
     Action("recorded_markers", "View", "Recorded markers", view.toggle_markers, ("Shift+G",),
            "Markers, force plates and forces of an optical capture", _viewing,
            lambda bench: _viewing(bench) and bench.viewport.markers_shown),
@@ -350,6 +374,7 @@ VIEW = (
 )  # fmt: skip
 
 HELP = (
+    Action("guide", "Help", "Guide", view.guide, ("F1",), "How everything is done, with pictures"),
     Action("palette", "Help", "Search actions…", view.palette, ("Ctrl+K",), "Find anything by its name"),
     Action(
         "formats",

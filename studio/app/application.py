@@ -15,10 +15,12 @@ from PySide6.QtWidgets import QApplication
 from studio.app import recovery, sample
 from studio.app.collector import Collector
 from studio.app.main_window import MainWindow
+from studio.app.preferences import Preferences, load_preferences
 from studio.app.problems import ProblemHooks, start_log
 from studio.app.settings import Settings
 from studio.app.theme import apply_theme
 from studio.app.workbench import Workbench
+from studio.document import colours
 from studio.document.document import Document
 from studio.document.file_lock import journal_folder
 from studio.engine.live_adaptation import LiveAdaptation
@@ -34,17 +36,26 @@ def main(argv: Sequence[str] | None = None, warm_up: WarmUp | None = None) -> No
     names = list(sys.argv[1:] if argv is None else argv)
     gc.disable()  # what is loaded stays: looking for what is lost among it costs a tenth of the start
     start_log()
+    settings = Settings()
+    apply_look(load_preferences(settings))
     application = make_application()
     problems = ProblemHooks()
     warm_up = warm_up or WarmUp(held=True)
     journals = journal_folder()
-    window = make_window(Settings(), Document(journal_folder=journals), warm_up)
+    window = make_window(settings, Document(journal_folder=journals), warm_up)
     problems.told.connect(window.bench.said)
     window.show()
     QTimer.singleShot(0, window, lambda: fill_window(window, [Path(name) for name in names], journals, warm_up))
     code = application.exec()
     problems.close()
     end_process(code)
+
+
+def apply_look(preferences: Preferences) -> None:
+    """Take theme and scale: before the application is made, as Qt reads the scale once."""
+    colours.use_theme(preferences.theme)
+    if preferences.interface_scale != 100:
+        os.environ.setdefault("QT_SCALE_FACTOR", str(preferences.interface_scale / 100.0))
 
 
 def end_process(code: int) -> NoReturn:

@@ -166,7 +166,7 @@ def reimport(bench: Workbench, capture_id: str, option: dict[str, Any]) -> None:
     """Read the capture again as the user says; the answer takes its place as one undo step."""
     what, value = next(iter(option.items()))
     capture = bench.document.project.captures[capture_id]
-    text = f"Read {capture.name} with {what.replace('_', ' ')} {value}"
+    text = f"Clean {capture.name}" if what == "clean" else f"Read {capture.name} with {what.replace('_', ' ')} {value}"
     read_again(bench, capture_id, ImportOptions(**overruled(bench, capture_id) | option), text)
 
 
@@ -242,7 +242,10 @@ def overruled(bench: Workbench, capture_id: str) -> dict[str, Any]:
     guessed = {guess.subject.replace(" ", "_") for guess in capture.guesses}
     said = {option: value for option, value in values_of(capture).items() if option not in guessed}
     read_as = bench.read_as.get(capture_id)
-    return said | ({"reference": read_as.options.reference} if read_as and "reference_pose" not in guessed else {})
+    if read_as is None:
+        return said
+    said["clean"] = read_as.options.clean
+    return said | ({"reference": read_as.options.reference} if "reference_pose" not in guessed else {})
 
 
 def keep_corrections(bench: Workbench, collection: str, capture_id: str) -> None:

@@ -23,7 +23,7 @@ from studio.app.live_control import LiveControl
 from studio.app.marker_dialog import open_markers
 from studio.app.playing_live import LivePlaying
 from studio.app.plug_in_panels import add_panel_actions
-from studio.app.preferences import Preferences, save_preferences
+from studio.app.preferences import FITTED, Preferences, save_preferences
 from studio.app.problem_tour import ProblemTour
 from studio.app.striking import Striking
 from studio.app.top_bar import TopBar
@@ -81,6 +81,8 @@ class MainWindow(QMainWindow):
         self.actions_by_id = ActionSet(bench, self)
         self.actions_by_id.apply_keys()
         self.addActions(list(self.actions_by_id.by_id.values()))
+        self._autosave = QTimer(self)
+        self._autosave.timeout.connect(self._save_now_and_then)
         self._make_bars()
         self._make_centre()
         self._make_docks()
@@ -88,6 +90,7 @@ class MainWindow(QMainWindow):
         self.palette_panel = CommandPalette(self, list(self.actions_by_id.by_id.values()))
         self.choice_panel = CommandPalette(self, [])
         self._connect()
+        self._apply_preferences()
         self.resize(*MAIN_WINDOW_SIZE)
         self._restore_layout()
         self._stay_on_screen()
@@ -145,8 +148,20 @@ class MainWindow(QMainWindow):
         self._apply_preferences()
 
     def _apply_preferences(self) -> None:
+        minutes = self.bench.preferences.autosave_minutes
+        if minutes:
+            self._autosave.start(60_000 * minutes)
+        else:
+            self._autosave.stop()
         if self.bench.has_viewport:
             self.bench.viewport.snap_steps = self.bench.preferences.snap_steps
+            self.bench.viewport.fits_activation = self.bench.preferences.activation == FITTED
+            self.bench.viewport.set_onion_skins(self.bench.preferences.onion_skins)
+
+    def _save_now_and_then(self) -> None:
+        document = self.bench.document
+        if document.dirty and document.path is not None and not self.bench.live.interactive:
+            files.save(self.bench)
 
     def show_shortcuts(self) -> None:
         """The sheet of all shortcuts."""
@@ -401,6 +416,7 @@ class MainWindow(QMainWindow):
             self.bench.viewport.stop()
         if self.bench.has_timeline:
             self.bench.timeline.close()
+        self._autosave.stop()
         self.live_control.close()
         self.problem_search.close()
         self.console.close_session()

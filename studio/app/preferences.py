@@ -8,13 +8,24 @@ from dataclasses import asdict, dataclass, field, fields
 from PySide6.QtGui import QKeySequence
 
 from studio.app.settings import Settings
+from studio.document import colours
 from studio.resources_folder import resources_folder
+from studio.viewport.onion_skins import OnionSkins
 from studio.viewport.snapping import SnapSteps
 
 KeyTable = Mapping[str, tuple[str, ...]]
 """Keys by the id of an action."""
 STUDIO_KEYS = "studio"
 LEAST_SNAP = 1e-3
+WHOLE_NUMBERS = (
+    ("onion_before", 0, 20),
+    ("onion_after", 0, 20),
+    ("onion_step", 1, 120),
+    ("autosave_minutes", 0, 600),
+    ("interface_scale", 50, 300),
+)
+FITTED, WHOLE_CLIP_ACTIVATION = "fitted", "whole_clip"
+CHOICES: Mapping[str, tuple[str, ...]] = {"activation": (FITTED, WHOLE_CLIP_ACTIVATION), "theme": tuple(colours.THEMES)}
 
 
 @dataclass(frozen=True)
@@ -27,6 +38,17 @@ class Preferences:
     """Degrees."""
     scale_step: float = 10.0
     """Percent."""
+    onion_before: int = 3
+    onion_after: int = 3
+    onion_step: int = 4
+    """Frames between two onion skins."""
+    autosave_minutes: int = 0
+    """Minutes between two saves of a project that has a file; 0 never."""
+    activation: str = FITTED
+    """Activation of a new constraint: fitted to the motion, or the whole clip."""
+    theme: str = "dark"
+    interface_scale: int = 100
+    """Percent."""
     key_map: str = STUDIO_KEYS
     own_keys: KeyTable = field(default_factory=dict)
     """Keys that the user has given to actions, over those of the map."""
@@ -36,7 +58,21 @@ class Preferences:
             value = getattr(self, each)
             if not (isinstance(value, float | int) and math.isfinite(value) and value >= LEAST_SNAP):
                 raise ValueError(f"The preference '{each}' is a number above zero, got {value!r}.")
+        for each, least, most in WHOLE_NUMBERS:
+            value = getattr(self, each)
+            if not (isinstance(value, int) and least <= value <= most):
+                raise ValueError(f"The preference '{each}' is a whole number from {least} to {most}, got {value!r}.")
+        for each, allowed in CHOICES.items():
+            if getattr(self, each) not in allowed:
+                raise ValueError(
+                    f"The preference '{each}' is one of {', '.join(allowed)}, got {getattr(self, each)!r}."
+                )
         object.__setattr__(self, "own_keys", {key: tuple(keys) for key, keys in dict(self.own_keys).items()})
+
+    @property
+    def onion_skins(self) -> OnionSkins:
+        """Onion skins of the viewport."""
+        return OnionSkins(self.onion_before, self.onion_after, self.onion_step)
 
     @property
     def snap_steps(self) -> SnapSteps:

@@ -1,5 +1,6 @@
 """The dialog of preferences: every change acts at once."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -8,7 +9,15 @@ from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QDialog, QHeaderView, QTableWidget, QTableWidgetItem, QVBoxLayout
 
 from studio.app.actions import ACTIONS
-from studio.app.preferences import conflicts_in, key_maps, keys_in
+from studio.app.preferences import (
+    CHOICES,
+    FITTED,
+    WHOLE_CLIP_ACTIVATION,
+    WHOLE_NUMBERS,
+    conflicts_in,
+    key_maps,
+    keys_in,
+)
 from studio.app.workbench import Workbench
 from studio.document import colours
 from studio.panels.fields import Choice, NumberField, Section, labelled
@@ -18,11 +27,17 @@ NUMBERS = (
     ("rotate_step", "Rotate step", "°", 0.1, 180.0),
     ("scale_step", "Scale step", "%", 1.0, 100.0),
 )
+ONION_NUMBERS = (
+    ("onion_before", "Before", ""),
+    ("onion_after", "After", ""),
+    ("onion_step", "Every", "frames"),
+)
+ACTIVATIONS = ((FITTED, "While the body stays"), (WHOLE_CLIP_ACTIVATION, "For the whole clip"))
 ACTION_ID = Qt.ItemDataRole.UserRole
 
 
 class PreferencesDialog(QDialog):
-    """Snapping steps, and keys in a table in which they are typed."""
+    """Snapping steps, onion skins, activation, autosave, look, and keys in a table in which they are typed."""
 
     def __init__(self, bench: Workbench) -> None:
         super().__init__(bench.window)
@@ -30,13 +45,22 @@ class PreferencesDialog(QDialog):
         self.setObjectName("preferences_dialog")
         self.setWindowTitle("Preferences")
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self.resize(520, 640)
+        self.resize(520, 860)
         section = Section("Steps of the gizmo")
         for name, words, unit, low, high in NUMBERS:
             field = NumberField(words, unit, low, high, low, 2)
             field.show_value(getattr(bench.preferences, name))
             field.edited.connect(lambda value, name=name: self._change(**{name: value}))
             section.add_row(words, field)
+        onion = Section("Onion skins")
+        for name, words, unit in ONION_NUMBERS:
+            self._add_whole(onion, name, words, unit)
+        work = Section("Work")
+        self._add_choice(work, "activation", "New constraints", ACTIVATIONS)
+        self._add_whole(work, "autosave_minutes", "Autosave", "min")
+        look = Section("Look, from the next start on")
+        self._add_choice(look, "theme", "Theme", [(name, name.capitalize()) for name in CHOICES["theme"]])
+        self._add_whole(look, "interface_scale", "Scale", "%")
         keys = Section("Keys")
         self.map = Choice("Key map", [(key, name) for key, (name, _) in key_maps().items()])
         self.map.show_value(bench.preferences.key_map)
@@ -49,10 +73,23 @@ class PreferencesDialog(QDialog):
         self.table.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.Stretch)
         self.words = labelled("", "hint")
         column = QVBoxLayout(self)
-        for widget in (section, keys, self.table, self.words):
+        for widget in (section, onion, work, look, keys, self.table, self.words):
             column.addWidget(widget)
         self._fill()
         self.table.itemChanged.connect(self._typed)
+
+    def _add_whole(self, section: Section, name: str, words: str, unit: str) -> None:
+        [(_, low, high)] = [each for each in WHOLE_NUMBERS if each[0] == name]
+        field = NumberField(words, unit, low, high, 1, 0)
+        field.show_value(getattr(self._bench.preferences, name))
+        field.edited.connect(lambda value: self._change(**{name: round(value)}))
+        section.add_row(words, field)
+
+    def _add_choice(self, section: Section, name: str, words: str, choices: Sequence[tuple[str, str]]) -> None:
+        choice = Choice(words, choices)
+        choice.show_value(getattr(self._bench.preferences, name))
+        choice.chosen.connect(lambda value: self._change(**{name: value}))
+        section.add_row(words, choice)
 
     def _change(self, **values: Any) -> None:
         self._bench.window.set_preferences(replace(self._bench.preferences, **values))

@@ -175,6 +175,7 @@ def add_render_arguments(parser: ArgumentParser) -> None:
         help="characters that perform a capture; all bundled ones by default",
     )
     parser.add_argument("--time", type=seconds, metavar="S", help="moment of a picture in seconds; else the middle")
+    parser.add_argument("--camera", metavar="NAME", help="look through a saved camera of the project")
     parser.add_argument(
         "--size", type=size(16, 8192), default=(1280, 720), metavar="WxH", help="pixels; 1280x720 by default"
     )
@@ -264,6 +265,9 @@ def add_import_options(parser: ArgumentParser) -> None:
     group.add_argument("--floor", type=metres, metavar="METRES", help="height of the ground")
     group.add_argument("--reference", metavar="POSE", help="'zero', or the frame that stands upright")
     group.add_argument("--marker-map", type=Path, metavar="FILE.json", help="which marker of a C3D lies where")
+    group.add_argument(
+        "--clean", action="store_true", help="take spikes, exchanged limbs and tremble off a noisy motion"
+    )
     group.add_argument(
         "--undo-swaps", action="store_true", help="exchange markers of a C3D back that took each other's name"
     )

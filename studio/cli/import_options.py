@@ -18,6 +18,7 @@ def import_options(arguments: Namespace) -> ImportOptions:
         frame_rate=arguments.frame_rate,
         floor=arguments.floor,
         reference=arguments.reference,
+        clean=arguments.clean,
         marker_map=read_map(arguments.marker_map) if arguments.marker_map else None,
         marker_steps=_marker_steps(arguments),
         body_map=_read_body_map(arguments.body_map) if arguments.body_map else None,

@@ -13,6 +13,7 @@ from studio.cli.outputs import refuse_replacing
 from studio.cli.printing import counted, print_json
 from studio.core.errors import StudioError
 from studio.core.project import Project
+from studio.core.stage.saved_camera import CameraPlacement
 from studio.core.stage.staging import staged
 from studio.io.film import write_moving
 from studio.io.png import write_png
@@ -39,6 +40,7 @@ def run(arguments: Namespace) -> int:
     check_libraries()
     compile_first()
     project = staged_project(arguments)
+    placement = placement_of(project, arguments)
     made = performances(project)
     results = {key: each.adapted for key, each in made.performances.items()}
     failed = [f"{project.performers[key].name}: {reason}" for key, reason in made.failures.items()]
@@ -55,10 +57,10 @@ def run(arguments: Namespace) -> int:
     if suffix == ".png":
         time = duration / 2 if arguments.time is None else arguments.time
         times = [time]
-        write_png(arguments.out, renderer("picture")(project, results, time, arguments.size))
+        write_png(arguments.out, renderer("picture")(project, results, time, arguments.size, placement))
     else:
         times = [frame / arguments.film_rate for frame in range(int(duration * arguments.film_rate) + 1)]
-        frames = renderer("film")(project, results, times, arguments.size)
+        frames = renderer("film")(project, results, times, arguments.size, placement)
         told = told_of(frames, len(times), progress_line(), arguments.out.name)
         write_moving(arguments.out, told, arguments.size, arguments.film_rate)
     return _say(arguments, len(times), len(results), failed)
@@ -73,6 +75,17 @@ def staged_project(arguments: Namespace) -> Project:
     characters = chosen_characters(arguments.character)
     ready = ready_capture(arguments.source, import_options(arguments))
     return staged(ready.capture, ready.contacts, characters, ADAPTED_MOTION_ID)
+
+
+def placement_of(project: Project, arguments: Namespace) -> CameraPlacement | None:
+    """Placement of the saved camera that ``--camera`` names; None without it. Raises StudioError for an unknown one."""
+    if arguments.camera is None:
+        return None
+    found = {each.name: each.placement for each in project.cameras.values()}
+    if arguments.camera not in found:
+        known = f"It has {', '.join(found)}." if found else "It has none: save one by View > Add camera."
+        raise StudioError(f"{arguments.source.name} has no camera '{arguments.camera}'. {known}")
+    return found[arguments.camera]
 
 
 def renderer(kind: str) -> Callable[..., Any]:

@@ -10,9 +10,9 @@ from studio.cli.outputs import refuse_replacing
 from studio.cli.printing import QUALITY_TITLES, print_json, print_table
 from studio.core.errors import StudioError
 from studio.core.project import Project
+from studio.core.solver.adapt import grounded
 from studio.core.solver.performers.performing import Performance
 from studio.core.solver.source import played_on
-from studio.core.solver.standing.stand import standing_of
 from studio.core.stage.placement import Placement
 from studio.io.export import write_take
 from studio.io.json_text import write_json
@@ -119,7 +119,7 @@ def performer_record(project: Project, key: str, performance: Performance, path:
         "begin": composite.timing.start,
         "frame_rate": composite.timing.frame_rate,
         "sweeps": performance.sweeps,
-        **figures(standing_of(request), request, performance.played, source, by_frame),
+        **figures(grounded(request), request, performance.played, source, by_frame),
     }
 
 

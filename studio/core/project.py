@@ -23,8 +23,10 @@ from studio.core.grounds.ground import Ground
 from studio.core.plausible import PLACE_RANGE, TURN_RANGE
 from studio.core.stage.behaviour import Behaviour, State, Transition
 from studio.core.stage.clip import Clip
+from studio.core.stage.correction import Correction
 from studio.core.stage.layer import Layer
 from studio.core.stage.prop import Prop
+from studio.core.stage.saved_camera import SavedCamera
 from studio.core.stage.scope import Scope, meant_for, narrowest
 
 GROUND_ID = "ground"
@@ -83,7 +85,20 @@ class Performer:
         return (*self.clips, *(layer.clip for layer in self.layers))
 
 
-Entity = Capture | Motion | Character | Performer | Constraint | ContactInterval | Label | Ground | Prop | Behaviour
+Entity = (
+    Capture
+    | Motion
+    | Character
+    | Performer
+    | Constraint
+    | ContactInterval
+    | Label
+    | Ground
+    | Prop
+    | Behaviour
+    | SavedCamera
+    | Correction
+)
 
 COLLECTIONS = (
     "captures",
@@ -96,6 +111,8 @@ COLLECTIONS = (
     "grounds",
     "props",
     "behaviours",
+    "cameras",
+    "corrections",
 )
 
 
@@ -111,6 +128,8 @@ CLASSES: Mapping[str, type] = MappingProxyType(
         "grounds": Ground,
         "props": Prop,
         "behaviours": Behaviour,
+        "cameras": SavedCamera,
+        "corrections": Correction,
     }
 )
 
@@ -136,6 +155,8 @@ def references(entity: Entity) -> tuple[tuple[str, str], ...]:
             return (("motions", entity.motion_id), *_scoped(entity.scope), *followed)
         case Label():
             return (("motions", entity.motion_id),)
+        case Correction():
+            return (("performers", entity.performer_id),)
         case Prop():
             return tuple(("performers", each.performer_id) for each in entity.holds)
         case Behaviour():
@@ -170,6 +191,8 @@ class Project:
     grounds: Mapping[str, Ground] = field(default_factory=lambda: {GROUND_ID: Ground()})
     props: Mapping[str, Prop] = field(default_factory=dict)
     behaviours: Mapping[str, Behaviour] = field(default_factory=dict)
+    cameras: Mapping[str, SavedCamera] = field(default_factory=dict)
+    corrections: Mapping[str, Correction] = field(default_factory=dict)
     carried: Mapping[str, Any] = field(default_factory=dict)
     """JSON, by its place, that a newer version wrote and this one does not know; written back unchanged."""
 
@@ -291,6 +314,10 @@ class Project:
     def constraints_for(self, performer_id: str, clip: Clip) -> dict[str, Constraint]:
         """Constraints on a performer while it plays a clip, by id, highest priority first."""
         return meant_for(self.constraints_of(clip.motion_id), performer_id, clip.id)
+
+    def corrections_of(self, performer_id: str) -> dict[str, Correction]:
+        """Corrections of a performer by id, in the order in which they are applied."""
+        return {key: each for key, each in self.corrections.items() if each.performer_id == performer_id}
 
     def behaviour_of(self, performer_id: str) -> str | None:
         """The id of the behaviour that a performer plays, or None."""

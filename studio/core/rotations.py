@@ -24,6 +24,22 @@ def from_euler(order: str, angles: FloatArray) -> FloatArray:
     return turned.reshape(*angles.shape[:-1], 4)
 
 
+def from_rotation_vector(vectors: FloatArray) -> FloatArray:
+    """Unit quaternions (..., 4) of rotation vectors (..., 3) in radians."""
+    vectors = np.asarray(vectors, dtype=np.float64)
+    half = 0.5 * np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return np.concatenate([0.5 * np.sinc(half / np.pi) * vectors, np.cos(half)], axis=-1)
+
+
+def to_rotation_vector(quaternions: FloatArray) -> FloatArray:
+    """Rotation vectors (..., 3) in radians of unit quaternions (..., 4), the short way round."""
+    q = np.asarray(quaternions, dtype=np.float64)
+    q = np.where(q[..., 3:] < 0.0, -q, q)
+    sine = np.linalg.norm(q[..., :3], axis=-1, keepdims=True)
+    half = np.arctan2(sine, q[..., 3:])
+    return np.asarray(2.0 * q[..., :3] / np.maximum(np.sinc(half / np.pi), 1e-12))
+
+
 def _turn_about(order: str, halves: FloatArray) -> FloatArray:
     """(4, N) the turns about the axes of ``order`` by twice ``halves`` (n, N), each in the axes of the one before."""
     q = np.zeros((4, halves.shape[1]))

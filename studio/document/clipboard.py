@@ -1,4 +1,4 @@
-"""Copies of constraints, contacts and keys as JSON that a person can read, pasted elsewhere, mirrored if asked."""
+"""Copies of constraints, contacts, corrections and keys as readable JSON, pasted elsewhere, mirrored if asked."""
 
 import json
 import math
@@ -17,10 +17,12 @@ from studio.core.constraints.own_place import KeyedOwnPlace
 from studio.core.errors import StudioError
 from studio.core.names import free_name
 from studio.core.project import Project
+from studio.core.stage.correction import Correction, KeyedPoses
 from studio.core.stage.scope import EVERYONE, Scope
 from studio.document.editing import EditedProject
 from studio.document.key_edits import replace_fields
 from studio.document.keyed_fields import (
+    KEYED_COLLECTIONS,
     KeyedField,
     KeyRef,
     from_stage,
@@ -44,13 +46,14 @@ CLIPBOARD_KEY_KINDS: Mapping[str, type[Keys]] = {
     "numbers": KeyedNumber,
     "rotations": KeyedTurn,
     "measures": KeyedProportions,
+    "poses": KeyedPoses,
 }
-NOTHING_TO_PASTE = "The clipboard holds nothing to paste here. Copy constraints, contacts or keys first."
+NOTHING_TO_PASTE = "The clipboard holds nothing to paste here. Copy constraints, contacts, corrections or keys first."
 _NUMBERS = re.compile(r"\[\s+(-?[\d.e+-]+(?:,\s+-?[\d.e+-]+)*)\s+\]")
 
 
 def copied(document: EditedProject) -> str:
-    """The selected keys, or else constraints and contacts, as JSON; empty where there are none."""
+    """The selected keys, or else constraints, contacts and corrections, as JSON; empty where there are none."""
     keys = _key_records(document)
     record: dict[str, Json] = {"format": CLIPBOARD_FORMAT, "version": CLIPBOARD_VERSION, "from": _origin(document)}
     if keys:
@@ -103,13 +106,36 @@ def _entity_records(document: EditedProject) -> dict[str, Json]:
     project, selection = document.shown_project, document.selection
     constraints = [constraint_record(project.constraints[key]) for key in selection.of("constraints")]
     contacts = [_contact_record(project.contacts[key]) for key in selection.of("contacts")]
-    found = {"constraints": constraints, "contacts": contacts}
+    corrections = [_correction_record(project.corrections[key]) for key in selection.of("corrections")]
+    found = {"constraints": constraints, "contacts": contacts, "corrections": corrections}
     return {name: records for name, records in found.items() if records}
 
 
 def _contact_record(contact: ContactInterval) -> Json:
     record = entity_record("contacts", "", contact, {})
     return {name: item for name, item in record.items() if name not in ("id", "schema", "motion_id")}
+
+
+def _correction_record(correction: Correction) -> Json:
+    record = entity_record("corrections", "", correction, {})
+    return {name: item for name, item in record.items() if name not in ("id", "schema", "performer_id")}
+
+
+def _corrections_of(record: Mapping[str, Any], performer_id: str) -> list[Correction]:
+    found: list[Correction] = []
+    for place, item in enumerate(_list_of(record, "corrections")):
+        try:
+            each = entity_of("corrections", {**item, "performer_id": performer_id}, _no_member)
+        except (ValueError, TypeError) as error:
+            raise StudioError(f"{CLIPBOARD_NAME}, corrections[{place}], {error}") from error
+        assert isinstance(each, Correction)
+        found.append(each)
+    return found
+
+
+def _add_correction(document: EditedProject, correction: Correction, text: str) -> str:
+    taken = {each.name for each in document.project.corrections_of(correction.performer_id).values()}
+    return document.add("corrections", replace(correction, name=free_name(correction.name, taken)), text)
 
 
 def _paste_entities(document: EditedProject, record: Mapping[str, Any], mirrored: bool) -> None:
@@ -124,10 +150,15 @@ def _paste_entities(document: EditedProject, record: Mapping[str, Any], mirrored
     ]
     rate = document.project.frame_rate_of(clip)
     contacts = _contacts_of(document, record, clip.motion_id, rate / float(origin.get("frame_rate") or rate))
-    if not constraints and not contacts:
+    performer_id = document.active_performer_id or ""
+    corrections = _corrections_of(record, performer_id)
+    if not constraints and not contacts and not corrections:
         raise StudioError(NOTHING_TO_PASTE)
     moves = not (mirrored or body or origin.get("motion_id") != clip.motion_id)
-    if moves:
+    if moves and corrections:
+        first = min(each.keys.times[0] for each in corrections)
+        corrections = [each.moved(document.playhead.time - first) for each in corrections]
+    if moves and (constraints or contacts):
         begins = [each.activation.start for each in constraints] + [each.first / rate for each in contacts]
         here = (document.playhead.time - clip.start) * clip.speed + clip.first / rate
         seconds = round((here - min(begins)) * rate) / rate
@@ -137,12 +168,15 @@ def _paste_entities(document: EditedProject, record: Mapping[str, Any], mirrored
     if mirrored:
         constraints = [mirrored_constraint(each) for each in constraints]
         contacts = [mirrored_entity(each) for each in contacts]
-    count = len(constraints) + len(contacts)
-    name = constraints[0].name if constraints else f"{contacts[0].point.words} contact"
+        corrections = [mirrored_entity(each) for each in corrections]
+    count = len(constraints) + len(contacts) + len(corrections)
+    names = [each.name for each in constraints] + [each.name for each in corrections]
+    name = names[0] if names else f"{contacts[0].point.words} contact"
     text = f"Paste {name if count == 1 else f'{count} items'}{' mirrored' if mirrored else ''}"
     with document.group(text):
         items = [("constraints", _add(document, each, body, text)) for each in constraints]
         items += [("contacts", _add_contact(document, each, body, text)) for each in contacts]
+        items += [("corrections", _add_correction(document, each, text)) for each in corrections]
     document.selection.set(*(("performers", key) for key in chosen), *items)
 
 
@@ -279,7 +313,7 @@ def _destinations(document: EditedProject, copies: Iterable[_CopiedKeys]) -> Ite
     )
     if not items:
         items = dict.fromkeys(_item(entity) for entity in groups)
-    fitting = [item for item in items if item[0] in ("constraints", "props", "characters")]
+    fitting = [item for item in items if item[0] in KEYED_COLLECTIONS]
     pairs = (
         [(group, item) for group in groups.values() for item in fitting]
         if len(groups) == 1
@@ -321,6 +355,8 @@ def _is_plain(value: Any, keyed: Keys) -> bool:
 def _mirrored(project: Project, field: KeyedField, keyed: Keys) -> Keys:
     """The keys in the mirror image of the motion."""
     match keyed:
+        case KeyedPoses():
+            return keyed.mirrored()
         case KeyedOwnPlace():
             values = tuple(map(tuple, MIRROR.ways(keyed.values).tolist()))
             return replace(keyed.with_rates(MIRROR.ways), values=values)

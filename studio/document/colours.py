@@ -1,5 +1,8 @@
 """The colours of the studio, shared by every view: one meaning each, ``#RRGGBB``."""
 
+from collections.abc import Mapping
+from types import MappingProxyType
+
 from studio.core.constraints.kinds import CONSTRAINT_KINDS as CONSTRAINTS
 
 WINDOW = "#0f1114"
@@ -18,6 +21,8 @@ SELECTED_CONTROL = "#3d6fa8"
 SELECTED_HANDLE = "#cfe3ff"
 PLAYHEAD = "#ff6b5e"
 LIVE = "#ff6b5e"
+BEFORE_PLAYHEAD, AFTER_PLAYHEAD, KEPT_GHOST = "#e8915b", "#58bfb0", "#dfe6ee"
+"""Bodies at moments before and after the playhead, and at kept ones."""
 
 VIEWPORT_TOP = "#2a3038"
 VIEWPORT_BOTTOM = "#1d2126"
@@ -32,6 +37,39 @@ PARTLY = "#E3A23C"
 NOT_REACHED = "#E4574F"
 LEFT, RIGHT = "#6aa5e3", "#e3a23c"
 """The sides of a body, where a figure tells them apart."""
+
+
+STAGE_BAR, STAGE_CONTROL, STAGE_SELECTED_CONTROL = BAR, CONTROL, SELECTED_CONTROL
+STAGE_TEXT, STAGE_TEXT_SECOND, STAGE_TEXT_THIRD, STAGE_SELECTED_HANDLE = TEXT, TEXT_SECOND, TEXT_THIRD, SELECTED_HANDLE
+STAGE_PLAYHEAD, STAGE_PARTLY, STAGE_NOT_REACHED = PLAYHEAD, PARTLY, NOT_REACHED
+"""The 3D view is dark in every theme: bodies and handles have their colours against it."""
+
+LIGHT: Mapping[str, str] = MappingProxyType(
+    {
+        "WINDOW": "#b9c0c7",
+        "WELL": "#ffffff",
+        "PANEL": "#f3f5f7",
+        "BAR": "#e3e7eb",
+        "CONTROL": "#d5dbe1",
+        "EDGE": "#bcc4cc",
+        "TEXT": "#1b1f24",
+        "TEXT_SECOND": "#434c56",
+        "TEXT_THIRD": "#58626c",
+        "SELECTED_ROW": "#c6daf1",
+        "SELECTED_HANDLE": "#1f5fa8",
+        "PLAYHEAD": "#d8382a",
+        "LIVE": "#d8382a",
+        "PARTLY": "#8f5a05",
+        "NOT_REACHED": "#c5332b",
+    }
+)
+DARK: Mapping[str, str] = MappingProxyType({name: globals()[name] for name in LIGHT})
+THEMES: Mapping[str, Mapping[str, str]] = MappingProxyType({"dark": DARK, "light": LIGHT})
+
+
+def use_theme(name: str) -> None:
+    """Let panels and timeline have the colours of a theme; what is made before keeps its own."""
+    globals().update(THEMES[name])
 
 
 def character_colour(number: int) -> str:

@@ -11,7 +11,7 @@ from studio.core.stage.clip import Clip
 Keyed = Keys | ActivationCurve
 """Values with keys; an activation has its four times."""
 
-KEYED_COLLECTIONS = ("constraints", "props", "characters")
+KEYED_COLLECTIONS = ("constraints", "props", "characters", "corrections")
 
 
 class KeyedField(NamedTuple):

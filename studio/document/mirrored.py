@@ -8,16 +8,19 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.normalized.mirror import mirrored_contacts
 from studio.core.project import Project
+from studio.core.stage.correction import Correction
 from studio.document.commands.replace import same_value
 
 
 def mirrored_entity(entity: Any) -> Any:
-    """A constraint or contact on the other side; anything else as it is. Applied twice, it is as before."""
+    """A constraint, contact or correction on the other side; anything else as it is. Applied twice, it is as before."""
     match entity:
         case Constraint():
             return mirrored_constraint(entity)
         case ContactInterval():
             return mirrored_contacts((entity,))[0]
+        case Correction():
+            return entity.mirrored()
     return entity
 
 

@@ -36,10 +36,10 @@ class StandingSolver:
         self._lock = threading.Lock()
 
     def __call__(self, request: AdaptRequest, first: int, last: int | None) -> AdaptedMotion:
-        from studio.core.solver.adapt import hold
+        from studio.core.solver.adapt import grounded, solve
 
         standing = self._standing(request, None if last is None else ((first, last + 1), *own_frames(request)))
-        return hold(standing, request.constraints, first, last, request.tracks, eased=request.eased).kept()
+        return solve(grounded(request, standing), request, first, last).kept()
 
     def forget(self) -> None:
         """Let go of all that is kept."""

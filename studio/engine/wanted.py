@@ -18,6 +18,7 @@ from studio.core.solver.performers.rows import (
     ClipConstraint,
     composite_of,
     constraints_in,
+    corrections_in,
     frame_count_of,
     is_plain,
     timing_of,
@@ -25,6 +26,7 @@ from studio.core.solver.performers.rows import (
 from studio.core.solver.performers.stage import Followed, asked_of, followed_by, props_of, tracks_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.clip import Clip
+from studio.core.stage.correction import Correction
 from studio.core.stage.layer import Layer
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Prop
@@ -54,6 +56,8 @@ class Wanted:
     clears: bool = True
     layers: tuple[Layer, ...] = ()
     props: tuple[Prop, ...] = ()
+    corrections: tuple[Correction, ...] = ()
+    """Corrections in seconds of the motion of the row."""
 
     def stands_as(self, other: "Wanted | None") -> bool:
         """True if a body's grounding equals another one's."""
@@ -85,6 +89,7 @@ def wanted_of(project: Project, key: str, circle: tuple[str, ...], result_of: Re
     return Wanted(
         performer, motions, body, asked, ground, followed, Placement.of(performer), skin,
         performer.limited, performer.eased, performer.clears, performer.layers, props_of(project, key),
+        corrections_in(project, key, timing),
     )  # fmt: skip
 
 
@@ -101,6 +106,6 @@ def player_of(project: Project, key: str, wanted: Wanted, prepare: Prepare) -> P
     volume = None if wanted.skin is None else fitted_volume(*wanted.skin)
     request = AdaptRequest(
         composite.motion, wanted.morphology, composite.contacts, constraints, wanted.ground, tracks, volume,
-        actor, wanted.limited, wanted.eased, wanted.clears,
+        actor, wanted.limited, wanted.eased, wanted.clears, wanted.corrections,
     )  # fmt: skip
     return Player(request, composite, wanted.placement, project.props)

@@ -22,6 +22,27 @@ _PAGE = re.compile(
 )
 """A page of the web, or the sentence of a server that has no such file."""
 
+_ARCHIVES = {
+    "ZIP": b"PK\x03\x04",
+    "7z": b"7z\xbc\xaf\x27\x1c",
+    "RAR": b"Rar!\x1a\x07",
+    "gzip": b"\x1f\x8b\x08",
+    "bzip2": b"BZh",
+    "xz": b"\xfd7zXZ\x00",
+}
+"""First bytes of archives and compressed files, by the name of their kind."""
+_TAR_AT = 257
+"""Byte at which a tar archive says that it is one."""
+
+
+def refuse_archive(name: str, head: bytes) -> None:
+    """Raise StudioError where the file ``name``, which begins with ``head``, is an archive of other files."""
+    kinds = [kind for kind, begin in _ARCHIVES.items() if head.startswith(begin)]
+    if head[_TAR_AT:].startswith(b"ustar"):
+        kinds = ["tar"]
+    if kinds:
+        raise StudioError(f"{name} is a packed file ({kinds[0]}). Unpack it, then open the files that were in it.")
+
 
 def refuse_stand_in(name: str, head: bytes) -> None:
     """Raise StudioError where the file ``name``, which begins with ``head``, is only what stands for another one."""

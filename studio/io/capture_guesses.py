@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 
 from studio.core.body.body_sides import LIMB_PARTS, exchanged_limbs
 from studio.core.body.humanoid import BodyMap
+from studio.core.body.kinematics import joint_positions
 from studio.core.body.moving_offsets import with_bones_followed
 from studio.core.body.pose import PoseSequence
 from studio.core.body.reference_pose import ReferencePose, find_reference_pose, stand_up
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.confidence import Confidence
+from studio.core.captures.motion_faults import clean_motion
 from studio.core.errors import StudioError
 from studio.core.rotations import IDENTITY_QUATERNION, normalized
 from studio.io.figure.body_maps import FoundBody, similar_joints
@@ -95,6 +97,8 @@ def stood_capture(read: ReadJoints, found: FoundBody, options: ImportOptions, gu
                 f"Joints move in their parents by up to {np.degrees(swing):.0f} degrees; bones point where they are."
             )
             guesses.append(Guess("moving offsets", "followed", reason))
+        read = cleaned_joints(replace(read, poses=poses), found.body_map, options, guesses)
+        poses = read.poses
     first_frame, guess = guess_first_frame(read.positions, read.frame_rate)
     guesses += [guess] if guess else []
     floor = floor_of(read, first_frame, found.body_map, options, guesses)
@@ -114,6 +118,19 @@ def stood_capture(read: ReadJoints, found: FoundBody, options: ImportOptions, gu
         guesses=tuple(guesses),
         repairs=read.repairs,
     )
+
+
+def cleaned_joints(read: ReadJoints, body_map: BodyMap, options: ImportOptions, guesses: list[Guess]) -> ReadJoints:
+    """Joints without the faults of their motion, and a repair, if ``options`` say so; else a guess that offers it."""
+    poses, faults = clean_motion(read.skeleton, read.poses, body_map, read.frame_rate)
+    if not faults.any:
+        return read
+    if not options.clean:
+        reason = f"It has {faults.words}. Clean motion (--clean) takes that off, as from poses estimated in images."
+        guesses.append(Guess("cleaning", "none", reason))
+        return read
+    repair = f"{read.path.name} was cleaned. It had {faults.words}."
+    return replace(read, poses=poses, positions=joint_positions(read.skeleton, poses), repairs=(*read.repairs, repair))
 
 
 def floor_of(

@@ -29,6 +29,8 @@ class ImportOptions:
     """Joints by part, as ``BodyMap.to_json`` gives them, "" for none; parts left out are still guessed."""
     reference: str | Mapping[str, Sequence[float]] | None = None
     """``zero``, the number of a frame, or the pose itself: local rotations (x, y, z, w) by joint."""
+    clean: bool = False
+    """Take off spikes, exchanged limbs and tremble of a motion that was estimated from images or depth."""
     marker_map: "MarkerMap | None" = None
     """Markers of an optical capture by their places on the body."""
     marker_steps: "tuple[Step, ...] | None" = None

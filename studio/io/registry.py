@@ -16,7 +16,7 @@ from studio.core.captures.annotations import Annotations
 from studio.core.errors import StudioError
 from studio.core.plausible import BONE_RANGE, TRAVEL
 from studio.io import plug_ins
-from studio.io.beside import SNIFFED, refuse_devices, refuse_stand_in
+from studio.io.beside import SNIFFED, refuse_archive, refuse_devices, refuse_stand_in
 
 if TYPE_CHECKING:
     from studio.core.body.character import Character
@@ -343,6 +343,7 @@ def _format_of(path: Path, head: bytes, jobs: tuple[str, ...]) -> Format:
     found = next(_recognising([*by_suffix, *others], head), None)
     if found is None:
         refuse_stand_in(path.name, head)
+        refuse_archive(path.name, head)
         found = next(iter(by_suffix), None)
     if found is None:
         kinds = " or ".join(job.removesuffix("_reader") for job in jobs)

@@ -14,7 +14,7 @@ from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.base import Constraint
 from studio.core.quality.metrics import SLOW, acceleration_ratio, knee_speeds, speed_ratio, worst_of
-from studio.core.solver.adapt import hold
+from studio.core.solver.adapt import grounded, solve
 from studio.core.solver.report import (
     BLOCKED_BY_CLEARANCE,
     BLOCKED_BY_CONTACTS,
@@ -30,7 +30,7 @@ from studio.core.solver.report import (
     report_of,
 )
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.standing.stand import Standing, standing_of
+from studio.core.solver.standing.stand import Standing
 from studio.core.solver.warm_up import warm_up
 from studio.core.stage.placement import Placement
 
@@ -58,8 +58,8 @@ def character_report(
     """Adapted motion from ``first_frame`` on, and the record of its metrics."""
     warm(request.morphology.still)
     start = time.perf_counter()
-    standing = standing_of(request)
-    adapted = hold(standing, request.constraints, first_frame, None, request.tracks, eased=request.eased)
+    standing = grounded(request)
+    adapted = solve(standing, request, first_frame)
     seconds = time.perf_counter() - start
     record = figures(standing, request, adapted, source, by_frame)
     return adapted, {**record, "microseconds_per_frame": 1e6 * seconds / adapted.frame_count}

@@ -16,6 +16,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.carried_over import COMING
 from studio.core.normalized.compose import Composite
 from studio.core.project import Project
+from studio.core.solver.adapt import grounded
 from studio.core.solver.asking.tracks import Tracks, fixed_at
 from studio.core.solver.performers.performing import Prepare, motion_of, unasked_request
 from studio.core.solver.performers.rows import composite_of, constraints_in, pieces_of
@@ -113,7 +114,7 @@ def taken_over(project: Project, key: str, before: Playing, frame: int, tracks: 
 def _playing(
     project: Project, key: str, composite: Composite, prepare: Prepare, kept: frozenset[str] = frozenset()
 ) -> Playing:
-    standing = standing_of(unasked_request(project, key, composite, prepare))
+    standing = grounded(unasked_request(project, key, composite, prepare))
     return Playing(composite, standing, _asked(project, key, composite, standing, kept), kept=kept)
 
 

@@ -199,7 +199,7 @@ class LiveStage:
         if part is None or (part.act is None and part.row != performer.all_clips):
             self._parts[key] = _Part(own_row(given, key, self._prepare), performer.all_clips)
             self._note(key)
-        elif before is None or _stands_otherwise(given, seen, performer, before):
+        elif before is None or _stands_otherwise(self.project, seen, key):
             part.playing, part.row = restood(given, key, part.playing, self._prepare), performer.all_clips
         else:
             part.playing, part.row = asked_anew(given, key, part.playing), performer.all_clips
@@ -422,13 +422,23 @@ def _staged(project: Project, parts: Mapping[str, _Part], begun: Mapping[str, Ac
     """``project`` in which the rows of performers are the clips that took over, and those of the acts in ``begun``."""
     acts = {key: part.act for key, part in parts.items() if part.act is not None} | dict(begun)
     rows = [(key, replace(project.performers[key], clips=(act.clip,), layers=()), None) for key, act in acts.items()]
+    corrected = [(each, None, None) for key in acts for each in project.corrections_of(key)]
     asked = [(f"{key} {each.name}", each, None) for key, act in acts.items() for each in act.asked]
-    staged = project.with_entities("performers", rows)
+    staged = project.with_entities("performers", rows).with_entities("corrections", corrected)
     return staged.with_entities("constraints", asked) if asked else staged
 
 
-def _stands_otherwise(project: Project, before: Project, performer: Performer, was: Performer) -> bool:
-    """True if the body, ground, placement or options of a performer changed, and so its unconstrained pose."""
+def _stands_otherwise(project: Project, before: Project, key: str) -> bool:
+    """True if the body, ground, placement, options or corrections of a performer changed, and so its unconstrained
+    pose.
+    """
+    performer, was = project.performers[key], before.performers[key]
     bodies = [given.characters[each.character_id] for given, each in ((project, performer), (before, was))]
     manners = [(each.position, each.heading, each.limited, each.clears) for each in (performer, was)]
-    return bodies[0] is not bodies[1] or project.ground is not before.ground or manners[0] != manners[1]
+    corrections = [given.corrections_of(key) for given in (project, before)]
+    return (
+        bodies[0] is not bodies[1]
+        or project.ground is not before.ground
+        or manners[0] != manners[1]
+        or corrections[0] != corrections[1]
+    )

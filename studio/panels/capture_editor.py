@@ -118,13 +118,30 @@ class CaptureEditor(Editor):
         self._show_report(capture)
 
     def _show_report(self, capture: Capture) -> None:
-        report = _make_report(capture)
+        report = self._make_report(capture)
         if self._report is None:
             self.column.insertWidget(2, report)
         else:
             self.column.replaceWidget(self._report, report)
             self._report.deleteLater()
         self._report = report
+
+    def _make_report(self, capture: Capture) -> QWidget:
+        """The guesses with their reasons and what they offer, then the repairs, then what is odd."""
+        section = Section(f"Guessed · {len(capture.guesses)}")
+        for guess in capture.guesses:
+            section.add_wide(_guess_lines(guess))
+            if guess.subject == "cleaning":
+                section.add_wide(press_button("Clean motion", lambda: self._ask(clean=True)))
+        if capture.body_map is not None:
+            section.add_wide(ReferenceFigure(capture, capture.body_map))
+        if not capture.guesses:
+            section.add_wide(labelled("No assumptions were made.", "hint"))
+        for repair in capture.repairs:
+            section.add_wide(labelled(f"Repaired: {repair}", "hint"))
+        for remark in remarks_on(capture):
+            section.add_wide(labelled(f"Warning: {remark.sentence}", "hint"))
+        return section
 
     def _changer(self, text: str, make: Callable[[Capture, float], Capture]) -> Callable[[float], None]:
         return lambda value: self.put(lambda: make(self.entity, value), f"{text} of {self.entity.name}")
@@ -141,22 +158,6 @@ def _show(choice: Choice, value: str) -> None:
     if not choice.offers(value):
         choice.add(value, value)
     choice.show_value(value)
-
-
-def _make_report(capture: Capture) -> QWidget:
-    """The guesses with their reasons, then the repairs, then what is odd."""
-    section = Section(f"Guessed · {len(capture.guesses)}")
-    for guess in capture.guesses:
-        section.add_wide(_guess_lines(guess))
-    if capture.body_map is not None:
-        section.add_wide(ReferenceFigure(capture, capture.body_map))
-    if not capture.guesses:
-        section.add_wide(labelled("No assumptions were made.", "hint"))
-    for repair in capture.repairs:
-        section.add_wide(labelled(f"Repaired: {repair}", "hint"))
-    for remark in remarks_on(capture):
-        section.add_wide(labelled(f"Warning: {remark.sentence}", "hint"))
-    return section
 
 
 def _guess_lines(guess: Guess) -> QWidget:

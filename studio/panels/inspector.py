@@ -10,6 +10,7 @@ from studio.engine.live import Live
 from studio.panels.behaviour.behaviour_editor import BehaviourEditor
 from studio.panels.behaviour.state_editor import StateEditor
 from studio.panels.behaviour.transition_editor import TransitionEditor
+from studio.panels.camera_editor import CameraEditor
 from studio.panels.capture_editor import CaptureEditor
 from studio.panels.character_editor import CharacterEditor
 from studio.panels.clip_editor import ClipEditor
@@ -32,6 +33,7 @@ ENTITY_EDITORS: dict[str, Callable[[Document, Live, str, str], Editor]] = {
     "grounds": GroundEditor,
     "props": PropEditor,
     "behaviours": BehaviourEditor,
+    "cameras": CameraEditor,
     "states": StateEditor,
     "transitions": TransitionEditor,
 }

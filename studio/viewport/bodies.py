@@ -1,7 +1,8 @@
 """The bodies on the stage: a performer's skin or its bones."""
 
 import math
-from typing import Any
+from concurrent.futures import Future
+from typing import Any, NamedTuple
 
 import pyvista as pv
 
@@ -10,7 +11,7 @@ from studio.core.body.character import Character
 from studio.core.mesh.skin import SkinnedMesh, gripping, skin_vertices
 from studio.core.stage.placement import Placement
 from studio.engine.performance import Posed
-from studio.viewport.coarse import coarse_skin
+from studio.viewport.coarse import coarse_skin_beside
 from studio.viewport.figure import BoneFigure
 from studio.viewport.live_mesh import LiveMesh
 from studio.viewport.materials import material_actors
@@ -32,49 +33,62 @@ def place(actor: Any, placement: Placement) -> None:
     actor.SetOrientation(0.0, 0.0, math.degrees(placement.heading))
 
 
+class DrawnSkin(NamedTuple):
+    """A skin and the mesh that draws it."""
+
+    mesh: LiveMesh
+    skin: SkinnedMesh
+
+    @classmethod
+    def of(cls, skin: SkinnedMesh) -> "DrawnSkin":
+        """``skin`` with a new mesh."""
+        return cls(LiveMesh(len(skin.vertices), skin.triangles), skin)
+
+
 class BodyVisual:
     """A character as skin and as bones; only one of the two is posed and seen at a time."""
 
     def __init__(self, character: Character) -> None:
         self._character = character
-        self._skin = LiveMesh(len(character.skin.vertices), character.skin.triangles)
+        self._drawn = self._whole = DrawnSkin.of(character.skin)
         self._bones: BoneFigure | None = None
         look = character.skin.appearance
         if look is None:
-            self.skin_actors = [make_actor(self._skin, character.colour)]
-            self._give_panels(self._skin, character.skin)
+            self.skin_actors = [make_actor(self._whole.mesh, character.colour)]
+            self._give_panels(self._whole)
             draw_seams(self.skin_actors[0], character.colour)
         else:
-            self.skin_actors = material_actors(self._skin, character.skin.triangles, look)
+            self.skin_actors = material_actors(self._whole.mesh, character.skin.triangles, look)
         self.bones_actor: Any = None
-        self._coarse: LiveMesh | None = None
-        self._is_coarse = False
+        self._coarse: DrawnSkin | None = None
+        self._coarse_skin: Future[SkinnedMesh] | None = None
         self._posing: tuple[object, ...] = ()
         """Pose and motion that were drawn last; the same ones again cost nothing."""
 
     def coarsen(self, coarse: bool) -> None:
-        """Draw the next poses with fewer vertices, or with all; a skin with materials is always drawn whole."""
-        if coarse == self._is_coarse or self._character.skin.appearance is not None:
+        """Draw the next poses with fewer vertices, or with all; a skin with materials is always drawn whole.
+
+        The coarse skin is made beside the window; until it is there, the whole one is drawn.
+        """
+        if self._character.skin.appearance is not None:
             return
-        if self._coarse is None:
-            skin = coarse_skin(self._character.skin)
-            self._coarse = LiveMesh(len(skin.vertices), skin.triangles)
-            self._give_panels(self._coarse, skin)
-        self._is_coarse = coarse
-        self.skin_actors[0].mapper.SetInputData(self._drawn.polydata)
+        drawn = self._coarse_or_whole() if coarse else self._whole
+        if drawn is not self._drawn:
+            self._drawn = drawn
+            self.skin_actors[0].mapper.SetInputData(drawn.mesh.polydata)
 
-    def _give_panels(self, mesh: LiveMesh, skin: SkinnedMesh) -> None:
-        mesh.polydata.point_data[FIELD] = panel_field(skin, self._character.build.layout)
-        mesh.polydata.point_data.active_scalars_name = FIELD
+    def _coarse_or_whole(self) -> DrawnSkin:
+        if self._coarse_skin is None:
+            self._coarse_skin = coarse_skin_beside(self._character.skin)
+        if self._coarse is None and self._coarse_skin.done():
+            self._coarse = DrawnSkin.of(self._coarse_skin.result())
+            self._give_panels(self._coarse)
+        return self._coarse or self._whole
 
-    @property
-    def _drawn(self) -> LiveMesh:
-        return self._coarse if self._is_coarse and self._coarse is not None else self._skin
-
-    def _shown(self, posed: Posed) -> SkinnedMesh:
-        """Skin that ``_drawn`` draws, with its hands posed."""
-        skin = self._character.skin
-        return gripping(coarse_skin(skin) if self._is_coarse else skin, posed.grip(self._character.grip))
+    def _give_panels(self, drawn: DrawnSkin) -> None:
+        data = drawn.mesh.polydata.point_data
+        data[FIELD] = panel_field(drawn.skin, self._character.build.layout)
+        data.active_scalars_name = FIELD
 
     def belongs_to(self, character: Character) -> bool:
         """True if this mesh can show ``character``: proportions and colour may differ, the skin may not."""
@@ -111,7 +125,7 @@ class BodyVisual:
             self._bones.pose(motion.positions[row])
             place(self.bones_actor, posed.placement)
             return
-        mesh, shown = self._drawn, self._shown(posed)
+        mesh, shown = self._drawn.mesh, gripping(self._drawn.skin, posed.grip(self._character.grip))
         posing = mesh, shown, self._character.blending, motion, row
         if posing == self._posing:
             return

@@ -49,7 +49,9 @@ def body_joints(layout: BodyLayout) -> tuple[BodyJoint, ...]:
     return tuple(joints)
 
 
-def point_path(motion: AdaptedMotion, point: BodyPoint, rows: slice = slice(None)) -> NDArray[np.float64]:
+def point_path(
+    motion: AdaptedMotion, point: BodyPoint, rows: slice | NDArray[np.intp] = slice(None)
+) -> NDArray[np.float64]:
     """(F, 3) where ``point`` is in the motion's space in each of ``rows``."""
     layout = motion.morphology.layout
     segment = layout.segment(point.part)

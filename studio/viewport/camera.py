@@ -1,20 +1,20 @@
 """The camera as a value: where it looks from, and how stage and picture points turn into each other."""
 
 import math
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass, fields, replace
 from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from studio.core.stage.saved_camera import CAMERA_AZIMUTH, CAMERA_ELEVATION, VIEW_ANGLE, CameraPlacement
+
 FloatArray = NDArray[np.float64]
 
-VIEW_ANGLE = math.radians(30.0)
 MOST_CAMERA_PITCH = math.pi / 2
 LEAST_CAMERA_DISTANCE, MOST_CAMERA_DISTANCE = 0.15, 150.0
 VIEWS: dict[str, tuple[float, float]] = {
-    "perspective": (math.radians(-52.0), math.radians(13.0)),
+    "perspective": (CAMERA_AZIMUTH, CAMERA_ELEVATION),
     "front": (0.0, 0.0),
     "side": (-math.pi / 2, 0.0),
     "top": (-math.pi / 2, math.pi / 2),
@@ -23,27 +23,18 @@ VIEWS: dict[str, tuple[float, float]] = {
 
 
 @dataclass(frozen=True)
-class OrbitCamera:
-    """Looks at ``target`` (stage) from ``distance`` metres, turned by ``azimuth`` and ``elevation``."""
+class OrbitCamera(CameraPlacement):
+    """A placement that moves with the mouse, and turns stage and picture points into each other."""
 
-    target: tuple[float, float, float] = (0.0, 0.0, 0.9)
-    distance: float = 6.0
-    azimuth: float = VIEWS["perspective"][0]
-    elevation: float = VIEWS["perspective"][1]
-    parallel: bool = False
+    @classmethod
+    def at(cls, placement: CameraPlacement) -> Self:
+        """The camera of a placement."""
+        return cls(*(getattr(placement, each.name) for each in fields(CameraPlacement)))
 
-    @cached_property
-    def axes(self) -> FloatArray:
-        """(3, 3) rows: right, up and towards the viewer, in stage space."""
-        ca, sa = math.cos(self.azimuth), math.sin(self.azimuth)
-        ce, se = math.cos(self.elevation), math.sin(self.elevation)
-        return np.array([[-sa, ca, 0.0], [-se * ca, -se * sa, ce], [ce * ca, ce * sa, se]])
-
-    @cached_property
-    def eye(self) -> FloatArray:
-        """(3,) where the camera stands, stage space."""
-        eye: FloatArray = np.asarray(self.target) + self.distance * self.axes[2]
-        return eye
+    @property
+    def placement(self) -> CameraPlacement:
+        """The placement alone, as it is saved."""
+        return CameraPlacement(*(getattr(self, each.name) for each in fields(CameraPlacement)))
 
     def orbited(self, azimuth: float, elevation: float) -> Self:
         """Turned about its target by angles in radians; it never rolls over the top."""

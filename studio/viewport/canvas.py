@@ -163,7 +163,7 @@ class Canvas(QWidget):
         ground.setColorAt(0, QColor(colours.VIEWPORT_TOP))
         ground.setColorAt(1, QColor(colours.VIEWPORT_BOTTOM))
         painter.fillRect(self.rect(), ground)
-        painter.setPen(QColor(colours.TEXT_THIRD))
+        painter.setPen(QColor(colours.STAGE_TEXT_THIRD))
         painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "Starting 3D …")
 
     def _single_shot(self, milliseconds: int, slot: Callable[[], None]) -> QTimer:

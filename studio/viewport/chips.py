@@ -13,13 +13,13 @@ PROBLEM_FRAME = 60
 """Pixels of a view's width that the problem's words may not take."""
 _SHAPE = "border-radius: 11px; padding: 3px 10px; font-size: 12px; border: 1px solid transparent;"
 _BUTTON = f"""
-QPushButton {{ background: rgba(22, 25, 29, 205); color: {colours.TEXT_SECOND}; {_SHAPE} }}
-QPushButton:checked {{ background: rgba(58, 66, 75, 235); color: {colours.TEXT}; }}
-QPushButton:hover {{ background: {colours.CONTROL}; color: {colours.TEXT}; }}
-QPushButton:focus {{ border: 1px solid {colours.SELECTED_CONTROL}; }}
+QPushButton {{ background: rgba(22, 25, 29, 205); color: {colours.STAGE_TEXT_SECOND}; {_SHAPE} }}
+QPushButton:checked {{ background: rgba(58, 66, 75, 235); color: {colours.STAGE_TEXT}; }}
+QPushButton:hover {{ background: {colours.STAGE_CONTROL}; color: {colours.STAGE_TEXT}; }}
+QPushButton:focus {{ border: 1px solid {colours.STAGE_SELECTED_CONTROL}; }}
 """
-_WARNING = f"QPushButton {{ color: {colours.PARTLY}; }} QPushButton:hover {{ color: {colours.PARTLY}; }}"
-_CALL = f"QPushButton {{ background: {colours.SELECTED_CONTROL}; color: #ffffff; }}"
+_WARNING = f"QPushButton {{ color: {colours.STAGE_PARTLY}; }} QPushButton:hover {{ color: {colours.STAGE_PARTLY}; }}"
+_CALL = f"QPushButton {{ background: {colours.STAGE_SELECTED_CONTROL}; color: #ffffff; }}"
 
 
 class Chip(QPushButton):
@@ -69,17 +69,18 @@ class Chips:
     """The chips of a viewport: what is seen top left, work top right, trouble bottom left."""
 
     def __init__(self, parent: QWidget, clicked: Mapping[str, Callable[[], object]]) -> None:
-        """``clicked``: what view, shading, space, ghost, trails, follow, markers, problem and constrain do."""
+        """``clicked``: what view, shading, space, ghost, onion, trails, follow, markers, problem and constrain do."""
         self.view = Chip("Perspective", "Perspective or parallel view", clicked["view"], parent)
         self.shading = Chip("Skin", "Skin or bones", clicked["shading"], parent)
         self.space = Chip("World axes", "Axes of the gizmo: world, local, parent or screen", clicked["space"], parent)
         self.ghost = ToggleChip("Ghost of source", "Ghost of the source", False, clicked["ghost"], parent)
+        self.onion = ToggleChip("Onion skins", "Onion skins of the selected body", False, clicked["onion"], parent)
         self.trails = ToggleChip("Trails", "Trails of the constrained point", True, clicked["trails"], parent)
         self.follow = ToggleChip("Follow", "Camera follows the selected character", False, clicked["follow"], parent)
         self.markers = ToggleChip("Markers", "Markers as they were recorded", False, clicked["markers"], parent)
         self.work = QLabel(parent)
         self.work.setAccessibleName("Bodies, pictures a second, and how far these are behind the hand")
-        self.work.setStyleSheet(f"background: rgba(22, 25, 29, 205); color: {colours.TEXT_SECOND}; {_SHAPE}")
+        self.work.setStyleSheet(f"background: rgba(22, 25, 29, 205); color: {colours.STAGE_TEXT_SECOND}; {_SHAPE}")
         self.problem = Chip("", "Most important problem", clicked["problem"], parent, _WARNING)
         self.constrain = Chip("", "Constrain the picked joint", clicked["constrain"], parent, _CALL)
         self._view = parent
@@ -93,7 +94,16 @@ class Chips:
         grid.setContentsMargins(12, 12, 12, 12)
         top, bottom = QHBoxLayout(), QHBoxLayout()
         top.setSpacing(8)
-        for chip in (self.view, self.shading, self.space, self.ghost, self.trails, self.follow, self.markers):
+        for chip in (
+            self.view,
+            self.shading,
+            self.space,
+            self.ghost,
+            self.onion,
+            self.trails,
+            self.follow,
+            self.markers,
+        ):
             top.addWidget(chip)
         top.addStretch(1)
         top.addWidget(self.work)
@@ -106,10 +116,20 @@ class Chips:
     def fit(self, width: int) -> None:
         """Leave out what a narrow view has no room for, the least important first."""
         self.space.setVisible(self._space_used and width >= 340)
-        for chip, needed in ((self.ghost, 430), (self.trails, 520), (self.follow, 610), (self.markers, 720)):
+        for chip, needed in (
+            (self.ghost, 430),
+            (self.trails, 520),
+            (self.follow, 610),
+            (self.onion, 740),
+            (self.markers, 850),
+        ):
             chip.setVisible(width >= needed and (chip is not self.markers or self._recorded))
-        self._wide = width >= 790
+        self._wide = width >= 920
         self.work.setVisible(self._wide and bool(self.work.text()))
+
+    def tell_parallel(self, parallel: bool) -> None:
+        """Show whether the view is parallel."""
+        self.view.say("Parallel" if parallel else "Perspective")
 
     def tell_space(self, space: str, used: bool) -> None:
         """Show along whose axes the gizmo moves and rotates, while it does."""

@@ -1,5 +1,6 @@
 """A coarser skin of some of the vertices of another one, for pictures of which the next comes at once."""
 
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,13 @@ COARSE_TRIANGLES = 2000
 """Triangles of a mesh that is coarse already."""
 CLUSTER_EDGES = 2.8
 """Edges of a mesh that are as long as a cell, whose vertices become one: a quarter of the triangles is left."""
+
+_beside = ThreadPoolExecutor(1, thread_name_prefix="coarse skins")
+
+
+def coarse_skin_beside(mesh: SkinnedMesh) -> Future[SkinnedMesh]:
+    """Future of ``coarse_skin``, which takes a tenth of a second for a body of 100,000 triangles."""
+    return _beside.submit(coarse_skin, mesh)
 
 
 @project_cache(maxsize=64)

@@ -52,6 +52,8 @@ class Here:
 
     moment: TargetContext
     joint: BodyJoint | None
+    fits_activation: bool = True
+    """True if the constraint acts while the body stays where it is, False if for the whole clip."""
 
     @property
     def project(self) -> Project:
@@ -125,7 +127,7 @@ class Here:
         begin, end = self.span
         now = min(max(self.pose.seconds, begin), end)
         activation = ActivationCurve(begin, begin, end, end)
-        if moving is not None:
+        if moving is not None and self.fits_activation:
             activation = fitted_activation(self.around[2], moving, now, begin, end)
         return {
             "motion_id": motion_id,

@@ -42,7 +42,9 @@ def render_shots(shots: Shots) -> Generator[Pixels, None, None]:
             seen = posed | resting_performers(project, posed)
             props = props_at(project, posed, time)
             scene.sync(project, seen, props, view.bones, trails(project, posed, view.trail))
-            own = replace(view, camera=cameras(time))
+            camera = cameras(time)
+            azimuth = camera.azimuth + view.turning * (time - view.time)
+            own = replace(view, camera=replace(camera, azimuth=azimuth))
             picture = smooth_picture(scene, own.camera, shots.size, FILM_PICTURE_SAMPLES)
             if source is not None and view.ghost_of in posed:
                 _paint_ghost(picture, pose_of(project, posed[view.ghost_of].performer, source, time), own)

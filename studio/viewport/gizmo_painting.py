@@ -120,7 +120,7 @@ class GizmoPainter:
         self._painter.setPen(Qt.PenStyle.NoPen)
         self._painter.setBrush(QColor(22, 25, 29, 225))
         self._painter.drawRoundedRect(plate, 8.0, 8.0)
-        self._painter.setPen(QColor(colours.TEXT))
+        self._painter.setPen(QColor(colours.STAGE_TEXT))
         self._painter.drawText(plate, Qt.AlignmentFlag.AlignCenter, words)
 
     def _arrow(self, begin: FloatArray, tip: FloatArray, colour: str) -> None:

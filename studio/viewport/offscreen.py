@@ -6,6 +6,7 @@ import numpy as np
 
 from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
+from studio.core.stage.saved_camera import CameraPlacement
 from studio.engine.performance import posed_performers
 from studio.engine.props import props_at
 from studio.viewport.camera import OrbitCamera
@@ -16,27 +17,32 @@ from studio.viewport.stills import FILM_PICTURE_SAMPLES, STILL_SAMPLES, smooth_p
 Results = Mapping[str, AdaptedMotion]
 
 
-def render_frame(project: Project, results: Results, time: float, size: tuple[int, int]) -> Pixels:
+def render_frame(
+    project: Project, results: Results, time: float, size: tuple[int, int], placement: CameraPlacement | None = None
+) -> Pixels:
     """The stage at ``time`` (seconds) as (height, width, 4) RGBA bytes; ``size`` is width and height.
 
-    ``results`` has an adapted motion for each performer id that is to be seen. The camera looks from where the viewport
-    opens, and frames the bodies as they are at that moment.
+    ``results`` has an adapted motion for each performer id that is to be seen. Without a ``placement`` the camera
+    looks from where the viewport opens, and frames the bodies as they are at that moment.
     """
     posed = posed_performers(project, results.get, time)
-    camera = opening_camera(posed, size, ground=project.ground)
-    if posed:
+    camera = OrbitCamera.at(placement) if placement else opening_camera(posed, size, ground=project.ground)
+    if posed and placement is None:
         camera = camera.framing(np.concatenate([pose.points for pose in posed.values()]), size)
     return next(_frames(project, results, (time,), camera, size, STILL_SAMPLES))
 
 
 def render_video(
-    project: Project, results: Results, times: Iterable[float], size: tuple[int, int]
+    project: Project,
+    results: Results,
+    times: Iterable[float],
+    size: tuple[int, int],
+    placement: CameraPlacement | None = None,
 ) -> Generator[Pixels, None, None]:
-    """One picture for each of ``times`` (seconds), all with the camera with which the viewport opens on the first."""
+    """One picture for each of ``times`` (seconds), all with the camera of the ``placement``, or the opening one."""
     times = list(times)
-    camera = opening_camera(
-        posed_performers(project, results.get, times[0] if times else 0.0), size, ground=project.ground
-    )
+    first = posed_performers(project, results.get, times[0] if times else 0.0)
+    camera = OrbitCamera.at(placement) if placement else opening_camera(first, size, ground=project.ground)
     return _frames(project, results, times, camera, size, FILM_PICTURE_SAMPLES)
 
 

@@ -10,20 +10,23 @@ from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 from studio.document import colours
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.handles import Handle
+from studio.viewport.paths import TrailKeys
 from studio.viewport.recording import MarkerFrame
 from studio.viewport.strokes import SHADOW, draw_disc, draw_line
 
 GHOST = QColor(196, 204, 214, 215)
 MARKER_COLOUR, OTHER_MARKER_COLOUR = QColor("#f0f4f8"), QColor(142, 152, 164, 170)
-CHOSEN_MARKER_COLOUR = QColor(colours.PLAYHEAD)
+CHOSEN_MARKER_COLOUR = QColor(colours.STAGE_PLAYHEAD)
 
 NOTICE_ABOVE = 150.0
 """Pixels from the lower edge up to what is said while nobody performs: clear of a sentence of two lines."""
 
 
+TRAIL_KEY_PX = 5.0
+"""Pixels from the middle of a key on a trail to its corners."""
 GAZE = 0.6
 """Least strength of the line from eyes to what they look at, whoever's they are."""
-JOINT_COLOUR = QColor(colours.SELECTED_HANDLE)
+JOINT_COLOUR = QColor(colours.STAGE_SELECTED_HANDLE)
 """Of the dots at joints that can be picked."""
 
 
@@ -65,6 +68,22 @@ class Overlay:
         self._painter.setBrush(GHOST)
         for x, y in pixels:
             self._painter.drawEllipse(QPointF(x, y), 2.8, 2.8)
+
+    def trail_keys(self, keys: Iterable[TrailKeys]) -> None:
+        """Diamonds on trails, as keys are on the timeline."""
+        for each in keys:
+            pixels, depth = self._camera.project(each.points, self._size)
+            for (x, y), ahead in zip(pixels, depth, strict=True):
+                if ahead > 0:
+                    self._painter.setPen(QPen(SHADOW, 1.5))
+                    self._painter.setBrush(QColor(each.colour))
+                    corners = (
+                        (x - TRAIL_KEY_PX, y),
+                        (x, y - TRAIL_KEY_PX),
+                        (x + TRAIL_KEY_PX, y),
+                        (x, y + TRAIL_KEY_PX),
+                    )
+                    self._painter.drawPolygon(QPolygonF([QPointF(*corner) for corner in corners]))
 
     def markers(self, recording: MarkerFrame, marked: Collection[str], named: bool) -> None:
         """Dots seen through everything, those that no map names fainter; names at the marked ones, or at all."""
@@ -133,11 +152,11 @@ class Overlay:
         self._painter.setPen(Qt.PenStyle.NoPen)
         self._painter.setBrush(QColor(22, 25, 29, 225))
         self._painter.drawRoundedRect(plate, 11.0, 11.0)
-        self._painter.setPen(QColor(colours.TEXT))
+        self._painter.setPen(QColor(colours.STAGE_TEXT))
         self._painter.drawText(QRectF(plate.topLeft(), QSizeF(width, 34.0)), Qt.AlignmentFlag.AlignCenter, words)
         if share is not None:
             self._painter.setPen(Qt.PenStyle.NoPen)
-            for colour, part in ((colours.CONTROL, 1.0), (colours.KINDS["position"], share)):
+            for colour, part in ((colours.STAGE_CONTROL, 1.0), (colours.KINDS["position"], share)):
                 self._painter.setBrush(QColor(colour))
                 bar = QRectF(plate.left() + 20.0, top + 33.0, (width - 40.0) * part, 4.0)
                 self._painter.drawRoundedRect(bar, 2.0, 2.0)
@@ -153,7 +172,7 @@ class Overlay:
         for face in figure.faces:
             self._face(face, colour, 0.25 * strength)
         for line in figure.lines:
-            self._thin(line, colours.NOT_REACHED if handle.missed and figure.link is None else colour, strength)
+            self._thin(line, colours.STAGE_NOT_REACHED if handle.missed and figure.link is None else colour, strength)
         if figure.link is not None and (handle.missed or figure.link_always):
             gazes = handle.kind == "look_at" and handle.activation > 0.0
             self._link(handle, figure.link, colour, max(strength, GAZE) if gazes else strength)
@@ -164,7 +183,7 @@ class Overlay:
         if (depth <= 0).any():
             return
         if handle.missed:
-            draw_line(self._painter, pixels[0], pixels[1], colours.NOT_REACHED, 2.0 if handle.main else 1.2)
+            draw_line(self._painter, pixels[0], pixels[1], colours.STAGE_NOT_REACHED, 2.0 if handle.main else 1.2)
             return
         self._thin(link, colour, strength)
         dot = QColor(colour)

@@ -10,7 +10,8 @@ from studio.core.captures.contacts import ContactPoint, touching_points
 from studio.core.constraints.base import BodyPoint
 from studio.core.project import Project
 from studio.document import colours
-from studio.engine.performance import FloatArray, Posed
+from studio.document.keyed_fields import fields_of, to_stage
+from studio.engine.performance import FloatArray, Posed, pose_of
 from studio.viewport.body_points import point_path
 
 TRAIL_SECONDS, TRAIL_RATE = 0.8, 120.0
@@ -20,6 +21,14 @@ LIFT = 0.005
 _TURN = np.linspace(0.0, 2 * np.pi, 41)
 _CIRCLE = np.stack([np.cos(_TURN), np.sin(_TURN), np.zeros_like(_TURN)], axis=1)
 _UP = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True, eq=False)
+class TrailKeys:
+    """Places (N, 3), on the stage, of a body's trail at the times of keys, and the trail's colour."""
+
+    points: FloatArray
+    colour: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,11 +69,29 @@ def trails(
     return found
 
 
+def trail_keys(project: Project, posed: Mapping[str, Posed], point: BodyPoint, constraint_id: str) -> list[TrailKeys]:
+    """Places on the trails of ``point`` at the keys of a constraint, of every body that has one within its trail."""
+    fields = fields_of("constraints", constraint_id, project.constraints.get(constraint_id))
+    found = []
+    for pose in posed.values():
+        motion = pose.over_time
+        times = [
+            to_stage(project, pose.clip, field, seconds) for field, keyed in fields.items() for seconds in keyed.times
+        ]
+        frames = np.unique([pose_of(project, pose.performer, motion, time).frame for time in times])
+        near = frames[np.abs(frames - pose.frame) <= round(TRAIL_SECONDS * motion.frame_rate)].astype(np.intp)
+        if len(near):
+            path = point_path(motion, point, near - motion.first_frame)
+            colour = project.characters[pose.performer.character_id].colour
+            found.append(TrailKeys(pose.placement.to_stage(path), colour))
+    return found
+
+
 def selection_rings(project: Project, posed: Mapping[str, Posed], selected: Collection[str]) -> list[StagePath]:
     """A ring on the ground round each selected performer."""
     chosen = [posed[key] for key in selected if key in posed]
     centres, sizes = [pose.points[0] for pose in chosen], [2 * pose.motion.morphology.leg_length for pose in chosen]
-    return _rings(project, centres, PATH_RING_RADIUS * np.array(sizes), colours.SELECTED_HANDLE, 0.7)
+    return _rings(project, centres, PATH_RING_RADIUS * np.array(sizes), colours.STAGE_SELECTED_HANDLE, 0.7)
 
 
 def prop_paths(project: Project, selected: Collection[str], time: float) -> list[StagePath]:
@@ -73,7 +100,7 @@ def prop_paths(project: Project, selected: Collection[str], time: float) -> list
     paths = [
         each.position.path(time) for each in chosen if not each.held_at(time) and not isinstance(each.position, tuple)
     ]
-    return [StagePath(path, colours.SELECTED_HANDLE, np.full(len(path), 0.7)) for path in paths]
+    return [StagePath(path, colours.STAGE_SELECTED_HANDLE, np.full(len(path), 0.7)) for path in paths]
 
 
 def contact_marks(project: Project, posed: Mapping[str, Posed]) -> list[StagePath]:

@@ -20,7 +20,7 @@ from studio.viewport.paths import StagePath
 FloatArray = NDArray[np.float64]
 
 METRES_A_NEWTON = 0.001
-PLATE_COLOUR = colours.TEXT_THIRD
+PLATE_COLOUR = colours.STAGE_TEXT_THIRD
 FORCE_COLOUR = colours.kind_colour("balance")
 
 

@@ -17,12 +17,14 @@ from studio.core.project import Project
 from studio.engine.performance import Posed
 from studio.engine.props import PropPose
 from studio.viewport.bodies import BodyVisual
-from studio.viewport.camera import VIEW_ANGLE, OrbitCamera
+from studio.viewport.camera import OrbitCamera
 from studio.viewport.eyes import CENTRE_EYE, Eye
 from studio.viewport.floor import SHADOW_REACH, SoftShadows, make_lines, make_plane, make_sky
+from studio.viewport.ghost_bodies import GhostBodies
 from studio.viewport.ground_visual import GroundVisual
 from studio.viewport.live_mesh import LiveLines, flat_actor
 from studio.viewport.material import SkyShading, light_like_a_studio
+from studio.viewport.onion_skins import Ghost
 from studio.viewport.paths import StagePath
 from studio.viewport.prop_figures import unit_mesh
 
@@ -40,6 +42,7 @@ class StageScene:
         light_like_a_studio(self.plotter)
         self._shading = SkyShading()
         self._bodies: dict[str, BodyVisual] = {}
+        self._ghosts = GhostBodies(self._add_shaded, self._remove)
         self._props: dict[str, Any] = {}
         self._looks: dict[str, Any] = {}
         self._shadows = SoftShadows()
@@ -60,8 +63,9 @@ class StageScene:
         bones: bool = False,
         paths: Sequence[StagePath] = (),
         moving: bool = False,
+        ghosts: Sequence[Ghost] = (),
     ) -> None:
-        """Show performers as skins or bones, their shadows, lines on the stage, props; coarser while all is moving."""
+        """Show performers as skins or bones, shadows, lines, props and ghosts; coarser while all is moving."""
         self._drop_bodies(project, posed)
         for performer_id, pose in posed.items():
             body = self._body(performer_id, project.characters[pose.performer.character_id])
@@ -69,6 +73,7 @@ class StageScene:
                 self._add_shaded(body.make_bones(pose.motion.morphology.layout))
             body.coarsen(moving)
             body.pose(pose, bones)
+        self._ghosts.sync(project, ghosts)
         self._lines.show_paths(paths)
         self._shadows.cast([(pose.points, pose.motion.morphology) for pose in posed.values()], project.ground)
         self._sync_ground(project.ground)
@@ -88,7 +93,7 @@ class StageScene:
         window, lens = self._window, self.plotter.renderer.GetActiveCamera()
         if tuple(window.GetSize()) != size:
             window.SetSize(*size)
-        tall = camera.distance * math.tan(VIEW_ANGLE / 2)  # half of the window at the target
+        tall = camera.half_height
         away = np.array([eye.right, eye.up, eye.back]) @ camera.axes
         lens.SetPosition(*(camera.eye + away))
         lens.SetFocalPoint(*(camera.eye + away - camera.distance * camera.axes[2]))

@@ -29,6 +29,8 @@ class View:
     """The performer with whom the camera goes."""
     time: float = 0.0
     """Seconds at which the camera stands as it does."""
+    turning: float = 0.0
+    """Radians a second by which the camera goes round its target."""
 
 
 @dataclass(frozen=True, eq=False)

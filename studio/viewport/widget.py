@@ -14,6 +14,7 @@ from PySide6.QtWidgets import QWidget
 from studio.core.body.sticks import bone_pairs
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.kinds import CONSTRAINT_KINDS
+from studio.core.stage.saved_camera import CameraPlacement
 from studio.document import colours
 from studio.document.document import Document
 from studio.engine.empty_stage import empty_words
@@ -37,10 +38,11 @@ from studio.viewport.glide import Glide
 from studio.viewport.handles import Handle, constraint_handles
 from studio.viewport.movables import Movable
 from studio.viewport.newcomers import Newcomers
+from studio.viewport.onion_skins import Ghost, OnionSkins, kept_ghosts, onion_ghosts
 from studio.viewport.opening import is_another_size, opening_camera
 from studio.viewport.overlay import Overlay
 from studio.viewport.pace import Pace
-from studio.viewport.paths import StagePath, prop_paths, selection_rings, stage_paths
+from studio.viewport.paths import StagePath, prop_paths, selection_rings, stage_paths, trail_keys
 from studio.viewport.picking import PickedJoint
 from studio.viewport.preview import Preview
 from studio.viewport.problem import Problem, worst_problem
@@ -48,6 +50,7 @@ from studio.viewport.recording import MarkerFrame, RecordingView, recorded_of
 from studio.viewport.selected_movable import AnyGizmo, gizmo_of, selected_movable
 from studio.viewport.shots import View
 from studio.viewport.snapping import DEFAULT_STEPS
+from studio.viewport.turntable import TURN_RATE, Turntable
 
 if TYPE_CHECKING:
     from studio.viewport.scene import StageScene
@@ -66,6 +69,10 @@ class Viewport(Canvas):
         self.tool = "move"
         self.gizmo_space = Space.WORLD
         self.snap_steps = DEFAULT_STEPS
+        self.onion_skins = OnionSkins()
+        self.fits_activation = True
+        """True if new constraints act while the body stays, False if for the whole clip."""
+        self._kept: list[tuple[str, float]] = []
         self._nudged = "z"
         self.posed: dict[str, Posed] = {}
         self.resting: dict[str, Posed] = {}
@@ -90,6 +97,7 @@ class Viewport(Canvas):
         self.preview, self.strike_drops = Preview(self), StrikeDrops(self, document)
         self._problem: Problem | None = None
         self._glide = Glide(self.set_camera, self)
+        self._turntable = Turntable(self._turn, self)
         self._chips = Chips(
             self,
             {
@@ -97,6 +105,7 @@ class Viewport(Canvas):
                 "shading": self.toggle_bones,
                 "space": self.next_gizmo_space,
                 "ghost": self.show_again,
+                "onion": self.show_again,
                 "trails": self.show_again,
                 "follow": self.show_again,
                 "markers": self.show_again,
@@ -115,6 +124,7 @@ class Viewport(Canvas):
         """Let go of VTK, document and engine. May be called twice."""
         self.cancel_gesture()
         self._glide.stop()
+        self._turntable.stop()
         self.preview.show(None)
         for link in self._links:
             link()
@@ -167,7 +177,33 @@ class Viewport(Canvas):
     def toggle_parallel(self) -> None:
         """Perspective or parallel."""
         self.set_camera(replace(self.camera, parallel=not self.camera.parallel))
-        self._chips.view.say("Parallel" if self.camera.parallel else "Perspective")
+        self._chips.tell_parallel(self.camera.parallel)
+
+    @property
+    def placement(self) -> CameraPlacement:
+        """Where the camera is, to be saved."""
+        return self.camera.placement
+
+    def look_through(self, placement: CameraPlacement) -> None:
+        """Glide to a placement of the camera."""
+        self._glide.start(self.camera, OrbitCamera.at(placement))
+        self._chips.tell_parallel(placement.parallel)
+
+    def set_turntable(self, on: bool) -> None:
+        """Let the camera go round what it looks at, or stop it."""
+        if on:
+            self._turntable.start()
+        else:
+            self._turntable.stop()
+        self.show_again()
+
+    def _turn(self, angle: float) -> None:
+        self.set_camera(replace(self.camera, azimuth=self.camera.azimuth + angle))
+
+    @property
+    def turntable(self) -> bool:
+        """True while the camera goes round."""
+        return self._turntable.running
 
     def toggle_bones(self) -> None:
         """Skin or bones."""
@@ -184,6 +220,37 @@ class Viewport(Canvas):
     def ghost_shown(self) -> bool:
         """True if the ghost of the source is on."""
         return self._chips.ghost.isChecked()
+
+    def set_onion_shown(self, shown: bool) -> None:
+        """The onion skins of the selected bodies, on or off."""
+        self._chips.onion.setChecked(shown)
+        self.show_again()
+
+    @property
+    def onion_shown(self) -> bool:
+        """True if onion skins are on."""
+        return self._chips.onion.isChecked()
+
+    def set_onion_skins(self, skins: OnionSkins) -> None:
+        """Show so many skins, so many frames apart."""
+        self.onion_skins = skins
+        self.show_again()
+
+    def keep_ghosts(self) -> None:
+        """Keep the moment of the playhead: the selected bodies are seen as they are then, or the active one is."""
+        now = self._document.playhead.time
+        self._kept += [(key, now) for key in self._ghosted() if (key, now) not in self._kept]
+        self.show_again()
+
+    @property
+    def kept_ghosts(self) -> tuple[tuple[str, float], ...]:
+        """Performer id and seconds of the stage of each kept moment."""
+        return tuple(self._kept)
+
+    def clear_ghosts(self) -> None:
+        """Let go of all kept moments."""
+        self._kept.clear()
+        self.show_again()
 
     def set_following(self, following: bool) -> None:
         """The camera goes with the active performer, or stays."""
@@ -234,7 +301,7 @@ class Viewport(Canvas):
         ):
             return None
         context, joint = TargetContext(project, self.posed, pose), picked.joint if picked else None
-        constraint = constraint_here(Here(context, joint), kind)
+        constraint = constraint_here(Here(context, joint, self.fits_activation), kind)
         constraint_id = self._document.add("constraints", constraint, f"Add '{constraint.name}'")
         self.pick(None)
         self._document.selection.set(("performers", performer_id), ("constraints", constraint_id))
@@ -294,7 +361,13 @@ class Viewport(Canvas):
     @property
     def moving(self) -> bool:
         """While something moves, pictures are not smoothed."""
-        return self._document.playhead.playing or self._live.play.running or self.in_hand or self._glide.moving
+        return (
+            self._document.playhead.playing
+            or self._live.play.running
+            or self.in_hand
+            or self._glide.moving
+            or self.turntable
+        )
 
     @property
     def in_hand(self) -> bool:
@@ -320,9 +393,32 @@ class Viewport(Canvas):
         self.camera = self._follower.moved(self.camera, active, pose if self.following else None)
         self._chips.tell_recorded(recorded_of(self._document, pose) is not None)
         self.props = props_at(project, self.posed, time)
-        scene.sync(project, bodies, self.props, self._bones, self._paths(), self.moving and not self._glide.moving)
+        scene.sync(
+            project,
+            bodies,
+            self.props,
+            self._bones,
+            self._paths(),
+            self.moving and not self._glide.moving,
+            self._ghosts(time),
+        )
         self._pace.posed(self._live.asked_at(active) if self._live.interactive else None)
         self._chips.tell_work(len(self.posed), self._pace.words, all(map(self._live.is_eased, self.posed)))
+
+    def _ghosted(self) -> list[str]:
+        """Ids of the selected performers, else that of the active one, as far as they are seen."""
+        selected = self._document.selection.of("performers") or (self._document.active_performer_id or "",)
+        return [key for key in selected if key in self.posed]
+
+    def _ghosts(self, time: float) -> list[Ghost]:
+        if self._live.play.running:
+            return []  # its motion is not known ahead
+        project, rate = self._posed_in, self._document.playhead.frame_rate
+        poses = [self.posed[key] for key in self._ghosted()] if self.onion_shown else []
+        return [
+            *onion_ghosts(project, poses, self.onion_skins, time, rate),
+            *kept_ghosts(project, self.posed, self._kept),
+        ]
 
     def _told_changed(self) -> None:
         if not self._live.interactive:
@@ -349,6 +445,9 @@ class Viewport(Canvas):
         if ghost is not None:
             overlay.ghost(ghost.points, bone_pairs(ghost.motion.morphology.layout))
         self.preview.paint(overlay)
+        point, constraints = self._trail_point(), self._document.selection.of("constraints")
+        if point is not None and constraints:
+            overlay.trail_keys(trail_keys(self._posed_in, self.posed, point, constraints[-1]))
         if self._recorded is not None:
             overlay.markers(self._recorded, self.recording.marked, self.recording.named)
         chosen = set(self._document.selection.of("constraints"))
@@ -362,7 +461,7 @@ class Viewport(Canvas):
         for picked, strong in ((self.joint_hovered, False), (self.joint_picked, True)):
             pose = self.posed.get(picked.performer_id) if picked else None
             if picked is not None and pose is not None:
-                overlay.joint(pose.points[picked.joint.index], colours.SELECTED_HANDLE, strong)
+                overlay.joint(pose.points[picked.joint.index], colours.STAGE_SELECTED_HANDLE, strong)
         gizmo = self.gizmo()
         if gizmo is not None and gizmo.in_sight:
             GizmoPainter(painter).paint(gizmo, self.gizmo_part_hovered, self.gesture)
@@ -407,7 +506,8 @@ class Viewport(Canvas):
         """Picture of the stage now, without what serves only to edit it."""
         active, now = self._document.active_performer_id, self._document.playhead.time
         ghost_of, followed = active if self.ghost_shown else None, active if self.following else None
-        return View(self.camera, self.view_size[1], self._bones, self._trail_point(), ghost_of, followed, now)
+        turning = TURN_RATE if self.turntable else 0.0
+        return View(self.camera, self.view_size[1], self._bones, self._trail_point(), ghost_of, followed, now, turning)
 
     def _trail_point(self) -> BodyPoint | None:
         """The point whose paths are drawn: the selected constraint's, else the picked joint's."""
@@ -455,6 +555,7 @@ class Viewport(Canvas):
 
     def _project_opened(self) -> None:
         self._played, self._framed = self._document.project.motions_played, False
+        self._kept.clear()
         self._tell_problem()
         if self.gesture is not None:
             self.gesture.finish()  # there is nothing left to take back
@@ -493,6 +594,7 @@ class Viewport(Canvas):
         """Begin a gesture, or select."""
         self.setFocus(Qt.FocusReason.MouseFocusReason)
         self._glide.stop()
+        self._turntable.stop()
         mouse.press(self, self._document, self._live, event)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:

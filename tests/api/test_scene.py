@@ -119,3 +119,22 @@ def test_the_guide_names_every_call_and_the_interface_every_name() -> None:
     assert sorted(api.__all__) == sorted(
         name for name in vars(api) if not name.startswith("_") and name not in ("results", "scene")
     )
+
+
+def test_a_corrected_pose_is_adapted_and_taken_back_by_undo() -> None:
+    scene, _, body = _with_kick()
+    before, plain = scene.project, scene.adapt(body)[body]
+    key = scene.correct_pose(body, 0.5, {"left_forearm": (0.6, 0.0, 0.0)})
+    posed = scene.adapt(body)[body]
+    wrist = api.BodyPoint(api.BodyPart.LEFT_FOREARM, at_end=True)
+    off = np.linalg.norm(posed.place_of(wrist) - plain.place_of(wrist), axis=1)
+    times = plain.times
+    assert off[np.abs(times - 0.5).argmin()] > 0.03
+    assert not off[np.abs(times - 0.5) > 0.26].any()
+    assert scene.correct_pose(body, 0.6, hips=(0.0, 0.0, -0.1)) == key
+    assert len(scene.project.corrections[key].keys.times) == 2
+    scene.undo()
+    scene.undo()
+    assert scene.project == before
+    with pytest.raises(api.StudioError, match="left_forearm"):
+        scene.correct_pose(body, 0.5, {"left elbow": (0.6, 0.0, 0.0)})

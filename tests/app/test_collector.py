@@ -1,4 +1,4 @@
-"""What is lost while a window is open is ended on the window's thread, as Qt needs it."""
+"""Objects lost while a window is open end on the window's thread, as Qt needs it."""
 
 import gc
 import threading

@@ -19,7 +19,7 @@ def silent(_share: float, _text: str) -> None:
 
 
 def corrected(path: Path, reference: str) -> dict[str, dict[str, object]]:
-    """What is kept, as JSON has it, when the user reads a file otherwise."""
+    """Options kept, as JSON has them, when the user reads a file otherwise."""
     read_as = as_corrected(read_capture(path), GUESS_ALL, {}, silent)[1]
     said = ImportOptions(reference=reference)
     kept = {read_as.kind: replace(read_as, options=said).corrections(load_capture(path, said))}

@@ -1,4 +1,4 @@
-"""What the window needs before it is shown is imported; all else while somebody looks at it."""
+"""Imports before the window is shown, and those while somebody looks at it."""
 
 import os
 import subprocess

@@ -1,7 +1,7 @@
 """The project's own Python files, parsed, for tests that look at the shape of the code."""
 
 import ast
-from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -33,14 +33,20 @@ def test_files() -> list[Path]:
     return sorted((ROOT / "tests").rglob("*.py"))
 
 
-def functions_of(file: Path) -> Iterator[Function]:
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"), str(file))):
-        if isinstance(node, Function):
-            yield node
+@cache
+def tree_of(file: Path) -> ast.Module:
+    """Syntax tree of a file, parsed once for all the tests of this folder (see conftest.py)."""
+    return ast.parse(file.read_text(encoding="utf-8"), str(file))
+
+
+@cache
+def functions_of(file: Path) -> list[Function]:
+    """All functions of a file, also those in classes and in other functions."""
+    return [node for node in ast.walk(tree_of(file)) if isinstance(node, Function)]
 
 
 def is_compiled(function: Function) -> bool:
-    """Whether numba compiles it, whichever way the decorator is written."""
+    """True if numba compiles it, whichever way the decorator is written."""
     calls = [node.func if isinstance(node, ast.Call) else node for node in function.decorator_list]
     return any(ast.unparse(call).rpartition(".")[2] in COMPILED for call in calls)
 

@@ -7,7 +7,7 @@ import tomllib
 from importlib.metadata import packages_distributions
 
 from tests.architecture import sources
-from tests.architecture.sources import ROOT, product_files
+from tests.architecture.sources import ROOT, product_files, tree_of
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 BROUGHT_ALONG = {"llvmlite": "numba", "shiboken6": "pyside6-essentials"}
@@ -25,7 +25,7 @@ TOOLS = {
     "scipy-stubs": ("pyproject.toml", "[tool.mypy]"),
     "daqp": ("benchmarks/peers/mink_qp.py", '"daqp"'),
 }
-"""What is run or found by name instead of imported: the file and the words that do so."""
+"""Dependencies run or found by name instead of imported: the file and the words that do so."""
 
 
 def distribution_names(requirements):
@@ -37,12 +37,14 @@ def imported(files):
     """Names of the packages from outside that files import, wherever in them."""
     found = set()
     for file in files:
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        for node in ast.walk(tree_of(file)):
             if isinstance(node, ast.Import):
                 found |= {alias.name for alias in node.names}
             elif isinstance(node, ast.ImportFrom) and not node.level:
                 found.add(node.module)
-            elif isinstance(node, ast.Call) and "importorskip" in ast.unparse(node.func):
+            elif (
+                isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "importorskip"
+            ):
                 found.add(ast.literal_eval(node.args[0]))
     return {name.split(".")[0] for name in found} - sys.stdlib_module_names
 

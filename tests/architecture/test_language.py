@@ -4,12 +4,11 @@ import ast
 import re
 from collections import defaultdict
 from collections.abc import Callable, Iterator
-from functools import cache
 from pathlib import Path
 
 import pytest
 
-from tests.architecture.sources import ROOT, place_of
+from tests.architecture.sources import ROOT, place_of, tree_of
 
 DONE = ("core/kernels", "core/solver")
 """Rooms of studio/ that speak it. A room that is put here stays here."""
@@ -51,13 +50,8 @@ def files_of(rooms: tuple[str, ...]) -> list[Path]:
     return sorted(file for room in rooms for file in (ROOT / "studio" / room).rglob("*.py"))
 
 
-def every_file() -> list[Path]:
-    return sorted((ROOT / "studio").rglob("*.py"))
-
-
-@cache
-def tree_of(file: Path) -> ast.Module:
-    return ast.parse(file.read_text(encoding="utf-8"))
+def every_file(folders: tuple[str, ...] = ("studio",)) -> list[Path]:
+    return sorted(file for folder in folders for file in (ROOT / folder).rglob("*.py"))
 
 
 def classes_of(file: Path) -> Iterator[str]:
@@ -130,7 +124,7 @@ def test_no_file_of_these_rooms_shares_its_name() -> None:
 def test_docstrings_begin_with_what_is_returned_or_done() -> None:
     riddles = [
         f"{place_of(file, line)} {text[:50]}"
-        for file in every_file()
+        for file in every_file(("studio", "tests", "benchmarks", "examples"))
         for line, text in docstrings_of(file)
         if is_riddle(text)
     ]

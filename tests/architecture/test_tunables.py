@@ -3,7 +3,7 @@
 import ast
 from collections.abc import Iterator
 
-from tests.architecture.sources import ROOT, place_of
+from tests.architecture.sources import ROOT, place_of, tree_of
 
 ROOMS = ("studio/core/kernels", "studio/core/solver")
 
@@ -13,7 +13,7 @@ def tunables() -> Iterator[tuple[str, bool]]:
     for room in ROOMS:
         for file in sorted((ROOT / room).rglob("*.py")):
             lines = file.read_text(encoding="utf-8").splitlines()
-            body = ast.parse("\n".join(lines)).body
+            body = tree_of(file).body
             for place, node in enumerate(body):
                 if isinstance(node, ast.Assign):
                     told = is_told(body, place, lines)

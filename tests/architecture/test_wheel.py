@@ -1,4 +1,4 @@
-"""What is published is what works: the wheel in an empty environment, away from the checkout."""
+"""The published wheel works in an empty environment, away from the checkout."""
 
 import json
 import subprocess

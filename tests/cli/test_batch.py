@@ -27,7 +27,7 @@ from tests.builders import make_capture
 
 
 def asked_by(*words: str) -> dict[str, Any]:
-    """What a job is told of the command line."""
+    """Arguments of a job, from the command line."""
     parser = ArgumentParser()
     ADD_ARGUMENTS["batch"](parser)
     told = vars(parser.parse_args(["captures", "--out", "out", *words]))

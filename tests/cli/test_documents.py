@@ -23,7 +23,7 @@ FENCED = re.compile(r"^```(\w*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 COMMAND = re.compile(r"^(?: {4})?(?:python main\.py|morpho-studio) (.+?)(?: +#.*)?$", re.MULTILINE)
 OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]+")
 SHORTENED = {"live": ["--seconds", "0.2", "--fast"], "render": ["--size", "160x90", "--film-rate", "2"]}
-"""What is added to commands that play or draw for minutes; the last of equal options counts."""
+"""Options added to commands that play or draw for minutes; the last of equal options counts."""
 ALWAYS = {"--help", "--version"}
 
 

@@ -1,4 +1,4 @@
-"""What is asked in a clip that is trimmed or split: smoothly, and only where there is time for it."""
+"""Constraints in a clip that is trimmed or split act smoothly, and only where there is time for them."""
 
 from dataclasses import replace
 from functools import cache

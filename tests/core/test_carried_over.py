@@ -1,4 +1,4 @@
-"""What is asked of a motion, where a clip of it plays."""
+"""Constraints of a motion, where a clip of it plays."""
 
 from dataclasses import replace
 
@@ -20,7 +20,7 @@ seconds = st.floats(-5.0, 5.0)
 def test_what_is_asked_comes_and_goes_while_its_clip_plays_however_short_that_is(
     times: list[float], first: float, last: float, speed: float
 ) -> None:
-    """Of a clip that others cover from its first frame on, the last comes before the first: nothing is asked then."""
+    """A clip that others cover from its first frame on ends before it begins: nothing is asked then."""
     asked = PositionConstraint("m", "hold", BodyPoint(BodyPart.LEFT_HAND), Chain(), 0, ActivationCurve(*times))
     curve = carried_over(asked, Carry(0.0, speed, 0.0, (0.0, 0.0), False, first, last)).activation
     assert (curve.at([min(first, last) - 1e-6, max(first, last) + 1e-6]) == 0.0).all()

@@ -1,4 +1,4 @@
-"""What carries a body: laws of its parts, and a handstand, a bear's walk and a seat on bodies of any build."""
+"""Contacts that carry a body: their laws, and a handstand, a bear's walk and a seat on bodies of any build."""
 
 from dataclasses import replace
 

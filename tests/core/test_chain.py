@@ -1,4 +1,4 @@
-"""What every constraint has: point, chain, priority."""
+"""Point, chain and priority, which every constraint has."""
 
 from dataclasses import fields, replace
 

@@ -19,7 +19,7 @@ NAMES = ("second", "third", "fourth")
 
 
 def pieces_of(clips: tuple[Clip, ...], motion: MotionPiece) -> tuple[MotionPiece, ...]:
-    """What clips of one motion play, repeat by repeat."""
+    """Frames that clips of one motion play, repeat by repeat."""
     once = {clip.id: clip.length(RATE) / clip.repeats for clip in clips}
     return tuple(
         cut(

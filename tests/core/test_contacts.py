@@ -137,7 +137,7 @@ def test_a_foot_that_rolls_from_heel_to_toe_is_never_in_the_air() -> None:
 
 
 def test_steps_are_kept_in_the_noise_of_joints_that_shake_by_half_a_degree() -> None:
-    """Of a foot 0.9 m under joints that shake it is 11 mm, sideways; up and down it is less."""
+    """Metres of noise: a foot 0.9 m under joints that shake goes 11 mm sideways, and less up and down."""
     rate, kept = 30.0, []
     for seed in range(40):
         noise = np.random.default_rng(seed).normal(0.0, (0.011, 0.011, 0.002), (120, 2, 1, 3))

@@ -1,4 +1,4 @@
-"""What jolts from frame to frame is eased in time, and nothing else is: of a walk past wishes that sway or stay."""
+"""Targets that jolt from frame to frame are smoothed in time, and no others: a walk past swaying and steady ones."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""What the ground asks of a body: states of the feet, comfort of the legs, how far the root comes down."""
+"""Footing of a body: states of the feet, extension of the legs, lowering of the root."""
 
 import numpy as np
 import pytest

@@ -53,7 +53,7 @@ def _bends(upper: np.ndarray, lower: np.ndarray) -> np.ndarray:
 
 
 def _beyond(adapted: AdaptedMotion, before: AdaptedMotion, limbs: set[int]) -> float:
-    """By how much joints of ``limbs`` go further than their limits, or than the motion ``before``, in radians."""
+    """Radians by which joints of ``limbs`` go further than their limits, or than the motion ``before``, in radians."""
     body, k, worst = adapted.morphology, adapted.morphology.layout.spine_count, -np.inf
     limits = limits_of(body)
     for limb in limbs:

@@ -98,6 +98,28 @@ def test_a_heel_that_is_raised_all_the_time_is_no_sole() -> None:
     assert np.degrees(angle_between(*from_matrix(alignments[[left, right]]))) < WITHIN
 
 
+@pytest.mark.parametrize("standing", [(1.0, 1.0), (0.5, 1.0), (0.0, 0.0)], ids=["both", "one longer", "none"])
+@pytest.mark.parametrize("degrees", [15.0, 25.0])
+def test_a_raised_heel_tells_nothing_of_the_sole_of_a_skeleton_without_human_zero_pose(
+    degrees: float, standing: tuple[float, float]
+) -> None:
+    calm = swaying(3, frames=120, amplitude=0.05)
+    takes = [calm, _turned(calm, "RightFoot", about(LEFT, np.radians(degrees)))]
+    axes = np.swapaxes(_axes(3, calm.skeleton.joint_count), 1, 2)
+    feet = []
+    for take in takes:
+        odd = with_zero_pose(take, axes)
+        assert odd.body_map is not None
+        reference = find_reference_pose(odd.skeleton, odd.poses, odd.body_map)
+        assert reference.source == "all frames"
+        marks = find_landmarks(replace(odd, reference_rotations=reference.rotations), odd.body_map)
+        alignments = find_alignments(marks)
+        frames = np.arange(len(marks.points))[:, None]
+        level_soles(marks, alignments, frames < np.array(standing) * len(frames))
+        feet.append(from_matrix(alignments[marks.layout.spine_count + 16]))
+    assert np.degrees(angle_between(*feet)) < WITHIN
+
+
 def test_a_take_in_which_nobody_stands_is_told_as_doubtful() -> None:
     lying = _turned(swaying(1, frames=60, amplitude=0.1), "Hips", about(LEFT, np.radians(90.0)))
     axes = np.swapaxes(_axes(1, lying.skeleton.joint_count), 1, 2)

@@ -183,7 +183,7 @@ def test_a_motion_realised_on_another_body_is_still_the_same_motion(seed: int) -
 
 
 def _captured(motion: NormalizedMotion, body: Morphology) -> Capture:
-    """What a camera would record of ``motion`` on ``body``: a skeleton with the canonical segments as its joints."""
+    """A recording of ``motion`` on ``body``: a skeleton with the canonical segments as its joints."""
     layout = body.layout
     positions, rotations = realize(motion, body)
     parents, origins = np.array(layout.parent_segments()), list(layout.proximal_points())

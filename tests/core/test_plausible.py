@@ -1,4 +1,4 @@
-"""What cannot be true is refused wherever a physical number comes in."""
+"""Impossible physical numbers are refused wherever they come in."""
 
 from dataclasses import replace
 from pathlib import Path

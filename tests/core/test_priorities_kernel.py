@@ -104,7 +104,7 @@ class _Search:
 
     @property
     def gained(self) -> np.ndarray:
-        """How far each point has gone along its direction."""
+        """Displacement of each point along its direction."""
         return np.sum((self.pose.positions[self.points] - POSITIONS[self.points]) * self.directions, axis=1)
 
 

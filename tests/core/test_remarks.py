@@ -1,4 +1,4 @@
-"""What no body does is remarked on, with its frames; what bodies do is not."""
+"""Remarks on motion that no body makes, with its frames; none on motion that bodies make."""
 
 from dataclasses import replace
 

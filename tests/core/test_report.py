@@ -112,7 +112,7 @@ def test_the_arrays_have_a_number_a_frame_and_say_what_the_worst_values_say(body
 
 
 def test_who_does_not_act_keeps_nobody_from_anything() -> None:
-    """What frees the root now and then must not be named where it is not asked."""
+    """A constraint that frees the root now and then is not named where it is inactive."""
     standing = standing_of(AdaptRequest(WALK, BODIES["child"], STANDS))
     for seed in range(4):
         asked = scene(standing, hold(standing, ()), seed)

@@ -1,4 +1,4 @@
-"""What is asked of whom: of all who play a motion, of one performer, or of one clip."""
+"""Scope of a constraint: all who play a motion, one performer, or one clip."""
 
 from dataclasses import replace
 

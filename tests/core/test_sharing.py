@@ -1,4 +1,4 @@
-"""What several callers need of one object is computed once, and kept while the object lives."""
+"""Results that several callers need of one object are computed once, and kept while the object lives."""
 
 import gc
 import threading
@@ -13,7 +13,7 @@ from studio.core.sharing import Shared
 
 @dataclass(frozen=True)
 class Owner:
-    """What sources refer to."""
+    """Object that sources refer to."""
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,7 @@ def test_who_never_stands_shows_no_floor() -> None:
 
 @given(st.floats(0.02, 0.08), st.integers(30, 60))
 def test_a_heel_stands_until_it_rises(rise: float, begin: int) -> None:
-    """Of a heel that lies, and from one frame on rises over a ball that stands, only the rise is no contact."""
+    """A heel is in contact until it rises over a ball that stands."""
     frames = np.arange(90)
     heights = 0.08 + rise * np.clip((frames - begin) / (89 - begin), 0.0, 1.0)
     rising = rising_heels([(0, 89)], contact_mask([(0, 89)], 90), heights, 0.85)

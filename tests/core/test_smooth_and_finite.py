@@ -1,4 +1,4 @@
-"""What is asked smoothly is answered smoothly, and no finite question has an answer that is not a body.
+"""Smooth targets have smooth answers, and every finite target is answered by a body.
 
 These scenes ask for more than anybody can do at once. The bounds are what the solver of the day keeps, with a margin;
 they are to fall, never to rise. METHOD's own figure is the law of ``test_smooth_law``.

@@ -1,4 +1,4 @@
-"""What is wished smoothly for is answered smoothly, by METHOD's figure: three times what the source and the wish bring.
+"""Smooth targets have smooth answers, by METHOD's figure: three times what the source and the target bring.
 
 A wish brings a and v^2 / l, the greatest acceleration and speed of its target beside the point that it is for, over a
 lever of l = 0.3 m: what a bone of that length must turn at to follow it. The peak of all joints of trunk and arms is to

@@ -36,8 +36,8 @@ def picked() -> list[tuple[MotionPiece, MotionPiece]]:
 
 
 class Transition(NamedTuple):
-    """How sharply joints turn beside the two captures; metres by which what stands slides, feet are in the ground, and
-    hips come lower than in both.
+    """Greatest acceleration of joints beside the two captures; metres by which standing feet slide, feet are in the
+    ground, and hips come lower than in both.
     """
 
     jolt: float
@@ -54,7 +54,7 @@ def lowest(piece: MotionPiece) -> float:
 
 @cache
 def by_chance() -> list[Transition]:
-    """What is seen of each of the ``picked``."""
+    """Figures of each of the ``picked``."""
     found = []
     for before, after in picked():
         row = compose((before, after))

@@ -1,4 +1,4 @@
-"""What is kept upright leans no further than it may, and turns about that as it likes."""
+"""A part kept upright leans no further than it may, and turns freely about the vertical."""
 
 import math
 

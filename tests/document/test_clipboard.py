@@ -5,10 +5,12 @@ from dataclasses import replace
 
 import pytest
 
+from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.keyed import KeyedPlace
 from studio.core.constraints.tangents import Tangent, TangentMode, Tangents
 from studio.core.errors import StudioError
+from studio.core.stage.correction import PoseOffsets, new_correction
 from studio.core.stage.prop import Prop
 from studio.core.stage.scope import Scope
 from studio.document.clipboard import copied, paste
@@ -173,3 +175,29 @@ def test_a_constraint_of_a_body_that_is_not_there_is_pasted_for_all(document):
     [new] = other.project.constraints.values()
     assert not new.scope.is_narrow
     other.close()
+
+
+def test_a_correction_is_pasted_at_the_playhead_on_another_body_and_mirrored(document):
+    turn = ((BodyPart.LEFT_FOREARM, (0.4, 0.0, 0.0)),)
+    first, second = document.project.performers
+    key = document.add("corrections", new_correction("Left elbow", first, 0.5, PoseOffsets(turn)), "")
+    document.selection.set(("corrections", key))
+    text = copied(document)
+    pose = {"turns": [["left_forearm", [0.4, 0.0, 0.0]]], "hips": [0.0, 0.0, 0.0]}
+    keys = json.loads(text)["corrections"][0]["keys"]
+    assert keys == {"kind": "keyed", "times": [0.5], "values": [pose]}
+    document.playhead.set_time(0.8)
+    here = document.playhead.time
+    paste(document, text)
+    [(_, pasted)] = [each for each in document.selection.items if each != ("corrections", key)]
+    assert document.project.corrections[pasted].keys.times[0] == pytest.approx(here)
+    assert document.project.corrections[pasted].name != "Left elbow"
+    before = set(document.project.corrections)
+    document.selection.set(("performers", second))
+    paste(document, text, mirrored=True)
+    [new] = set(document.project.corrections) - before
+    other = document.project.corrections[new]
+    assert (other.name, other.performer_id, other.keys.times[0]) == ("Right elbow", second, 0.5)
+    assert other.keys.parts == (BodyPart.RIGHT_FOREARM,)
+    document.undo_stack.undo()
+    assert set(document.project.corrections) == before

@@ -1,4 +1,4 @@
-"""What was acknowledged is never lost, however the process ends; what is saved needs no recovery."""
+"""Acknowledged edits are never lost, however the process ends; saved ones need no recovery."""
 
 import os
 import sqlite3

@@ -21,10 +21,13 @@ from studio.core.project import GROUND_ID, Motion
 from studio.core.stage.behaviour import Behaviour, Role, State, Transition
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import DistanceCondition
+from studio.core.stage.correction import PoseOffsets, new_correction
 from studio.core.stage.manners import KeepDistance
 from studio.core.stage.prop import Prop
+from studio.core.stage.saved_camera import CAMERA_SLOTS, CameraPlacement
 from studio.core.stage.whom import DistanceMeasure, FollowPartner
 from studio.document.document import Document
+from studio.document.stored_cameras import give_slot, store_camera
 from studio.io.project.entity_json import project_json
 from tests.builders import make_capture, make_constraint, make_contact, make_project
 
@@ -32,10 +35,11 @@ WRIST = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
 PROJECT = make_project(characters=3, constraints=2, contacts=3)
 
 REMOVED = {
-    "behaviours": 2, "constraints": 6, "contacts": 6, "props": 6, "performers": 2, "characters": 1, "motions": 0.1,
-    "captures": 0.1,
+    "behaviours": 2, "cameras": 1, "corrections": 3, "constraints": 6, "contacts": 6, "props": 6, "performers": 2,
+    "characters": 1,
+    "motions": 0.1, "captures": 0.1,
 }  # fmt: skip
-"""How often something of each collection is removed, beside the others."""
+"""Relative frequency with which something of each collection is removed."""
 
 
 def state(document: Document) -> bytes:
@@ -59,7 +63,22 @@ def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
     project = document.project
     constraints, contacts = list(project.constraints), list(project.contacts)
     match chance.choice(
-        ["add", "add contact", "add prop", "drag", "drag", "trim", "remove", "ground", "group", "behave"]
+        [
+            *(
+                "add",
+                "add contact",
+                "add prop",
+                "drag",
+                "drag",
+                "trim",
+                "remove",
+                "ground",
+                "group",
+                "behave",
+                "camera",
+            ),
+            *("correct", "correct"),
+        ]
     ):
         case "add" if project.motions:
             props = [FollowProp(key) for key in project.props]
@@ -84,6 +103,19 @@ def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
             document.replace("behaviours", key, behaviour_of(document, chance), "Change behaviour", gesture)
         case "behave":
             document.add("behaviours", behaviour_of(document, chance), "Add behaviour")
+        case "camera":
+            placement = CameraPlacement((0.0, 0.0, chance.choice([0.0, 1.0])), 3.0, chance.uniform(-3.0, 3.0))
+            camera_id = store_camera(document, placement, chance.choice([None, *CAMERA_SLOTS]))
+            give_slot(document, chance.choice([camera_id, *document.project.cameras]), chance.choice(CAMERA_SLOTS))
+        case "correct" if project.corrections:
+            key = chance.choice(list(project.corrections))
+            turn = (BodyPart.LEFT_FOREARM, (chance.uniform(-1.0, 1.0), 0.0, 0.0))
+            posed = project.corrections[key].with_key(chance.uniform(0.0, 2.0), PoseOffsets((turn,)))
+            document.replace("corrections", key, posed, "Pose elbow", gesture)
+        case "correct" if project.performers:
+            performer = chance.choice(list(project.performers))
+            added = new_correction("Elbow", performer, 0.2)
+            document.add("corrections", added, "Add correction")
         case "remove":
             [name] = chance.choices(list(REMOVED), list(REMOVED.values()))
             keys = list(getattr(project, name))

@@ -1,4 +1,4 @@
-"""What a picture shows of a dragged body: its frame as it is asked now, as the whole clip would have it."""
+"""A picture of a dragged body shows its frame for the present request, as the whole clip has it."""
 
 import threading
 import time

@@ -1,4 +1,4 @@
-"""What the window keeps of a solved motion: as exact as anybody could see, in half the memory."""
+"""Solved motions as the window keeps them: as exact as anybody could see, in half the memory."""
 
 import tracemalloc
 

@@ -59,7 +59,7 @@ class Drag:
             assert time.monotonic() < end
 
     def is_fresh(self, performer_id: str, moved_at: float) -> bool:
-        """Whether what is shown of a body answers the move at ``moved_at``."""
+        """True if the body shown answers the move at ``moved_at``."""
         asked_at = self.live.asked_at(performer_id)
         return asked_at is not None and asked_at >= moved_at
 

@@ -1,4 +1,4 @@
-"""How bodies stand on the ground is kept, whatever is dragged beside them."""
+"""Standing motions are kept, whatever is dragged beside them."""
 
 from dataclasses import replace
 from typing import Any

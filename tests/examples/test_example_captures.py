@@ -20,7 +20,7 @@ from studio.io.importing import load_capture
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 KEYED = {name: strike.targets for name, strike in STRIKES.items() if name not in SECOND_ACTOR} | dict(CLIPS)
-"""What is written as it was keyed; strikes of the second actor are adapted."""
+"""Clips written as they were keyed; strikes of the second actor are adapted."""
 SIDES = ("Left", "Right")
 
 
@@ -35,7 +35,7 @@ class Example:
 
     @property
     def throws(self) -> bool:
-        """Whether limbs are thrown: at a target, or over the body."""
+        """True if limbs are thrown: at a target, or over the body."""
         return self.name in ("front_kick", "straight_punch", "handstand", "cartwheel", *STRIKES)
 
     @property

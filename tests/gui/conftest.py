@@ -27,7 +27,7 @@ from tests.viewport.standing import StandingLive
 
 @pytest.fixture
 def project():
-    """What is open in the window."""
+    """Project that is open in the window."""
     return make_project(characters=2)
 
 

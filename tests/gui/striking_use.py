@@ -1,4 +1,4 @@
-"""What tests of strikes in the window look at: where a blow lands, on the poses that are shown."""
+"""Helpers for tests of strikes in the window: where a blow lands, on the poses that are shown."""
 
 import numpy as np
 

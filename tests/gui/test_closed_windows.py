@@ -1,4 +1,4 @@
-"""What is closed is gone: windows with all that they hold."""
+"""Closed windows are gone with all that they hold."""
 
 import gc
 import weakref

@@ -1,4 +1,4 @@
-"""What the export dialog asks about a capture that has more than a body."""
+"""Questions of the export dialog about a capture that has more than a body."""
 
 from dataclasses import replace
 

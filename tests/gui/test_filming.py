@@ -72,7 +72,7 @@ def idle(qtbot, window):
 
 
 def seen(viewport):
-    """What the widget shows below its chips, (height, width, 3)."""
+    """Picture of the widget below its chips, (height, width, 3)."""
     viewport.grab_image()
     image = viewport.grab().toImage().convertToFormat(QImage.Format.Format_RGBX8888)
     pixels = np.frombuffer(image.constBits(), np.uint8).reshape(image.height(), image.width(), 4)

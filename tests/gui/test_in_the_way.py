@@ -19,7 +19,7 @@ ALT = Qt.KeyboardModifier.AltModifier
 
 @pytest.fixture
 def project():
-    """What is open in the window."""
+    """Project that is open in the window."""
     return make_project(characters=4, constraints=3)
 
 

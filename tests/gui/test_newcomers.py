@@ -1,4 +1,4 @@
-"""Who comes onto the stage is seen, and the view of the user is left alone where that is so already."""
+"""New performers come into view, and the user's view is left alone where they are in it already."""
 
 from dataclasses import replace
 

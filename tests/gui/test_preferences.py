@@ -1,9 +1,12 @@
 """Preferences: kept between runs, acting at once; key maps and the user's own keys."""
 
 import json
+from dataclasses import replace
 
 import pytest
-from PySide6.QtGui import QKeySequence
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QDesktopServices, QKeySequence
+from PySide6.QtTest import QTest
 
 from studio.app.actions import ACTIONS
 from studio.app.preferences import (
@@ -17,6 +20,15 @@ from studio.app.preferences import (
 )
 from studio.app.preferences_dialog import PreferencesDialog
 from studio.app.settings import Settings
+from studio.app.theme import style_sheet
+from studio.app.verbs.files import save_to
+from studio.core.stage.prop import Prop
+from studio.document import colours
+from studio.io.project.project_file import read_project
+from studio.resources_folder import guide_file
+from studio.viewport.body_points import body_joints
+from studio.viewport.picking import PickedJoint
+from tests.patience import PATIENCE
 
 DEFAULTS = {row.id: row.shortcuts for row in ACTIONS}
 
@@ -71,3 +83,92 @@ def test_a_map_that_is_chosen_and_a_key_that_is_typed_act_at_once(window):
     assert "is no key" in dialog.words.text()
     assert action["play"].shortcut().toString() == "P"
     dialog.close()
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"theme": "pink"},
+        {"activation": "sometimes"},
+        {"interface_scale": 10},
+        {"autosave_minutes": -1},
+        {"onion_step": 0},
+    ],
+)
+def test_a_preference_out_of_its_range_is_refused(wrong):
+    [name] = wrong
+    with pytest.raises(ValueError, match=name):
+        Preferences(**wrong)
+
+
+def luminance(colour):
+    """Relative luminance of ``#RRGGBB``, as WCAG has it."""
+    parts = [int(colour[k : k + 2], 16) / 255.0 for k in (1, 3, 5)]
+    linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+@pytest.mark.parametrize("theme", list(colours.THEMES))
+@pytest.mark.parametrize(
+    ("text", "least"),
+    [("TEXT", 4.5), ("TEXT_SECOND", 4.5), ("TEXT_THIRD", 4.5), ("PARTLY", 3.0), ("NOT_REACHED", 3.0)],
+)
+@pytest.mark.parametrize("ground", ["PANEL", "BAR", "WELL"])
+def test_words_can_be_read_on_every_ground_of_every_theme(theme, text, least, ground):
+    """Contrasts of WCAG 2: 4.5 for words, 3 for words that stand out by their colour, too."""
+    values = colours.THEMES[theme]
+    bright, dark = sorted((luminance(values[text]), luminance(values[ground])), reverse=True)
+    assert (bright + 0.05) / (dark + 0.05) >= least
+
+
+def test_a_theme_is_taken_whole_and_the_3d_view_keeps_its_own_colours():
+    try:
+        colours.use_theme("light")
+        assert {name: getattr(colours, name) for name in colours.LIGHT} == colours.LIGHT
+        assert colours.DARK["TEXT"] == colours.STAGE_TEXT
+        assert colours.LIGHT["PANEL"] in style_sheet()
+    finally:
+        colours.use_theme("dark")
+    assert colours.DARK["PANEL"] in style_sheet()
+
+
+def test_autosave_writes_a_project_that_has_a_file_and_has_changed(qtbot, window, tmp_path):
+    document, path = window.bench.document, tmp_path / "stage.studio"
+    window._autosave.timeout.emit()
+    assert document.path is None
+    save_to(window.bench, path)
+    qtbot.waitUntil(lambda: document.path is not None, timeout=PATIENCE)
+    window.set_preferences(replace(window.bench.preferences, autosave_minutes=5))
+    assert window._autosave.interval() == 300_000
+    document.add("props", Prop("Box"), "Add a box")
+    window._autosave.timeout.emit()
+    qtbot.waitUntil(lambda: not document.dirty, timeout=PATIENCE)
+    assert [each.name for each in read_project(path).project.props.values()] == ["Box"]
+    window.set_preferences(replace(window.bench.preferences, autosave_minutes=0))
+    assert not window._autosave.isActive()
+
+
+def test_new_constraints_act_for_the_whole_clip_if_that_is_preferred(studio):
+    viewport, document, _ = studio
+    for fits in (True, False):
+        viewport.fits_activation = fits
+        pose = viewport.posed["performer 0"]
+        joint = next(one for one in body_joints(pose.motion.morphology.layout) if one.name == "right wrist")
+        viewport.pick(PickedJoint("performer 0", joint))
+        constraint_id = viewport.add_constraint_at_pick()
+    clip = document.project.performers["performer 0"].clips[0]
+    rate = document.project.frame_rate_of(clip)
+    curve = document.project.constraints[constraint_id].activation
+    assert (curve.start, curve.end) == (clip.first / rate, clip.last / rate)
+
+
+def test_help_opens_the_guide_or_says_where_it_is(window, monkeypatch):
+    opened, said = [], []
+    window.bench.said.connect(said.append)
+    monkeypatch.setattr(QDesktopServices, "openUrl", lambda url: opened.append(url.toLocalFile()) or len(opened) == 1)
+    QTest.keyClick(window, Qt.Key.Key_F1)
+    assert opened == [str(guide_file())]
+    assert guide_file().read_text(encoding="utf-8").startswith("# Guide")
+    assert said == []
+    QTest.keyClick(window, Qt.Key.Key_F1)
+    assert str(guide_file()) in said[0]

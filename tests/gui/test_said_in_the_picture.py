@@ -1,4 +1,4 @@
-"""What is told apart in the picture itself: twins by their names, and whom somebody looks at by a line."""
+"""Words and lines in the picture itself: names of twins, and lines to whom somebody looks at."""
 
 from dataclasses import replace
 

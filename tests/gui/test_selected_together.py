@@ -1,4 +1,4 @@
-"""What is selected together moves, trims and is edited together, as one undo step."""
+"""Things selected together move, trim and are edited together, as one undo step."""
 
 from dataclasses import replace
 

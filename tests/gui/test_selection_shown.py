@@ -1,4 +1,4 @@
-"""What is selected is what the form, the rows and the view show."""
+"""The form, the rows and the view show the selection."""
 
 from dataclasses import replace
 

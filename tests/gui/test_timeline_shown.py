@@ -1,4 +1,4 @@
-"""What the timeline shows: errors, plots, words where there is nothing, the transport."""
+"""Contents of the timeline: errors, plots, words where there is nothing, the transport."""
 
 from dataclasses import replace
 

@@ -1,10 +1,20 @@
 """Files dropped on the window, what is told of them, and what is corrected in their reports."""
 
+from dataclasses import replace
+
+import numpy as np
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QPushButton
 
+from studio.app.importing import repair_words
+from studio.core.body.humanoid import BodyPart
+from studio.core.body.pose import PoseSequence
 from studio.core.captures.annotations import Annotations, Label
+from studio.core.rotations import multiply
 from studio.io.export import take_of_capture, write_take
+from studio.io.importing import load_capture
+from studio.resources_folder import example_captures_folder
 from tests.builders import make_capture, make_constraint, make_contact
 from tests.gui.window_use import drop, same, wait_until_idle
 
@@ -172,3 +182,33 @@ def test_an_import_shows_its_own_report_in_place_of_that_of_another_capture(qtbo
     drop(window, walk)
     wait_until_idle(qtbot, window)
     assert document.selection.items == (("captures", list(document.project.captures)[-1]),)
+
+
+def test_a_noisy_take_is_offered_a_cleaning_that_one_click_applies_and_undo_takes_back(qtbot, window, tmp_path):
+    capture = load_capture(example_captures_folder() / "walk_turn.bvh")
+    rotations = capture.poses.local_rotations.copy()
+    forearm = capture.body_map[BodyPart.LEFT_FOREARM]
+    rotations[100:103, forearm] = multiply(rotations[100:103, forearm], np.array([1.0, 0.0, 0.0, 0.0]))
+    poses = PoseSequence(rotations, capture.poses.local_translations)
+    write_take(take_of_capture(replace(capture, poses=poses), Annotations()), tmp_path / "spike.bvh")
+    drop(window, tmp_path / "spike.bvh")
+    wait_until_idle(qtbot, window)
+    document = window.bench.document
+    capture_id = list(document.project.captures)[-1]
+    as_read = document.project
+    assert "cleaning" in {guess.subject for guess in document.project.captures[capture_id].guesses}
+    document.selection.set(("captures", capture_id))
+    [clean] = [each for each in window.inspector.findChildren(QPushButton) if each.text() == "Clean motion"]
+    QTest.mouseClick(clean, LEFT)
+    wait_until_idle(qtbot, window)
+    cleaned = document.project.captures[capture_id]
+    assert "cleaning" not in {guess.subject for guess in cleaned.guesses}
+    assert "was cleaned. It had 1 spike;" in cleaned.repairs[-1]
+    assert window.strip.text == repair_words(cleaned)
+    assert document.history[-1] == "Clean spike"
+    window.inspector.reimport_wanted.emit(capture_id, {"unit": "inch"})
+    wait_until_idle(qtbot, window)
+    assert "was cleaned" in document.project.captures[capture_id].repairs[-1]  # the other setting keeps it
+    QTest.keyClick(window, Qt.Key.Key_Z, CONTROL)
+    QTest.keyClick(window, Qt.Key.Key_Z, CONTROL)
+    assert same(document.project, as_read)

@@ -1,4 +1,4 @@
-"""What tests of the viewport do as a person does: click, drag, wait."""
+"""Actions of a person in the viewport, for tests: click, drag, wait."""
 
 import numpy as np
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt

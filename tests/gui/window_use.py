@@ -1,4 +1,4 @@
-"""What tests of the whole window do as a person does: drop files, wait, compare."""
+"""Actions of a person in the whole window, for tests: drop files, wait, compare."""
 
 from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
 from PySide6.QtGui import QDropEvent

@@ -17,7 +17,7 @@ SCRIPT = Path(__file__).with_name("in_blender.py")
 
 
 def opened_in_blender(path: Path, *, frames: int, rate: float, action_of: Path | None = None) -> dict[str, Any]:
-    """What Blender makes of a file, in metres and world axes: by armature, by mesh and by other object.
+    """A file as Blender reads it, in metres and world axes: by armature, by mesh and by other object.
 
     ``bones`` names, ``heads`` (F, B, 3), ``rotations`` (F, B, 3, 3) since they were bound; ``vertices`` (F, V, 3);
     ``places`` (F, 3). With ``action_of``, the armature moves as that of another file. Skips where there is no

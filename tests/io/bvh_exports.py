@@ -26,7 +26,7 @@ SIDED = ("Shoulder", "Arm", "ForeArm", "Hand", "UpLeg", "Leg", "Foot", "ToeBase"
 
 @dataclass(frozen=True)
 class Exporter:
-    """How one program writes BVH."""
+    """Spelling of BVH by one program."""
 
     names: Mapping[str, str]
     order: str = "ZXY"
@@ -38,9 +38,9 @@ class Exporter:
     """A joint above the hips that never moves."""
     channels_above: bool = True
     travels: bool = True
-    """Whether the first joint has positions."""
+    """True if the first joint has positions."""
     scales: str = ""
-    """How each joint's channels of scale are called."""
+    """Names of each joint's channels of scale."""
     rotations_first: bool = False
     ends: bool = True
     number: str = "{:.8f}"

@@ -8,7 +8,7 @@ from studio.core.body.skeleton import Skeleton
 from tests.builders import make_poses, make_skeleton
 
 TICKS = 46_186_158_000
-"""Of a second."""
+"""Parts of a second."""
 RATE = 30
 WORLD_TO_FILE = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
 """Y up, Z forward."""

@@ -18,7 +18,7 @@ validator.validateBytes(content, {maxIssues: 50}).then(report => console.log(JSO
 
 
 def issues_of(path: Path) -> dict[str, Any]:
-    """What the validator finds in a file: ``numErrors``, ``numWarnings``, ``messages``. Skips where it cannot run."""
+    """Findings of the validator in a file: ``numErrors``, ``numWarnings``, ``messages``. Skips where it cannot run."""
     _install()
     done = subprocess.run(
         ["node", "-e", SCRIPT, str(path)], cwd=FOLDER, capture_output=True, text=True, timeout=60, check=True

@@ -1,4 +1,4 @@
-"""What is not an ordinary file is not read, and nothing that a file names leads out of its folder."""
+"""Only ordinary files are read, and nothing that a file names leads out of its folder."""
 
 import json
 import os

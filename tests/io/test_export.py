@@ -1,4 +1,4 @@
-"""What is exported is what was adapted: read back by our own reader, joint by joint."""
+"""Exports equal the adapted motion: read back by our own reader, joint by joint."""
 
 import numpy as np
 import pytest

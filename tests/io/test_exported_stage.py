@@ -20,6 +20,7 @@ from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.rotations import to_matrix
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import InHand, Prop, PropShape
+from studio.core.stage.saved_camera import VIEW_ANGLE, CameraPlacement, SavedCamera
 from studio.io.export_options import ExportOptions
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.container import read_gltf
@@ -188,6 +189,40 @@ def test_everybody_and_everything_is_where_it_stood_and_those_who_meet_meet(stag
         assert np.abs(found[f"/{name}"] - prop.places).max() < HUNDREDTH_OF_A_MILLIMETRE
     assert np.abs(exported.props[0].places[[0, -1]] - [[0.0, 0.0, 0.3], [1.0, 0.5, 0.6]]).max() < 1e-9
     assert exported.props[2].is_still
+
+
+@pytest.mark.parametrize("parallel", [False, True])
+def test_cameras_are_written_by_name_and_look_as_they_did(staged, tmp_path, parallel):
+    project, made = staged
+    placement = CameraPlacement((0.4, -0.3, 1.1), 3.0, 0.7, 0.3, parallel)
+    for key in ("first", "second"):
+        project = project.with_entity("cameras", key, SavedCamera("Low", placement))
+    path = tmp_path / "stage.gltf"
+    written = exported_stage(project, made, ExportOptions(), path)
+    write_stage(written, path)
+    assert issues_of(path)["numErrors"] == 0
+    root = read_gltf(path).root.value
+    nodes = {node["name"]: node for node in root["nodes"] if "camera" in node}
+    assert list(nodes) == ["Low", "Low 2"]
+    axes = to_matrix(np.array(nodes["Low"]["rotation"]))[[2, 0, 1]].T
+    eye = np.array(nodes["Low"]["translation"])[[2, 0, 1]]
+    assert eye - 3.0 * axes[2] == pytest.approx(placement.target, abs=1e-9)
+    assert axes == pytest.approx(placement.axes, abs=1e-9)
+    kind = root["cameras"][nodes["Low"]["camera"]]["type"]
+    assert kind == ("orthographic" if parallel else "perspective")
+    pytest.importorskip("pxr", reason="usd-core is not installed")
+    from pxr import Usd, UsdGeom
+
+    usd = tmp_path / "stage.usda"
+    write_stage(written, usd)
+    opened = Usd.Stage.Open(str(usd))
+    cameras = [UsdGeom.Camera(prim) for prim in opened.Traverse() if prim.IsA(UsdGeom.Camera)]
+    assert [each.GetPrim().GetName() for each in cameras] == ["Low", "Low_2"]
+    seen = cameras[0].GetCamera().frustum
+    assert tuple(seen.ComputeLookAtPoint()) == pytest.approx(placement.eye - 5.0 * placement.axes[2], abs=1e-5)
+    top, bottom = seen.window.GetMax()[1], seen.window.GetMin()[1]
+    expected = placement.half_height if parallel else np.tan(VIEW_ANGLE / 2)
+    assert (top, bottom) == pytest.approx((expected, -expected), rel=1e-5)
 
 
 def test_the_stage_is_valid_gltf(staged, tmp_path):

@@ -19,7 +19,7 @@ SUFFIXES = [suffix for known in OWN_FORMATS if known.motion_writer for suffix in
 
 
 class Stopped(Exception):  # noqa: N818 - as the window's own
-    """What progress raises when the user cancels."""
+    """Exception that progress raises when the user cancels."""
 
 
 @pytest.fixture(scope="module")

@@ -33,7 +33,7 @@ def test_its_body_is_found_and_moves_as_it_did(tmp_path: Path, scale: float, arm
 
 @pytest.mark.parametrize("beside", [("Camera",), ("Camera", "Light", "Skin"), tuple(f"Prop{k}" for k in range(40))])
 def test_cameras_lights_and_skins_beside_the_body_bring_nothing_down(tmp_path: Path, beside: tuple[str, ...]) -> None:
-    """Of a second thing beside the skeleton ufbx's objects died too early, and the process with them."""
+    """A second thing beside the skeleton is read: ufbx's objects once died too early, and the process with them."""
     (tmp_path / "take.fbx").write_text(fbx_text(beside=beside))
     capture = load_capture(tmp_path / "take.fbx")
     skeleton, poses = body()

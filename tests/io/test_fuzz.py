@@ -55,7 +55,7 @@ def mutations(content: bytes, count: int) -> Iterator[bytes]:
 
 
 def look_at(path: Path) -> bool:
-    """Whether ``info`` could read it; what it says can be printed in either case."""
+    """True if ``info`` could read it; its answer can be printed in either case."""
     record = described(path, GUESS_ALL)
     assert json.dumps(record, allow_nan=False)
     assert lines_of(record)

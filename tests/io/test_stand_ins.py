@@ -1,4 +1,4 @@
-"""What stands in the place of a file is named as what it is, whatever the format."""
+"""Stand-ins for a file are named as what they are, whatever the format."""
 
 from pathlib import Path
 
@@ -15,6 +15,9 @@ STAND_INS = {
     "a page": (b"\n<!DOCTYPE html>\n<html><body>Not found</body></html>", "is a web page, not the file itself."),
     "a page as XML": (b'<?xml version="1.0"?>\n<!-- x -->\n<html xmlns="x">', "is a web page, not the file itself."),
     "a server's refusal": (b"404: Not Found", "is a web page, not the file itself."),
+    "a ZIP archive": (b"PK\x03\x04\x14\0\0\0\x08\0", "is a packed file (ZIP). Unpack it, then open the files"),
+    "a gzipped file": (b"\x1f\x8b\x08\x08\0\0\0\0\0\x03", "is a packed file (gzip). Unpack it, then open the files"),
+    "a tar archive": (b"a.bvh".ljust(257, b"\0") + b"ustar\x0000", "is a packed file (tar). Unpack it, then open"),
     "nothing": (b"", "is empty. Copy or export it again."),
 }
 
@@ -30,6 +33,14 @@ def test_what_stands_for_a_file_is_named_whatever_its_suffix(tmp_path: Path, cas
             with pytest.raises(StudioError) as refusal:
                 (load_capture if job == "capture_reader" else load_character)(path)
             assert str(refusal.value).startswith(f"take{suffix} {sentence}")
+
+
+@pytest.mark.parametrize("case", [case for case in STAND_INS if "pack" in STAND_INS[case][1]])
+def test_a_packed_file_is_named_by_its_kind_under_its_own_suffix_too(tmp_path: Path, case: str) -> None:
+    path = tmp_path / "takes.zip"
+    path.write_bytes(STAND_INS[case][0])
+    with pytest.raises(StudioError, match="Unpack it"):
+        load_capture(path)
 
 
 def test_a_project_that_is_only_a_pointer_is_named_so(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""What was found takes over, and hits."""
+"""The strike that was found takes over, and hits."""
 
 from dataclasses import replace
 from pathlib import Path

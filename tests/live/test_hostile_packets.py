@@ -1,4 +1,4 @@
-"""What anybody sends is counted or taken, clamped and bounded; nothing is raised, whatever it is."""
+"""Packets of any content are counted or taken, clamped and bounded; nothing is raised."""
 
 import math
 from random import Random

@@ -1,4 +1,4 @@
-"""What comes in live: a body on another one with what is asked of it, senders, floods, recordings, and the way out."""
+"""Live input: a body on another one with its constraints, senders, floods, recordings, and the way out."""
 
 import resource
 import signal

@@ -27,6 +27,7 @@ from studio.core.stage.conditions import (
     KeyCondition,
     TimeCondition,
 )
+from studio.core.stage.correction import PoseOffsets, new_correction
 from studio.core.stage.manners import Meet
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Prop
@@ -83,7 +84,7 @@ def reaching(motion: str, place: tuple[float, float, float], **changes: object) 
 
 
 class Shown:
-    """What was seen of one performer, and which points of its feet stood."""
+    """Poses shown of one performer, and the points of its feet that stood."""
 
     def __init__(self, stage: LiveStage, key: str = "one") -> None:
         self.stage, self.key = stage, key
@@ -469,3 +470,17 @@ def test_what_a_state_asks_is_asked_while_it_lasts():
         Placement.of(stage.project.performers[key]).to_stage(place_of(WRIST, each)[0]) for key, each in results.items()
     ]
     assert np.linalg.norm(hands[0] - hands[1]) < 2e-3
+
+
+def test_a_correction_acts_live_and_one_that_is_edited_while_it_plays_too():
+    stage = LiveStage(staged(clip_of("walk_turn", 60)), prepare)
+    stage.step(0.0)
+    stage.step(0.5)
+    plain = stage.results["one"]
+    turn = ((BodyPart.LEFT_FOREARM, (0.6, 0.0, 0.0)),)
+    made = new_correction("Elbow", "one", 0.5, PoseOffsets(turn))
+    stage.project = stage.project.with_entity("corrections", "c", made)
+    stage.step(0.0)
+    posed, wrist = stage.results["one"], plain.morphology.layout.wrist(0)
+    assert posed.first_frame == plain.first_frame
+    assert np.linalg.norm(posed.positions[0, wrist] - plain.positions[0, wrist]) > 0.03

@@ -42,7 +42,7 @@ WALK = walk(40)[0]
 
 @dataclass
 class Played:
-    """What came in, on the sender's own body, and what was shown of it; ``stood`` tells what stood."""
+    """Poses received, on the sender's own body, and poses shown; ``stood`` names the standing points."""
 
     source: AdaptedMotion
     shown: AdaptedMotion
@@ -112,7 +112,7 @@ def ground(request):
 
 
 def come_down(played: Played) -> list[ContactInterval]:
-    """What stands, from when it has come down on."""
+    """Standing points, from when they have come down on."""
     later = round(COME_DOWN * played.shown.frame_rate)
     return [replace(each, first=each.first + later) for each in played.stood if each.last > each.first + later]
 

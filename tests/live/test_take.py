@@ -1,4 +1,4 @@
-"""What was played live, kept as clips: the timeline plays it as it was seen."""
+"""Live play kept as clips: the timeline plays it as it was seen."""
 
 from dataclasses import replace
 

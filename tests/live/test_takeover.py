@@ -57,7 +57,7 @@ def picked(count: int) -> list[tuple[list[Clip], str]]:
 
 @cache
 def by_chance() -> list[tuple[float, float]]:
-    """How sharply joints turn and how far what stands slides where clips take over at 96 frames."""
+    """Acceleration of joints and slide of standing feet where clips take over at 96 frames."""
     found = []
     for clips, body in picked(96):
         shown = changed(*clips, body)

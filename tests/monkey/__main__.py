@@ -70,7 +70,7 @@ class Soak:
         self.tell(self.report.faults[-1])
 
     def complained(self, _kind: object, _context: object, text: str) -> None:
-        """What Qt says of how it is used; but not of what the platform without a screen lacks."""
+        """Take a message of Qt about how it is used; not about what the platform without a screen lacks."""
         if "plugin does not support" not in text:
             self.fault(f"{text}\n{''.join(traceback.format_stack())}")
 
@@ -152,7 +152,7 @@ class Soak:
 
 
 class _Faults(logging.Handler):
-    """What is logged as an error, with its stack."""
+    """Errors that are logged, each with its stack."""
 
     def __init__(self, fault: Callable[[str], object]) -> None:
         super().__init__(logging.ERROR)

@@ -59,7 +59,7 @@ class Monkey:
         self.left = 0
         self.held: tuple[Any, Any] | None = None
         self.seen: Any = None
-        """What was in front last: Python's handle of it has those of its children, which go with it."""
+        """The window that was in front last: Python's handle of it has those of its children, which go with it."""
         self.keys = [
             *(Qt.Key(Qt.Key.Key_A + k) for k in range(26)), *(Qt.Key(Qt.Key.Key_0 + k) for k in range(10)),
             *(getattr(Qt.Key, f"Key_{name}") for name in (
@@ -187,7 +187,7 @@ class Monkey:
             QApplication.sendEvent(widget, event)
 
     def press_or_move(self) -> None:
-        """What is pressed has the mouse until it is let go, wherever that is by then."""
+        """A pressed widget has the mouse until it is let go, wherever that is by then."""
         from PySide6.QtCore import Qt
 
         if place := self.somewhere():

@@ -1,4 +1,4 @@
-"""What is seen of the monkey's rounds: faults, long turns of the event loop, memory."""
+"""Report of the monkey's rounds: faults, long turns of the event loop, memory."""
 
 import faulthandler
 import os
@@ -19,7 +19,7 @@ GROWTH = 50e6
 
 @dataclass
 class Report:
-    """What was seen; ``faults`` are tracebacks and sentences, each with the event at which it came."""
+    """Findings; ``faults`` are tracebacks and sentences, each with the event at which it came."""
 
     events: int = 0
     faults: list[str] = field(default_factory=list)
@@ -55,7 +55,7 @@ def _waited(task: Path) -> float:
 
 
 def _draws(task: Path) -> bool:
-    """Whether a thread is the window's, or one of OpenGL in software."""
+    """True if a thread is the window's, or one of OpenGL in software."""
     try:
         return task.name == str(os.getpid()) or (task / "comm").read_text().startswith("llvmpipe")
     except OSError:

@@ -34,7 +34,7 @@ def _adapted(path: Path, name: str) -> AdaptedMotion:
 
 
 def _faults(path: Path, name: str) -> list[str]:
-    """What is wrong with a capture on a character, in words."""
+    """Faults of a capture on a character, in words."""
     capture, motion, actor = taken(path)
     adapted = _adapted(path, name)
     quality = contact_quality(adapted, contacts_of(capture), Ground())

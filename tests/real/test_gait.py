@@ -1,4 +1,4 @@
-"""Who walks on another body walks nearly as upright, as smoothly and with as straight knees as the actor does.
+"""Walks on other bodies are nearly as upright and smooth as the actor's, with knees as straight.
 
 What is aimed at holds (hips 5 mm, knees 2 and 6 degrees, bob 0.9 to 1.1), but for the bob on one actor's own body.
 """

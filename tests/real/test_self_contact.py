@@ -52,7 +52,7 @@ def test_arms_are_out_of_the_body_where_the_actors_are(stem, body):
 @pytest.mark.captures
 @pytest.mark.parametrize("body", ["adult_woman", "tall_man", "giant"])
 def test_a_hand_on_the_hip_does_not_sink_in_with_its_fingers(body):
-    """Which lie along the forearm in the capture, and go into the actor themselves; longer ones go no deeper."""
+    """Fingers that lie along the forearm in the capture go into the actor themselves; longer ones go no deeper."""
     capture, motion, actor = taken(named("bvh11_cmu131_metres"))
     own, _ = actor_rooms(motion, actor.morphology)
     depth = -rooms(_adapted("bvh11_cmu131_metres", body, clears=True))[capture.first_frame :]

@@ -29,7 +29,7 @@ MOST_BRUSHING = {"stairs up": 0.04, "stairs down": 0.05}
 else in any.
 """
 RUNNING = "accad_female1_C03_Run", 0.035
-"""Who takes a flight of steps at a run, three at a time, and how much that brushes."""
+"""Runs up a flight of steps, three at a time, and how much they brush."""
 MOST_ACCELERATION = {"stairs up": 5.0, "stairs down": 4.0}
 """Of its source's: who walks on the level climbs two or three steps within the time of one swing; 3 elsewhere."""
 TILT = math.radians(15.0)
@@ -58,7 +58,7 @@ def _source(path: Path) -> tuple[NormalizedMotion, AdaptedMotion, int]:
 
 
 def _faults(path: Path) -> list[str]:
-    """What is wrong with a walk on each ground and character, in words."""
+    """Faults of a walk on each ground and character, in words."""
     motion, source, first = _source(path)
     contacts, found = contacts_of(taken(path)[0]), []
     for where, ground in _grounds(source.positions[first:, 0]).items():

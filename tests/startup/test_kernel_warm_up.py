@@ -18,7 +18,7 @@ FETCHED = [kernel_warm_up.WARM_STANDING, "first_run.run", kernel_warm_up.WARM_RE
 
 
 def followed(monkeypatch, *steps):
-    """What is reported while the shares of both processes are as in ``steps``, a second each."""
+    """Reports while the shares of both processes are as in ``steps``, a second each."""
     clock, left = [100.0], list(steps)
     warming = object.__new__(kernel_warm_up.WarmUp)
     warming.cold, warming._pace_from, warming._shares = True, None, dict.fromkeys(kernel_warm_up.SOLVER, 0.0)

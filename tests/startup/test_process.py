@@ -119,7 +119,7 @@ def test_a_display_is_x_or_wayland(monkeypatch, variables, seen):
 
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="elsewhere the system's allocator is left as it is")
 def test_the_memory_of_a_solved_clip_serves_the_next_one():
-    """What is freed is handed out again: the system need not bring and clear the same pages for every clip."""
+    """Freed memory is handed out again: the system need not bring and clear the same pages for every clip."""
     script = """
 import resource
 import numpy as np

@@ -1,4 +1,4 @@
-"""What is drawn of thousands of contacts and frames: as much as a pixel can tell, and none of it wrong."""
+"""Drawing of thousands of contacts and frames: as much as a pixel can tell, and none of it wrong."""
 
 import itertools
 

@@ -1,12 +1,17 @@
 """The coarser mesh of bodies that move: few triangles, and still the whole body."""
 
+from threading import Event, current_thread, main_thread
+
 import numpy as np
 import pytest
 
 from studio.core.body.rest_pose import rest_pose
-from studio.core.mesh.skin import gripping, skin_vertices
+from studio.core.mesh.skin import SkinnedMesh, gripping, skin_vertices
 from studio.io.project.character_file import bundled_characters
+from studio.viewport import coarse as coarse_module
+from studio.viewport.bodies import BodyVisual
 from studio.viewport.coarse import coarse_skin, coarse_triangles
+from tests.patience import eventually
 
 LEFT, NEAR = 0.4, 0.03
 
@@ -37,3 +42,29 @@ def test_a_coarse_skin_is_where_the_whole_one_is_its_hands_too(name: str, grip: 
             for skin in (coarse, character.skin)
         )
         np.testing.assert_allclose(some, np.array(whole)[:, kept], atol=1e-6)
+
+
+def test_the_whole_body_is_drawn_until_its_coarse_skin_was_made_beside_the_window(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    character, let_go, threads = bundled_characters()["child"], Event(), []
+
+    def slow(mesh: SkinnedMesh) -> SkinnedMesh:
+        threads.append(current_thread())
+        let_go.wait()
+        return coarse_skin(mesh)
+
+    monkeypatch.setattr(coarse_module, "coarse_skin", slow)
+    body = BodyVisual(character)
+
+    def drawn(moving: bool) -> int:
+        body.coarsen(moving)
+        return int(body.skin_actors[0].mapper.GetInput().GetNumberOfPoints())
+
+    whole = len(character.skin.vertices)
+    assert drawn(moving=True) == drawn(moving=True) == whole
+    let_go.set()
+    assert eventually(lambda: drawn(moving=True) == len(coarse_skin(character.skin).vertices))
+    assert drawn(moving=False) == whole
+    assert len(threads) == 1
+    assert threads[0] is not main_thread()

@@ -3,11 +3,12 @@ import pytest
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
+from studio.core.constraints.keyed import KeyedPlace
 from studio.core.grounds.steps import Steps
 from studio.engine.performance import posed_performers
 from studio.viewport.opening import opening_camera
-from studio.viewport.paths import contact_marks, selection_rings, trails
-from tests.builders import make_contact, make_project
+from studio.viewport.paths import contact_marks, selection_rings, trail_keys, trails
+from tests.builders import make_constraint, make_contact, make_project
 from tests.viewport.standing import RATE, results_of
 
 WRIST = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
@@ -27,6 +28,21 @@ def test_a_trail_passes_through_the_point_of_each_body_now_and_is_strongest_ther
         assert path.points[nearest] == pytest.approx(now, abs=1e-9)
         assert path.strength.argmax() == nearest
     assert trails(project, posed, None) == []
+
+
+def test_keys_of_a_target_are_marked_on_the_trail_where_the_body_is_at_their_times(stage):
+    project, posed = stage
+    keyed = KeyedPlace((0.1, 0.3, 30.0), ((0.0, 0.0, 1.0), (0.1, 0.0, 1.0), (0.2, 0.0, 1.0)))
+    project = project.with_entity("constraints", "keyed", make_constraint(target=keyed))
+    marks = trail_keys(project, posed, WRIST, "keyed")
+    assert len(marks) == len(posed)
+    for mark, path in zip(marks, trails(project, posed, WRIST), strict=True):
+        assert len(mark.points) >= 2
+        away = np.linalg.norm(mark.points[:, None] - path.points, axis=2).min(axis=1)
+        assert away == pytest.approx(0.0, abs=1e-9)
+        assert mark.colour == path.colour
+    plain = project.with_entity("constraints", "keyed", make_constraint(activation=None))
+    assert trail_keys(plain, posed, WRIST, "gone") == []
 
 
 def test_a_mark_lies_on_the_ground_under_a_foot_only_while_it_is_in_contact(stage):

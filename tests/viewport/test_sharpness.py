@@ -1,4 +1,4 @@
-"""How many pixels a picture has while something moves."""
+"""Pixels of a picture while something moves."""
 
 from itertools import pairwise
 

@@ -20,7 +20,7 @@ from studio.document.clips import name_of, remove_clips
 from studio.document.key_edits import delete_keys, set_keys
 
 EDITED_PARTS = ("clips", "states", "transitions")
-SMALL_THINGS = ("constraints", "contacts", "labels", "props", "behaviours", *EDITED_PARTS)
+SMALL_THINGS = ("constraints", "contacts", "labels", "props", "behaviours", "cameras", *EDITED_PARTS)
 
 
 def undo(bench: Workbench) -> None:

@@ -3,10 +3,14 @@
 from collections.abc import Callable
 from dataclasses import replace
 
+from PySide6.QtCore import QUrl
+from PySide6.QtGui import QDesktopServices
+
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.io import plug_ins as plug_in_groups
 from studio.io.registry import Format, known_formats
+from studio.resources_folder import guide_file
 from studio.viewport.eyes import Stereo
 
 
@@ -43,6 +47,21 @@ def perspective(bench: Workbench) -> None:
 def toggle_ghost(bench: Workbench) -> None:
     """The capture on its own actor's body, beside what was made of it."""
     bench.viewport.set_ghost_shown(not bench.viewport.ghost_shown)
+
+
+def toggle_onion_skins(bench: Workbench) -> None:
+    """The selected bodies at frames before and after the playhead, or not."""
+    bench.viewport.set_onion_shown(not bench.viewport.onion_shown)
+
+
+def keep_ghost(bench: Workbench) -> None:
+    """The selected bodies as they are at the playhead stay in sight."""
+    bench.viewport.keep_ghosts()
+
+
+def clear_ghosts(bench: Workbench) -> None:
+    """No kept moment is seen any more."""
+    bench.viewport.clear_ghosts()
 
 
 def toggle_following(bench: Workbench) -> None:
@@ -123,6 +142,12 @@ def console(bench: Workbench) -> None:
 def shortcuts(bench: Workbench) -> None:
     """All shortcuts on one sheet."""
     bench.window.show_shortcuts()
+
+
+def guide(bench: Workbench) -> None:
+    """Open the guide in the system's own reader. Raises StudioError where there is none."""
+    if not QDesktopServices.openUrl(QUrl.fromLocalFile(str(guide_file()))):
+        raise StudioError(f"No program opens {guide_file()}. It is a Markdown file: open it with any text editor.")
 
 
 def formats(bench: Workbench) -> None:

@@ -39,6 +39,8 @@ _NEAR_AXIS = np.radians(40.0)
 """Radians within which feet are brought to the axes of their joints."""
 _ALONG_AXIS, _MOST_TWIST = np.radians(3.0), np.radians(60.0)
 """Radians within which a forearm lies along an axis of its joint; most by which a take keeps it twisted."""
+_ANKLE_OVER_BALL = 0.078
+"""Height of the ankle of a flat foot over the joint of its toes, in parts of the leg's length."""
 _SHORTEST_ACROSS = 0.01
 """Metres between two shoulders from which they have a direction."""
 
@@ -119,7 +121,9 @@ class _Pose:
                 self._turn(elbow, _about(self._world()[1][elbow] @ bone, -float(twist)))
 
     def level_feet(self) -> None:
-        """Roll each foot about its length until the axis of its joint that is nearest to its left is level."""
+        """Roll each foot about its length until the axis of its joint that is nearest to its left is level, and turn it
+        about that until its bone is as steep as that of people's flat feet.
+        """
         for side in ("LEFT", "RIGHT"):
             foot, toe = self.body_map[BodyPart[f"{side}_FOOT"]], self.body_map.get(BodyPart[f"{side}_TOE"])
             points, turns = self._world()
@@ -133,6 +137,16 @@ class _Pose:
             roll = float(np.arctan2(nearest[2], left @ nearest))
             if abs(roll) < _NEAR_AXIS:
                 self._turn(foot, _about(front, -roll))
+            slope = float(np.arcsin((points[foot] - points[toe])[2] / np.linalg.norm(points[toe] - points[foot])))
+            self._turn(foot, _about(left, self._flat_slope(side) - slope))
+
+    def _flat_slope(self, side: str) -> float:
+        """Radians by which the bone from the ankle to the toes' joint of a flat foot points down."""
+        hip, knee, ankle, toe = (
+            self._world()[0][self._joint(side, part)] for part in ("THIGH", "SHANK", "FOOT", "TOE")
+        )
+        leg = float(np.linalg.norm(knee - hip) + np.linalg.norm(ankle - knee))
+        return float(np.arcsin(min(_ANKLE_OVER_BALL * leg / float(np.linalg.norm(toe - ankle)), 0.9)))
 
     def straighten_wrists(self) -> None:
         """Turn each hand that has a bone to lie along its forearm."""

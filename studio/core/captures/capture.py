@@ -24,7 +24,7 @@ class Guess:
 
     subject: str
     """One of ``unit, up axis, frame rate, floor, floor drift, body map, feet, moving offsets,
-    reference pose, first frame``."""
+    cleaning, reference pose, first frame``."""
     value: str
     reason: str
     confidence: Confidence | None = None

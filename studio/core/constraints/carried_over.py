@@ -129,8 +129,12 @@ _SIDE_WORD = re.compile(rf"\b({'|'.join(_SIDE_WORDS)})\b")
 
 def mirrored_constraint(constraint: Constraint) -> Constraint:
     """``constraint`` in the mirror image of its motion; its name says the other side where it says one."""
-    name = _SIDE_WORD.sub(lambda found: _SIDE_WORDS[found[0]], constraint.name)
-    return replace(carried_over(constraint, MIRROR), name=name)
+    return replace(carried_over(constraint, MIRROR), name=swapped_sides(constraint.name))
+
+
+def swapped_sides(name: str) -> str:
+    """A name with left and right exchanged."""
+    return _SIDE_WORD.sub(lambda found: _SIDE_WORDS[found[0]], name)
 
 
 def _value(name: str, value: Any, constraint: Constraint, carry: Carry) -> Any:

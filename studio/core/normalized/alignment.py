@@ -4,6 +4,8 @@ The rotations of pelvis, trunk, head and feet come from the reference pose. Thos
 from the axis about which elbow and knee bend in the motion, because reference poses often bend the wrong way.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,7 +20,9 @@ ALIGNED_UP = np.array([0.0, 0.0, 1.0])
 MIN_STANDING = 5
 """Least number of frames of ground contact from which a foot's sole is levelled."""
 UNLIKE_FEET = np.deg2rad(3.0)
-"""Radians by which the bone of one standing foot may be steeper or flatter than is usual for both."""
+"""Radians by which the bone of one standing foot may be steeper or flatter than that of the flat one."""
+OFTEN = 0.25
+"""Part of the frames of the foot that stands longer for which the other one must stand to show how flat feet are."""
 
 
 def find_alignments(marks: Landmarks) -> FloatArray:
@@ -108,7 +112,7 @@ def level_soles(marks: Landmarks, alignments: FloatArray, standing: BoolArray) -
     ups = [marks.rotations_of(foot)[standing[:, side], 2] @ alignments[foot] for side, foot in enumerate(feet)]
     standing_slopes = [slope - np.arctan2(up[:, 0], up[:, 2]) for slope, up in zip(slopes, ups, strict=True)]
     rolling = [1.0, 1.0 if marks.reference_is_rest else 0.0, 1.0]
-    usual = float(np.median(np.concatenate(standing_slopes))) if standing.any() else 0.0
+    usual = _flat_slope(standing_slopes, None if marks.reference_is_rest else float(slopes.mean()))
     for side, foot in enumerate(feet):
         if len(ups[side]) < MIN_STANDING:
             continue
@@ -120,6 +124,19 @@ def level_soles(marks: Landmarks, alignments: FloatArray, standing: BoolArray) -
         steeper = float(slope - np.clip(slope, usual - UNLIKE_FEET, usual + UNLIKE_FEET))
         _level(alignments, foot, rotate(from_euler("Y", np.array([steeper])), up))
         _level(alignments, foot + 1, toe_up)
+
+
+def _flat_slope(standing: Sequence[FloatArray], neutral: float | None) -> float:
+    """Radians by which the bone of a flat foot points down, from those of each foot in the frames in which it stands.
+
+    That of most frames, or, where a ``neutral`` slope is given, that of the foot which is most like it.
+    """
+    slopes = np.concatenate(standing)
+    if neutral is None:
+        return float(np.median(slopes)) if len(slopes) else 0.0
+    least = max(MIN_STANDING, OFTEN * max(len(each) for each in standing))
+    flat = [float(np.median(each)) for each in standing if len(each) >= least]
+    return min(flat, key=lambda slope: abs(slope - neutral), default=neutral)
 
 
 def _level(alignments: FloatArray, segment: int, up: FloatArray) -> None:

@@ -29,8 +29,27 @@ def adapt(request: AdaptRequest, first: int = 0, last: int | None = None) -> Ada
 
     Any window gives the same poses as the whole clip.
     """
-    standing = standing_of(request)
-    return hold(standing, request.constraints, first, last, request.tracks, eased=request.eased)
+    return solve(grounded(request), request, first, last)
+
+
+def grounded(request: AdaptRequest, standing: Standing | None = None) -> Standing:
+    """Grounded motion of ``request`` with its corrections below the constraints; ``standing`` is without, if known."""
+    standing = standing or standing_of(request)
+    if not request.corrections:
+        return standing
+    from studio.core.solver.correction_layer import corrected
+
+    return corrected(standing, request.corrections)
+
+
+def solve(standing: Standing, request: AdaptRequest, first: int = 0, last: int | None = None) -> AdaptedMotion:
+    """Adapted motion of ``request`` on its ``grounded`` motion, with its corrections above the constraints."""
+    adapted = hold(standing, request.constraints, first, last, request.tracks, eased=request.eased)
+    if not any(each.above for each in request.corrections):
+        return adapted
+    from studio.core.solver.correction_layer import corrected_above
+
+    return corrected_above(adapted, standing, request)
 
 
 def hold(

@@ -15,6 +15,7 @@ from studio.core.normalized.compose import Composite
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.single import PoseArray, part_of, single
 from studio.core.solver.asking.tracks import Tracks
+from studio.core.stage.correction import Correction
 
 FloatArray = NDArray[np.float64]
 
@@ -43,6 +44,8 @@ class AdaptRequest:
     """True if frames are smoothed in time at acceleration peaks; otherwise each is solved from its own pose alone."""
     clears: bool = False
     """True if arms stay out of their own body where the actor's do."""
+    corrections: tuple[Correction, ...] = ()
+    """Manual corrections, their times in seconds of the motion."""
 
 
 @dataclass(frozen=True, eq=False)

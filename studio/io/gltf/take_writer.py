@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from studio import __version__
 from studio.core.mesh.appearance import Material
 from studio.core.mesh.joint_skin import JointSkin
+from studio.core.rotations import from_matrix
+from studio.core.stage.saved_camera import CAMERA_ASPECT, FARTHEST_SEEN, NEAREST_SEEN, VIEW_ANGLE, SavedCamera
 from studio.io.export import Take, plain_material, skin_of
 from studio.io.gltf.buffers import TRIANGLES, VERTICES, Buffers
 from studio.io.registry import Progress
@@ -52,6 +54,8 @@ def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
         scene.add_take(take, reported, group=True)
     for prop in stage.props:
         scene.add_prop(prop)
+    for camera in stage.cameras:
+        scene.add_camera(camera)
     _write(path, scene, progress)
 
 
@@ -85,7 +89,7 @@ class _Scene:
         self._times: int | None = None
         self._roots: list[int] = []
         self._lists: dict[str, list[dict[str, Any]]] = {
-            name: [] for name in ("nodes", "meshes", "skins", "materials", "images", "samplers", "channels")
+            name: [] for name in ("nodes", "meshes", "skins", "materials", "images", "samplers", "channels", "cameras")
         }
 
     def document(self) -> dict[str, Any]:
@@ -141,6 +145,29 @@ class _Scene:
         if not prop.is_still:
             self._animate(node, "rotation", turns)
             self._animate(node, "translation", places)
+
+    def add_camera(self, camera: SavedCamera) -> None:
+        """A node with a camera: in its own axes it looks along -Z, as in the studio."""
+        placement = camera.placement
+        if placement.parallel:
+            tall = placement.half_height
+            lens: dict[str, Any] = {
+                "xmag": CAMERA_ASPECT * tall,
+                "ymag": tall,
+                "znear": NEAREST_SEEN,
+                "zfar": FARTHEST_SEEN,
+            }
+            record = {"name": camera.name, "type": "orthographic", "orthographic": lens}
+        else:
+            lens = {"yfov": VIEW_ANGLE, "aspectRatio": CAMERA_ASPECT, "znear": NEAREST_SEEN}
+            record = {"name": camera.name, "type": "perspective", "perspective": lens}
+        node = {
+            "name": camera.name,
+            "camera": self._add("cameras", record),
+            "translation": placement.eye[_WORLD_TO_FILE].tolist(),
+            "rotation": from_matrix(placement.axes.T[_WORLD_TO_FILE]).tolist(),
+        }
+        self._roots.append(self._add("nodes", node))
 
     def _add(self, kind: str, record: dict[str, Any]) -> int:
         self._lists[kind].append(record)

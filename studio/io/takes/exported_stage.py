@@ -16,6 +16,7 @@ from studio.core.rotations import from_matrix, sign_continuous
 from studio.core.solver.performers.performing import Performance
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Prop
+from studio.core.stage.saved_camera import SavedCamera
 from studio.io.export import Take, format_for
 from studio.io.export_options import ExportOptions
 from studio.io.registry import Format, Progress
@@ -56,11 +57,16 @@ class ExportedStage:
     props: tuple[ExportedProp, ...]
     frame_rate: float
     frame_count: int
+    cameras: tuple[SavedCamera, ...] = ()
 
     @property
     def names(self) -> list[str]:
-        """Of all performers, then of all props."""
-        return [*(take.name for take in self.takes), *(prop.name for prop in self.props)]
+        """Of all performers, then of all props, then of all cameras."""
+        return (
+            [each.name for each in self.takes]
+            + [each.name for each in self.props]
+            + [each.name for each in self.cameras]
+        )
 
 
 def exported_stage(
@@ -80,7 +86,9 @@ def exported_stage(
         raise StudioError(f"The stage ends at second {end:.2f}, before the range begins. Choose another range.")
     seconds = begin + np.arange(int((end - begin) * rate + 1e-6) + 1) / rate
     names = _unique(
-        [project.performers[key].name for key in performances] + [each.name for each in project.props.values()]
+        [project.performers[key].name for key in performances]
+        + [each.name for each in project.props.values()]
+        + [each.name for each in project.cameras.values()]
     )
     takes = []
     for (key, performance), name in zip(performances.items(), names, strict=False):
@@ -100,9 +108,13 @@ def exported_stage(
     }
     props = tuple(
         _prop(name, prop, seconds, hands)
-        for name, prop in zip(names[len(takes) :], project.props.values(), strict=True)
+        for name, prop in zip(names[len(takes) :], project.props.values(), strict=False)
     )
-    return ExportedStage(path.stem, tuple(takes), props, rate, len(seconds))
+    cameras = tuple(
+        replace(camera, name=name)
+        for name, camera in zip(names[len(takes) + len(props) :], project.cameras.values(), strict=True)
+    )
+    return ExportedStage(path.stem, tuple(takes), props, rate, len(seconds), cameras)
 
 
 def write_stage(stage: ExportedStage, path: Path, progress: Progress = lambda share, text: None) -> Format:

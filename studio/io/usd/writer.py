@@ -16,6 +16,7 @@ from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
 from studio.core.mesh.joint_skin import JointSkin
 from studio.core.rotations import to_matrix
+from studio.core.stage.saved_camera import CAMERA_ASPECT, FARTHEST_SEEN, NEAREST_SEEN, VIEW_ANGLE, SavedCamera
 from studio.io.export import Take, plain_material, skin_of
 from studio.io.registry import Progress
 from studio.io.replacing import replacing_all
@@ -25,6 +26,8 @@ from studio.io.zipped import write_zip
 
 FloatArray = NDArray[np.float64]
 
+FOCAL_LENGTH = 50.0
+"""Of every camera; only its ratio to the aperture is seen."""
 PACKED = ".usdz"
 _TOLD, _SAVED = 64, 8192
 """Frames between two reports of progress, and those that go to the disk at once: USD holds Python's lock for them."""
@@ -65,8 +68,10 @@ def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
                 progress(0.9 * (number + share) / len(stage.takes), f"Writing {path.name}")
 
             pictures |= _put_take(made, take, f"/{top}/{name}", f"{path.stem}_{name}", reported)
-        for prop, name in zip(stage.props, names[len(stage.takes) :], strict=True):
+        for prop, name in zip(stage.props, names[len(stage.takes) :], strict=False):
             _put_prop(made, prop, f"/{top}/{name}")
+        for camera, name in zip(stage.cameras, names[len(stage.takes) + len(stage.props) :], strict=True):
+            _put_camera(made, camera, f"/{top}/{name}")
         return pictures
 
     _write(path, fill, progress)
@@ -160,6 +165,23 @@ def _put_prop(stage: Any, prop: ExportedProp, path: str) -> None:
     mesh = UsdGeom.Mesh.Define(stage, root.GetPath().AppendChild(root.GetPrim().GetName()))
     _set_surface(mesh, prop.surface.vertices, prop.surface.normals, prop.surface.triangles)
     bind_materials(stage, mesh, (prop.material,), np.zeros(len(prop.surface.triangles), dtype=np.int32), "")
+
+
+def _put_camera(stage: Any, camera: SavedCamera, path: str) -> None:
+    """Put a camera on the stage; apertures are in tenths of a unit, as USD has them."""
+    from pxr import Gf, UsdGeom
+
+    placement, made = camera.placement, UsdGeom.Camera.Define(stage, path)
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[3, :3] = placement.axes, placement.eye  # USD's matrices act on rows
+    made.AddTransformOp().Set(Gf.Matrix4d(matrix.tolist()))
+    tall = 20.0 * placement.half_height if placement.parallel else 2.0 * FOCAL_LENGTH * np.tan(VIEW_ANGLE / 2)
+    made.CreateProjectionAttr(UsdGeom.Tokens.orthographic if placement.parallel else UsdGeom.Tokens.perspective)
+    made.CreateFocalLengthAttr(FOCAL_LENGTH)
+    made.CreateVerticalApertureAttr(tall)
+    made.CreateHorizontalApertureAttr(CAMERA_ASPECT * tall)
+    made.CreateFocusDistanceAttr(placement.distance)
+    made.CreateClippingRangeAttr(Gf.Vec2f(NEAREST_SEEN, FARTHEST_SEEN))
 
 
 def _joint_paths(skeleton: Skeleton) -> list[str]:

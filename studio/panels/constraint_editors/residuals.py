@@ -36,7 +36,7 @@ class BodyResidual:
         if self.worst is None:
             return "not active", colours.TEXT_THIRD
         if self.worst.held:
-            return "held", colours.mixed(colours.HELD, "#ffffff", 0.35)
+            return "held", colours.mixed(colours.HELD, colours.TEXT, 0.35)
         if self.worst.partly:
             return "partly", colours.PARTLY
         return "short", colours.NOT_REACHED

@@ -21,7 +21,7 @@ def drop(body: Morphology, pelvis: np.ndarray, ankles: np.ndarray, comforts: np.
 
 
 class Stance(NamedTuple):
-    """What one leg does in one frame: how far it stretches in comfort, its ankle (3,), foot and toe (3, 3)."""
+    """Pose of one leg in one frame: its soft-IK threshold, its ankle (3,), foot and toe (3, 3)."""
 
     comfort: float
     ankle: np.ndarray

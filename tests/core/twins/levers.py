@@ -1,4 +1,4 @@
-"""How joints move points, by brute force: turn a joint a little and look."""
+"""Jacobian of points by brute force: turn a joint a little and look."""
 
 import numpy as np
 

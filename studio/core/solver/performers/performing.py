@@ -11,7 +11,7 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.project import Project
 from studio.core.solver.performers.awaiting import awaited
 from studio.core.solver.performers.circles import Player, solve_cycle
-from studio.core.solver.performers.rows import ClipConstraint, composite_of, constraints_in
+from studio.core.solver.performers.rows import ClipConstraint, composite_of, constraints_in, corrections_in
 from studio.core.solver.performers.stage import asked_of, followed_by, in_order, tracks_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.placement import Placement
@@ -136,6 +136,7 @@ def unasked_request(project: Project, performer_id: str, composite: Composite, p
         limited=performer.limited,
         eased=performer.eased,
         clears=performer.clears,
+        corrections=corrections_in(project, performer_id, timing),
     )
 
 

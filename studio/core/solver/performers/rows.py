@@ -14,6 +14,7 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import MotionPiece, Played
 from studio.core.project import Performer, Project
 from studio.core.stage.clip import Clip
+from studio.core.stage.correction import Correction
 from studio.core.stage.timing import Timing
 
 MotionOf = Callable[[str], NormalizedMotion]
@@ -84,6 +85,12 @@ def composite_of(project: Project, performer_id: str, motion_of: MotionOf) -> Co
         for each in performer.layers
     ]  # fmt: skip
     return layered(tuple(row), tuple(overlays))
+
+
+def corrections_in(project: Project, performer_id: str, timing: Timing) -> tuple[Correction, ...]:
+    """Enabled corrections of a performer, in seconds of the motion of its row."""
+    own = project.corrections_of(performer_id).values()
+    return tuple(each.moved(-timing.begin) for each in own if each.enabled and each.weight > 0.0)
 
 
 def pieces_of(

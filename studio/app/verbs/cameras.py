@@ -1,0 +1,59 @@
+"""Actions of saved cameras: store, look through, turntable."""
+
+from collections.abc import Callable
+
+from studio.app.workbench import Workbench
+from studio.core.errors import StudioError
+from studio.document.stored_cameras import camera_in_slot, store_camera
+
+
+def recall(slot: int) -> Callable[[Workbench], None]:
+    """Look through the camera of a slot. Raises StudioError where there is none."""
+
+    def run(bench: Workbench) -> None:
+        camera_id = camera_in_slot(bench.document.project, slot)
+        if camera_id is None:
+            raise StudioError(f"No camera is stored as {slot} yet. Store the view by View > Store camera {slot}.")
+        bench.viewport.look_through(bench.document.project.cameras[camera_id].placement)
+
+    return run
+
+
+def store(slot: int) -> Callable[[Workbench], None]:
+    """Store the view in a slot."""
+
+    def run(bench: Workbench) -> None:
+        camera_id = store_camera(bench.document, bench.viewport.placement, slot)
+        bench.said.emit(f"The view is stored as {bench.document.project.cameras[camera_id].name}.")
+
+    return run
+
+
+def add(bench: Workbench) -> None:
+    """Save the view as one more camera, and show its form."""
+    camera_id = store_camera(bench.document, bench.viewport.placement)
+    bench.document.selection.set(("cameras", camera_id))
+
+
+def choose(bench: Workbench) -> None:
+    """Look through a saved camera that is chosen from a list, and show its form."""
+    cameras = bench.document.project.cameras
+    if not cameras:
+        raise StudioError("No camera is saved yet. Save the view by View > Add camera.")
+
+    def looker(camera_id: str) -> Callable[[], None]:
+        def look() -> None:
+            bench.viewport.look_through(bench.document.project.cameras[camera_id].placement)
+            bench.document.selection.set(("cameras", camera_id))
+
+        return look
+
+    bench.window.choose(
+        "Look through camera",
+        [((each.name, f"key {each.slot}" if each.slot else ""), looker(key)) for key, each in cameras.items()],
+    )
+
+
+def toggle_turntable(bench: Workbench) -> None:
+    """Let the camera go round what it looks at, or stop it."""
+    bench.viewport.set_turntable(not bench.viewport.turntable)

@@ -1,0 +1,225 @@
+"""Manual corrections applied to poses: below the constraints to the grounded motion, above them to the solved one.
+
+A correction rotates segments about their joints by forward kinematics: with local rotations L of the motion, offsets Q
+and weights w in time, L' = L exp(w log Q). Below the constraints planted feet keep their footprints: ankles follow the
+corrected pose only as far as their contacts release them, the root comes down where a planted leg would be too short,
+and the legs are placed on their ankles as those of the motion were.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.canonical import BodyLayout, BodyPart
+from studio.core.body.morphology import AnimatedMorphology, at_frames
+from studio.core.constraints.activation import FULLY_ACTIVE
+from studio.core.kernels import layout as at
+from studio.core.kernels.limbs.legs import required_root_lowering
+from studio.core.kernels.solve_clip import place_frames
+from studio.core.normalized.encode import encode
+from studio.core.project_cache import project_cache
+from studio.core.rotations import from_matrix, from_rotation_vector, inverse, multiply, to_matrix, to_rotation_vector
+from studio.core.runs import runs_of
+from studio.core.solver.asking.measured_residuals import full_residuals
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.solved_window import targets_of
+from studio.core.solver.standing.blends import LET_GO, release_weight, smooth_drops
+from studio.core.solver.standing.footing import Footing
+from studio.core.solver.standing.stand import Standing
+from studio.core.stage.correction import Correction
+
+FloatArray = NDArray[np.float64]
+Turns = Mapping[int, FloatArray]
+"""Rotation offsets (N, 3, 3) by segment, in the segment's own axes."""
+
+LIMB_CHANNELS = slice(at.CLAVICLE, at.HEAD_SHIFT)
+"""Channels of arms and legs: what places limbs on their ends reads them."""
+
+
+@project_cache(maxsize=4)
+def corrected(standing: Standing, corrections: tuple[Correction, ...]) -> Standing:
+    """Grounded motion with those ``corrections`` that lie below the constraints; the same one without any."""
+    below = tuple(each for each in corrections if not each.above)
+    times = standing.motion.times
+    acting = np.zeros(len(times), dtype=np.bool_)
+    for each in below:
+        acting |= each.fractions(times) > 0.0
+    if not acting.any():
+        return standing
+    positions, rotations = standing.positions.copy(), standing.rotations.copy()
+    channels = np.array(standing.motion.channels)
+    footing = replace(
+        standing.footing,
+        ankles=standing.footing.ankles.copy(),
+        feet=standing.footing.feet.copy(),
+        toes=standing.footing.toes.copy(),
+    )
+    drops = np.zeros(len(times))
+    for run in runs_of(acting):
+        window = slice(*run)
+        before = standing.positions[window], standing.rotations[window]
+        posed = _posed(standing, below, window, *before)
+        channels[window, LIMB_CHANNELS] = _limb_channels(standing, window, *posed)
+        _release_feet(standing, footing, window, before, posed)
+        drops[window] = _lowering(standing, footing, window, before, posed)
+        positions[window], rotations[window] = posed
+    channels.setflags(write=False)
+    motion = replace(standing.motion, channels=channels)
+    drops = smooth_drops(drops, motion.frame_rate)
+    for run in runs_of(acting | (drops > 0.0)):
+        window = slice(*run)
+        placed = np.array(positions[window]), np.array(rotations[window])
+        rows = at_frames(standing.morphology.rows, window)
+        place_frames(rows, drops[window], footing.legs(motion, window), *placed)
+        positions[window], rotations[window] = placed
+    return replace(standing, motion=motion, footing=footing, positions=positions, rotations=rotations)
+
+
+def corrected_above(adapted: AdaptedMotion, standing: Standing, request: AdaptRequest) -> AdaptedMotion:
+    """Solved motion with those corrections of ``request`` that lie above the constraints; residuals are measured again.
+
+    ``standing`` is the grounded motion that was solved.
+    """
+    window = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
+    times = standing.motion.times[window]
+    above = [each for each in request.corrections if each.above and each.fractions(times).any()]
+    if not above:
+        return adapted
+    posed = _posed(standing, above, window, adapted.positions[:], adapted.rotations[:])
+    moved = replace(adapted, positions=posed[0], rotations=posed[1])
+    if not request.constraints:
+        return moved
+    targets = targets_of(standing, request.constraints, window, request.tracks)
+    measured = full_residuals(request.constraints, targets, moved)
+    full = np.array([each.activation.at(times) >= FULLY_ACTIVE for each in request.constraints])
+    acting = np.any([each.fractions(times) > 0.0 for each in above], axis=0)
+    measurable = full & acting & np.isfinite(adapted.residuals)
+    return replace(moved, residuals=np.where(measurable, measured, adapted.residuals))
+
+
+def segment_turns(layout: BodyLayout, turns: Mapping[BodyPart, FloatArray]) -> Turns:
+    """Rotation offsets of segments from rotation vectors (N, 3) of parts; inner vertebrae share the abdomen's."""
+    found: dict[int, FloatArray] = {}
+    for part, vectors in turns.items():
+        inner = range(1, layout.spine_count - 1) if part is BodyPart.ABDOMEN else ()
+        segments = inner or (layout.segment(part),)
+        turn = to_matrix(from_rotation_vector(vectors / len(segments)))
+        for segment in segments:
+            found[segment] = found[segment] @ turn if segment in found else turn
+    return found
+
+
+def turned(
+    layout: BodyLayout, positions: FloatArray, rotations: FloatArray, turns: Turns, shift: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """Positions (N, P, 3) and rotations (N, S, 3, 3) with segments turned in their own axes and the root moved by
+    ``shift`` (N, 3) metres.
+    """
+    positions, rotations, original = positions.copy(), rotations.copy(), positions
+    parents, proximal, distal = layout.parent_segments(), layout.proximal_points(), layout.distal_points()
+    deltas: list[FloatArray | None] = []
+    if shift is not None:
+        positions[:, 0] += shift
+    for segment, parent in enumerate(parents):
+        carried = deltas[parent] if parent >= 0 else None
+        own, first = rotations[:, segment], proximal[segment]
+        if parent >= 0 and first != distal[parent]:  # collars and hips lie beside the far end of what carries them
+            base = distal[parent] if parent else 0
+            positions[:, first] = positions[:, base] + _carried(carried, original[:, first] - original[:, base])
+        delta = carried
+        if segment in turns:
+            local = own @ turns[segment] @ own.transpose(0, 2, 1)
+            delta = local if carried is None else carried @ local
+        deltas.append(delta)
+        last = distal[segment]
+        positions[:, last] = positions[:, first] + _carried(delta, original[:, last] - original[:, first])
+        if delta is not None:
+            rotations[:, segment] = delta @ own
+    return positions, rotations
+
+
+def _carried(delta: FloatArray | None, vectors: FloatArray) -> FloatArray:
+    return vectors if delta is None else np.asarray((delta @ vectors[..., None])[..., 0])
+
+
+def _posed(
+    standing: Standing, corrections: Sequence[Correction], window: slice, positions: FloatArray, rotations: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Poses of the frames of ``window`` with some corrections, one after the other."""
+    layout, times = standing.morphology.layout, standing.motion.times[window]
+    heading = standing.motion.channels[window, at.YAW]
+    for each in corrections:
+        fractions = each.fractions(times)[:, None]
+        vectors = {
+            part: fractions * to_rotation_vector(from_matrix(each.keys.turns_at(part, times)))
+            for part in each.keys.parts
+        }
+        shift = None
+        if each.keys.moves_hips:
+            shift = standing.morphology.leg_length * fractions * along_heading(each.keys.hips_at(times), heading)
+        positions, rotations = turned(layout, positions, rotations, segment_turns(layout, vectors), shift)
+    return positions, rotations
+
+
+def along_heading(vectors: FloatArray, heading: FloatArray) -> FloatArray:
+    """Vectors (N, 3) given in the axes of a heading (N,) in the axes of the motion's space."""
+    x, y, z = vectors.T
+    c, s = np.cos(heading), np.sin(heading)
+    return np.stack([c * x - s * y, s * x + c * y, z], axis=1)
+
+
+def _limb_channels(standing: Standing, window: slice, positions: FloatArray, rotations: FloatArray) -> FloatArray:
+    """Channels (N, ...) of arms and legs of posed frames."""
+    body, rate = standing.morphology, standing.motion.frame_rate
+    if not isinstance(body, AnimatedMorphology):
+        return np.asarray(encode(positions, rotations, body, rate).channels[:, LIMB_CHANNELS])
+    frames = range(window.start, window.stop)
+    rows = [
+        encode(positions[row : row + 1], rotations[row : row + 1], body.at(frame), rate).channels
+        for row, frame in enumerate(frames)
+    ]
+    return np.concatenate(rows)[:, LIMB_CHANNELS]
+
+
+def _release_feet(
+    standing: Standing,
+    footing: Footing,
+    window: slice,
+    before: tuple[FloatArray, FloatArray],
+    posed: tuple[FloatArray, FloatArray],
+) -> None:
+    """Move targets of ankles, feet and toes with the corrected pose as far as contacts release them, in place."""
+    layout = standing.morphology.layout
+    for side, foot in enumerate((BodyPart.LEFT_FOOT, BodyPart.RIGHT_FOOT)):
+        planted = standing.limb_freedoms[2 + side] == 0.0
+        free = release_weight(planted, standing.motion.frame_rate, LET_GO)[window, None]
+        ankle, segment = layout.ankle(side), layout.segment(foot)
+        footing.ankles[side, window, :3] += free * (posed[0][:, ankle] - before[0][:, ankle])
+        for targets, moved in ((footing.feet, segment), (footing.toes, segment + 1)):
+            own = from_matrix(np.asarray(targets[side, window]))
+            delta = multiply(inverse(from_matrix(before[1][:, moved])), from_matrix(posed[1][:, moved]))
+            targets[side, window] = to_matrix(multiply(own, from_rotation_vector(free * to_rotation_vector(delta))))
+
+
+def _lowering(
+    standing: Standing,
+    footing: Footing,
+    window: slice,
+    before: tuple[FloatArray, FloatArray],
+    posed: tuple[FloatArray, FloatArray],
+) -> FloatArray:
+    """Root lowering (N,) in metres that a correction asks of planted legs, beyond what they had."""
+    rows = at_frames(standing.morphology.rows, window)
+    states, thresholds = (
+        np.ascontiguousarray(each[:, window]) for each in (standing.footing.states, footing.soft_thresholds)
+    )
+    needed = []
+    for targets, (positions, rotations) in ((standing.footing, before), (footing, posed)):
+        ankles = np.ascontiguousarray(targets.ankles[:, window, :3] - positions[:, 0])
+        drops = np.empty(len(positions))
+        channels = np.ascontiguousarray(standing.motion.channels[window])
+        required_root_lowering(channels, rows, np.ascontiguousarray(rotations), ankles, thresholds, states, drops)
+        needed.append(np.maximum(drops, 0.0))
+    return np.asarray(np.maximum(needed[1] - needed[0], 0.0))

@@ -1,0 +1,72 @@
+"""Cameras of the stage: a placement about a target, and those that are saved with a name."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.constraints.base import Vector, finite_vector
+from studio.core.plausible import PLACE_RANGE, TURN_RANGE, Range
+
+FloatArray = NDArray[np.float64]
+
+VIEW_ANGLE = math.radians(30.0)
+"""Vertical angle of view of every camera."""
+CAMERA_ASPECT, NEAREST_SEEN, FARTHEST_SEEN = 16 / 9, 0.02, 1000.0
+"""Width by height of a picture, and metres from a camera to what is seen, in files of other programs."""
+CAMERA_AZIMUTH, CAMERA_ELEVATION = math.radians(-52.0), math.radians(13.0)
+CAMERA_DISTANCE_RANGE = Range("The distance of a camera", 1e5, least=1e-3)
+CAMERA_SLOTS = (1, 2, 3, 4)
+"""Numbers of the keys that recall saved cameras."""
+
+
+@dataclass(frozen=True)
+class CameraPlacement:
+    """Looks at ``target`` (stage) from ``distance`` metres, turned by ``azimuth`` and ``elevation`` (radians)."""
+
+    target: tuple[float, float, float] = (0.0, 0.0, 0.9)
+    distance: float = 6.0
+    azimuth: float = CAMERA_AZIMUTH
+    elevation: float = CAMERA_ELEVATION
+    parallel: bool = False
+
+    @cached_property
+    def axes(self) -> FloatArray:
+        """(3, 3) rows: right, up and towards the viewer, in stage space."""
+        ca, sa = math.cos(self.azimuth), math.sin(self.azimuth)
+        ce, se = math.cos(self.elevation), math.sin(self.elevation)
+        return np.array([[-sa, ca, 0.0], [-se * ca, -se * sa, ce], [ce * ca, ce * sa, se]])
+
+    @cached_property
+    def eye(self) -> FloatArray:
+        """(3,) position of the camera, stage space."""
+        eye: FloatArray = np.asarray(self.target) + self.distance * self.axes[2]
+        return eye
+
+    @property
+    def half_height(self) -> float:
+        """Metres from the middle of the picture to its upper edge, at the target."""
+        return self.distance * math.tan(VIEW_ANGLE / 2)
+
+
+@dataclass(frozen=True)
+class SavedCamera:
+    """A placement with a name, recalled by the key of its ``slot`` if it has one."""
+
+    name: str
+    placement: CameraPlacement
+    slot: int | None = None
+
+    def __post_init__(self) -> None:
+        placement = self.placement
+        target: Vector = finite_vector(placement.target, f"The target of the camera '{self.name}'")
+        numbers = (placement.distance, placement.azimuth, placement.elevation)
+        if not all(map(math.isfinite, numbers)):
+            raise ValueError(f"The camera '{self.name}' is placed by finite numbers.")
+        PLACE_RANGE.check(target)
+        CAMERA_DISTANCE_RANGE.check(placement.distance)
+        TURN_RANGE.check((placement.azimuth, placement.elevation))
+        if self.slot is not None and self.slot not in CAMERA_SLOTS:
+            raise ValueError(f"The camera '{self.name}' has slot {self.slot}: there are {CAMERA_SLOTS}.")

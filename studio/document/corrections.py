@@ -1,0 +1,74 @@
+"""Edits of manual corrections: find or add the one at a time, set and remove its keys."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from studio.core.body.canonical import BodyPart
+from studio.core.constraints.base import Vector
+from studio.core.errors import StudioError
+from studio.core.names import free_name
+from studio.core.stage.correction import new_correction
+from studio.document.editing import EditedProject
+
+
+def correction_at(document: EditedProject, performer_id: str, time: float) -> str | None:
+    """Id of the correction of a performer that a pose at ``time`` belongs to: one selected, else the last that acts."""
+    own = document.project.corrections_of(performer_id)
+    selected = [key for key in document.selection.of("corrections") if key in own]
+    acting = [key for key, each in own.items() if each.activation.start <= time <= each.activation.end]
+    return next(iter((*reversed(selected), *reversed(acting))), None)
+
+
+def set_pose(
+    document: EditedProject,
+    performer_id: str,
+    time: float,
+    turns: Mapping[BodyPart, Vector],
+    hips: Vector | None = None,
+    gesture: int | None = None,
+    text: str = "Correct pose",
+) -> str:
+    """Set rotation vectors of some parts, and the displacement of the hips, at ``time``; the id of their correction.
+
+    Without a correction at that time a new one is added and selected.
+    """
+    name = text.removeprefix("Correct ")
+    with document.group(text, gesture):
+        key = correction_at(document, performer_id, time) or _add(document, performer_id, time, name)
+        correction = document.project.corrections[key]
+        pose = correction.keys.value_at(time).with_turns(turns)
+        pose = pose if hips is None else replace(pose, hips=hips)
+        document.replace("corrections", key, correction.with_key(time, pose), text)
+    document.selection.set(*_with_body(document, performer_id), ("corrections", key))
+    return key
+
+
+def set_key(document: EditedProject, correction_id: str, time: float) -> None:
+    """Set a key of a correction at ``time`` with the offsets that it has there."""
+    correction = document.project.corrections[correction_id]
+    document.replace(
+        "corrections",
+        correction_id,
+        correction.with_key(time, correction.keys.value_at(time)),
+        f"Set key of {correction.name}",
+    )
+
+
+def mirror_correction(document: EditedProject, correction_id: str) -> None:
+    """Move a correction to the other side of the body."""
+    correction = document.project.corrections[correction_id]
+    document.replace("corrections", correction_id, correction.mirrored(), f"Mirror {correction.name}")
+
+
+def _add(document: EditedProject, performer_id: str, time: float, name: str) -> str:
+    performer = document.project.performers.get(performer_id)
+    if performer is None or not performer.clips:
+        raise StudioError("Nothing plays that could be corrected. Add a clip to the character first.")
+    taken = {each.name for each in document.project.corrections_of(performer_id).values()}
+    made = new_correction(free_name(name[:1].upper() + name[1:], taken), performer_id, time)
+    return document.add("corrections", made, f"Correct {name}")
+
+
+def _with_body(document: EditedProject, performer_id: str) -> tuple[tuple[str, str], ...]:
+    chosen = ("performers", performer_id)
+    return (chosen,) if chosen in document.selection.items else ()

@@ -1,0 +1,37 @@
+"""Cameras saved on the stage: stored under a key or without one, found again by it."""
+
+from dataclasses import replace
+
+from studio.core.names import free_name
+from studio.core.project import Project
+from studio.core.stage.saved_camera import CameraPlacement, SavedCamera
+from studio.document.document import Document
+
+
+def camera_in_slot(project: Project, slot: int) -> str | None:
+    """Id of the camera that a key recalls, or None."""
+    return next((key for key, each in project.cameras.items() if each.slot == slot), None)
+
+
+def store_camera(document: Document, placement: CameraPlacement, slot: int | None = None) -> str:
+    """Save a placement as one undo step; the camera of the slot, if there is one, takes it. Returns the camera's id."""
+    project = document.project
+    known = camera_in_slot(project, slot) if slot is not None else None
+    if known is not None:
+        saved = replace(project.cameras[known], placement=placement)
+        document.replace("cameras", known, saved, f"Store {saved.name}")
+        return known
+    others = {each.name for each in project.cameras.values()}
+    name = free_name(f"Camera {slot}" if slot is not None else "Camera", others)
+    return document.add("cameras", SavedCamera(name, placement, slot), f"Store {name}")
+
+
+def give_slot(document: Document, camera_id: str, slot: int | None) -> None:
+    """Let a key recall a camera, and no other one, as one undo step."""
+    camera = document.project.cameras[camera_id]
+    with document.group(f"Key of {camera.name}"):
+        holder = camera_in_slot(document.project, slot) if slot is not None else None
+        if holder is not None and holder != camera_id:
+            other = document.project.cameras[holder]
+            document.replace("cameras", holder, replace(other, slot=None), f"Key of {other.name}")
+        document.replace("cameras", camera_id, replace(camera, slot=slot), f"Key of {camera.name}")

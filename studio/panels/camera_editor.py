@@ -1,0 +1,69 @@
+"""Form of a saved camera: its name, the key that recalls it, and its placement."""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+from PySide6.QtWidgets import QCheckBox, QLineEdit
+
+from studio.core.stage.saved_camera import CAMERA_SLOTS
+from studio.document.document import Document
+from studio.document.stored_cameras import give_slot
+from studio.engine.live import Live
+from studio.panels.constraint_editors.vector_row import VectorRow
+from studio.panels.editor import Editor
+from studio.panels.fields import Choice, NumberField, Section
+
+NO_SLOT = "none"
+
+
+class CameraEditor(Editor):
+    """Name, key and placement of a saved camera."""
+
+    def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
+        super().__init__(document, live, collection, entity_id)
+        section = Section("Camera")
+        self._name = QLineEdit()
+        self._name.editingFinished.connect(self._rename)
+        section.add_row("Name", self._name)
+        self._slot = Choice("Key", [(NO_SLOT, "None"), *((str(slot), f"Camera {slot}") for slot in CAMERA_SLOTS)])
+        self._slot.chosen.connect(lambda slot: give_slot(document, entity_id, None if slot == NO_SLOT else int(slot)))
+        section.add_row("Key", self._slot)
+        self._target = VectorRow(self, section, "Looks at", lambda target: self._place(target=target))
+        self._distance = self.bind(
+            NumberField("Distance", "m", 0.15, 150.0, 0.1, 2), lambda value: self._place(distance=value)
+        )
+        section.add_row("Distance", self._distance)
+        self._azimuth = self.bind(
+            NumberField("Azimuth", "°", -3600.0, 3600.0, 5.0, 1), lambda value: self._place(azimuth=math.radians(value))
+        )
+        section.add_row("Azimuth", self._azimuth)
+        self._elevation = self.bind(
+            NumberField("Elevation", "°", -90.0, 90.0, 5.0, 1), lambda value: self._place(elevation=math.radians(value))
+        )
+        section.add_row("Elevation", self._elevation)
+        self._parallel = QCheckBox("Parallel")
+        self._parallel.clicked.connect(lambda on: self._place(parallel=on))
+        section.add_wide(self._parallel)
+        self.column.addWidget(section)
+        self.finish()
+
+    def refresh(self) -> None:
+        """Show the camera as it is saved."""
+        camera = self.entity
+        placement = camera.placement
+        self._name.setText(camera.name)
+        self._slot.show_value(str(camera.slot) if camera.slot else NO_SLOT)
+        self._target.show_values(placement.target)
+        self._distance.show_value(placement.distance)
+        self._azimuth.show_value(math.degrees(placement.azimuth))
+        self._elevation.show_value(math.degrees(placement.elevation))
+        self._parallel.setChecked(placement.parallel)
+
+    def _place(self, **values: Any) -> None:
+        self.change(f"Place {self.entity.name}", placement=replace(self.entity.placement, **values))
+
+    def _rename(self) -> None:
+        name = self._name.text().strip()
+        if self.entity is not None and name and name != self.entity.name:
+            self.change(f"Rename {self.entity.name}", name=name)

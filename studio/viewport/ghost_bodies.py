@@ -1,0 +1,69 @@
+"""Bodies seen through, in one colour each: onion skins and kept moments."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from studio.core.body.character import Character
+from studio.core.mesh.skin import gripping, skin_vertices
+from studio.core.project import Project
+from studio.viewport.bodies import make_actor, place
+from studio.viewport.coarse import coarse_skin
+from studio.viewport.live_mesh import LiveMesh
+from studio.viewport.onion_skins import Ghost
+
+
+class GhostBody:
+    """The coarse skin of a character at one moment."""
+
+    def __init__(self, character: Character) -> None:
+        self.character = character
+        self._skin = coarse_skin(character.skin)
+        self._mesh = LiveMesh(len(self._skin.vertices), self._skin.triangles)
+        self.actor: Any = make_actor(self._mesh, character.colour)
+        self._posing: tuple[object, ...] = ()
+
+    def show(self, ghost: Ghost, character: Character) -> None:
+        """Take the pose, colour and opacity of a ghost of a character with the same skin."""
+        posed, self.character = ghost.pose, character
+        motion, row = posed.motion, posed.row
+        self.actor.prop.color, self.actor.prop.opacity = ghost.colour, ghost.opacity
+        self.actor.SetVisibility(True)
+        place(self.actor, posed.placement)
+        shown = gripping(self._skin, posed.grip(character.grip))
+        posing = shown, character.blending, motion, row
+        if posing != self._posing:
+            self._posing = posing
+            skin_vertices(
+                shown, character.build, motion.morphology_at(row), motion.positions[row], motion.rotations[row],
+                self._mesh.points, self._mesh.normals, character.blending,
+            )  # fmt: skip
+            self._mesh.touch()
+
+
+class GhostBodies:
+    """As many ghosts as each ``sync`` is given; meshes are used again."""
+
+    def __init__(self, add: Callable[[Any], None], remove: Callable[[Any], None]) -> None:
+        self._add, self._remove = add, remove
+        self._bodies: list[GhostBody] = []
+
+    def sync(self, project: Project, ghosts: Sequence[Ghost]) -> None:
+        """Show these ghosts and no others."""
+        for number, ghost in enumerate(ghosts):
+            character = project.characters[ghost.pose.performer.character_id]
+            self._body(number, character).show(ghost, character)
+        for body in self._bodies[len(ghosts) :]:
+            body.actor.SetVisibility(False)
+
+    def _body(self, number: int, character: Character) -> GhostBody:
+        known = self._bodies[number] if number < len(self._bodies) else None
+        if known is not None and known.character.skin is character.skin and known.character.build is character.build:
+            return known
+        body = GhostBody(character)
+        self._add(body.actor)
+        if known is None:
+            self._bodies.append(body)
+        else:
+            self._remove(known.actor)
+            self._bodies[number] = body
+        return body

@@ -1,0 +1,62 @@
+"""Onion skins: the same body at frames before and after the playhead, and at moments that are kept."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+
+from studio.core.project import Project
+from studio.document import colours
+from studio.engine.performance import Posed, pose_of
+
+NEAREST_OPACITY, FARTHEST_OPACITY = 0.38, 0.12
+"""Opacity of the skin next to the playhead and of the last one; a body at a kept moment has the first."""
+
+
+@dataclass(frozen=True)
+class OnionSkins:
+    """Number of skins before and after the playhead, and of frames between two of them."""
+
+    before: int = 3
+    after: int = 3
+    step: int = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Ghost:
+    """A body at another moment, seen through in a colour."""
+
+    pose: Posed
+    colour: str
+    opacity: float
+
+
+def onion_ghosts(
+    project: Project, poses: Iterable[Posed], skins: OnionSkins, time: float, frame_rate: float
+) -> Iterator[Ghost]:
+    """Ghosts of poses of ``time`` (seconds of the stage), ``skins.step`` frames apart; none beyond a motion's ends.
+
+    The newest motion over time is shown, so that the skins follow a drag when its clip has been solved again.
+    """
+    for pose in poses:
+        for sign, count, colour in (
+            (-1, skins.before, colours.BEFORE_PLAYHEAD),
+            (1, skins.after, colours.AFTER_PLAYHEAD),
+        ):
+            last = pose.frame
+            for place in range(1, count + 1):
+                moment = time + sign * place * skins.step / frame_rate
+                ghost = pose_of(project, pose.performer, pose.over_time, moment)
+                if ghost.frame == last:
+                    break
+                last = ghost.frame
+                faded = (place - 1) / max(count - 1, 1)
+                yield Ghost(ghost, colour, NEAREST_OPACITY + faded * (FARTHEST_OPACITY - NEAREST_OPACITY))
+
+
+def kept_ghosts(project: Project, posed: Mapping[str, Posed], kept: Iterable[tuple[str, float]]) -> Iterator[Ghost]:
+    """Ghosts of performers at kept moments, (performer id, seconds of the stage), as they are adapted now."""
+    for performer_id, time in kept:
+        pose = posed.get(performer_id)
+        if pose is not None and not pose.resting:
+            ghost = pose_of(project, pose.performer, pose.over_time, time)
+            if ghost.frame != pose.frame:
+                yield Ghost(ghost, colours.KEPT_GHOST, NEAREST_OPACITY)

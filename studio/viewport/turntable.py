@@ -1,0 +1,42 @@
+"""Turntable: the camera goes round what it looks at, at an even speed."""
+
+import math
+import time
+from collections.abc import Callable
+
+from PySide6.QtCore import QObject, QTimer
+
+TURN_SECONDS = 12.0
+TURN_RATE = 2.0 * math.pi / TURN_SECONDS
+"""Radians a second."""
+STEP_MILLISECONDS = 16
+
+
+class Turntable(QObject):
+    """Calls ``turn`` with the radians since the last call, as long as it runs."""
+
+    def __init__(self, turn: Callable[[float], object], parent: QObject) -> None:
+        super().__init__(parent)
+        self._turn = turn
+        self._last = 0.0
+        self._timer = QTimer(self, interval=STEP_MILLISECONDS)
+        self._timer.timeout.connect(self._step)
+
+    @property
+    def running(self) -> bool:
+        """True while the camera goes round."""
+        return self._timer.isActive()
+
+    def start(self) -> None:
+        """Begin to turn."""
+        self._last = time.monotonic()
+        self._timer.start()
+
+    def stop(self) -> None:
+        """Stay where the camera is."""
+        self._timer.stop()
+
+    def _step(self) -> None:
+        now = time.monotonic()
+        self._turn(TURN_RATE * (now - self._last))
+        self._last = now
