@@ -32,7 +32,7 @@ def sole_heights(solved: AdaptedMotion, side: int) -> NDArray[np.float64]:
         solved.rotations[:, layout.foot(side)],
         solved.rotations[:, layout.toes(side)],
     )
-    return heights_of(foot, sole_rows(solved.morphology, side), Ground()).min(axis=0)
+    return np.asarray(heights_of(foot, sole_rows(solved.morphology, side), Ground()).min(axis=0))
 
 
 @pytest.mark.parametrize("body", ["child", "giant"])
