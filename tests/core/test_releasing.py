@@ -32,12 +32,16 @@ def test_it_begins_where_the_limb_stands_and_ends_at_the_target() -> None:
     assert np.array_equal(np.broadcast_to(done, begun.shape), np.broadcast_to(PLACE, begun.shape))
 
 
-def test_on_its_way_it_is_as_far_from_the_root_as_lies_between() -> None:
+def test_on_its_way_it_is_as_far_from_the_root_as_lies_between_and_never_below_its_contact() -> None:
     hip = BEFORE.positions[:, BEFORE.morphology.layout.hip(0)]
     far = [np.linalg.norm(place - hip, axis=1) for place in (place_of(ANKLE, BEFORE), PLACE)]
-    led = np.linalg.norm(ramped_target(WANTED, PLACE[None], SHARES, STANDING, ALL) - hip, axis=1)
-    assert LETS_GO.any()
-    assert led[LETS_GO] == pytest.approx(((1.0 - SHARES) * far[0] + SHARES * far[1])[LETS_GO], abs=1e-9)
+    led = ramped_target(WANTED, PLACE[None], SHARES, STANDING, ALL)
+    over = led[:, 2] - place_of(ANKLE, BEFORE)[:, 2]
+    assert over[LETS_GO].min() > -1e-12
+    round_root = LETS_GO & (over > 1e-9)
+    assert round_root.any()
+    between = (1.0 - SHARES) * far[0] + SHARES * far[1]
+    assert np.linalg.norm(led - hip, axis=1)[round_root] == pytest.approx(between[round_root], abs=1e-9)
 
 
 def test_it_is_met_on_its_way_whatever_moves_the_body_below() -> None:

@@ -51,7 +51,8 @@ def ramped_target(
 ) -> FloatArray:
     """Target positions (F or 1, 3) in metres, ramped from the contact by the release ``fraction`` (F,).
 
-    The path goes round the root of the limb, linear in angle and in length: a straight path would fold the limb.
+    The path goes round the root of the limb, linear in angle and in length: a straight path would fold the limb. It
+    stays as high above the ground as the contact, or sinks evenly to a lower target.
     """
     limb, layout = limb_of(constraint.point.part), standing.morphology.layout
     if limb < 0 or (fraction == 1.0).all():
@@ -65,6 +66,9 @@ def ramped_target(
     led = root + (begins + fraction[:, None] * (ends - begins)) * _arc(
         normalized(stands), normalized(displacement), fraction[:, None]
     )
+    first, last = (each[:, 2] - standing.ground.height_at(each) for each in (root + stands, root + displacement))
+    least = standing.ground.height_at(led) + first + fraction * np.minimum(last - first, 0.0)
+    led[:, 2] = np.maximum(led[:, 2], least)
     return np.where(fraction[:, None] < 1.0, led, target)
 
 

@@ -81,7 +81,7 @@ def smooth_drops(drops: FloatArray, frame_rate: float) -> FloatArray:
     return smooth
 
 
-def smooth_penetrations(heights: FloatArray, margin: float) -> FloatArray:
+def smooth_penetrations(heights: FloatArray, margin: float | FloatArray) -> FloatArray:
     """Heights (F,) to add to ``heights`` (F,) so that they stay above 0: METHOD (7)."""
     fraction = np.clip(heights / margin, -1.0, 1.0)
     return np.asarray(margin * (1.0 - fraction) ** 3 * (3.0 + fraction) / 16.0 + np.maximum(-heights - margin, 0.0))

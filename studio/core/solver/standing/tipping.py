@@ -45,11 +45,23 @@ def out_of_ground(foot: FootPath, measures: FloatArray, depths: FloatArray) -> F
     heels, balls = (foot.ankles + _turned(foot.feet, each) for each in (heel, joint))
     arms, tips = balls - heels, depths[1] - depths[0]
     tips = tips * (arms[:, :2] ** 2).sum(axis=1) / np.maximum((arms**2).sum(axis=1), 1e-9)  # a steep foot is raised
-    feet = _tipped(arms, tips) @ foot.feet
+    feet = tipped(arms, tips) @ foot.feet
     about_heel = (tips > 0.0)[:, None]
     ankles = np.where(about_heel, heels - _turned(feet, heel), balls - _turned(feet, joint))
     ankles[:, 2] += depths.max(axis=0) - np.abs(tips)
     return FootPath(ankles, feet, foot.toes)
+
+
+def tipped_about_ankle(foot: FootPath, measures: FloatArray, heights: FloatArray, rises: FloatArray) -> FloatArray:
+    """Rotations (F, 3, 3) of a foot about its ankle that raise its heel or ball by ``rises`` (2, F) metres.
+
+    The lower of both, now at ``heights`` (2, F), rises, at most until the foot is level.
+    """
+    heel, joint, _, _ = _arms(measures)
+    pitch, extent = heights[0] - heights[1], joint[:, 0] - heel[:, 0]
+    up = np.clip(rises[1] * extent / joint[:, 0], 0.0, np.maximum(pitch, 0.0))
+    down = np.clip(-rises[0] * extent / heel[:, 0], 0.0, np.maximum(-pitch, 0.0))
+    return tipped(_turned(foot.feet, joint - heel), up - down)
 
 
 def seen_coming(depths: FloatArray, stands: NDArray[np.bool_], frame_rate: float) -> FloatArray:
@@ -78,7 +90,7 @@ def _turned(rotation_matrices: FloatArray, arms: FloatArray) -> FloatArray:
     return np.asarray((rotation_matrices @ arms[..., None])[..., 0])
 
 
-def _tipped(arms: FloatArray, rises: FloatArray) -> FloatArray:
+def tipped(arms: FloatArray, rises: FloatArray) -> FloatArray:
     """Rotations (F, 3, 3) about level axes that raise the ends of ``arms`` (F, 3) by ``rises`` metres, as far as
     possible.
     """

@@ -1,0 +1,108 @@
+"""Feet and hands that constraints take into the ground rotate out of it about ankle and wrist (METHOD 6).
+
+Ankle and wrist stay, so that targets there are still met. Frames are independent of each other.
+"""
+
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import at_frames, sole_rows
+from studio.core.constraints.base import Constraint
+from studio.core.constraints.follow import FollowBody
+from studio.core.constraints.target import follows_of
+from studio.core.grounds.ground import Ground
+from studio.core.single import PoseArray
+from studio.core.solver.asking.points import limb_of
+from studio.core.solver.standing.blends import smooth_penetrations
+from studio.core.solver.standing.held_foot import FootPath
+from studio.core.solver.standing.stand import Standing
+from studio.core.solver.standing.tipping import heights_of, tipped, tipped_about_ankle
+
+FloatArray = NDArray[np.float64]
+
+END_MARGIN = 0.05
+"""Greatest height above the ground, in metres, below which a foot or hand begins to rise; 3/16 of it is kept."""
+END_TOLERANCE = 1e-4
+"""Depth in metres that is left to a foot or hand which touches the ground before the constraints."""
+END_ROTATIONS = 2
+"""Iterations of the rotation of an end segment: its points rise less as it comes level."""
+END_PARTS = tuple(BodyPart(f"{side}_{part}") for side in ("left", "right") for part in ("hand", "foot", "toe"))
+
+
+def constrained_ends(constraints: Sequence[Constraint], activations: FloatArray) -> FloatArray:
+    """Activations (4, F) of constraints, (C, F), on the end segment of each limb itself."""
+    asked = np.zeros((4, activations.shape[1]))
+    for constraint, activation in zip(constraints, activations, strict=True):
+        for part in {constraint.point.part, *_followed_parts(constraint)}.intersection(END_PARTS):
+            limb = limb_of(part)
+            asked[limb] = np.maximum(asked[limb], activation)
+    return asked
+
+
+def _followed_parts(constraint: Constraint) -> Iterable[BodyPart]:
+    return (follow.point.part for follow in follows_of(constraint) if isinstance(follow, FollowBody))
+
+
+def lift_ends(
+    standing: Standing, window: slice, free: FloatArray, positions: FloatArray, rotations: FloatArray
+) -> None:
+    """Rotate hands and feet of solved frames of a ``window``, (F, P, 3) and (F, S, 3, 3), in place.
+
+    Each rises, by its weight ``free`` (4, F), where it is lower above the ground than before the constraints, and at
+    most until it is level.
+    """
+    body, ground, layout = standing.morphology, standing.ground, standing.morphology.layout
+    before, solved = (standing.positions[window], standing.rotations[window]), (positions, rotations)
+    for side in range(2):
+        hand, foot = End(layout.wrist(side), layout.hand(side), 1), End(layout.ankle(side), layout.foot(side), 2)
+        goals = _goals(hand.tip_heights(ground, positions), hand.tip_heights(ground, before[0]), free[side])
+        rises = goals - hand.tip_heights(ground, positions)
+        if rises.any():
+            fingers = positions[:, hand.joint + 1] - positions[:, hand.joint]
+            hand.rotate(tipped(fingers, np.minimum(rises, np.maximum(-fingers[:, 2], 0.0))), *solved)
+        measures = at_frames(sole_rows(body, side), window)
+        heights = heights_of(foot.path(*solved), measures, ground)
+        goals = _goals(heights, heights_of(foot.path(*before), measures, ground), free[2 + side])
+        for _ in range(END_ROTATIONS):
+            rises = np.maximum(goals - heights, 0.0)
+            if not rises.any():
+                break
+            foot.rotate(tipped_about_ankle(foot.path(*solved), measures, heights, rises), *solved)
+            heights = heights_of(foot.path(*solved), measures, ground)
+
+
+def _goals(heights: FloatArray, before: FloatArray, free: FloatArray) -> FloatArray:
+    """Heights (..., F) to which points at ``heights`` rise: the ground's, or those ``before`` the constraints."""
+    least = np.minimum(before, 0.0) - END_TOLERANCE
+    margin = np.minimum(before - least, END_MARGIN)
+    return np.asarray(heights + free * smooth_penetrations(heights - least, margin))
+
+
+class End(NamedTuple):
+    """Hand or foot: the point of its ``joint``, its ``segment``, and its ``size`` in points, and in segments."""
+
+    joint: int
+    segment: int
+    size: int
+
+    def tip_heights(self, ground: Ground, positions: PoseArray) -> FloatArray:
+        """Heights (F,) in metres of its first point above the ground."""
+        tips = positions[:, self.joint + 1]
+        return np.asarray(tips[:, 2] - ground.height_at(tips))
+
+    def path(self, positions: PoseArray, rotations: PoseArray) -> FootPath:
+        """Path of a foot."""
+        return FootPath(positions[:, self.joint], rotations[:, self.segment], rotations[:, self.segment + 1])
+
+    def rotate(self, turns: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
+        """Rotate it by ``turns`` (F, 3, 3) about its joint, in place."""
+        points, segments = (
+            slice(at + 1 - of, at + 1 - of + self.size) for at, of in ((self.joint, 0), (self.segment, 1))
+        )
+        offsets = positions[:, points] - positions[:, self.joint, None]
+        positions[:, points] += np.einsum("fij,fpj->fpi", turns, offsets) - offsets
+        rotations[:, segments] = turns[:, None] @ rotations[:, segments]
