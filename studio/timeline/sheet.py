@@ -28,7 +28,7 @@ FOLDING = ("constraints", "lane")
 
 
 def rows_of(shown: RowContext) -> tuple[TimelineRow, ...]:
-    """Sounds, labels, clips, layers, corrections, growth, held props, contacts, constraints by priority; or the keys."""
+    """Sounds, labels, clips, layers, corrections, growth, props, contacts, constraints by priority; or the keys."""
     return _stacked(keys.rows_of(shown) if shown.dope else _heights(shown))
 
 
