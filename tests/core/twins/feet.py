@@ -70,16 +70,6 @@ def ease_gaps(values: np.ndarray, known: np.ndarray, reach: float) -> np.ndarray
     return eased
 
 
-def held(known: np.ndarray, reach: float) -> np.ndarray:
-    """1 where ``known``, falling smoothly to 0 within ``reach`` frames beside it."""
-    frames = np.flatnonzero(known)
-    if not len(frames):
-        return np.zeros(len(known))
-    away = np.abs(np.arange(len(known))[:, None] - frames).min(axis=1)
-    t = np.minimum(away / reach, 1.0)
-    return 1.0 - (6 * t**5 - 15 * t**4 + 10 * t**3)
-
-
 def level_soles(rotations: np.ndarray, states: np.ndarray) -> np.ndarray:
     corrections = np.zeros((len(states), 3))
     for stretch in stretches(states == FLAT):
@@ -109,8 +99,7 @@ def level_toes(feet: np.ndarray, toes: np.ndarray, states: np.ndarray) -> np.nda
         toe = (feet[frame] @ turned @ toes[frame])[:, 0]
         down = np.arcsin(toe[2]) * np.array([-toe[1], toe[0], 0.0]) / np.linalg.norm(toe[:2]) @ feet[frame]
         corrections[frame] = to_vector(from_vector((lies + aside - lies * aside) * down) @ turned)
-    eased = ease_gaps(corrections, standing, REACH) * held(standing, REACH)[:, None]
-    turns = np.array([from_vector(each) for each in eased])
+    turns = np.array([from_vector(each) for each in ease_gaps(corrections, standing, REACH)])
     return feet @ turns @ toes
 
 
