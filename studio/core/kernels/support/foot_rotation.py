@@ -21,7 +21,7 @@ from studio.core.kernels.algebra.rotation_tuples import (
 )
 from studio.core.kernels.algebra.vectors import copy_matrix
 from studio.core.kernels.compiling import allocating_kernel, small_kernel
-from studio.core.kernels.support.gap_interpolation import interpolate_gaps_smoothly, is_inside_run, release_weights
+from studio.core.kernels.support.gap_interpolation import interpolate_gaps_smoothly, is_inside_run
 from studio.core.kernels.support.sole import (
     HEEL_STANDS,
     SOLE_HEEL_LENGTH,
@@ -113,8 +113,8 @@ def limit_foot_pitch(soles, states, reach, rotations):
 
 @allocating_kernel
 def level_toes(feet, toes, states, pitches, reach, out_toes):
-    """Write toe rotations (F, 3, 3): level with the foot's heading while the toe stands, as captured ``reach`` frames
-    before and after (METHOD (6)).
+    """Write toe rotations (F, 3, 3): level with the foot's heading while the toe stands, interpolated between (METHOD
+    (6)).
 
     ``pitches`` (F,) in radians lower toes that stand on their tips. A foot that stands steeply on tucked toes takes the
     heading of its instep; one that lies on its instep keeps its toes, and one on its side has only its tip lowered.
@@ -122,7 +122,7 @@ def level_toes(feet, toes, states, pitches, reach, out_toes):
     """
     count = states.shape[0]
     corrections = np.zeros((count, 3))
-    known, lies, free = (states & TOE_STANDS) != 0, np.zeros(count, np.bool_), np.empty(count)
+    known, lies = (states & TOE_STANDS) != 0, np.zeros(count, np.bool_)
     level, rotation, local = np.zeros((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     level[2, 2] = 1.0
     for frame in range(count):
@@ -145,10 +145,8 @@ def level_toes(feet, toes, states, pitches, reach, out_toes):
                         foot, toes[frame], pitches[frame], fraction + aside - fraction * aside, corrections[frame]
                     )
     interpolate_gaps_smoothly(corrections, known, reach)
-    release_weights(known, reach, free)
     for frame in range(count):
         if not lies[frame]:
-            corrections[frame] *= 1.0 - free[frame]
             local_toe = correct_rotation(corrections[frame], rotation_from_matrix(toes[frame]))
             write_rotation(compose(rotation_from_matrix(feet[frame]), local_toe), out_toes[frame])
 
