@@ -15,7 +15,7 @@ from studio.core.errors import StudioError
 from studio.core.project import Project
 from studio.core.stage.saved_camera import CameraPlacement
 from studio.core.stage.staging import staged
-from studio.io.film import write_moving
+from studio.io.media.film import write_moving
 from studio.io.png import write_png
 from studio.jobs.adaptation import ADAPTED_MOTION_ID, chosen_characters, make_folder, ready_capture
 from studio.jobs.bundled_scenes import is_project, open_project

@@ -12,9 +12,8 @@ from studio.document.corrections import mirror_correction, set_key, set_pose
 from studio.document.document import Document
 from studio.engine.live import Live
 from studio.panels.editor import Editor
-from studio.panels.fields import Choice, NumberField, Section, labelled, press_button
+from studio.panels.fields import PER_CENT, Choice, NumberField, Section, labelled, press_button
 
-PER_CENT = 100.0
 RANGE_FIELDS = ("Start", "Full from", "Full until", "End")
 TURN_AXES = ("x", "y", "z")
 

@@ -22,6 +22,7 @@ FIELD_LABEL_WIDTH, LONGEST_NAME = 84, 110
 ROW_HEIGHT = 26
 FIELD_ICON_PX = 12
 SCRUB_START = 3
+PER_CENT = 100.0
 
 
 def labelled(text: str, role: str) -> QLabel:

@@ -9,9 +9,7 @@ from studio.core.errors import StudioError
 from studio.core.stage.layer import Region
 from studio.document import clips
 from studio.panels.editor import Editor
-from studio.panels.fields import Choice, NumberField, Section, labelled
-
-PER_CENT = 100.0
+from studio.panels.fields import PER_CENT, Choice, NumberField, Section, labelled
 
 
 class LayerSection(Section):

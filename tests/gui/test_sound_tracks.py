@@ -10,8 +10,8 @@ from studio.app.verbs.sounds import add_sound
 from studio.core.errors import StudioError
 from studio.core.stage.beats import beats_of
 from studio.core.stage.sound_track import SoundTrack
+from studio.io.media.sound_file import read_sound
 from studio.io.project.project_file import new_document_id, read_project, write_project
-from studio.io.sound_file import read_sound
 from tests.patience import PATIENCE
 
 RATE = 22_050

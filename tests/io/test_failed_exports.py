@@ -11,7 +11,7 @@ from studio.core.normalized.normalize import normalize
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.io.export import take_of_adapted, take_of_capture, write_take
-from studio.io.film import write_moving
+from studio.io.media.film import write_moving
 from studio.io.registry import OWN_FORMATS
 from tests.builders import make_capture, make_character
 

@@ -14,8 +14,8 @@ import pytest
 from studio.core.errors import StudioError
 from studio.io import replacing as module
 from studio.io.bvh.reader import read_bvh, write_bvh
-from studio.io.film import write_film
 from studio.io.json_text import write_json
+from studio.io.media.film import write_film
 from studio.io.png import write_png
 from studio.io.project.archive import write_archive
 from studio.io.project.character_file import bundled_characters, read_character, write_character

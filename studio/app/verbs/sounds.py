@@ -5,7 +5,7 @@ from pathlib import Path
 from studio.app.file_dialogs import ask_file
 from studio.app.workbench import Workbench
 from studio.core.stage.sound_track import SoundTrack
-from studio.io.sound_file import SOUND_SUFFIXES, read_sound
+from studio.io.media.sound_file import SOUND_SUFFIXES, read_sound
 
 
 def ask_sound(bench: Workbench) -> None:
