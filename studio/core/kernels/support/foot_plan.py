@@ -9,8 +9,8 @@ from studio.core.kernels.compiling import allocating_kernel
 from studio.core.kernels.records import Array
 from studio.core.kernels.support.foot_anchoring import anchor_ankles
 from studio.core.kernels.support.foot_rotation import level_soles, level_toes, limit_foot_pitch
-from studio.core.kernels.support.heel_roll import ankle_moves, lift_heels, tiptoe_pitches
-from studio.core.kernels.support.sole import tip_rise
+from studio.core.kernels.support.heel_roll import lift_heels, tiptoe_pitches
+from studio.core.kernels.support.sole import ANKLE_HEIGHT, TOE_Z, tip_rise
 
 
 class FootPlan(NamedTuple):
@@ -25,12 +25,12 @@ class FootPlan(NamedTuple):
 
 
 @allocating_kernel
-def plan_foot(states, soles, height, rolls, reach, plan):
+def plan_foot(states, soles, height, rolls, reach, balls, plan):
     """Ground one foot on a level floor (METHOD 4): ``plan`` (a ``FootPlan``) as retargeted becomes the grounded foot,
     in place.
 
     ``states`` (F,); ``soles`` (F or 1, 6); ``height`` of the floor in metres; ``rolls`` if heels rise as captured;
-    ``reach`` frames.
+    ``reach`` frames; ``balls`` (F,) heights in metres of the toe joint as retargeted.
     """
     count = states.shape[0]
     if not (states != 0).any():
@@ -45,12 +45,14 @@ def plan_foot(states, soles, height, rolls, reach, plan):
     limit_foot_pitch(soles, states, reach, plan.feet)
     pitches = np.zeros(count)
     if rolls:
-        moves, rises = np.empty((count, 3)), np.empty(count)
-        ankle_moves(states, ankles, moves)
-        tiptoe_pitches(soles, states, moves, plan.feet, reach, pitches)
+        rises = np.empty(count)
         for frame in range(count):
             sole = soles[frame if soles.shape[0] > 1 else 0]
-            rises[frame] = moves[frame, 2] - tip_rise(sole, pitches[frame])
+            rises[frame] = balls[frame] - height - sole[ANKLE_HEIGHT] - sole[TOE_Z]
+        tiptoe_pitches(soles, states, rises, reach, pitches)
+        for frame in range(count):
+            sole = soles[frame if soles.shape[0] > 1 else 0]
+            rises[frame] = ankles[frame, 2] - height - tip_rise(sole, pitches[frame])
         lift_heels(soles, states, rises, reach, plan.feet)
     level_toes(plan.feet, toes, states, pitches, reach, plan.toes)
     anchor_ankles(ankles, plan.feet, states, soles, np.full(count, height), pitches, reach, plan.ankles)

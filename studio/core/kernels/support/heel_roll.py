@@ -9,17 +9,7 @@ from studio.core.kernels.algebra.smooth_steps import smooth_penetration, smooths
 from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
 from studio.core.kernels.support.foot_rotation import correct_rotation
 from studio.core.kernels.support.gap_interpolation import interpolate_gaps, interpolate_gaps_smoothly, release_weights
-from studio.core.kernels.support.sole import (
-    ANKLE_HEIGHT,
-    HEEL_STANDS,
-    TOE_LENGTH,
-    TOE_STANDS,
-    TOE_X,
-    TOE_Y,
-    TOE_Z,
-    pivot_offsets,
-    toe_heading,
-)
+from studio.core.kernels.support.sole import ANKLE_HEIGHT, HEEL_STANDS, TOE_STANDS, TOE_X, TOE_Y, TOE_Z, pivot_offsets
 
 HEEL_RELEASE = 0.6
 """Fractions of the release time after which a heel has its captured height, and after which it rolls as far as its leg
@@ -39,81 +29,40 @@ STEEPEST_HEEL_ROLL = math.radians(40.0)
 """Greatest upward pitch of a foot that rolls back over its heel, approached softly."""
 LEAST_ROLL_GAIN = 0.4
 """Least gain of leg length a radian, as a fraction of the distance from the ankle to the pivot."""
-STEEPEST_TOE = 1.2
+STEEPEST_TOE = 1.0
 """Greatest downward pitch in radians of toes on their tips, approached softly."""
-SOFT_TOE = 0.15
-"""Pitch in radians up to which toes stay nearly flat: a ball that wavers on the ground rolls over nothing."""
+TIPTOE_RISE = 0.2
+"""Rise of a ball, in toe lengths, at which a foot begins to roll over the tip."""
 LEAST_FOOT_EXTENT = 0.6
 """Least horizontal extent of a foot, as a fraction of the distance from ankle to toe joint."""
 
 
 @allocating_kernel
-def tiptoe_pitches(soles, states, moves, feet, reach, out_pitches):
-    """Write the downward pitches (F,) in radians of toes that stand alone: tip and ball carry the ankle as two links.
+def tiptoe_pitches(soles, states, heights, reach, out_pitches):
+    """Write the downward pitches (F,) in radians of toes that stand alone: the ball is as high over their tip as
+    captured.
 
-    ``moves`` (F, 3) of the ankle as in ``ankle_moves``; ``feet`` (F, 3, 3) corrected; other arguments as in
-    ``lift_heels``. Toes stay flat where the ball alone can carry it.
+    ``heights`` (F,) of the toe joint above its height in a flat foot, as retargeted; arguments as in ``lift_heels``.
     """
     rolling_weights(states, HEEL_RELEASE * reach, out_pitches)
     for frame in range(states.shape[0]):
-        if out_pitches[frame] == 0.0:
-            continue
-        sole = soles[frame if soles.shape[0] > 1 else 0]
-        along, across = toe_heading(feet[frame])
-        ahead = (along * moves[frame, 0] + across * moves[frame, 1]) / max(math.hypot(along, across), 1e-9)
-        pitch = toe_pitch(sole, ahead, moves[frame, 2])
-        pitch = pitch * pitch / (pitch + SOFT_TOE)
-        out_pitches[frame] *= STEEPEST_TOE * math.tanh(pitch / STEEPEST_TOE)
-
-
-@small_kernel
-def toe_pitch(sole, ahead, up):
-    """Downward pitch in radians, 0 or more, of a toe over whose tip an ankle has gone ``ahead`` and ``up`` metres."""
-    length, thick = max(sole[TOE_LENGTH], 1e-3), sole[ANKLE_HEIGHT] + sole[TOE_Z]
-    x, z = ahead - length - sole[TOE_X], up + sole[ANKLE_HEIGHT]
-    toe, foot = math.hypot(length, thick), math.hypot(sole[TOE_X], sole[TOE_Z])
-    away = max(math.hypot(x, z), 1e-9)
-    bent = math.acos(min(max((toe * toe + away * away - foot * foot) / (2.0 * toe * away), -1.0), 1.0))
-    return max(math.atan2(thick, -length) - math.atan2(z, x) - bent, 0.0)
+        length = soles[frame if soles.shape[0] > 1 else 0, 5]
+        if out_pitches[frame] != 0.0:
+            over = max(heights[frame] / max(length, 1e-3) - TIPTOE_RISE, 0.0)
+            out_pitches[frame] *= STEEPEST_TOE * math.tanh(over * over / (over + TIPTOE_RISE) / STEEPEST_TOE)
 
 
 @allocating_kernel
-def ankle_moves(states, ankles, out_moves):
-    """Write how far (F, 3) in metres each of the ``ankles`` (F, 3) is from where it is while its heel stands.
+def lift_heels(soles, states, heights, reach, rotations):
+    """Pitch foot rotations (F, 3, 3), in place: where the toe alone stands the ankle has its captured height.
 
-    Between two stands of the heel in one contact that place passes from one to the other; 0 in the air, and in
-    contacts without any heel.
+    ``heights`` (F,) of the ankle above the floor, as retargeted; ``soles`` (F or 1, 5 or more), ``states`` (F,) as in
+    ``kernels.support.sole``. The pitch fades in after the heel has left the ground, and between contacts.
     """
     count = states.shape[0]
-    stands = np.full((2, count), -1)
-    for sweep_direction in range(2):
-        stood = -1
-        for step in range(count):
-            frame = step if sweep_direction == 0 else count - 1 - step
-            stood = -1 if states[frame] == 0 else frame if states[frame] & HEEL_STANDS else stood
-            stands[sweep_direction, frame] = stood
-    for frame in range(count):
-        before, after = stands[0, frame], stands[1, frame]
-        if before < 0 and after < 0:
-            out_moves[frame] = 0.0
-            continue
-        before, after = before if before >= 0 else after, after if after >= 0 else before
-        fraction = (frame - before) / (after - before) if after > before else 0.0
-        for axis in range(3):
-            place = ankles[before, axis] + fraction * (ankles[after, axis] - ankles[before, axis])
-            out_moves[frame, axis] = ankles[frame, axis] - place
-
-
-@allocating_kernel
-def lift_heels(soles, states, rises, reach, rotations):
-    """Pitch foot rotations (F, 3, 3), in place: where the toe alone stands the ankle rises as captured.
-
-    ``rises`` (F,) of the ankle over its height in a flat foot, metres; ``soles`` (F or 1, 5 or more), ``states`` (F,)
-    as in ``kernels.support.sole``. The pitch fades in after the heel has left the ground, and between contacts.
-    """
-    count = states.shape[0]
-    corrections, free = np.zeros((count, 3)), np.empty(count)
+    corrections, free, left_over = np.zeros((count, 3)), np.empty(count), np.zeros(count)
     rolling_weights(states, HEEL_RELEASE * reach, free)
+    stance_pitch_offsets(soles, states, heights, rotations, left_over)
     for frame in range(count):
         if free[frame] == 0.0:
             continue
@@ -121,15 +70,38 @@ def lift_heels(soles, states, rises, reach, rotations):
         fraction = smoothstep(min(max((foot[2, 0] - STEEP_FOOT[1]) / (STEEP_FOOT[0] - STEEP_FOOT[1]), 0.0), 1.0))
         if fraction == 0.0 or foot[2, 2] < 0.0:
             continue
-        missing = pitch_for_height(foot, sole, rises[frame] - sole[TOE_Z])
+        missing = pitch_for_height(foot, sole, heights[frame] - sole[ANKLE_HEIGHT] - sole[TOE_Z])
         level = math.asin(min(max(foot[2, 0], -1.0), 0.0))  # no farther up, or the ball would leave the ground
-        pitch = fraction * limited_toe_pitch(foot, max(missing, level))
+        pitch = fraction * limited_toe_pitch(foot, max(missing - (1.0 - free[frame]) * left_over[frame], level))
         along = max(math.hypot(foot[0, 0], foot[1, 0]), 1e-9)
         corrections[frame, 0] = -pitch * foot[1, 0] / along
         corrections[frame, 1] = pitch * foot[0, 0] / along
     interpolate_gaps_smoothly(corrections, states != 0, reach)
     for frame in range(count):
         write_rotation(correct_rotation(corrections[frame], rotation_from_matrix(rotations[frame])), rotations[frame])
+
+
+@allocating_kernel
+def stance_pitch_offsets(soles, states, heights, rotations, out_pitches):
+    """Write the pitch error (F,) in radians of the foot where its heel stood last, or stands next, in the same contact.
+
+    Arguments as in ``lift_heels``.
+    """
+    count = states.shape[0]
+    gaps = np.full(count, math.inf)
+    for sweep_direction in range(2):
+        gap, missing = math.inf, 0.0
+        for step in range(count):
+            frame = step if sweep_direction == 0 else count - 1 - step
+            gap = math.inf if states[frame] == 0 else gap + 1.0
+            if states[frame] & HEEL_STANDS:
+                sole = soles[frame if soles.shape[0] > 1 else 0]
+                gap, missing = (
+                    0.0,
+                    pitch_for_height(rotations[frame], sole, heights[frame] - sole[ANKLE_HEIGHT] - sole[TOE_Z]),
+                )
+            if gap < gaps[frame]:
+                gaps[frame], out_pitches[frame] = gap, missing
 
 
 @allocating_kernel

@@ -250,8 +250,8 @@ class _Foot:
             self.body.layout.foot(self.side),
         )
         plan.ankles[:], plan.feet[:], plan.toes[:] = positions[:, ankle], rotations[:, foot], rotations[:, foot + 1]
-        reach = LET_GO * self.frame_rate
-        plan_foot(self.states, self.soles, self.ground.height, self.ground.is_level, reach, plan)
+        balls, reach = np.ascontiguousarray(positions[:, ankle + 1, 2]), LET_GO * self.frame_rate
+        plan_foot(self.states, self.soles, self.ground.height, self.ground.is_level, reach, balls, plan)
         if not self.ground.is_level:
             self._keep_above(plan)
 
