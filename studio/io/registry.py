@@ -95,6 +95,8 @@ class Format:
     """``(path, stage: ExportedStage, progress: Progress) -> None``: all performers and props in one file."""
     character_writer: str = ""
     """``(path, character: Character, progress: Progress) -> None``."""
+    packed: bool = False
+    """True if its own files may be packed: its reader says what is wrong with one."""
 
     @property
     def reads(self) -> list[str]:
@@ -189,6 +191,7 @@ OWN_FORMATS = (
         sniff="studio.io.s4d.format:is_s4d",
         capture_reader="studio.io.s4d.format:load_s4d",
         motion_writer="studio.io.s4d.format:write_take",
+        packed=True,
     ),
     Format(
         name="glTF",
@@ -233,12 +236,14 @@ OWN_FORMATS = (
         suffixes=(".x3d",),
         sniff="studio.io.hanim:is_x3d",
         character_reader="studio.io.hanim.character:load_x3d",
+        packed=True,
     ),
     Format(
         name="VRML",
         suffixes=(".wrl", ".x3dv", ".vrml"),
         sniff="studio.io.hanim:is_vrml",
         character_reader="studio.io.hanim.character:load_vrml",
+        packed=True,
     ),
     Format(
         name="C3D",
@@ -343,7 +348,8 @@ def _format_of(path: Path, head: bytes, jobs: tuple[str, ...]) -> Format:
     found = next(_recognising([*by_suffix, *others], head), None)
     if found is None:
         refuse_stand_in(path.name, head)
-        refuse_archive(path.name, head)
+        if not any(each.packed for each in by_suffix):
+            refuse_archive(path.name, head)
         found = next(iter(by_suffix), None)
     if found is None:
         kinds = " or ".join(job.removesuffix("_reader") for job in jobs)

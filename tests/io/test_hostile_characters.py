@@ -66,7 +66,7 @@ def at_one_place(text: str) -> str:
 
 GLTF = {
     "empty": (b"", "is empty"),
-    "not glTF at all": (b"PK\x03\x04 a zip", "not readable as JSON"),
+    "not glTF at all": (b"PK\x03\x04 a zip", r"is a packed file \(ZIP\)"),
     "cut in its header": (Gltf().glb()[:15], "is cut off: it has 15 bytes"),
     "cut in its content": (Gltf().glb()[:-500], "is cut off: it should have"),
     "a part that ends behind the file": (
