@@ -23,6 +23,7 @@ from studio.app.live_control import LiveControl
 from studio.app.marker_dialog import open_markers
 from studio.app.playing_live import LivePlaying
 from studio.app.plug_in_panels import add_panel_actions
+from studio.app.pose_library import PoseLibrary
 from studio.app.preferences import FITTED, Preferences, save_preferences
 from studio.app.problem_tour import ProblemTour
 from studio.app.striking import Striking
@@ -57,7 +58,10 @@ ABOVE_NOTES = 48
 """Pixels of the view's edges that its chips have, which no sentence covers."""
 
 Area = Qt.DockWidgetArea
-TABBED_PANELS = {"Inspector": ("Strikes", "Live"), "Timeline": ("Behaviour", "Pose map", "Console", "Problems")}
+TABBED_PANELS = {
+    "Inspector": ("Strikes", "Live", "Poses"),
+    "Timeline": ("Behaviour", "Pose map", "Console", "Problems"),
+}
 """Panels that stand in the place of another one, when they are asked for."""
 
 
@@ -243,6 +247,7 @@ class MainWindow(QMainWindow):
         self.history = History(self.bench.document.undo_stack)
         self.striking = Striking(self.bench)
         self.live_control = LiveControl(self.bench)
+        self.pose_library = PoseLibrary(self.bench)
         ready_made = [(key, text, tip) for key, (text, tip, _) in READY_MADE.items()]
         self.behaviour = BehaviourPanel(self.bench.document, ready_made)
         self.behaviour.wanted.connect(lambda key: self.actions_by_id.by_id[key].trigger())
@@ -258,6 +263,7 @@ class MainWindow(QMainWindow):
             ("History", self.history, Area.LeftDockWidgetArea),
             ("Strikes", self.striking.pages, Area.RightDockWidgetArea),
             ("Live", self.live_control.panel, Area.RightDockWidgetArea),
+            ("Poses", self.pose_library.panel, Area.RightDockWidgetArea),
             ("Inspector", self.inspector, Area.RightDockWidgetArea),
             ("Timeline", QWidget(), Area.BottomDockWidgetArea),
             ("Behaviour", self.behaviour, Area.BottomDockWidgetArea),

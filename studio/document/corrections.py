@@ -32,7 +32,7 @@ def set_pose(
 
     Without a correction at that time a new one is added and selected.
     """
-    name = text.removeprefix("Correct ")
+    name = text.removeprefix("Correct ").removeprefix("Apply ")
     with document.group(text, gesture):
         key = correction_at(document, performer_id, time) or _add(document, performer_id, time, name)
         correction = document.project.corrections[key]

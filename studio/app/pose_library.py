@@ -1,0 +1,104 @@
+"""The pose library in the window: poses of the active body are saved, and applied as keys of a manual correction."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from studio.app.workbench import Workbench
+from studio.cli.arguments import library_folder
+from studio.core.errors import StudioError
+from studio.core.names import free_name
+from studio.core.stage.correction import PoseOffsets
+from studio.core.stage.local_pose import POSE_REGIONS, local_pose, turns_to
+from studio.document.corrections import correction_at, set_pose
+from studio.engine.performance import Posed, pose_of
+from studio.library.saved_poses import SavedPose, delete_pose, read_poses, rename_pose, write_pose
+from studio.panels.pose_list import PosePanel
+
+HIPS_REGIONS = ("Whole body", "Legs")
+"""Regions with which the height of the hips is applied."""
+NO_POSE = (
+    "No selected character shows a pose at the playhead. Select one that plays a clip, and wait until it is adapted."
+)
+
+
+class PoseLibrary:
+    """Stands between the panel, the files and the document."""
+
+    def __init__(self, bench: Workbench, folder: Path | None = None) -> None:
+        self._bench, self._folder = bench, folder or library_folder() / "poses"
+        self.panel = PosePanel(POSE_REGIONS)
+        self._saved: list[SavedPose] = []
+        self.panel.save_requested.connect(lambda: self._try(self.save))
+        self.panel.apply_requested.connect(lambda row: self._try(lambda: self.apply(row)))
+        self.panel.delete_requested.connect(lambda row: self._try(lambda: self.delete(row)))
+        self.panel.pose_renamed.connect(lambda row, name: self._try(lambda: self.rename(row, name)))
+        self._list()
+
+    def save(self) -> None:
+        """Save the pose of the active performer at the playhead; its name is asked in the list."""
+        _, shown = self._shown()
+        motion = shown.motion
+        pose = local_pose(motion.morphology.layout, motion.rotations[shown.row], _hips_height(shown))
+        name = free_name("Pose 1", {each.name for each in self._saved})
+        self.panel.edit_name(self._list(write_pose(self._folder, name, pose).path))
+
+    def apply(self, row: int) -> None:
+        """Key a correction of the active performer at the playhead that brings the chosen part to a pose."""
+        document, saved, (performer_id, shown) = self._bench.document, self._saved[row], self._shown()
+        time, region, fraction = document.playhead.time, str(self.panel.region.value), self.panel.fraction
+        correction = document.project.corrections.get(correction_at(document, performer_id, time) or "")
+        offsets = correction.pose_at(time) if correction else PoseOffsets()
+        weight = correction.weight if correction and correction.weight else 1.0
+        acting = offsets.scaled(weight if correction is None or correction.enabled else 0.0)
+        layout, rotations = shown.motion.morphology.layout, shown.motion.rotations[shown.row]
+        turns = turns_to(layout, rotations, saved.pose, POSE_REGIONS[region], fraction, dict(acting.turns))
+        x, y, z = acting.hips
+        rise = fraction * (saved.pose.hips_height - _hips_height(shown)) if region in HIPS_REGIONS else 0.0
+        wanted = PoseOffsets(tuple(turns.items()), (x, y, z + rise)).scaled(1.0 / weight)
+        keyed = {part: wanted.turn(part) for part in turns}
+        hips = wanted.hips if region in HIPS_REGIONS else None
+        set_pose(document, performer_id, time, keyed, hips, text=f"Apply pose {saved.name}")
+
+    def rename(self, row: int, name: str) -> None:
+        """Give a pose another name; an empty one or that of another pose is refused."""
+        saved = self._saved[row]
+        taken = {each.name for each in self._saved if each is not saved}
+        path = saved.path
+        try:
+            if not name or name in taken:
+                raise StudioError(f"A pose has a name of its own, not '{name}'. Type another one.")
+            path = rename_pose(saved, name).path if name != saved.name else path
+        finally:
+            self._list(path)
+
+    def delete(self, row: int) -> None:
+        """Delete the file of a pose."""
+        delete_pose(self._saved[row])
+        self._list()
+
+    def _list(self, current: Path | None = None) -> int:
+        """List what the folder has; the row of ``current``."""
+        self._saved, problems = read_poses(self._folder)
+        row = next((place for place, each in enumerate(self._saved) if each.path == current), -1)
+        self.panel.show_poses([each.name for each in self._saved], problems, row)
+        return row
+
+    def _shown(self) -> tuple[str, Posed]:
+        """The active performer's id and pose at the playhead."""
+        document = self._bench.document
+        key = document.active_performer_id or ""
+        performer, motion = document.project.performers.get(key), self._bench.live.shown(key)
+        if performer is None or motion is None or not performer.clips:
+            raise StudioError(NO_POSE)
+        return key, pose_of(document.project, performer, motion, document.playhead.time)
+
+    def _try(self, work: Callable[[], None]) -> None:
+        try:
+            work()
+        except StudioError as error:
+            self._bench.said.emit(str(error))
+
+
+def _hips_height(shown: Posed) -> float:
+    """Height of the hips in leg lengths."""
+    return float(shown.motion.positions[shown.row, 0, 2]) / shown.motion.body.leg_length

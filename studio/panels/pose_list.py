@@ -1,0 +1,89 @@
+"""The pose library's panel: saved poses, the part of the body they are applied to, and how far."""
+
+from collections.abc import Iterable, Sequence
+
+from PySide6.QtCore import QSignalBlocker, Qt, QTimer, Signal
+from PySide6.QtWidgets import QHBoxLayout, QListWidget, QListWidgetItem, QVBoxLayout, QWidget
+
+from studio.panels.fields import PER_CENT, Choice, labelled, press_button
+from studio.panels.sliders import ValueSlider
+
+NO_POSES = "No pose is saved yet. Save pose keeps the pose of the selected character at the playhead."
+
+
+class PosePanel(QWidget):
+    """Signals carry the row of a pose in the list."""
+
+    save_requested = Signal()
+    apply_requested = Signal(int)
+    delete_requested = Signal(int)
+    pose_renamed = Signal(int, str)
+
+    def __init__(self, regions: Iterable[str]) -> None:
+        super().__init__()
+        self.setObjectName("panel")
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        self.poses = QListWidget()
+        self.poses.setAccessibleName("Saved poses")
+        self.poses.itemChanged.connect(self._item_changed)
+        self.poses.currentRowChanged.connect(self._row_changed)
+        self._hint = labelled("", "hint")
+        self.save = press_button("Save pose", self.save_requested.emit)
+        self.save.setToolTip("Save the pose of the selected character at the playhead")
+        self.delete = press_button("Delete pose", lambda: self.delete_requested.emit(self.poses.currentRow()))
+        self.delete.setToolTip("Delete the file of this pose")
+        self.region = Choice("Part", [(region, region) for region in regions])
+        self.blend = ValueSlider("Blend", 0.0, 1.0)
+        self.blend.edited.connect(self.set_blend)
+        self.blend.restored.connect(lambda: self.set_blend(1.0))
+        self.apply = press_button("Apply pose", lambda: self.apply_requested.emit(self.poses.currentRow()), "primary")
+        self.apply.setToolTip("Set a correction key at the playhead that brings this part to the pose")
+        column = QVBoxLayout(self)
+        column.setContentsMargins(12, 8, 12, 8)
+        column.addWidget(self._hint)
+        column.addWidget(self.poses, 1)
+        for widgets in ((self.save, self.delete), (self.region, self.blend, self.apply)):
+            row = QHBoxLayout()
+            for widget in widgets:
+                row.addWidget(widget, 1)
+            column.addLayout(row)
+        self.set_blend(1.0)
+        self.show_poses((), ())
+
+    @property
+    def fraction(self) -> float:
+        """Fraction of the way to the pose, from 0 to 1."""
+        return self._fraction
+
+    def set_blend(self, fraction: float) -> None:
+        """Set the slider."""
+        self._fraction = fraction
+        self.blend.show_value(fraction, f"{PER_CENT * fraction:.0f} %")
+
+    def show_poses(self, names: Sequence[str], problems: Sequence[str], current: int = -1) -> None:
+        """List the names of poses, and the sentences of files that could not be read."""
+        with QSignalBlocker(self.poses):
+            self.poses.clear()
+            for name in names:
+                item = QListWidgetItem(name)
+                item.setFlags(item.flags() | Qt.ItemFlag.ItemIsEditable)
+                item.setToolTip("Press F2 or double-click to rename")
+                self.poses.addItem(item)
+            self.poses.setCurrentRow(current)
+        self._hint.setText("\n".join(problems) if names or problems else NO_POSES)
+        self._hint.setVisible(bool(self._hint.text()))
+        self._row_changed(current)
+
+    def edit_name(self, row: int) -> None:
+        """Let the user type the name of a pose in the list."""
+        self.poses.setFocus()
+        self.poses.editItem(self.poses.item(row))
+
+    def _item_changed(self, item: QListWidgetItem) -> None:
+        """Report a name once its editor is closed, as the list may be filled anew."""
+        row, name = self.poses.row(item), item.text().strip()
+        QTimer.singleShot(0, self, lambda: self.pose_renamed.emit(row, name))
+
+    def _row_changed(self, row: int) -> None:
+        for button in (self.delete, self.apply):
+            button.setEnabled(row >= 0)
