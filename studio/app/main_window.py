@@ -131,6 +131,12 @@ class MainWindow(QMainWindow):
         self.docks[name].show()
         self.docks[name].raise_()
 
+    def search_library(self) -> None:
+        """Show the library with the keyboard in its search field."""
+        self.show_dock("Library")
+        self.library.search_field.setFocus()
+        self.library.search_field.selectAll()
+
     def show_console(self) -> None:
         """Show the Python console, ready to be written in."""
         self.show_dock("Console")
