@@ -22,7 +22,7 @@ from PySide6.QtWidgets import QAbstractItemView, QLineEdit, QListView, QVBoxLayo
 
 from studio.core.project import Performer
 from studio.document.document import Document
-from studio.document.dragging import CAPTURE, carried_capture
+from studio.document.dragging import CAPTURE, LIBRARY_ITEM, carried_item
 from studio.panels.library_delegate import EYE_WIDTH, LIBRARY_ROW_ROLE, LibraryDelegate
 from studio.panels.library_rows import LibraryRow, rows_of
 
@@ -64,19 +64,20 @@ class LibraryModel(QAbstractListModel):
         return row if role == LIBRARY_ROW_ROLE else None
 
     def flags(self, index: Index) -> Qt.ItemFlag:
-        item = self.rows[index.row()].item if index.isValid() else None
-        if item is None:
+        row = self.rows[index.row()] if index.isValid() else None
+        if row is None or row.item is None:
             return Qt.ItemFlag.NoItemFlags
-        dragged = Qt.ItemFlag.ItemIsDragEnabled if item[0] == "captures" else Qt.ItemFlag.NoItemFlags
+        can_be_dragged = row.item[0] == "captures" or row.shown is False
+        dragged = Qt.ItemFlag.ItemIsDragEnabled if can_be_dragged else Qt.ItemFlag.NoItemFlags
         return Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable | dragged
 
     def mimeTypes(self) -> list[str]:
-        return [CAPTURE]
+        return [LIBRARY_ITEM, CAPTURE]
 
     def mimeData(self, indexes: Sequence[QModelIndex]) -> QMimeData:
-        """The capture that is dragged; onto the timeline it becomes a clip."""
-        captures = [row.item[1] for row in (self.rows[each.row()] for each in indexes) if row.item]
-        return carried_capture(captures[0])
+        """The first row that is dragged: a capture, or a body that is not shown."""
+        items = [row.item for row in (self.rows[each.row()] for each in indexes) if row.item]
+        return carried_item(items[0])
 
 
 class LibraryView(QListView):
@@ -281,6 +282,12 @@ class LibraryPanel(QWidget):
         character = project.characters[character_id]
         performer = Performer(character.name, character_id, active.clips if active else (), (0.0, side + 1.2))
         self.document.add("performers", performer, f"Show {character.name}")
+
+    def open_item(self, item: tuple[str, str]) -> None:
+        """Do what a double click on the entity's row does."""
+        index = self._index(item)
+        if index.isValid():
+            self._open(index.data(LIBRARY_ROW_ROLE))
 
     def _open(self, row: LibraryRow) -> None:
         if row.item is not None and row.item[0] == "captures":

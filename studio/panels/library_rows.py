@@ -44,7 +44,7 @@ def rows_of(project: Project, motion_id: str | None, search: str = "") -> list[L
         return [row for title, rows, hint in sections for row in (LibraryRow(title), *(rows or [_hint(hint)]))]
     found = [(title, [row for row in rows if _holds(row.text, words)]) for title, rows, _ in sections]
     hits = [row for title, rows in found if rows for row in (LibraryRow(title), *rows)]
-    return hits or [_hint(f"No name holds “{search.strip()}”. Press Esc in the field to list everything.")]
+    return hits or [_hint(f"No name holds '{search.strip()}'. Press Esc in the field to list everything.")]
 
 
 def _hint(text: str) -> LibraryRow:
