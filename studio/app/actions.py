@@ -369,6 +369,8 @@ VIEW = (
            lambda bench: bench.has_timeline and bench.timeline.editing_curves),
     Action("fold_rows", "View", "Fold timeline rows", view.fold_rows, ("Shift+T",),
            "Show constraints and plot as single lines, or at full height", _keyed),
+    Action("search_library", "View", "Search library panel", view.search_library, ("Ctrl+Shift+F",),
+           "List only the captures, characters, constraints and props whose names hold your words"),
     Action("console", "View", "Python console", view.console, ("Ctrl+Shift+P",),
            "Python on the open project; what it changes are undo steps", ends_group=True),
     Action("problems", "View", "Table of problems", view.problems,

@@ -40,6 +40,7 @@ from studio.panels.fields import labelled
 from studio.panels.history import History
 from studio.panels.inspector import Inspector
 from studio.panels.library import LibraryPanel
+from studio.panels.library_drops import BODIES, LibraryDrops
 from studio.panels.message_strip import MessageStrip, RecoveryBar
 from studio.panels.problem_table import ProblemTable
 from studio.panels.status_line import StatusLine
@@ -108,6 +109,7 @@ class MainWindow(QMainWindow):
         for note in (self.recovery, self.question, self.strip):
             note.raise_()
         viewport.strike_drops.dropped.connect(self.striking.play)
+        LibraryDrops(viewport, ("captures", *BODIES)).dropped.connect(self.library.open_item)
         viewport.covered_below = self._covered_below
         self.bench.set_viewport(viewport)
         self._apply_preferences()
@@ -126,6 +128,7 @@ class MainWindow(QMainWindow):
         timeline.told.connect(self.status.tell)
         timeline.wanted.connect(lambda key: self.actions_by_id.by_id[key].trigger())
         timeline.tracks.strike_dropped.connect(self.striking.play)
+        LibraryDrops(timeline.tracks, BODIES).dropped.connect(self.library.open_item)
         self.bench.set_timeline(timeline)
         self._show_progress(*self.status.progress.now)
         self.bench.views_changed.emit()
@@ -134,6 +137,12 @@ class MainWindow(QMainWindow):
         """Show a panel, before those that share its place."""
         self.docks[name].show()
         self.docks[name].raise_()
+
+    def search_library(self) -> None:
+        """Show the library with the keyboard in its search field."""
+        self.show_dock("Library")
+        self.library.search_field.setFocus()
+        self.library.search_field.selectAll()
 
     def show_console(self) -> None:
         """Show the Python console, ready to be written in."""

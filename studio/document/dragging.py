@@ -1,8 +1,11 @@
-"""Data of drags between views: a capture of the project by its id, a strike by its place in the list."""
+"""Data of drags between views: a row of the library by its entity, a strike by its place in the list."""
+
+import json
 
 from PySide6.QtCore import QMimeData
 
 CAPTURE = "application/x-morpho-studio-capture"
+LIBRARY_ITEM = "application/x-morpho-studio-library-item"
 STRIKE = "application/x-morpho-studio-strike"
 
 
@@ -11,6 +14,22 @@ def carried_capture(capture_id: str) -> QMimeData:
     content = QMimeData()
     content.setData(CAPTURE, capture_id.encode())
     return content
+
+
+def carried_item(item: tuple[str, str]) -> QMimeData:
+    """Data of a drag of a row of the library, the (collection, id) of its entity; a capture is carried as one too."""
+    collection, entity_id = item
+    content = carried_capture(entity_id) if collection == "captures" else QMimeData()
+    content.setData(LIBRARY_ITEM, json.dumps(item).encode())
+    return content
+
+
+def item_in(content: QMimeData) -> tuple[str, str] | None:
+    """The (collection, id) of the row of the library that is dragged, or None for anything else."""
+    if not content.hasFormat(LIBRARY_ITEM):
+        return None
+    collection, entity_id = json.loads(bytes(content.data(LIBRARY_ITEM).data()))
+    return collection, entity_id
 
 
 def capture_in(content: QMimeData) -> str | None:

@@ -18,11 +18,11 @@ from PySide6.QtCore import (
     Signal,
 )
 from PySide6.QtGui import QKeyEvent, QMouseEvent
-from PySide6.QtWidgets import QAbstractItemView, QListView, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QAbstractItemView, QLineEdit, QListView, QVBoxLayout, QWidget
 
 from studio.core.project import Performer
 from studio.document.document import Document
-from studio.document.dragging import CAPTURE, carried_capture
+from studio.document.dragging import CAPTURE, LIBRARY_ITEM, carried_item
 from studio.panels.library_delegate import EYE_WIDTH, LIBRARY_ROW_ROLE, LibraryDelegate
 from studio.panels.library_rows import LibraryRow, rows_of
 
@@ -64,19 +64,20 @@ class LibraryModel(QAbstractListModel):
         return row if role == LIBRARY_ROW_ROLE else None
 
     def flags(self, index: Index) -> Qt.ItemFlag:
-        item = self.rows[index.row()].item if index.isValid() else None
-        if item is None:
+        row = self.rows[index.row()] if index.isValid() else None
+        if row is None or row.item is None:
             return Qt.ItemFlag.NoItemFlags
-        dragged = Qt.ItemFlag.ItemIsDragEnabled if item[0] == "captures" else Qt.ItemFlag.NoItemFlags
+        can_be_dragged = row.item[0] == "captures" or row.shown is False
+        dragged = Qt.ItemFlag.ItemIsDragEnabled if can_be_dragged else Qt.ItemFlag.NoItemFlags
         return Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable | dragged
 
     def mimeTypes(self) -> list[str]:
-        return [CAPTURE]
+        return [LIBRARY_ITEM, CAPTURE]
 
     def mimeData(self, indexes: Sequence[QModelIndex]) -> QMimeData:
-        """The capture that is dragged; onto the timeline it becomes a clip."""
-        captures = [row.item[1] for row in (self.rows[each.row()] for each in indexes) if row.item]
-        return carried_capture(captures[0])
+        """The first row that is dragged: a capture, or a body that is not shown."""
+        items = [row.item for row in (self.rows[each.row()] for each in indexes) if row.item]
+        return carried_item(items[0])
 
 
 class LibraryView(QListView):
@@ -124,6 +125,34 @@ class LibraryView(QListView):
         return rect.adjusted(rect.width() - EYE_WIDTH, 0, 0, 0)
 
 
+class SearchField(QLineEdit):
+    """A field of words; Esc empties it. Esc, Return and Down give the keyboard back by ``left``."""
+
+    left = Signal()
+    KEYS = (Qt.Key.Key_Escape, Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Down)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setPlaceholderText("Search names")
+        self.setAccessibleName("Search library")
+        self.setClearButtonEnabled(True)
+
+    def event(self, event: QEvent) -> bool:
+        """While the field has the keyboard, its keys are not those of the window's actions."""
+        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in self.KEYS:
+            event.accept()
+            return True
+        return bool(super().event(event))
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        if event.key() == Qt.Key.Key_Escape:
+            self.clear()
+        if event.key() in self.KEYS:
+            self.left.emit()
+        else:
+            super().keyPressEvent(event)
+
+
 class LibraryPanel(QWidget):
     """The dock's content. ``wanted`` asks to play a capture on the bodies that are shown."""
 
@@ -135,6 +164,7 @@ class LibraryPanel(QWidget):
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self.document = document
         self.model = LibraryModel()
+        self.search_field = SearchField()
         self.view = LibraryView()
         self.view.setAccessibleName("Library")
         self.view.setModel(self.model)
@@ -145,27 +175,40 @@ class LibraryPanel(QWidget):
         self.view.setDragEnabled(True)
         self.view.setResizeMode(QListView.ResizeMode.Adjust)
         column = QVBoxLayout(self)
-        column.setContentsMargins(0, 4, 0, 0)
+        column.setContentsMargins(0, 8, 0, 0)
+        field = QVBoxLayout()
+        field.setContentsMargins(8, 0, 8, 0)
+        field.addWidget(self.search_field)
+        column.addLayout(field)
         column.addWidget(self.view)
+        self.search_field.textChanged.connect(self.refresh)
+        self.search_field.left.connect(self.view.setFocus)
         self.view.selectionModel().selectionChanged.connect(self._select)
         self.view.clicked.connect(self._select)  # a row that is lit already may stand beside what is current
         self.view.eye_clicked.connect(self._toggle)
         self.view.solo_clicked.connect(self._solo)
         self.view.opened.connect(self._open)
         document.entity_changed.connect(self._entity_changed)
-        document.project_opened.connect(self.refresh)
+        document.project_opened.connect(self._project_opened)
         document.selection.changed.connect(self._selection_changed)
         self.refresh()
 
     def refresh(self) -> None:
         """Fetch all rows."""
         with QSignalBlocker(self.view.selectionModel()):
-            self.model.show(rows_of(self.document.shown_project, self.document.active_motion_id))
+            self.model.show(self._rows())
         self._show_selection()
+
+    def _rows(self) -> list[LibraryRow]:
+        return rows_of(self.document.shown_project, self.document.active_motion_id, self.search_field.text())
+
+    def _project_opened(self) -> None:
+        self.search_field.clear()
+        self.refresh()
 
     def _show_change(self) -> None:
         """Update the rows if they have changed; most drags change no row."""
-        if rows_of(self.document.shown_project, self.document.active_motion_id) != self.model.rows:
+        if self._rows() != self.model.rows:
             self.refresh()
 
     def row_rect(self, item: tuple[str, str]) -> QRect:
@@ -239,6 +282,12 @@ class LibraryPanel(QWidget):
         character = project.characters[character_id]
         performer = Performer(character.name, character_id, active.clips if active else (), (0.0, side + 1.2))
         self.document.add("performers", performer, f"Show {character.name}")
+
+    def open_item(self, item: tuple[str, str]) -> None:
+        """Do what a double click on the entity's row does."""
+        index = self._index(item)
+        if index.isValid():
+            self._open(index.data(LIBRARY_ROW_ROLE))
 
     def _open(self, row: LibraryRow) -> None:
         if row.item is not None and row.item[0] == "captures":

@@ -1,5 +1,6 @@
 """The rows of the library: heads, captures, bodies and constraints of a project, as plain values."""
 
+import unicodedata
 from dataclasses import dataclass
 
 from studio.core.body.character import Character
@@ -27,18 +28,37 @@ class LibraryRow:
     strong: bool = False
 
 
-def rows_of(project: Project, motion_id: str | None) -> list[LibraryRow]:
-    """All rows in their order; ``motion_id`` names the motion whose constraints are listed."""
-    return [
-        *_section("Captures", _captures(project, motion_id), "Drop a capture here"),
-        *_section("Characters", _bodies(project), "The bundled characters come with the first capture"),
-        *_section("Constraints", _constraints(project, motion_id), "Pick a joint and press C to add one"),
-        *_section("Stage", _stage(project), ""),
-    ]
+def rows_of(project: Project, motion_id: str | None, search: str = "") -> list[LibraryRow]:
+    """All rows in their order; ``motion_id`` names the motion whose constraints are listed.
+
+    With a ``search``, only rows whose names hold each of its words, and the heads above them.
+    """
+    sections = (
+        ("Captures", _captures(project, motion_id), "Drop a capture here"),
+        ("Characters", _bodies(project), "The bundled characters come with the first capture"),
+        ("Constraints", _constraints(project, motion_id), "Pick a joint and press C to add one"),
+        ("Stage", _stage(project), ""),
+    )
+    words = _comparable(search).split()
+    if not words:
+        return [row for title, rows, hint in sections for row in (LibraryRow(title), *(rows or [_hint(hint)]))]
+    found = [(title, [row for row in rows if _holds(row.text, words)]) for title, rows, _ in sections]
+    hits = [row for title, rows in found if rows for row in (LibraryRow(title), *rows)]
+    return hits or [_hint(f"No name holds '{search.strip()}'. Press Esc in the field to list everything.")]
 
 
-def _section(title: str, rows: list[LibraryRow], hint: str) -> list[LibraryRow]:
-    return [LibraryRow(title), *(rows or [LibraryRow(hint, hint=True)])]
+def _hint(text: str) -> LibraryRow:
+    return LibraryRow(text, hint=True)
+
+
+def _holds(name: str, words: list[str]) -> bool:
+    text = _comparable(name)
+    return all(word in text for word in words)
+
+
+def _comparable(text: str) -> str:
+    """Text without its case, accents composed: files of macOS write them as marks of their own."""
+    return unicodedata.normalize("NFKC", text).casefold()
 
 
 def _captures(project: Project, motion_id: str | None) -> list[LibraryRow]:

@@ -139,6 +139,11 @@ def palette(bench: Workbench) -> None:
     bench.window.palette_panel.open()
 
 
+def search_library(bench: Workbench) -> None:
+    """Write words that names in the library must hold."""
+    bench.window.search_library()
+
+
 def console(bench: Workbench) -> None:
     """The Python console on the open project."""
     bench.window.show_console()

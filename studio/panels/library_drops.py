@@ -1,0 +1,34 @@
+"""Rows of the library that are dragged onto another view."""
+
+from collections.abc import Collection
+
+from PySide6.QtCore import QEvent, QObject, Signal
+from PySide6.QtGui import QDropEvent
+from PySide6.QtWidgets import QWidget
+
+from studio.document.dragging import item_in
+
+BODIES = ("performers", "characters")
+
+
+class LibraryDrops(QObject):
+    """Filter of a view's drag events: takes rows of these ``collections``, leaves the others to the view."""
+
+    dropped = Signal(tuple)
+
+    def __init__(self, view: QWidget, collections: Collection[str]) -> None:
+        super().__init__(view)
+        self._collections = collections
+        view.setAcceptDrops(True)
+        view.installEventFilter(self)
+
+    def eventFilter(self, _: QObject, event: QEvent) -> bool:
+        if not isinstance(event, QDropEvent):  # entries and moves are drop events as well
+            return False
+        item = item_in(event.mimeData())
+        if item is None or item[0] not in self._collections:
+            return False
+        event.accept()
+        if event.type() == QEvent.Type.Drop:
+            self.dropped.emit(item)
+        return True
