@@ -382,6 +382,7 @@ VIEW = (
 
 HELP = (
     Action("guide", "Help", "Guide", view.guide, ("F1",), "How everything is done, with pictures"),
+    Action("tour", "Help", "Tour", view.tour, tooltip="A first edit in five steps, on the sample", enabled=_viewing),
     Action("palette", "Help", "Search actions…", view.palette, ("Ctrl+K",), "Find anything by its name"),
     Action(
         "formats",

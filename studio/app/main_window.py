@@ -19,6 +19,7 @@ from PySide6.QtWidgets import QDockWidget, QGridLayout, QMainWindow, QRubberBand
 
 from studio.app import casting, importing
 from studio.app.action_set import ActionSet
+from studio.app.guided_tour import GuidedTour
 from studio.app.live_control import LiveControl
 from studio.app.marker_dialog import open_markers
 from studio.app.playing_live import LivePlaying
@@ -106,7 +107,7 @@ class MainWindow(QMainWindow):
         """Put the 3D view in the place that is kept for it."""
         self._stage_layout.replaceWidget(self._waiting, viewport)
         self._waiting.hide()
-        for note in (self.recovery, self.question, self.strip):
+        for note in (self.recovery, self.question, self.tour_strip, self.strip):
             note.raise_()
         viewport.strike_drops.dropped.connect(self.striking.play)
         LibraryDrops(viewport, ("captures", *BODIES)).dropped.connect(self.library.open_item)
@@ -232,6 +233,8 @@ class MainWindow(QMainWindow):
 
     def _make_centre(self) -> None:
         self.strip, self.question, self.recovery = MessageStrip(), MessageStrip("recovery_bar"), RecoveryBar()
+        self.tour_strip = MessageStrip("recovery_bar")
+        self.tour = GuidedTour(self.bench, self.tour_strip, self)
         centre = QWidget()
         self._stage_layout = QGridLayout(centre)
         self._stage_layout.setContentsMargins(0, 0, 0, 0)
@@ -243,6 +246,7 @@ class MainWindow(QMainWindow):
         notes.setSpacing(8)
         notes.addWidget(self.recovery)
         notes.addWidget(self.question)
+        notes.addWidget(self.tour_strip)
         notes.addStretch(1)
         notes.addWidget(self.strip)
         self._stage_layout.addLayout(notes, 0, 0)

@@ -5,13 +5,15 @@ from typing import Any
 
 import qtawesome
 from PySide6.QtCore import QSignalBlocker, QSize, Qt, Signal
-from PySide6.QtGui import QIcon
+from PySide6.QtGui import QIcon, QValidator
 from PySide6.QtWidgets import QComboBox, QDoubleSpinBox, QHBoxLayout, QLabel, QSpinBox, QToolButton, QWidget
 
 from studio.document import colours
 from studio.document.document import Document
+from studio.document.playhead import INITIAL_PLAYHEAD
 from studio.timeline.figures import rate
 from studio.timeline.shown import ROW_LABEL_WIDTH
+from studio.timeline.timecode import TIMECODE, frame_of_timecode, timecode
 
 TRANSPORT_HEIGHT = 32
 SPEEDS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0)
@@ -76,6 +78,8 @@ class Transport(QWidget):
         self.seconds = QDoubleSpinBox(decimals=3, minimum=0.0, maximum=1e6, suffix=" s")
         _dress(self.seconds, "Time in seconds", 76)
         self.seconds.valueChanged.connect(playhead.set_time)
+        self.timecode = TimecodeField()
+        self.timecode.valueChanged.connect(playhead.set_frame)
         self.rate = QLabel()
         self.speed = QComboBox()
         self.speed.setAccessibleName("Playback speed")
@@ -102,7 +106,7 @@ class Transport(QWidget):
         row.setSpacing(6)
         row.addWidget(buttons)
         row.addSpacing(10)
-        _add(row, _caption("Frame"), self.frame, self.seconds, self.rate)
+        _add(row, _caption("Frame"), self.frame, self.seconds, self.timecode, self.rate)
         row.addSpacing(12)
         _add(row, _caption("Speed"), self.speed)
         row.addSpacing(12)
@@ -113,9 +117,10 @@ class Transport(QWidget):
         _add(row, _caption("Play range"), self.first, _caption("–"), self.last)
 
     def _show_time(self) -> None:
-        with QSignalBlocker(self.frame), QSignalBlocker(self.seconds):
+        with QSignalBlocker(self.frame), QSignalBlocker(self.seconds), QSignalBlocker(self.timecode):
             self.frame.setValue(self.playhead.frame)
             self.seconds.setValue(self.playhead.time)
+            self.timecode.show_frame(self.playhead.frame, self.playhead.frame_rate)
 
     def _show_playing(self) -> None:
         playing = self.playhead.playing
@@ -158,6 +163,38 @@ class Transport(QWidget):
 
     def _set_loop(self) -> None:
         self.playhead.loop = self.loop.isChecked()
+
+
+class TimecodeField(QSpinBox):
+    """Frame shown and typed as SMPTE timecode."""
+
+    def __init__(self) -> None:
+        self._frame_rate = INITIAL_PLAYHEAD.frame_rate
+        super().__init__(maximum=LAST_FRAME)
+        _dress(self, "SMPTE timecode (hours:minutes:seconds:frames)", 92)
+
+    def show_frame(self, frame: int, frame_rate: float) -> None:
+        """Show a frame at a rate."""
+        is_same = frame == self.value()
+        self._frame_rate = frame_rate
+        self.setValue(frame)
+        if is_same:  # the same frame may have another timecode now
+            self.lineEdit().setText(self.textFromValue(self.value()))
+
+    def textFromValue(self, frame: int) -> str:
+        """Timecode of a frame."""
+        return timecode(frame, self._frame_rate)
+
+    def valueFromText(self, text: str) -> int:
+        """Frame at a timecode, within the field's range."""
+        return min(frame_of_timecode(text, self._frame_rate), self.maximum())
+
+    def validate(self, text: str, position: int) -> tuple[QValidator.State, str, int]:
+        """Take a timecode, and what may become one."""
+        if TIMECODE.fullmatch(text):
+            return QValidator.State.Acceptable, text, position
+        is_begun = all(letter in "0123456789:;." for letter in text)
+        return QValidator.State.Intermediate if is_begun else QValidator.State.Invalid, text, position
 
 
 def _add(row: QHBoxLayout, *widgets: QWidget) -> None:

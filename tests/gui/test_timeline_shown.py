@@ -210,6 +210,40 @@ def test_the_fields_show_and_take_frame_and_seconds(document, timeline):
         assert playhead.frame == frame
 
 
+def test_a_timecode_is_shown_at_the_rate_of_the_stage_and_typed(document, timeline):
+    field, playhead = timeline.transport.timecode, document.playhead
+    playhead.set_frame(150)
+    assert field.text() == "00:00:02:30"
+    playhead.frame_rate = 50
+    assert field.text() == "00:00:02:25"
+    for typed, frame in (
+        ("00:00:03:07", 157),
+        ("1:00", 50),
+        ("4", 4),
+        ("1:x2", 52),
+        ("3:", 52),
+        ("99999999999999", 9999999),
+    ):
+        field.selectAll()
+        QTest.keyClicks(field, typed)
+        QTest.keyClick(field, Qt.Key.Key_Return)
+        assert playhead.frame == frame
+    field.selectAll()
+    QTest.keyClicks(field, "2:00")
+    QTest.keyClick(field, Qt.Key.Key_Return)
+    QTest.keyClick(field, Qt.Key.Key_Up)
+    assert (playhead.frame, field.text()) == (101, "00:00:02:01")
+    playhead.frame_rate = 30000 / 1001
+    playhead.set_frame(1800)
+    assert field.text() == "00:01:00;02"
+
+
+def test_another_rate_shows_the_same_frame_by_its_timecode(document, timeline):
+    document.playhead.set_frame(0)
+    document.playhead.frame_rate = 30000 / 1001
+    assert timeline.transport.timecode.text() == "00:00:00;00"
+
+
 def test_a_speed_set_by_keys_is_shown_when_playback_begins(document, timeline):
     transport, playhead = timeline.transport, document.playhead
     for speed, shown in ((2.0, "2×"), (-4.0, "-4×")):

@@ -194,6 +194,11 @@ def _uses(known: Format) -> str:
     return "; ".join(use for use in uses if use)
 
 
+def tour(bench: Workbench) -> None:
+    """A first edit in five steps."""
+    bench.window.tour.begin()
+
+
 def problems(bench: Workbench) -> None:
     """The table of constraints by body."""
     bench.window.show_dock("Problems")

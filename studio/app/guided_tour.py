@@ -1,0 +1,133 @@
+"""The guided tour of the sample: five steps of a first edit, one sentence at a time, beside the work."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from PySide6.QtCore import QMetaObject, QObject
+
+from studio.app.sample import open_sample
+from studio.app.workbench import Workbench
+from studio.core.project import Project
+from studio.panels.message_strip import MessageStrip
+
+
+@dataclass(frozen=True)
+class StepStart:
+    """Document as it was when a step began."""
+
+    project: Project
+    time: float
+    undo_index: int
+
+
+@dataclass(frozen=True)
+class Step:
+    """One thing to do, and the test that it has been done since the step began."""
+
+    sentence: str
+    is_done: Callable[[Workbench, StepStart], bool]
+
+
+def _has_played(bench: Workbench, start: StepStart) -> bool:
+    playhead = bench.document.playhead
+    return not playhead.playing and playhead.time != start.time
+
+
+def _has_picked(bench: Workbench, start: StepStart) -> bool:
+    return bench.viewport.joint_picked is not None
+
+
+def _has_constrained(bench: Workbench, start: StepStart) -> bool:
+    return bool(bench.document.project.constraints.keys() - start.project.constraints.keys())
+
+
+def _has_moved_target(bench: Workbench, start: StepStart) -> bool:
+    if bench.live.interactive:  # the drag has not ended
+        return False
+    before = _targets(start.project)
+    now = _targets(bench.document.project)
+    return any(type(target) is type(before.get(key)) and target != before[key] for key, target in now.items())
+
+
+def _has_undone(bench: Workbench, start: StepStart) -> bool:
+    return bench.document.undo_stack.index() < start.undo_index
+
+
+def _targets(project: Project) -> dict[str, object]:
+    constraints = project.constraints.items()
+    return {key: getattr(each, each.shown.held_by) if each.shown.held_by else each for key, each in constraints}
+
+
+def _kinds_of_targets(project: Project) -> dict[str, type]:
+    return {key: type(target) for key, target in _targets(project).items()}
+
+
+STEPS = (
+    Step("Press Space to play the motion, and Space again to pause it where the foot kicks highest.", _has_played),
+    Step("Click a joint of a character, such as the kicking foot, or press Shift+J to choose one.", _has_picked),
+    Step("Press C: a constraint holds the joint from here on. Its bar appears in the timeline.", _has_constrained),
+    Step("Drag the blue arrow of the target up until a character reaches no further.", _has_moved_target),
+    Step(
+        "Read the strips below the bar: green is held, amber partly held, red not reached. "
+        "Press Ctrl+Z to undo the drag.",
+        _has_undone,
+    ),
+)
+END = "The tour is over. Press F1 for the guide, or Ctrl+K to find any action by its name."
+
+
+class GuidedTour(QObject):
+    """Shows step after step in a strip, each until the user has done it or skips it."""
+
+    def __init__(self, bench: Workbench, strip: MessageStrip, parent: QObject) -> None:
+        super().__init__(parent)
+        self._bench, self._strip = bench, strip
+        self._connections: list[QMetaObject.Connection] = []
+
+    def begin(self) -> None:
+        """Begin with the first step, on the sample if nothing is open."""
+        self.end()
+        document, bench = self._bench.document, self._bench
+        self._connections = [
+            signal.connect(self._update)
+            for signal in (
+                document.playhead.playing_changed,
+                document.undo_stack.indexChanged,
+                bench.viewport.picked_changed,
+                bench.live.interactive_changed,
+            )
+        ]
+        self._connections.append(document.project_opened.connect(lambda: self._show(0)))
+        self._show(0)
+        if document.active_motion_id is None:
+            open_sample(bench)
+
+    def end(self) -> None:
+        """Hide the strip and follow the user no further."""
+        for connection in self._connections:
+            QObject.disconnect(connection)
+        self._connections = []
+        self._strip.clear()
+
+    def _show(self, number: int) -> None:
+        if number == len(STEPS):
+            self.end()
+            self._strip.say(END)
+            return
+        self._number, self._start = number, self._start_now()
+        self._strip.say(
+            f"Tour, step {number + 1} of {len(STEPS)}. {STEPS[number].sentence}",
+            ("Skip", lambda: self._show(number + 1)),
+            ("End tour", self.end),
+        )
+        self._update()  # a joint may have been picked before
+
+    def _update(self, *_: object) -> None:
+        if STEPS[self._number].is_done(self._bench, self._start):
+            self._show(self._number + 1)
+        elif _kinds_of_targets(self._bench.document.project) != _kinds_of_targets(self._start.project):
+            self._start = self._start_now()  # a target that comes, goes or becomes shared is where the step starts
+
+    def _start_now(self) -> StepStart:
+        document = self._bench.document
+        return StepStart(document.project, document.playhead.time, document.undo_stack.index())
