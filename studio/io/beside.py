@@ -3,6 +3,7 @@
 import base64
 import binascii
 import re
+from collections.abc import Set
 from pathlib import Path, PureWindowsPath
 from stat import S_ISREG
 from urllib.parse import unquote
@@ -35,12 +36,15 @@ _TAR_AT = 257
 """Byte at which a tar archive says that it is one."""
 
 
-def refuse_archive(name: str, head: bytes) -> None:
-    """Raise StudioError where the file ``name``, which begins with ``head``, is an archive of other files."""
+def refuse_archive(name: str, head: bytes, own: Set[str]) -> None:
+    """Raise StudioError where the file ``name``, which begins with ``head``, is an archive of other files.
+
+    Kinds in ``own`` are left to the reader of a format whose files may be such archives.
+    """
     kinds = [kind for kind, begin in _ARCHIVES.items() if head.startswith(begin)]
     if head[_TAR_AT:].startswith(b"ustar"):
         kinds = ["tar"]
-    if kinds:
+    if kinds and kinds[0] not in own:
         raise StudioError(f"{name} is a packed file ({kinds[0]}). Unpack it, then open the files that were in it.")
 
 

@@ -95,8 +95,8 @@ class Format:
     """``(path, stage: ExportedStage, progress: Progress) -> None``: all performers and props in one file."""
     character_writer: str = ""
     """``(path, character: Character, progress: Progress) -> None``."""
-    packed: bool = False
-    """True if its own files may be packed: its reader says what is wrong with one."""
+    packed: str = ""
+    """Kind of archive that its own files may be, ``gzip`` or ``ZIP``: its reader says what is wrong with one."""
 
     @property
     def reads(self) -> list[str]:
@@ -191,7 +191,7 @@ OWN_FORMATS = (
         sniff="studio.io.s4d.format:is_s4d",
         capture_reader="studio.io.s4d.format:load_s4d",
         motion_writer="studio.io.s4d.format:write_take",
-        packed=True,
+        packed="ZIP",
     ),
     Format(
         name="glTF",
@@ -236,14 +236,13 @@ OWN_FORMATS = (
         suffixes=(".x3d",),
         sniff="studio.io.hanim:is_x3d",
         character_reader="studio.io.hanim.character:load_x3d",
-        packed=True,
     ),
     Format(
         name="VRML",
         suffixes=(".wrl", ".x3dv", ".vrml"),
         sniff="studio.io.hanim:is_vrml",
         character_reader="studio.io.hanim.character:load_vrml",
-        packed=True,
+        packed="gzip",
     ),
     Format(
         name="C3D",
@@ -348,8 +347,7 @@ def _format_of(path: Path, head: bytes, jobs: tuple[str, ...]) -> Format:
     found = next(_recognising([*by_suffix, *others], head), None)
     if found is None:
         refuse_stand_in(path.name, head)
-        if not any(each.packed for each in by_suffix):
-            refuse_archive(path.name, head)
+        refuse_archive(path.name, head, {each.packed for each in by_suffix})
         found = next(iter(by_suffix), None)
     if found is None:
         kinds = " or ".join(job.removesuffix("_reader") for job in jobs)
