@@ -121,8 +121,8 @@ class Chips:
             (self.ghost, 550),
             (self.trails, 640),
             (self.follow, 730),
-            (self.onion, 860),
-            (self.markers, 970),
+            (self.markers, 850),
+            (self.onion, 970 if self._recorded else 860),
         ):
             chip.setVisible(width >= needed and (chip is not self.markers or self._recorded))
         self._wide = width >= 1040
