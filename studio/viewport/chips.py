@@ -116,13 +116,14 @@ class Chips:
     def fit(self, width: int) -> None:
         """Leave out what a narrow view has no room for, the least important first."""
         self.space.setVisible(self._space_used and width >= 340)
+        more = 100 if self._recorded else 0  # markers come before what can be switched by keys as well
         for chip, needed in (
             (self.correct, 450),
             (self.ghost, 550),
-            (self.trails, 640),
-            (self.follow, 730),
-            (self.markers, 850),
-            (self.onion, 970 if self._recorded else 860),
+            (self.markers, 640),
+            (self.trails, 640 + more),
+            (self.follow, 730 + more),
+            (self.onion, 860 + more),
         ):
             chip.setVisible(width >= needed and (chip is not self.markers or self._recorded))
         self._wide = width >= 1040
