@@ -42,7 +42,7 @@ class PosePanel(QWidget):
         column.setContentsMargins(12, 8, 12, 8)
         column.addWidget(self._hint)
         column.addWidget(self.poses, 1)
-        for widgets in ((self.save, self.delete), (self.region, self.blend, self.apply)):
+        for widgets in ((self.save, self.delete), (self.region, self.blend), (self.apply,)):
             row = QHBoxLayout()
             for widget in widgets:
                 row.addWidget(widget, 1)
