@@ -12,11 +12,12 @@ from studio.app import exporting, filming
 from studio.app.file_dialogs import ask_folder, ask_new_file
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
+from studio.core.names import safe_name
 from studio.io.export_choices import REST_POSES, ROOTS, SKELETAL
 from studio.io.export_options import ExportOptions
 from studio.io.joint_names import joint_namings
 from studio.io.registry import known_formats
-from studio.io.staged_export import file_name, other_joints, safe_name
+from studio.io.staged_export import file_name, other_joints
 from studio.panels.fields import Choice, Section
 
 EXPORT_DIALOG_WIDTH = 420

@@ -9,6 +9,7 @@ from studio.cli.export_options import export_options
 from studio.cli.outputs import refuse_replacing
 from studio.cli.printing import QUALITY_TITLES, print_json, print_table
 from studio.core.errors import StudioError
+from studio.core.names import safe_name
 from studio.core.project import Project
 from studio.core.solver.adapt import grounded
 from studio.core.solver.performers.performing import Performance
@@ -17,7 +18,7 @@ from studio.core.stage.placement import Placement
 from studio.io.export import write_take
 from studio.io.json_text import write_json
 from studio.io.registry import known_formats
-from studio.io.staged_export import safe_name, take_of_performer
+from studio.io.staged_export import take_of_performer
 from studio.io.takes.exported_stage import exported_stage, write_stage
 from studio.jobs.adapt_report import Record, figures, place_record
 from studio.jobs.adaptation import make_folder

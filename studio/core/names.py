@@ -1,4 +1,4 @@
-"""Names of things of one kind: a second one of a name is numbered."""
+"""Names of things of one kind, of which a second one of a name is numbered, and of files."""
 
 import re
 from collections.abc import Collection
@@ -13,3 +13,8 @@ def free_name(name: str, taken: Collection[str]) -> str:
     while f"{base} {number}" in taken:
         number += 1
     return f"{base} {number}"
+
+
+def safe_name(name: str) -> str:
+    """A name of a file that every system allows."""
+    return re.sub(r'[\\/:*?"<>|]', "_", name)

@@ -1,12 +1,12 @@
 """Export of a performer of a stage: its row of clips on its character."""
 
-import re
 from dataclasses import replace
 from itertools import product
 
 from studio.core.body.carried_joints import carried_joints
 from studio.core.captures.annotations import Label, within
 from studio.core.captures.capture import Capture
+from studio.core.names import safe_name
 from studio.core.normalized.normalize import normalize
 from studio.core.project import Project
 from studio.core.solver.performers.performing import Performance
@@ -20,11 +20,6 @@ def file_name(project: Project, performer_id: str, suffix: str = ".bvh") -> str:
     performer = project.performers[performer_id]
     motion = project.motions[performer.clips[0].motion_id]
     return safe_name(f"{motion.name} {performer.name.lower()}{suffix}")
-
-
-def safe_name(name: str) -> str:
-    """A name that every system allows."""
-    return re.sub(r'[\\/:*?"<>|]', "_", name)
 
 
 def take_of_performer(project: Project, performer_id: str, performance: Performance, *, along: bool = False) -> Take:

@@ -7,10 +7,9 @@ from pathlib import Path
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import Vector
 from studio.core.errors import StudioError
-from studio.core.names import free_name
+from studio.core.names import free_name, safe_name
 from studio.core.stage.local_pose import LocalPose
 from studio.io.json_text import read_json, write_json
-from studio.io.staged_export import safe_name
 
 POSE_SUFFIX = ".json"
 NAME, HIPS_HEIGHT, POSE_ROTATIONS = "name", "hips height (leg lengths)", "rotation vectors (degrees)"
