@@ -108,14 +108,18 @@ class Monkey:
             return None
         seen = [each for each in front.findChildren(QWidget) if each.isVisible() and each.window() is front]
         if self.random.random() < 0.3 and front is self.window:
-            seen = [view for view in (self.window.bench.viewport, self.tracks()) if view is not None] or seen
+            seen = self.views() or seen
         widget = self.random.choice(seen) if seen else front
         point = QPoint(*(self.random.randrange(max(size, 1)) for size in (widget.width(), widget.height())))
         return widget, point
 
-    def tracks(self) -> Any:
-        timeline = self.window.bench.timeline
-        return timeline.tracks if timeline is not None else None
+    def views(self) -> list[Any]:
+        """The 3D view and the tracks of the timeline, as far as they are there yet."""
+        bench = self.window.bench
+        return [
+            *([bench.viewport] if bench.has_viewport else []),
+            *([bench.timeline.tracks] if bench.has_timeline else []),
+        ]
 
     def modifiers(self) -> Any:
         from PySide6.QtCore import Qt
