@@ -309,8 +309,9 @@ class Monkey:
                 playhead.set_frame(self.random.choice([0, 1, 500, 9_999_999]))
             case 1 if self.window.bench.has_timeline:
                 self.window.bench.timeline.transport.last.setValue(self.random.choice([1, 300, 9_999_999]))
-            case _ if self.tracks() is not None:
-                self.tracks().axis.zoom(self.random.choice([1e-9, 1e9, 3.0]), self.random.randrange(2000))
+            case _ if self.window.bench.has_timeline:
+                axis = self.window.bench.timeline.tracks.axis
+                axis.zoom(self.random.choice([1e-9, 1e9, 3.0]), self.random.randrange(2000))
 
     def resize(self) -> None:
         self.window.resize(self.random.randint(1, 1200), self.random.randint(1, 800))
