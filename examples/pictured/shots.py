@@ -281,7 +281,7 @@ def _taken(session: Session, parts: list[QWidget] | None = None) -> QImage:
 
 
 def _part(session: Session, parts: list[QWidget]) -> QRect:
-    """Where these parts of the window lie."""
+    """Rectangle of the window that holds these parts."""
     part = QRect()
     for widget in parts:
         part = part.united(QRect(widget.mapTo(session.window, QPoint(0, 0)), widget.size()))

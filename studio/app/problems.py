@@ -19,7 +19,7 @@ _log = logging.getLogger("studio")
 
 
 def log_file() -> Path:
-    """Where faults of the program are written down."""
+    """File in which faults of the program are written down."""
     return Path(platformdirs.user_log_dir("morpho-studio", appauthor=False)) / "studio.log"
 
 

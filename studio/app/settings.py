@@ -34,7 +34,7 @@ class Settings:
 
     @property
     def folder(self) -> str:
-        """Where the user last opened or saved something."""
+        """Folder in which the user last opened or saved something."""
         return str(self._store.value("folder", str(Path.home())))
 
     @folder.setter

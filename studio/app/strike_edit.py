@@ -106,7 +106,7 @@ def _motions_of(bench: Workbench, performer_id: str) -> dict[str, "NormalizedMot
 def space_of_last(
     project: Project, performer_id: str, motions: Mapping[str, "NormalizedMotion"], body: "Morphology"
 ) -> Placement:
-    """Where on the stage the motion of a performer's last clip stands, once it is joined to what plays before."""
+    """Placement on the stage of the motion of a performer's last clip, once it is joined to what plays before."""
     from studio.core.solver.performers.rows import composite_of
 
     last = composite_of(project, performer_id, motions.__getitem__).played[-1].placement

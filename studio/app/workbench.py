@@ -36,7 +36,7 @@ class Workbench(QObject):
         self._viewport: Viewport | None = None
         self._timeline: Timeline | None = None
         self.journals: Path | None = None
-        """Where sessions are kept for recovery."""
+        """Folder in which sessions are kept for recovery."""
         self.sources: dict[str, Path] = {}
         """Files that captures were read from in this run, by capture id."""
         self.read_as: dict[str, ReadAs] = {}

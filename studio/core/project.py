@@ -245,7 +245,7 @@ class Project:
         return getattr(self, collection).get(entity_id)
 
     def place(self, collection: str, entity_id: str) -> int | None:
-        """Where in its collection the entity of that id stands, or None."""
+        """Index in its collection of the entity of that id, or None."""
         ids = tuple(getattr(self, collection))
         return ids.index(entity_id) if entity_id in ids else None
 

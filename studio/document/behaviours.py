@@ -12,7 +12,7 @@ from studio.document.editing import EditedProject
 
 BehaviourEdit = Callable[[Behaviour], Behaviour]
 COPY_OFFSET = (48.0, 72.0)
-"""Where a copy stands in the diagram, beside what it is of."""
+"""Offset in the diagram of a copy from its original."""
 BEHAVIOUR_PARTS = ("states", "transitions")
 """Collections of the selection within a behaviour: keys of ``Project.states`` and ``Project.transitions``."""
 

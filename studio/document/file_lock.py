@@ -42,7 +42,7 @@ class FileLock:
 
 
 def journal_folder() -> Path:
-    """Where sessions and locks are kept: the user's state folder, never the project's."""
+    """Folder of sessions and locks: the user's state folder, never the project's."""
     import platformdirs
 
     return Path(os.fspath(platformdirs.user_state_path("morpho-studio"))) / "journal"

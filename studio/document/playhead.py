@@ -11,7 +11,7 @@ TICK_MILLISECONDS = 8
 
 @dataclass(frozen=True)
 class PlayheadState:
-    """Where the user stands, by which ruler, and what plays: seconds, Hz, frames."""
+    """State of the playhead: its time in seconds, frame rate in Hz, and the range played in frames."""
 
     time: float
     frame_rate: float
@@ -20,11 +20,11 @@ class PlayheadState:
 
 
 INITIAL_PLAYHEAD = PlayheadState(0.0, 60.0, 0, 300)
-"""Where the user stands in a project in which nothing plays yet."""
+"""State of the playhead in a project in which nothing plays yet."""
 
 
 class Playhead(QObject):
-    """Where in time the user stands. Playback reads the time from the clock, so late frames are skipped."""
+    """The current time of a project. Playback reads the time from the clock, so late frames are skipped."""
 
     changed = Signal(float)
     playing_changed = Signal(bool)

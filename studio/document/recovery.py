@@ -57,7 +57,7 @@ class Recovered:
     steps: tuple[JournalEntry, ...]
     problems: tuple[str, ...] = ()
     playhead: PlayheadState | None = None
-    """Where the user stood; None where the session says nothing of it."""
+    """State of the playhead; None where the session says nothing of it."""
 
 
 def recoverable_sessions(folder: Path, declined: bool = False) -> tuple[Session, ...]:

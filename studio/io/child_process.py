@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import IO
 
 STUDIO_ROOT = Path(__file__).resolve().parents[2]
-"""Where ``python -m studio...`` finds this studio."""
+"""Folder in which ``python -m studio...`` finds this studio."""
 CHILD_NICENESS = 5
 """Niceness of a child above this process by default: of two that want a processor, it gets a quarter."""
 POSIX = os.name == "posix"

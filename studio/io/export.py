@@ -54,7 +54,7 @@ class Take:
     rest_rotations: FloatArray | None = None
     """(J, 4) local rotations in which the joints rest, None where they rest without any."""
     place: Placement = Placement()
-    """Where the space of its poses stands on the stage."""
+    """Placement on the stage of the space of its poses."""
     begin: float = 0.0
     """Seconds on the stage at which it begins."""
 

@@ -171,7 +171,7 @@ def guess_frame_rate(frame_time: float | None, digit: float) -> tuple[float, Gue
 
 
 def guess_first_frame(positions: FloatArray, frame_rate: float) -> tuple[int, Guess | None]:
-    """Where the motion begins when it starts with a calibration pose and a snap; ``positions`` (F, J, 3) m.
+    """First frame of the motion when it starts with a calibration pose and a snap; ``positions`` (F, J, 3) m.
 
     The snap may be smeared over some frames by a filter: the motion begins where the joints are calm again.
     """

@@ -116,7 +116,7 @@ class Sheet:
         return QRect(0, ruler.RULER_HEIGHT, self.size.width(), max(self.plot.top() - ruler.RULER_HEIGHT, 0))
 
     def rect(self, row: TimelineRow) -> QRect:
-        """Where a row lies now, possibly outside the viewport."""
+        """Rectangle of a row now, possibly outside the viewport."""
         return QRect(0, ruler.RULER_HEIGHT + row.y - self.scroll, self.size.width(), row.height)
 
     def find(self, kind: str, row_id: str) -> TimelineRow | None:

@@ -51,7 +51,7 @@ class Timeline(QWidget):
         return self.tracks.axis.frame_at(x)
 
     def row_rect(self, kind: str, row_id: str = "") -> QRect:
-        """Where a row lies, empty where there is none.
+        """Rectangle of a row, empty where there is none.
 
         Kinds: ``ruler``, ``labels``, ``clip`` (performer), ``lane`` (left foot, right foot, hands, knees, seat),
         ``constraints``, ``plot``.
@@ -65,26 +65,26 @@ class Timeline(QWidget):
         return sheet.rect(row) if row else QRect()
 
     def handle_point(self, constraint_id: str, handle: str) -> QPoint:
-        """Where a constraint's handle lies: ``start``, ``full``, ``full end``, ``end``."""
+        """Pixel of a constraint's handle: ``start``, ``full``, ``full end``, ``end``."""
         sheet = self._sheet()
         entity = sheet.shown.project.constraints[constraint_id]
         points = constraint.handle_points(sheet.shown, self.row_rect("constraints", constraint_id), entity)
         return points[ItemPart(handle)].toPoint()
 
     def contact_rect(self, contact_id: str) -> QRect:
-        """Where a contact's bar lies."""
+        """Rectangle of a contact's bar."""
         sheet = self._sheet()
         contact = sheet.shown.project.contacts[contact_id]
         row = self.row_rect("lane", contacts.row_of(contact.point))
         return contacts.contact_bar(sheet.shown, row, contact).toRect()
 
     def label_rect(self, label_id: str) -> QRect:
-        """Where a label's flag lies."""
+        """Rectangle of a label's flag."""
         sheet = self._sheet()
         return labels.flag_area(sheet.shown, self.row_rect("labels"), sheet.shown.project.labels[label_id]).toRect()
 
     def strip_point(self, constraint_id: str, performer_id: str, frame: int) -> QPoint:
-        """Where a body's strip lies at a frame of the motion."""
+        """Pixel of a body's strip at a frame of the motion."""
         shown = self._sheet().shown
         place = [body.performer_id for body in shown.subject.bodies].index(performer_id)
         top = constraint.strip_top(self.row_rect("constraints", constraint_id), place)

@@ -33,7 +33,7 @@ class Stereo(StrEnum):
 
 @dataclass(frozen=True)
 class Eye:
-    """Where an eye is, in metres from where the camera stands: to the right, up, away from the stage."""
+    """Position of an eye, in metres from where the camera stands: to the right, up, away from the stage."""
 
     right: float = 0.0
     up: float = 0.0

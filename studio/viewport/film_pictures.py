@@ -54,7 +54,7 @@ def render_shots(shots: Shots) -> Generator[Pixels, None, None]:
 
 
 def _cameras(project: Project, results: Mapping[str, AdaptedMotion], view: View) -> Callable[[float], OrbitCamera]:
-    """Where the camera stands at a time: it goes with the performer whom the view follows."""
+    """Function from a time in seconds to the camera, which goes with the performer whom the view follows."""
     motion = results.get(view.followed or "")
     if motion is None:
         return lambda time: view.camera

@@ -4,7 +4,7 @@ from studio.core.constraints.base import Constraint, Vector
 
 
 def handle_place(constraint: Constraint, floor: float = 0.0) -> Vector | None:
-    """Where the handle is, metres in the motion's space over a ground ``floor`` high; None: it has no place.
+    """Position (3,) of the handle, metres in the motion's space over a ground ``floor`` high; None: it has no place.
 
     The constraint is as it is at one moment (``TargetContext.fixed``).
     """

@@ -139,7 +139,7 @@ def recorded_of(document: Document, pose: Posed | None) -> Capture | None:
 
 
 def _pushes(trial: Trial, place: int) -> tuple[FloatArray, FloatArray] | None:
-    """Where and how the ground pushes on a plate, in newtons; None where the file has another unit."""
+    """Centre of pressure and ground reaction force in newtons of a plate; None where the file has another unit."""
     plate = trial.plates[place]
     newtons = trial.analog.units[plate.channels[0]].lower().startswith("n")
     return plate_reactions(trial, plate) if newtons and len(trial.analog.samples) else None

@@ -186,7 +186,7 @@ class Viewport(Canvas):
 
     @property
     def placement(self) -> CameraPlacement:
-        """Where the camera is, to be saved."""
+        """Placement of the camera, to be saved."""
         return self.camera.placement
 
     def look_through(self, placement: CameraPlacement) -> None:
@@ -357,7 +357,7 @@ class Viewport(Canvas):
     # Places on the widget
 
     def widget_point(self, place: FloatArray) -> QPointF:
-        """Where a stage point (3,) is on the widget."""
+        """Pixel on the widget of a stage point (3,)."""
         return QPointF(*self.camera.project(place, self.view_size)[0][0])
 
     def gizmo(self) -> AnyGizmo | None:

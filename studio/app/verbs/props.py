@@ -172,7 +172,7 @@ def pick_up(bench: Workbench) -> None:
 
 
 def put_down(bench: Workbench) -> None:
-    """Whoever holds the selected prop puts it down at the playhead; hands leave it."""
+    """Let the holder of the selected prop put it down at the playhead; hands leave it."""
     document, prop_id = bench.document, selected_prop(bench)
     prop, now = document.project.props[prop_id or ""], document.playhead.time
     begun = [each for each in prop.holds if each.begin is None or each.begin < now]

@@ -55,7 +55,7 @@ class Capture:
     unit: str
     up_axis: str
     first_frame: int
-    """Where the motion proper begins: later than 0 when it is preceded by a calibration pose."""
+    """First frame of the motion proper: later than 0 when it is preceded by a calibration pose."""
     guesses: tuple[Guess, ...]
     repairs: tuple[str, ...]
     markers: MarkerTake | None = None

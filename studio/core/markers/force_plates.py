@@ -48,7 +48,7 @@ def plate_force(trial: Trial, plate: ForcePlate) -> FloatArray:
 
 
 def plate_reactions(trial: Trial, plate: ForcePlate) -> tuple[FloatArray, FloatArray]:
-    """Where the ground pushes (N, 3), in file units and axes, and with what force (N, 3).
+    """Centres of pressure (N, 3), in file units and axes, and ground reaction forces (N, 3).
 
     NaN while nobody stands there. The plate's x runs from corner 2 to corner 1, its y from corner 4 to corner 1 (C3D
     user guide). With the sensors h below the surface the centre of pressure lies at x = -(My + h Fx) / Fz,

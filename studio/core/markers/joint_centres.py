@@ -123,7 +123,7 @@ def _leg(
 
 
 def _knee_of_clusters(markers: Mapping[str, FloatArray], side: str, outward: FloatArray) -> FloatArray | None:
-    """Where thigh and shank turn about each other; usually midway between their markers, which lie on the outside."""
+    """Centre about which thigh and shank turn; usually midway between their markers, which lie on the outside."""
     thigh, shank = markers.get(f"{side}_thigh"), markers.get(f"{side}_shank")
     if thigh is None or shank is None or min(thigh.shape[1], shank.shape[1]) < 3:
         return None

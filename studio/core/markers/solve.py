@@ -42,7 +42,7 @@ _SHORTEST_TRUNK = 0.15
 _SHORTEST_BONE = 0.01
 """Metres left to a bone whose ends are marked at one place."""
 _SPINE_BASE, _CHEST = 0.2, 0.55
-"""Where the two spine joints lie between hips and neck."""
+"""Fractions from hips to neck at which the two spine joints lie."""
 _BAND_TO_CROWN = 0.09
 """Metres from the middle of the head's markers up to the crown."""
 _ALONG_THE_FOOT = np.array([1.0, 0.0, 1.0])
@@ -242,7 +242,7 @@ class _Body:
         }
 
     def _chest(self) -> FloatArray:
-        """Where the body has its chest joint (F, 3)."""
+        """Positions (F, 3) of the chest joint."""
         spine = self.trunk.hips + self.trunk.pelvis @ self.offsets["Spine"]
         return np.asarray(spine + self.axes["Spine"] @ self.offsets["Chest"])
 

@@ -151,7 +151,7 @@ class Trial:
         return np.asarray(self.points[:, self.labels.index(label)])
 
     def event_frame(self, event: TrialEvent) -> float:
-        """Where an event lies among the frames of this trial, as a number of frames from frame 0."""
+        """Frames, with a fraction, from frame 0 of this trial to an event."""
         return event.time * self.frame_rate - (self.first_frame - 1)
 
     def only(self, labels: Iterable[str]) -> "Trial":

@@ -129,7 +129,7 @@ def _shipped_maps() -> tuple[MarkerMap, ...]:
 
 
 def maps_folder() -> Path:
-    """Where the user's maps are kept from one session to the next."""
+    """Folder in which the user's maps are kept from one session to the next."""
     return user_data_path("morpho-studio", appauthor=False) / "marker_maps"
 
 

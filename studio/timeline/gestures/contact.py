@@ -86,7 +86,7 @@ class DragContact(EditGesture):
         self.mark = DragHint(subject.stage_time(shown_frame), text, caught.caught)
 
     def _catch(self, grabbed: int, position: QPointF, free: bool) -> Snapped:
-        """Where one of its ends would come to lie."""
+        """Time to which one of its ends snaps."""
         return self.snap(self.shown.subject.stage_time(grabbed) + self.moved(position), free)
 
     def _within(self, frames: int) -> int:

@@ -21,7 +21,7 @@ PARTED = " · "
 
 
 def clip_bar(shown: RowContext, row: QRect, clip: Clip) -> QRectF:
-    """Where a clip lies, all its repeats together."""
+    """Rectangle of a clip, all its repeats together."""
     left = shown.axis.x_of_time(clip.start)
     right = shown.axis.x_of_time(clip.start + clip.length(shown.project.frame_rate_of(clip)))
     return QRectF(left, row.top() + 3, max(right - left, 2.0), row.height() - 6)

@@ -43,7 +43,7 @@ def is_folded(row: QRect) -> bool:
 
 
 def handle_points(shown: RowContext, row: QRect, constraint: Constraint) -> dict[ItemPart, QPointF]:
-    """Where the four handles lie."""
+    """Pixels of the four handles."""
     curve, low = constraint.activation, baseline(row) + 0.5
     times = (curve.start, curve.full, curve.full_end, curve.end)
     full = low - curve_height(row)

@@ -58,7 +58,7 @@ def is_folded(row: QRect) -> bool:
 
 
 def contact_bar(shown: RowContext, row: QRect, contact: ContactInterval) -> QRectF:
-    """Where a contact lies: from its first frame to its last, three pixels at least."""
+    """Rectangle of a contact: from its first frame to its last, three pixels at least."""
     line, (first, last) = lane(row, contact.point), played_frames(shown, contact)
     left, right = shown.x_of_frame(first), shown.x_of_frame(last)
     spare = max(LEAST_BAR - (right - left), 0.0) / 2

@@ -125,13 +125,13 @@ class ValueCurves:
         return pixels / area.height() * (span.high - span.low)
 
     def point(self, shown: RowContext, area: QRect, channel: Channel, keyed: Keyed, place: int) -> QPointF:
-        """Where a key lies."""
+        """Pixel of a key."""
         value = float(key_values(channel, keyed)[place])
         x = shown.axis.x_of_time(stage_time(shown, channel.field, keyed.times[place]))
         return QPointF(x, self.y_of(shown, area, channel.unit, value))
 
     def handle_point(self, shown: RowContext, area: QRect, handle: HandleRef, keyed: Keyed) -> QPointF | None:
-        """Where the end of a tangent's handle lies."""
+        """Pixel of the end of a tangent's handle."""
         assert handle.side is not None
         found = handle_of(handle.channel, keyed, handle.place, handle.side)
         if found is None:
@@ -226,7 +226,7 @@ class ValueCurves:
 
 
 def plot_area(row: QRect) -> QRect:
-    """Where the curves lie in the plot."""
+    """Rectangle of the curves in the plot."""
     return row.adjusted(ROW_LABEL_WIDTH, 10, 0, -10)
 
 
