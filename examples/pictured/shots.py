@@ -83,6 +83,21 @@ def onion_skins() -> QImage:
     return _taken(session, [viewport])
 
 
+def _turn_by_ring(session: Session, axis: str) -> QPoint:
+    """Pixel at which the mouse, still pressed, has turned the gizmo's ring about ``axis``."""
+    viewport = session.bench.viewport
+    gizmo = viewport.gizmo()
+    assert isinstance(gizmo, RotateGizmo)
+    ring = gizmo.ring(axis)
+    begin, *path = (QPoint(*(round(each) for each in ring[place].tolist())) for place in range(42, 49))
+    QTest.mousePress(viewport, LEFT, NO_KEY, begin)
+    for place in path:
+        QTest.mouseMove(viewport, place)
+        session.rest(0.05)
+    session.rest(0.3)
+    return path[-1]
+
+
 def rotate() -> QImage:
     """A hand of one body while a ring turns it, beside its form."""
     session = Session("reach_grasp", (1440, 860))
@@ -96,17 +111,9 @@ def rotate() -> QImage:
     viewport.add_constraint_at_pick("orientation")
     viewport.set_tool("rotate")
     session.settle()
-    gizmo = viewport.gizmo()
-    assert isinstance(gizmo, RotateGizmo)
-    ring = gizmo.ring("z")
-    begin, *path = (QPoint(*(round(each) for each in ring[place].tolist())) for place in range(42, 49))
-    QTest.mousePress(viewport, LEFT, NO_KEY, begin)
-    for place in path:
-        QTest.mouseMove(viewport, place)
-        session.rest(0.05)
-    session.rest(0.3)
+    end = _turn_by_ring(session, "z")
     image = session.picture(part=_part(session, [viewport, session.window.docks["Inspector"]]))
-    QTest.mouseRelease(viewport, LEFT, NO_KEY, path[-1])
+    QTest.mouseRelease(viewport, LEFT, NO_KEY, end)
     session.close()
     return image
 
@@ -124,17 +131,9 @@ def correction() -> QImage:
     QTest.mouseClick(viewport, LEFT, NO_KEY, viewport.widget_point(pose.points[joint.index]).toPoint())
     viewport.set_tool("rotate")
     session.settle()
-    gizmo = viewport.gizmo()
-    assert isinstance(gizmo, RotateGizmo)
-    ring = gizmo.ring("y")
-    begin, *path = (QPoint(*(round(each) for each in ring[place].tolist())) for place in range(42, 49))
-    QTest.mousePress(viewport, LEFT, NO_KEY, begin)
-    for place in path:
-        QTest.mouseMove(viewport, place)
-        session.rest(0.05)
-    session.rest(0.3)
+    end = _turn_by_ring(session, "y")
     image = session.picture()
-    QTest.mouseRelease(viewport, LEFT, NO_KEY, path[-1])
+    QTest.mouseRelease(viewport, LEFT, NO_KEY, end)
     session.close()
     return image
 
