@@ -28,7 +28,7 @@ prepare_process()
 from benchmarks.listening import TICK, Silences, run_window  # noqa: E402
 from benchmarks.machine import machine  # noqa: E402
 from benchmarks.report import table  # noqa: E402
-from studio.app import exporting, importing  # noqa: E402
+from studio.app import capture_import, exporting  # noqa: E402
 from studio.app.application import import_views, make_application, make_window, settle, show_views  # noqa: E402
 from studio.app.main_window import MainWindow  # noqa: E402
 from studio.app.sample import empty_project  # noqa: E402
@@ -137,7 +137,7 @@ def deeds(
     def idle() -> bool:
         return not bench.runner.running and not bench.live._scheduler.busy
 
-    yield "opened: the first body is there", lambda: importing.import_motion(bench, path), lambda: bodies() > 0
+    yield "opened: the first body is there", lambda: capture_import.import_motion(bench, path), lambda: bodies() > 0
     yield "all five bodies are there", lambda: None, lambda: bodies() == len(document.project.performers)
     yield f"scrubbed to {len(frames)} places", scrub, idle
     document.playhead.set_frame(0)

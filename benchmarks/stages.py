@@ -24,7 +24,7 @@ from studio.core.stage.clip import Clip
 from studio.jobs.performances import prepared
 from studio.library.scenes.fight import fight_training
 from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, bodies, material
-from studio.live.stage import LiveStage
+from studio.live.playing_stage import LiveStage
 
 ROW = Clip("walk", 100, 160, 0.0, "before"), Clip("walk", 300, 370, 0.8, "after", mirrored=True)
 """Two clips that blend; a row of two seconds."""

@@ -10,12 +10,12 @@ from typing import Any
 from studio.document.document import Document
 from studio.engine.live_adaptation import LiveAdaptation
 from studio.panels.inspector import Inspector
-from studio.timeline.view import TrackView
+from studio.timeline.track_view import TrackView
 from studio.viewport.bodies import BodyVisual
 from studio.viewport.canvas import Canvas
 from studio.viewport.floor import SoftShadows
 from studio.viewport.live_mesh import LiveLines
-from studio.viewport.scene import StageScene
+from studio.viewport.stage_picture import StageScene
 from studio.viewport.widget import Viewport
 
 MEASURED: tuple[tuple[str, type, str], ...] = (

@@ -14,7 +14,7 @@ import numpy as np
 from PySide6.QtCore import QRect
 from PySide6.QtGui import QImage
 
-from studio.app import application, importing
+from studio.app import application, capture_import
 from studio.app.settings import Settings
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
@@ -45,7 +45,7 @@ class Session:
         self.bench, self.document = self.window.bench, self.window.bench.document
         self.window.resize(*size)
         self.window.show()
-        read = importing.read_motion(example(capture), ImportOptions(), lambda share, text: None)
+        read = capture_import.read_motion(example(capture), ImportOptions(), lambda share, text: None)
         contacts = read.annotations.of_motion(capture).contacts or ()
         grip = FIST_GRIP if "kick" in capture or "punch" in capture else RELAXED_GRIP
         bodies = {name: replace(each, grip=grip) for name, each in bundled_characters().items()}

@@ -43,7 +43,7 @@ from studio.core.stage.scope import Scope
 from studio.io.export_options import ExportOptions
 from studio.io.importing import ImportOptions
 from studio.io.plug_ins import Panel, Verb
-from studio.library.clips import Kind, Limb
+from studio.library.clip_labels import Kind, Limb
 from studio.library.searching import Result
 from studio.resources_folder import example_captures_folder
 

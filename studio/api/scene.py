@@ -20,8 +20,8 @@ from studio.core.errors import StudioError
 from studio.core.project import Entity, Motion, Performer, Project, new_id
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.clip import Clip
-from studio.document.corrections import set_pose
-from studio.document.editing import EditedProject
+from studio.document.correction_edits import set_pose
+from studio.document.edited_project import EditedProject
 from studio.io.export import write_take
 from studio.io.export_options import ExportOptions
 from studio.io.importing import GUESS_ALL, ImportOptions, known_of_motion, read_capture
@@ -33,7 +33,7 @@ from studio.jobs.adaptation import chosen_characters, make_folder
 from studio.jobs.bundled_scenes import open_project
 from studio.jobs.performances import performances
 from studio.library.catalogue import Catalogue
-from studio.library.clips import Kind, Limb
+from studio.library.clip_labels import Kind, Limb
 from studio.library.indexing import bundled_library
 from studio.library.library import Library
 from studio.library.searching import Result, StrikeQuery, find, place_before

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from studio.app import casting, playing_live, recovery
+from studio.app import casting, playing_live, recovery_offer
 from studio.app.live_control import (
     is_head_tracked,
     is_streaming,
@@ -14,7 +14,7 @@ from studio.app.live_control import (
 from studio.app.marker_dialog import has_markers, open_markers
 from studio.app.pose_mapping import show_map
 from studio.app.relinking import relink_shown, shown_capture
-from studio.app.striking import label_strike, show_strikes, strike_chosen
+from studio.app.strike_search import label_strike, show_strikes, strike_chosen
 from studio.app.verbs import behaviours, cameras, clips, editing, files, playback, props, sounds, view
 from studio.app.verbs.constraining import adder, choose_joint, load_area_mesh, selected_area, selected_constraint, shift
 from studio.app.workbench import Workbench
@@ -115,7 +115,7 @@ FILE = (
     Action("new", "File", "New", files.new, ("Ctrl+N",), "Begin with the bundled characters and no capture"),
     Action("open", "File", "Open…", files.open_project, ("Ctrl+O",), "Open a project"),
     Action("open_sample", "File", "Open sample", files.open_sample, tooltip="The bundled motion on five bodies"),
-    Action("recover", "File", "Recover earlier work…", recovery.choose,
+    Action("recover", "File", "Recover earlier work…", recovery_offer.choose,
            tooltip="Work that was never saved, kept for 30 days", ends_group=True),
     Action("save", "File", "Save", files.save, ("Ctrl+S",), "Write the project"),
     Action("save_as", "File", "Save as…", files.save_as, ("Ctrl+Shift+S",), "Write the project under another name"),

@@ -12,7 +12,7 @@ from typing import NoReturn
 from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication
 
-from studio.app import recovery, sample
+from studio.app import recovery_offer, sample
 from studio.app.collector import Collector
 from studio.app.main_window import MainWindow
 from studio.app.preferences import Preferences, load_preferences
@@ -99,7 +99,7 @@ def fill_window(
     """Begin what may take longer than a moment: offer recovery, open files, make the views."""
     bench = window.bench
     if journals is not None:
-        recovery.offer(bench, journals)
+        recovery_offer.offer(bench, journals)
     bench.document.new(sample.empty_project())  # somebody stands on the stage while the motion is read
     if paths:
         window.open_paths(paths)
@@ -139,7 +139,7 @@ def import_views() -> None:
 def import_viewport(warm_up: WarmUp | None = None) -> None:
     """Load what the 3D view is made of, and with what it draws bodies before the solver is there."""
     import_module("studio.viewport.widget")
-    import_module("studio.viewport.scene")  # VTK, which the first picture would load otherwise
+    import_module("studio.viewport.stage_picture")  # VTK, which the first picture would load otherwise
     if warm_up is not None:
         warm_up.join_picture()
     import_module("studio.startup.first_picture").run()

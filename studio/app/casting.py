@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from studio.app.importing import changing_nothing, import_motion
+from studio.app.capture_import import changing_nothing, import_motion
 from studio.app.workbench import Workbench
 from studio.core.body.canonical import BodyPart
 from studio.core.body.character import Character

@@ -2,12 +2,12 @@
 
 from typing import TYPE_CHECKING
 
-from studio.library.clips import ClipLabel
+from studio.library.clip_labels import ClipLabel
 from studio.panels.clip_form import ClipForm
 
 if TYPE_CHECKING:
-    from studio.app.striking import Striking
-    from studio.library.labelling import OpenedClip
+    from studio.app.strike_search import Striking
+    from studio.library.label_motion import OpenedClip
     from studio.library.library import Library, LibraryClip
 
 
@@ -25,7 +25,7 @@ class Labelling:
         """Show a clip in the form; its take is posed beside the window."""
 
         def work(_: object) -> "OpenedClip":
-            from studio.library.labelling import OpenedClip
+            from studio.library.label_motion import OpenedClip
 
             return OpenedClip.of(clip)
 

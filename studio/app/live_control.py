@@ -21,7 +21,7 @@ from studio.engine.performance import posed_performers
 from studio.live.recording import Recorder, Replay
 from studio.live.streamer import Broadcast, StreamedPose
 from studio.live.tracker import LOOPBACK, PORT, Inbox, UdpInput
-from studio.panels.live import InputRow, LivePanel, SenderRow
+from studio.panels.live_panel import InputRow, LivePanel, SenderRow
 from studio.viewport.eyes import CENTRE_EYE, Eye
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QDockWidget, QGridLayout, QMainWindow, QRubberBand, QTabWidget, QVBoxLayout, QWidget
 
-from studio.app import casting, importing
+from studio.app import capture_import, casting
 from studio.app.action_set import ActionSet
 from studio.app.guided_tour import GuidedTour
 from studio.app.live_control import LiveControl
@@ -27,7 +27,7 @@ from studio.app.plug_in_panels import add_panel_actions
 from studio.app.pose_library import PoseLibrary
 from studio.app.preferences import FITTED, Preferences, save_preferences
 from studio.app.problem_tour import ProblemTour
-from studio.app.striking import Striking
+from studio.app.strike_search import Striking
 from studio.app.top_bar import TopBar
 from studio.app.verbs import editing, files
 from studio.app.verbs.behaviours import READY_MADE
@@ -40,8 +40,8 @@ from studio.panels.console import Console
 from studio.panels.fields import labelled
 from studio.panels.history import History
 from studio.panels.inspector import Inspector
-from studio.panels.library import LibraryPanel
 from studio.panels.library_drops import BODIES, LibraryDrops
+from studio.panels.library_panel import LibraryPanel
 from studio.panels.message_strip import MessageStrip, RecoveryBar
 from studio.panels.problem_table import ProblemTable
 from studio.panels.status_line import StatusLine
@@ -331,11 +331,11 @@ class MainWindow(QMainWindow):
         self.status.progress.cancel_wanted.connect(runner.cancel)
         self.status.report_wanted.connect(lambda: editing.select_capture(bench))
         self.status.progress.told.connect(self._show_progress)
-        self.library.wanted.connect(lambda capture: importing.perform_capture(bench, capture))
+        self.library.wanted.connect(lambda capture: capture_import.perform_capture(bench, capture))
         self.inspector.reimport_wanted.connect(self._reimport)
         self.inspector.markers_wanted.connect(lambda capture: open_markers(bench, capture))
         self.inspector.character_wanted.connect(lambda capture: casting.make_actor_character(bench, capture))
-        document.entity_changed.connect(lambda collection, key: importing.keep_corrections(bench, collection, key))
+        document.entity_changed.connect(lambda collection, key: capture_import.keep_corrections(bench, collection, key))
 
     def _restore_layout(self) -> None:
         layout = self.bench.settings.layout()
@@ -377,7 +377,7 @@ class MainWindow(QMainWindow):
 
     def _reimport(self, capture_id: str, option: dict[str, Any]) -> None:
         try:
-            importing.reimport(self.bench, capture_id, option)
+            capture_import.reimport(self.bench, capture_id, option)
         except StudioError as error:
             self.strip.say(str(error))
 

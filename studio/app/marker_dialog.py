@@ -6,7 +6,7 @@ from dataclasses import replace
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QDialog, QHBoxLayout, QTabWidget, QVBoxLayout
 
-from studio.app.importing import solve_again
+from studio.app.capture_import import solve_again
 from studio.app.workbench import Workbench
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
@@ -14,7 +14,7 @@ from studio.core.markers.cleaning import StepReport, clean
 from studio.core.markers.take import MarkerTake, mapped_labels
 from studio.panels.fields import FIELD_ICON_PX, labelled, press_button
 from studio.panels.markers.assistant import MarkerAssistant
-from studio.panels.markers.steps import StepList
+from studio.panels.markers.cleaning_steps import StepList
 
 MARKER_DIALOG_SIZE = (1120, 680)
 

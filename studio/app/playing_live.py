@@ -13,7 +13,7 @@ from studio.app.workbench import Workbench
 from studio.core.project import Entity, Performer, Project, new_id
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import KeyCondition
-from studio.live.take import StageTake, edits_of
+from studio.live.recorded_take import StageTake, edits_of
 
 TYPING = (QLineEdit, QAbstractSpinBox, QComboBox, QTextEdit, QPlainTextEdit)
 KEY_EVENTS = (QEvent.Type.ShortcutOverride, QEvent.Type.KeyPress)

@@ -9,7 +9,7 @@ from studio.core.errors import StudioError
 from studio.core.names import free_name
 from studio.core.stage.correction import PoseOffsets
 from studio.core.stage.local_pose import POSE_REGIONS, local_pose, turns_to
-from studio.document.corrections import correction_at, set_pose
+from studio.document.correction_edits import correction_at, set_pose
 from studio.engine.performance import Posed, pose_of
 from studio.library.saved_poses import SavedPose, delete_pose, read_poses, rename_pose, write_pose
 from studio.panels.pose_list import PosePanel

@@ -8,7 +8,7 @@ from studio.app.workbench import Workbench
 from studio.panels.pose_map import PoseGroup, PoseMapView
 
 if TYPE_CHECKING:
-    from studio.app.striking import Striking
+    from studio.app.strike_search import Striking
     from studio.library.clusters import PoseMap
     from studio.library.library import Library, LibraryClip
 

@@ -11,7 +11,7 @@ from studio.app.settings import Settings
 from studio.document import colours
 from studio.resources_folder import resources_folder
 from studio.viewport.onion_skins import OnionSkins
-from studio.viewport.snapping import SnapSteps
+from studio.viewport.snap_steps import SnapSteps
 
 KeyTable = Mapping[str, tuple[str, ...]]
 """Keys by the id of an action."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.app.importing import ReadMotion, add_motion
+from studio.app.capture_import import ReadMotion, add_motion
 from studio.app.strike_target import StrikeTarget
 from studio.app.workbench import Workbench
 from studio.core.captures.capture import Capture
@@ -57,7 +57,7 @@ def put_strike(bench: Workbench, wish: Wish, source: ReadMotion | str) -> None:
 
     Raises StudioError where body or target are gone, and nothing has changed.
     """
-    from studio.library.clips import Kind
+    from studio.library.clip_labels import Kind
     from studio.library.striking import EASED_IN, aimed
 
     document, found, key = bench.document, wish.found, wish.performer_id

@@ -10,7 +10,7 @@ from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import Follow, FollowPerformer, FollowProp
 from studio.core.project import Project
 from studio.engine.performance import Results, posed_performers
-from studio.engine.props import prop_at
+from studio.engine.prop_places import prop_at
 
 FloatArray = NDArray[np.float64]
 

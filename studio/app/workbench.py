@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Signal
 
-from studio.app.corrections import ReadAs
+from studio.app.import_corrections import ReadAs
 from studio.app.preferences import load_preferences
 from studio.app.settings import Settings
 from studio.document.document import Document

@@ -6,12 +6,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from studio.cli.adapt_stage import run_stage
 from studio.cli.batch_summary import rows_of, write_rows
-from studio.cli.export_options import export_options
-from studio.cli.import_options import import_options
+from studio.cli.export_arguments import export_options
+from studio.cli.import_arguments import import_options
 from studio.cli.outputs import refuse_replacing
 from studio.cli.printing import QUALITY_TITLES, print_json, print_table
-from studio.cli.stage import run_stage
 from studio.core.body.character import Character
 from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
@@ -34,7 +34,7 @@ from studio.jobs.adaptation import (
     make_folder,
     ready_capture,
 )
-from studio.jobs.following import with_tracks
+from studio.jobs.run_tracks import with_tracks
 from studio.startup.kernel_warm_up import compile_first
 
 ACTOR_WORD = "actor"

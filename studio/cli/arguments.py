@@ -10,7 +10,7 @@ from studio.cli.ranges import LONGEST_SECONDS, key_press, number, size, whole
 from studio.core.plausible import FRAME_RATE, PLACE_RANGE
 from studio.io.export_choices import REST_POSES, ROOTS
 from studio.io.joint_names import joint_namings
-from studio.library.clips import Kind, Limb
+from studio.library.clip_labels import Kind, Limb
 from studio.live.tracker import LOOPBACK, PORT
 from studio.resources_folder import help_file
 

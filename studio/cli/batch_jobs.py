@@ -80,7 +80,7 @@ def work(job: BatchJob) -> Record:
     """Adapt one capture in this process and return its record; an error is reported in the record and stops nothing."""
     prepare_process()
     from studio.cli.adapt import adapt_file, asked_by
-    from studio.cli.import_options import import_options
+    from studio.cli.import_arguments import import_options
     from studio.io.json_text import write_json
 
     arguments, start = Namespace(**job.arguments), perf_counter()

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from studio.cli.export_options import export_options
-from studio.cli.import_options import import_options
+from studio.cli.export_arguments import export_options
+from studio.cli.import_arguments import import_options
 from studio.cli.outputs import refuse_replacing
 from studio.cli.printing import counted, print_json
 from studio.core.captures.capture import Guess

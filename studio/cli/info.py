@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from studio.cli.import_options import import_options
+from studio.cli.import_arguments import import_options
 from studio.cli.printing import counted, print_json
 from studio.core.body.character_skeleton import character_body_map, character_skeleton
 from studio.core.captures.capture import Capture, Guess

@@ -16,7 +16,7 @@ from studio.core.project import Project
 from studio.jobs.adapt_report import REACHED_DEG, REACHED_MM, Record, residual_record
 from studio.jobs.bundled_scenes import open_project
 from studio.jobs.performances import prepared
-from studio.live.stage import LiveStage
+from studio.live.playing_stage import LiveStage
 from studio.startup.kernel_warm_up import compile_first
 
 LIVE_STAGE_STEP = 1.0 / 60.0

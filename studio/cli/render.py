@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.cli.import_options import import_options
+from studio.cli.import_arguments import import_options
 from studio.cli.outputs import refuse_replacing
 from studio.cli.printing import counted, print_json
 from studio.core.errors import StudioError

@@ -19,7 +19,7 @@ from studio.core.names import free_name
 from studio.core.project import Project
 from studio.core.stage.correction import Correction, KeyedPoses
 from studio.core.stage.scope import EVERYONE, Scope
-from studio.document.editing import EditedProject
+from studio.document.edited_project import EditedProject
 from studio.document.key_edits import replace_fields
 from studio.document.keyed_fields import (
     KEYED_COLLECTIONS,

@@ -9,7 +9,7 @@ from PySide6.QtCore import QObject, QTimer
 from studio.core.errors import StudioError
 from studio.core.project import Project
 from studio.document.commands.replace import Edit, ReplaceValue
-from studio.document.editing import EditedProject
+from studio.document.edited_project import EditedProject
 from studio.document.file_lock import FileLock
 from studio.document.journal import Journal, JournalEntry, StateHash
 from studio.document.recovery import Session, mark_recovered, recover

@@ -10,7 +10,7 @@ from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Ke
 from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.tangents import Beyond
 from studio.core.stage.correction import KeyedPoses
-from studio.document.editing import EditedProject
+from studio.document.edited_project import EditedProject
 from studio.document.keyed_fields import (
     Keyed,
     KeyedField,

@@ -8,7 +8,7 @@ from PySide6.QtCore import QObject, Signal
 from studio.document.keyed_fields import KeyedField, KeyRef, keyed_value, owners_of, places_at
 
 if TYPE_CHECKING:
-    from studio.document.editing import EditedProject
+    from studio.document.edited_project import EditedProject
 
 
 class KeySelection(QObject):

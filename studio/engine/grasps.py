@@ -86,7 +86,7 @@ def chest_heading(holder: Posed) -> float:
 
 def captured_grasp(holder: Posed) -> FloatArray:
     """(3,) middle of the hands on the stage, as the motion has them without constraints."""
-    from studio.core.solver.performers.props import Holder  # loads kernels
+    from studio.core.solver.performers.prop_tracks import Holder  # loads kernels
 
     track = Holder(holder.over_time, [holder.frame - holder.over_time.first_frame], holder.placement)
     return np.asarray(track.track(Carried("")).places[0])

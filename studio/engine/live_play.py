@@ -18,7 +18,7 @@ from studio.document.document import Document
 from studio.engine.tasks import CLOSE_WAIT_SECONDS, join_all
 
 if TYPE_CHECKING:
-    from studio.live.stage import LiveStage
+    from studio.live.playing_stage import LiveStage
 
 STAGE_STEP, UNSEEN_STEP = 1.0 / 60.0, 1.0 / 30.0
 """Seconds from one step to the next if there is time for it (a slow step is as long as it took), and the longest wait
@@ -91,7 +91,7 @@ class LivePlay(QObject):
         if not self._ready():
             self.running_changed.emit(False)
             return False
-        from studio.live.stage import LiveStage  # here: it loads kernels
+        from studio.live.playing_stage import LiveStage  # here: it loads kernels
 
         if self._worker is None:
             self._document.playhead.pause()

@@ -20,7 +20,7 @@ from studio.core.solver.asking.tracks import Targets, Track, fixed_at, moved_tar
 from studio.core.solver.performers.rows import carry_of
 from studio.core.solver.request import Unasked
 from studio.engine.performance import Posed
-from studio.engine.props import prop_at
+from studio.engine.prop_places import prop_at
 
 FloatArray = NDArray[np.float64]
 
@@ -98,8 +98,8 @@ class TargetContext:
 
     def track(self, follow: Follow | OwnPlace) -> Track | None:
         """Present track of a followed target, in the space of this performer's motion."""
-        from studio.core.solver.performers.following import performer_track, tracked_track  # loads kernels
-        from studio.core.solver.performers.props import seen_from
+        from studio.core.solver.performers.followed_tracks import performer_track, tracked_track  # loads kernels
+        from studio.core.solver.performers.prop_tracks import seen_from
 
         pose, own = self.pose, self.pose.clip_placement
         match follow:
@@ -133,7 +133,7 @@ class TargetContext:
 
     def _own_track(self, place: OwnPlace, unasked: Unasked) -> Track:
         """A place that is the body's own, in the space of the motion that plays."""
-        from studio.core.solver.performers.following import own_track  # as above
+        from studio.core.solver.performers.followed_tracks import own_track  # as above
 
         pose, body = self.pose, self.pose.motion.body
         composite, played = pose.motion.composite, pose.played

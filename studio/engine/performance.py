@@ -19,7 +19,7 @@ from studio.core.stage.holding import grip_on
 from studio.core.stage.placement import Placement
 from studio.core.stage.timing import Timing
 from studio.document.document import Document
-from studio.engine.live import Live
+from studio.engine.live_interface import Live
 
 FloatArray = NDArray[np.float64]
 CLOSING, CLOSING_STEPS = 0.2, 9

@@ -8,7 +8,7 @@ from PySide6.QtCore import QObject, QThreadPool, QTimer, Signal
 from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
 from studio.document.document import Document
-from studio.engine.live import Live
+from studio.engine.live_interface import Live
 from studio.engine.quality_summary import FoundProblem, SummaryRow, problems_in, summary_of
 
 REST_MS = 300

@@ -15,8 +15,8 @@ from studio.core.project import Project
 from studio.core.solver.performers.rows import timing_of
 from studio.core.solver.performers.stage import asked_of
 from studio.core.solver.request import AdaptedMotion
-from studio.engine.measures import LENGTH_MEASURE, PEAK, Measure
 from studio.engine.performance import stage_time
+from studio.engine.residual_measures import LENGTH_MEASURE, PEAK, Measure
 from studio.engine.residuals import worst_residual
 
 FloatArray = NDArray[np.float64]

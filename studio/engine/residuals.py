@@ -17,8 +17,8 @@ from studio.core.project import Project
 from studio.core.project_cache import project_cache
 from studio.core.solver.performers.stage import asked_of
 from studio.core.solver.request import AdaptedMotion
-from studio.engine.live import Live
-from studio.engine.measures import LENGTH_MEASURE, Measure, measure_of
+from studio.engine.live_interface import Live
+from studio.engine.residual_measures import LENGTH_MEASURE, Measure, measure_of
 
 FloatArray = NDArray[np.float64]
 

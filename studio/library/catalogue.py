@@ -25,7 +25,7 @@ from studio.core.errors import StudioError
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.plausible import FRAME_RATE
 from studio.io.npy import StoredArray, stored_array, write_stored
-from studio.library.clips import ClipLabel
+from studio.library.clip_labels import ClipLabel
 from studio.library.confirmed_labels import CONFIRMED_LABELS, Labels, NewerLabels, read_labels, write_labels
 from studio.library.hitting import HitPath
 

@@ -9,7 +9,7 @@ from studio.core.errors import StudioError
 from studio.io.beside import read_bytes
 from studio.io.json_text import json_of
 from studio.io.replacing import write_whole
-from studio.library.clips import ClipLabel
+from studio.library.clip_labels import ClipLabel
 
 CONFIRMED_LABELS = "labels.json"
 LABELS_VERSION = 1

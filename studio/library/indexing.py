@@ -20,11 +20,11 @@ from studio.core.normalized.normalize import normalize
 from studio.core.normalized.realize import realize
 from studio.io.importing import known_of_motion, read_capture
 from studio.io.registry import known_formats
-from studio.library.assistant import propose
 from studio.library.catalogue import Catalogue, FileState
-from studio.library.clips import ClipLabel
+from studio.library.clip_labels import ClipLabel
 from studio.library.hitting import HitPath, hit_path
 from studio.library.library import Library
+from studio.library.proposed_strikes import propose
 from studio.resources_folder import bundled_strikes_folder
 
 Progress = Callable[[float, str], object]

@@ -16,7 +16,7 @@ from studio.io.beside import read_bytes
 from studio.io.npy import stored_array, write_stored
 from studio.io.replacing import write_whole
 from studio.library.catalogue import Actor, Catalogue, CatalogueClip, LibraryTake
-from studio.library.clips import ClipLabel, Kind
+from studio.library.clip_labels import ClipLabel, Kind
 from studio.library.copies import takes_once
 from studio.library.hitting import HitPath
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from studio.core.normalized.mirror import mirrored, mirrored_contacts
 from studio.core.normalized.realize import realize
-from studio.library.clips import Limb
+from studio.library.clip_labels import Limb
 from studio.library.hitting import hit_path
 from studio.library.library import Library, LibraryClip
 

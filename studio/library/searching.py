@@ -17,7 +17,7 @@ from studio.core.kernels import pose_search as at
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.retrieval import Found, Query, pose_distances, pose_rows, search
-from studio.library.clips import Kind, Limb
+from studio.library.clip_labels import Kind, Limb
 from studio.library.hitting import limb_size
 from studio.library.library import Library, LibraryClip
 

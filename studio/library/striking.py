@@ -23,7 +23,7 @@ from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.clip import Clip
 from studio.core.stage.scope import Scope
-from studio.library.clips import ClipLabel, Limb, hit_point
+from studio.library.clip_labels import ClipLabel, Limb, hit_point
 from studio.library.searching import Result, StrikeQuery, metres
 
 CHAIN = Chain(limb=1.0, clavicle=1.0, trunk=0.6, root=0.4)

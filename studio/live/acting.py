@@ -10,7 +10,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowPerformer
 from studio.core.project import Project
 from studio.core.solver.adapt import place_of
-from studio.core.solver.performers.props import Holder, stage_track
+from studio.core.solver.performers.prop_tracks import Holder, stage_track
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.behaviour import Behaviour, Role, Running, State
 from studio.core.stage.clip import SLOWEST_CLIP, Clip

@@ -27,7 +27,7 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import MotionPiece
 from studio.core.solver.adapt import hold
 from studio.core.solver.standing.stand import Standing, stand
-from studio.library.clips import Kind, Limb
+from studio.library.clip_labels import Kind, Limb
 from studio.library.hitting import hit_places, limb_root
 from studio.library.library import Library
 from studio.library.searching import Result, StrikeQuery, find

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QCheckBox, QLineEdit
 from studio.core.stage.saved_camera import CAMERA_SLOTS
 from studio.document.document import Document
 from studio.document.stored_cameras import give_slot
-from studio.engine.live import Live
+from studio.engine.live_interface import Live
 from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section

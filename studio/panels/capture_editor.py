@@ -11,7 +11,7 @@ from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.remarks import remarks_on
 from studio.document import colours
 from studio.document.document import Document
-from studio.engine.live import Live
+from studio.engine.live_interface import Live
 from studio.panels.body_map_section import capture_section
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section, labelled, press_button

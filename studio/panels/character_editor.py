@@ -11,7 +11,7 @@ from studio.core.body.morphology import Morphology, Proportions
 from studio.core.captures.remarks import remarks_on_body
 from studio.core.mesh.skin import Blending
 from studio.document.document import Document
-from studio.engine.live import Live
+from studio.engine.live_interface import Live
 from studio.panels.body_map_section import character_section
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, Section, labelled, press_button

@@ -12,9 +12,9 @@ from studio.core.errors import StudioError
 from studio.core.mesh.hand_shapes import FIST_GRIP, HALF_CLOSED_GRIP, OPEN_GRIP, RELAXED_GRIP
 from studio.core.stage.clip import FASTEST_CLIP, MOST_REPEATS, SLOWEST_CLIP, Clip
 from studio.core.stage.clip_row import begun_at, ended_at, players_of
-from studio.document import clips
+from studio.document import clip_edits
 from studio.document.document import Document
-from studio.engine.live import Live
+from studio.engine.live_interface import Live
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section, labelled, press_button, short
 from studio.panels.layer_section import LayerSection
@@ -122,8 +122,8 @@ class ClipEditor(Editor):
             return
         project = self.document.project
         self._layer.refresh()
-        self._place.setVisible(clips.layer_of(project, self.entity_id) is None)
-        self._motion.setText(clips.name_of(project, clip))
+        self._place.setVisible(clip_edits.layer_of(project, self.entity_id) is None)
+        self._motion.setText(clip_edits.name_of(project, clip))
         players = players_of(project, clip.id)
         self._players.setText(", ".join(each.name for each in players.values()))
         active = players.get(self.document.active_performer_id or "")
@@ -146,12 +146,12 @@ class ClipEditor(Editor):
         return collection in ("performers", "motions")
 
     def _edit(self, edit: Any, verb: str, rest: str = "") -> None:
-        text = f"{verb} {clips.name_of(self.document.project, self.entity)} {rest}".strip()
+        text = f"{verb} {clip_edits.name_of(self.document.project, self.entity)} {rest}".strip()
 
         def edit_all() -> None:
             with self.document.group(text, self._gesture):
                 for key in self.together:
-                    clips.edit_clip(self.document, key, edit, text)
+                    clip_edits.edit_clip(self.document, key, edit, text)
 
         self._say(edit_all)
 
@@ -182,13 +182,13 @@ class ClipEditor(Editor):
     def _make_own(self) -> None:
         performer_id = self.document.active_performer_id
         if performer_id is not None:
-            self._select(lambda: clips.make_own(self.document, performer_id, self.entity_id))
+            self._select(lambda: clip_edits.make_own(self.document, performer_id, self.entity_id))
 
     def _split(self) -> None:
-        self._select(lambda: clips.split_clip(self.document, self.entity_id, self.document.playhead.time))
+        self._select(lambda: clip_edits.split_clip(self.document, self.entity_id, self.document.playhead.time))
 
     def _duplicate(self) -> None:
-        self._select(lambda: clips.duplicate_clip(self.document, self.entity_id))
+        self._select(lambda: clip_edits.duplicate_clip(self.document, self.entity_id))
 
     def _select(self, make: Any) -> None:
         """Select the active performer and the clip whose id ``make`` returns."""

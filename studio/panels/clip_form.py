@@ -9,13 +9,13 @@ from PySide6.QtGui import QColor, QKeyEvent, QKeySequence, QPainter, QPaintEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLineEdit, QScrollArea, QVBoxLayout, QWidget
 
 from studio.document import colours
-from studio.library.clips import SEGMENTS, ClipLabel, Kind, Limb
+from studio.library.clip_labels import SEGMENTS, ClipLabel, Kind, Limb
 from studio.panels.clip_line import ClipLine, ClipMark, with_mark
 from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, labelled, press_button
 from studio.panels.stick_figure import Look, paint_sticks
 
 if TYPE_CHECKING:
-    from studio.library.labelling import OpenedClip
+    from studio.library.label_motion import OpenedClip
 
 FIGURES_PX, CAPTION_PX = 104, 16
 HINT = "Proposed by the assistant. Drag the marks, choose what it is, and confirm; indexing keeps your label."

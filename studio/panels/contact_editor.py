@@ -2,9 +2,9 @@
 
 from studio.core.captures.contacts import CONTACT_POINTS, ContactInterval, ContactPoint, Touch
 from studio.core.stage.scope import Scope
-from studio.document.contacts import ask_contact_of
+from studio.document.contact_owners import ask_contact_of
 from studio.document.document import Document
-from studio.engine.live import Live
+from studio.engine.live_interface import Live
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section, labelled
 from studio.panels.scope_row import ScopeRow

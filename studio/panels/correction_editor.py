@@ -8,9 +8,9 @@ from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QLineEdit, QWidget
 
 from studio.core.body.canonical import BodyPart
 from studio.core.stage.correction import Correction
-from studio.document.corrections import mirror_correction, set_key, set_pose
+from studio.document.correction_edits import mirror_correction, set_key, set_pose
 from studio.document.document import Document
-from studio.engine.live import Live
+from studio.engine.live_interface import Live
 from studio.panels.editor import Editor
 from studio.panels.fields import PER_CENT, Choice, NumberField, Section, labelled, press_button
 

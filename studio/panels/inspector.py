@@ -6,7 +6,7 @@ from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtWidgets import QFrame, QScrollArea, QWidget
 
 from studio.document.document import Document
-from studio.engine.live import Live
+from studio.engine.live_interface import Live
 from studio.panels.behaviour.behaviour_editor import BehaviourEditor
 from studio.panels.behaviour.state_editor import StateEditor
 from studio.panels.behaviour.transition_editor import TransitionEditor

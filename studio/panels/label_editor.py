@@ -3,7 +3,7 @@
 from PySide6.QtWidgets import QLineEdit
 
 from studio.document.document import Document
-from studio.engine.live import Live
+from studio.engine.live_interface import Live
 from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section
 

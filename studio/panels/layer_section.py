@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QCheckBox
 
 from studio.core.errors import StudioError
 from studio.core.stage.layer import Region
-from studio.document import clips
+from studio.document import clip_edits
 from studio.panels.editor import Editor
 from studio.panels.fields import PER_CENT, Choice, NumberField, Section, labelled
 
@@ -50,7 +50,7 @@ class LayerSection(Section):
 
     def refresh(self) -> None:
         """Fetch everything; nothing is shown for a clip of a row."""
-        layer = clips.layer_of(self._editor.document.project, self._editor.entity_id)
+        layer = clip_edits.layer_of(self._editor.document.project, self._editor.entity_id)
         self.setVisible(layer is not None)
         if layer is None:
             return
@@ -66,9 +66,9 @@ class LayerSection(Section):
 
     def _put(self, text: str, **values: Any) -> None:
         editor = self._editor
-        words = f"{text} {clips.name_of(editor.document.project, editor.entity)}"
+        words = f"{text} {clip_edits.name_of(editor.document.project, editor.entity)}"
         try:
-            clips.edit_layer(editor.document, editor.entity_id, words, editor.gesture, **values)
+            clip_edits.edit_layer(editor.document, editor.entity_id, words, editor.gesture, **values)
         except StudioError as error:
             editor.document.problem.emit(str(error))
             self.refresh()

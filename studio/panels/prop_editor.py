@@ -15,10 +15,10 @@ from studio.core.rotations import from_matrix, to_matrix
 from studio.core.stage.prop import Carried, Hold, InHand, Prop, PropShape
 from studio.document.document import Document
 from studio.document.obstacles import obstacles_of, set_obstacle
-from studio.engine.live import Live
+from studio.engine.live_interface import Live
 from studio.engine.performance import posed_performers
 from studio.engine.point_names import POINT_NAMES, point_words
-from studio.engine.props import PropPose, between_hands, in_hand, moved_prop, prop_at, turned_prop, unheld
+from studio.engine.prop_places import PropPose, between_hands, in_hand, moved_prop, prop_at, turned_prop, unheld
 from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled
 from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.editor import Editor

@@ -1,7 +1,7 @@
 """Content of the inspector while nothing is selected: hints on the next steps."""
 
 from studio.document.document import Document
-from studio.engine.live import Live
+from studio.engine.live_interface import Live
 from studio.panels.editor import Editor
 from studio.panels.fields import Section, labelled
 

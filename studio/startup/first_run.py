@@ -14,7 +14,7 @@ from studio.core.solver.warm_up import (
 )
 from studio.io.importing import load_capture
 from studio.io.project.character_file import bundled_characters
-from studio.library.warm_up import warm_up as warm_up_search
+from studio.library.search_warm_up import warm_up as warm_up_search
 from studio.resources_folder import example_captures_folder
 from studio.startup import first_picture
 

@@ -13,7 +13,7 @@ from studio.document.key_edits import delete_keys, edit_selected, set_beyond
 from studio.document.keyed_fields import Keyed
 
 if TYPE_CHECKING:
-    from studio.timeline.canvas import TrackCanvas
+    from studio.timeline.track_canvas import TrackCanvas
 
 
 def offer_curves(menu: QMenu, canvas: "TrackCanvas") -> None:

@@ -14,7 +14,7 @@ from studio.core.project import Project
 from studio.core.quality.motion_measures import ADDED_MEASURES, MotionMeasure
 from studio.core.solver.performers.rows import timing_of
 from studio.core.solver.request import AdaptedMotion
-from studio.engine.measures import LENGTH_MEASURE, Measure, measure_of
+from studio.engine.residual_measures import LENGTH_MEASURE, Measure, measure_of
 from studio.engine.residuals import missed_by
 from studio.timeline.axis import AXIS_MARGIN, TimeAxis
 from studio.timeline.shown import RowContext

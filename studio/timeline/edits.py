@@ -10,11 +10,11 @@ from studio.core.constraints.target import key_times
 from studio.core.names import free_name
 from studio.core.project import Project
 from studio.core.stage.clip import Clip
-from studio.document.clips import name_of as clip_name
-from studio.document.clips import remove_clips
+from studio.document.clip_edits import name_of as clip_name
+from studio.document.clip_edits import remove_clips
 from studio.document.key_edits import delete_keys
 from studio.document.keyed_fields import KeyRef, fields_of
-from studio.timeline.clip_edits import nudged
+from studio.timeline.clip_actions import nudged
 from studio.timeline.gestures.activation import time_of, with_time
 from studio.timeline.gestures.begin import name_of
 from studio.timeline.gestures.contact import free_stretch, new_contact

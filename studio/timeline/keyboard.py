@@ -9,7 +9,7 @@ from studio.timeline import edits
 from studio.timeline.shown import RowContext
 
 if TYPE_CHECKING:
-    from studio.timeline.canvas import TrackCanvas
+    from studio.timeline.track_canvas import TrackCanvas
 
 Key, Modifier = Qt.Key, Qt.KeyboardModifier
 FRAME_STEPS = {Key.Key_Left: -1, Key.Key_Right: 1}

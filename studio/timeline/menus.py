@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QMenu
 from studio.core.captures.contacts import CONTACT_POINTS, ContactPoint, Touch, contact_point
 from studio.document.key_edits import delete_keys
 from studio.timeline import edits
-from studio.timeline.clip_edits import offer_clip, offer_motions
+from studio.timeline.clip_actions import offer_clip, offer_motions
 from studio.timeline.curve_menu import offer_curves
 from studio.timeline.curves import plotted_quantities
 from studio.timeline.gestures.begin import items_of
@@ -18,7 +18,7 @@ from studio.timeline.shown import Hit, ItemPart, RowContext
 from studio.timeline.tracks.keys import stage_times
 
 if TYPE_CHECKING:
-    from studio.timeline.canvas import TrackCanvas
+    from studio.timeline.track_canvas import TrackCanvas
 
 
 def menu_at(canvas: "TrackCanvas", position: QPointF) -> QMenu | None:

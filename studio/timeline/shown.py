@@ -12,12 +12,12 @@ from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
 from studio.document.document import Document
 from studio.document.keyed_fields import KeyRef
-from studio.engine.live import Live
+from studio.engine.live_interface import Live
 from studio.engine.residuals import Residual, is_asked, worst_residual
 from studio.timeline.axis import TimeAxis
-from studio.timeline.figures import number
 from studio.timeline.strips import Strip, strip_of
 from studio.timeline.subject import Subject
+from studio.timeline.time_words import number
 
 FloatArray = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
-from studio.engine.measures import LENGTH_MEASURE, Measure, measure_of
+from studio.engine.residual_measures import LENGTH_MEASURE, Measure, measure_of
 from studio.engine.residuals import missed_by
 
 

@@ -11,8 +11,8 @@ from PySide6.QtWidgets import QComboBox, QDoubleSpinBox, QHBoxLayout, QLabel, QS
 from studio.document import colours
 from studio.document.document import Document
 from studio.document.playhead import INITIAL_PLAYHEAD
-from studio.timeline.figures import rate
 from studio.timeline.shown import ROW_LABEL_WIDTH
+from studio.timeline.time_words import rate
 from studio.timeline.timecode import TIMECODE, frame_of_timecode, timecode
 
 TRANSPORT_HEIGHT = 32

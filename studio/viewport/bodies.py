@@ -11,10 +11,10 @@ from studio.core.body.character import Character
 from studio.core.mesh.skin import SkinnedMesh, gripping, skin_vertices
 from studio.core.stage.placement import Placement
 from studio.engine.performance import Posed
+from studio.viewport.bone_figure import BoneFigure
+from studio.viewport.character_materials import material_actors
 from studio.viewport.coarse import coarse_skin_beside
-from studio.viewport.figure import BoneFigure
 from studio.viewport.live_mesh import LiveMesh
-from studio.viewport.materials import material_actors
 from studio.viewport.seams import FIELD, draw_seams, panel_field
 
 

@@ -25,7 +25,7 @@ from studio.viewport.eyes import ONE_EYE, StereoScene, StereoView
 from studio.viewport.sharpness import SLOW_DRAG_SECONDS, SLOW_PLAY_SECONDS, Sharpness
 
 if TYPE_CHECKING:
-    from studio.viewport.scene import Pixels, StageScene
+    from studio.viewport.stage_picture import Pixels, StageScene
     from studio.viewport.stills import Still
 
 SMOOTHING_MILLISECONDS = 160
@@ -76,7 +76,7 @@ class Canvas(QWidget):
         the shaders that each of them compiles, would hold up the window.
         """
         if self._scene is None and not self._stopped:
-            from studio.viewport.scene import StageScene  # heavy: the window is shown before it
+            from studio.viewport.stage_picture import StageScene  # heavy: the window is shown before it
 
             self._scene = StageScene()
             self._frame_timer.start(0)

@@ -9,13 +9,13 @@ from studio.core.constraints.base import limb_bones
 from studio.core.kernels import layout as at
 from studio.core.rotations import from_matrix, to_rotation_vector
 from studio.core.stage.correction import STILL, PoseOffsets
-from studio.document.corrections import correction_at, set_pose
+from studio.document.correction_edits import correction_at, set_pose
 from studio.document.document import Document
 from studio.engine.performance import Posed
 from studio.viewport.body_points import BodyJoint
 from studio.viewport.camera import FloatArray
-from studio.viewport.constraining import turned_part
 from studio.viewport.movables import Movable
+from studio.viewport.new_constraints import turned_part
 
 HIPS = (BodyPart.PELVIS,)
 

@@ -11,14 +11,14 @@ from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
 from studio.engine.live_adaptation import as_recorded
 from studio.engine.performance import Posed, pose_of, posed_performers, resting_performers
-from studio.engine.props import props_at
+from studio.engine.prop_places import props_at
 from studio.jobs.performances import performances
 from studio.viewport.camera import FloatArray, OrbitCamera
-from studio.viewport.following import gone_on, way_place
+from studio.viewport.follow_camera import gone_on, way_place
 from studio.viewport.overlay import Overlay
 from studio.viewport.paths import trails
-from studio.viewport.scene import Pixels, StageScene
 from studio.viewport.shots import Shots, View
+from studio.viewport.stage_picture import Pixels, StageScene
 from studio.viewport.stills import FILM_PICTURE_SAMPLES, smooth_picture
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from studio.document.document import Document
 from studio.engine.performance import Posed
-from studio.engine.props import PropPose
+from studio.engine.prop_places import PropPose
 from studio.viewport.camera import FloatArray
 from studio.viewport.handles import Handle
 

@@ -6,8 +6,8 @@ from PySide6.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
 
 from studio.document import colours
 from studio.viewport.camera import FloatArray
-from studio.viewport.gestures import EditDrag, RotateDrag, ViewportGesture
 from studio.viewport.gizmo import BALL_HANDLE, GIZMO_AXES, PLANES, Gizmo, GizmoFrame
+from studio.viewport.mouse_gestures import EditDrag, RotateDrag, ViewportGesture
 from studio.viewport.rotate_gizmo import SCREEN_PART, TRACKBALL, RotateGizmo
 from studio.viewport.scale_gizmo import ScaleGizmo
 from studio.viewport.strokes import SHADOW, draw_disc, draw_line

@@ -21,8 +21,8 @@ from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.constraints.target import own_place_of
 from studio.core.rotations import to_matrix
 from studio.core.stage.placement import Placement
-from studio.engine.measures import measure_of
 from studio.engine.performance import Posed
+from studio.engine.residual_measures import measure_of
 from studio.viewport.body_points import point_path
 from studio.viewport.camera import FloatArray
 from studio.viewport.solid_figures import capsule_lines, mesh_lines

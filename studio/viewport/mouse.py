@@ -8,9 +8,9 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QMouseEvent
 
 from studio.document.document import Document
-from studio.engine.live import Live
+from studio.engine.live_interface import Live
 from studio.viewport import picking
-from studio.viewport.gestures import CameraDrag, MoveDrag, RotateDrag, ScaleDrag
+from studio.viewport.mouse_gestures import CameraDrag, MoveDrag, RotateDrag, ScaleDrag
 from studio.viewport.rotate_gizmo import RotateGizmo
 from studio.viewport.scale_gizmo import ScaleGizmo
 from studio.viewport.selected_movable import zero_of

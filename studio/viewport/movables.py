@@ -23,7 +23,7 @@ from studio.document.mirrored import mirrored_change
 from studio.document.obstacles import obstacles_of
 from studio.engine.moments import TargetContext
 from studio.engine.performance import Posed
-from studio.engine.props import moved_prop, prop_at, tilt_of, turned_prop, wrapped
+from studio.engine.prop_places import moved_prop, prop_at, tilt_of, turned_prop, wrapped
 from studio.viewport.camera import FloatArray
 from studio.viewport.handle_places import handle_place, is_flat
 from studio.viewport.rotate_gizmo import rotation_about

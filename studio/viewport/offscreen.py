@@ -8,10 +8,10 @@ from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.saved_camera import CameraPlacement
 from studio.engine.performance import posed_performers
-from studio.engine.props import props_at
+from studio.engine.prop_places import props_at
 from studio.viewport.camera import OrbitCamera
 from studio.viewport.opening import opening_camera
-from studio.viewport.scene import Pixels, StageScene
+from studio.viewport.stage_picture import Pixels, StageScene
 from studio.viewport.stills import FILM_PICTURE_SAMPLES, STILL_SAMPLES, smooth_picture
 
 Results = Mapping[str, AdaptedMotion]

@@ -10,8 +10,8 @@ from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 from studio.document import colours
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.handles import Handle
+from studio.viewport.optical_recording import MarkerFrame
 from studio.viewport.paths import TrailKeys
-from studio.viewport.recording import MarkerFrame
 from studio.viewport.strokes import SHADOW, draw_disc, draw_line
 
 GHOST = QColor(196, 204, 214, 215)

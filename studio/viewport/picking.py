@@ -7,7 +7,7 @@ import numpy as np
 
 from studio.core.body.sticks import bone_pairs
 from studio.engine.performance import Posed
-from studio.engine.props import PropPose
+from studio.engine.prop_places import PropPose
 from studio.viewport.body_points import BodyJoint, body_joints
 from studio.viewport.camera import FloatArray, OrbitCamera
 

@@ -18,7 +18,7 @@ from studio.core.constraints.upright import UprightConstraint
 from studio.core.rotations import frame_along, from_matrix, to_matrix
 from studio.document.document import Document
 from studio.engine.moments import TargetContext
-from studio.engine.props import further_heading, is_about_z
+from studio.engine.prop_places import further_heading, is_about_z
 from studio.viewport.body_points import point_path
 from studio.viewport.camera import FloatArray
 from studio.viewport.movables import LEAST_SIDE, Target

@@ -19,43 +19,43 @@ from studio.core.stage.saved_camera import CameraPlacement
 from studio.document import colours
 from studio.document.document import Document
 from studio.engine.empty_stage import empty_words
-from studio.engine.live import Live
+from studio.engine.live_interface import Live
 from studio.engine.moments import TargetContext
 from studio.engine.performance import Posed, has_moved_on, pose_of, resting_performers, seen_now
-from studio.engine.props import PropPose, props_at
+from studio.engine.prop_places import PropPose, props_at
 from studio.viewport import mouse
 from studio.viewport.body_points import body_joints
 from studio.viewport.camera import VIEWS, FloatArray, OrbitCamera
 from studio.viewport.canvas import Canvas
 from studio.viewport.chips import Chips
-from studio.viewport.constraining import Here, constraint_here
 from studio.viewport.corrected_joint import CorrectedJoint
 from studio.viewport.dropping import StrikeDrops
-from studio.viewport.following import FollowCamera
+from studio.viewport.follow_camera import FollowCamera
 from studio.viewport.framing import selected_points
-from studio.viewport.gestures import ViewportGesture, nudge
 from studio.viewport.gizmo import ARROW_PIXELS, GIZMO_AXES, Space, arrow_pixels
 from studio.viewport.gizmo_painting import GizmoPainter
 from studio.viewport.glide import Glide
 from studio.viewport.handles import Handle, constraint_handles
+from studio.viewport.mouse_gestures import ViewportGesture, nudge
 from studio.viewport.movables import Movable
+from studio.viewport.new_constraints import Here, constraint_here
 from studio.viewport.newcomers import Newcomers
 from studio.viewport.onion_skins import Ghost, OnionSkins, kept_ghosts, onion_ghosts
 from studio.viewport.opening import clear_of_words, is_another_size, opening_camera
+from studio.viewport.optical_recording import MarkerFrame, RecordingView, recorded_of
 from studio.viewport.overlay import Overlay
 from studio.viewport.pace import Pace
 from studio.viewport.paths import StagePath, prop_paths, selection_rings, stage_paths, trail_keys
 from studio.viewport.picking import PickedJoint
 from studio.viewport.preview import Preview
 from studio.viewport.problem import Problem, worst_problem
-from studio.viewport.recording import MarkerFrame, RecordingView, recorded_of
 from studio.viewport.selected_movable import AnyGizmo, gizmo_of, selected_movable
 from studio.viewport.shots import View
-from studio.viewport.snapping import DEFAULT_STEPS
+from studio.viewport.snap_steps import DEFAULT_STEPS
 from studio.viewport.turntable import TURN_RATE, Turntable
 
 if TYPE_CHECKING:
-    from studio.viewport.scene import StageScene
+    from studio.viewport.stage_picture import StageScene
 
 WHEEL_ZOOM = 1.15
 

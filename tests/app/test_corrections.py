@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.app.corrections import as_corrected
+from studio.app.import_corrections import as_corrected
 from studio.core.errors import StudioError
 from studio.io.export import write_capture
 from studio.io.importing import ImportOptions, load_capture, read_capture

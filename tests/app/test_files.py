@@ -2,7 +2,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from studio.app.problems import sentence_of
-from studio.app.recovery import line_of, words_of
+from studio.app.recovery_offer import line_of, words_of
 from studio.app.verbs.files import next_increment
 from studio.core.errors import StudioError
 from studio.document.recovery import Session

@@ -11,7 +11,7 @@ from studio.io.adapted_file import read_adapted, write_adapted
 from studio.io.importing import load_capture
 from studio.jobs.performances import adapted_performers
 from studio.viewport.body_points import body_joints, point_path
-from studio.viewport.constraining import Here, constraint_here
+from studio.viewport.new_constraints import Here, constraint_here
 from tests.architecture.sources import ROOT
 
 CLOSE = 5e-3

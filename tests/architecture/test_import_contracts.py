@@ -42,7 +42,7 @@ def test_empty_packages_break_no_contract(checkout):
         ("core/body/pose.py", "from PySide6.QtCore import QObject"),
         ("io/bvh/reader.py", "import studio.document"),
         ("cli/render.py", "import pyqtgraph"),
-        ("viewport/scene.py", "import studio.panels"),
+        ("viewport/stage_picture.py", "import studio.panels"),
         ("timeline/tracks.py", "import studio.viewport"),
         ("document/commands.py", "import studio.app"),
     ],

@@ -10,30 +10,11 @@ import pytest
 
 from tests.architecture.sources import ROOT, place_of, tree_of
 
-DONE = ("core/kernels", "core/solver")
-"""Rooms of studio/ that speak it. A room that is put here stays here."""
-TO_COME = (
-    "api", "app", "cli", "core", "core/body", "core/captures", "core/constraints", "core/grounds", "core/mannequin",
-    "core/markers", "core/mesh", "core/normalized", "core/quality", "core/stage", "document", "engine", "io", "jobs",
-    "library", "live", "panels", "startup", "timeline", "viewport", "resources_folder",
+ONE_FILE_A_KIND = (
+    "app/verbs", "cli", "core/constraints", "core/kernels/tasks", "core/solver/asking/kinds", "library/scenes",
+    "panels/constraint_editors", "timeline/gestures", "timeline/tracks",
 )  # fmt: skip
-"""Rooms whose names are still to be put into it; a new room begins in it."""
-KINDS_OF_CONSTRAINT = {
-    "area.py",
-    "balance.py",
-    "distance.py",
-    "look_at.py",
-    "orientation.py",
-    "position.py",
-    "upright.py",
-}
-SAME_FILE_NAME = KINDS_OF_CONSTRAINT | {"__init__.py"} | {
-    "adapt.py": "the call of the engine and the verb of the shell",
-    "following.py": "still to come outside of the engine",
-    "props.py": "still to come outside of the engine",
-    "stage.py": "still to come outside of the engine",
-    "warm_up.py": "each package warms up its own kernels",
-}.keys()  # fmt: skip
+"""Folders whose files are named after a kind of thing that stands elsewhere as well, beside the folders of formats."""
 SAME_CONSTANT = dict.fromkeys(
     ("FOOT", "HAND", "HEAD", "HIPS", "NECK", "PELVIS", "SPINE", "TOE", "YAW"),
     "columns of a frame of channels, which stand behind the name of their table: ``at.HIPS``",
@@ -44,10 +25,6 @@ RIDDLES = (
     "which",
 )  # fmt: skip
 """Beginnings of docstrings that name neither the returned thing nor an action."""
-
-
-def files_of(rooms: tuple[str, ...]) -> list[Path]:
-    return sorted(file for room in rooms for file in (ROOT / "studio" / room).rglob("*.py"))
 
 
 def every_file(folders: tuple[str, ...] = ("studio",)) -> list[Path]:
@@ -69,16 +46,13 @@ def constants_of(file: Path) -> set[str]:
     return {name for name in found if not name.startswith("_")}
 
 
-def twice(names_of: Callable[[Path], Iterator[str] | set[str]], rooms: tuple[str, ...] = DONE) -> dict[str, list[str]]:
-    """Names in ``rooms`` that several files of studio define, with these files."""
+def twice(names_of: Callable[[Path], Iterator[str] | set[str]]) -> dict[str, list[str]]:
+    """Names that several files of studio define, with these files."""
     found = defaultdict(list)
     for file in every_file():
         for name in set(names_of(file)):
-            found[name].append(file)
-    ours = set(files_of(rooms))
-    return {
-        name: [place_of(each) for each in files] for name, files in found.items() if len(files) > 1 and ours & {*files}
-    }
+            found[name].append(place_of(file))
+    return {name: places for name, places in found.items() if len(places) > 1}
 
 
 def docstrings_of(file: Path) -> Iterator[tuple[int, str]]:
@@ -99,26 +73,23 @@ def is_riddle(text: str) -> bool:
     return any(re.match(rf"{words}\b", text, re.IGNORECASE) for words in RIDDLES)
 
 
-def test_every_room_speaks_the_language_or_is_named_as_still_to_come() -> None:
-    studio = ROOT / "studio"
-    rooms = {each.parent.relative_to(studio).as_posix() for each in studio.rglob("__init__.py")}
-    top = {room for room in rooms if room.count("/") <= room.startswith("core")} - {"."}
-    listed = {*DONE, *TO_COME}
-    assert top - listed == set()
-    assert not {*DONE} & {*TO_COME}
-
-
 def test_no_public_class_shares_its_name() -> None:
-    assert twice(classes_of, ("",)) == {}
+    assert twice(classes_of) == {}
 
 
 def test_no_module_constant_shares_its_name_with_another() -> None:
-    assert {name: files for name, files in twice(constants_of, ("",)).items() if name not in SAME_CONSTANT} == {}
+    assert {name: files for name, files in twice(constants_of).items() if name not in SAME_CONSTANT} == {}
 
 
-def test_no_file_of_these_rooms_shares_its_name() -> None:
-    found = twice(lambda file: {file.name})
-    assert {name: files for name, files in found.items() if name not in SAME_FILE_NAME} == {}
+def file_name(file: Path) -> set[str]:
+    """Name of the file, unless it is that of a kind or format."""
+    folder = file.parent.relative_to(ROOT / "studio").as_posix()
+    of_a_kind = folder in ONE_FILE_A_KIND or folder.startswith("io/") or file.name == "__init__.py"
+    return set() if of_a_kind else {file.name}
+
+
+def test_no_file_shares_its_name_but_for_kinds_and_formats() -> None:
+    assert twice(file_name) == {}
 
 
 def test_docstrings_begin_with_what_is_returned_or_done() -> None:

@@ -8,7 +8,7 @@ from studio.cli.main import main
 from studio.core.stage.behaviour import Transition
 from studio.core.stage.conditions import ClipEndCondition, EventCondition, KeyCondition, TimeCondition
 from studio.io.project.project_file import write_project
-from studio.live.stage import LiveStage
+from studio.live.playing_stage import LiveStage
 from tests.live.test_live_stage import GUARD, KICK, STEP_BACK, of_two, reaching
 
 

@@ -4,7 +4,7 @@ import threading
 
 import pytest
 
-from studio.core.pieces import in_threads
+from studio.core.threads import in_threads
 
 
 @pytest.mark.parametrize("count", [1, 2, 40])

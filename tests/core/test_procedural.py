@@ -12,7 +12,7 @@ from studio.core.constraints.carried_over import Carry, carried_over
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.procedural import CirclePlace, NoisePlace, PendulumPlace, ProceduralPlace
 from studio.core.solver.adapt import place_of
-from studio.core.solver.performers.props import stage_track
+from studio.core.solver.performers.prop_tracks import stage_track
 from studio.core.stage.prop import Prop
 from tests.core.motions import RATE
 from tests.core.test_targets import BODIES, solved

@@ -14,7 +14,7 @@ from studio.core.project import Project
 from studio.core.rotations import to_matrix
 from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.performers.performing import Staged, perform
-from studio.core.solver.performers.props import Holder, handing_time, stage_track
+from studio.core.solver.performers.prop_tracks import Holder, handing_time, stage_track
 from studio.core.solver.performers.stage import asked_of
 from studio.core.stage.holding import grips
 from studio.core.stage.placement import Placement

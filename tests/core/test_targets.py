@@ -32,8 +32,8 @@ from studio.core.rotations import angle_between, from_matrix, to_matrix
 from studio.core.solver.adapt import adapt, hold, place_of
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.performers.awaiting import awaited
-from studio.core.solver.performers.following import performer_track, tracked_track
-from studio.core.solver.performers.props import seen_from, stage_track
+from studio.core.solver.performers.followed_tracks import performer_track, tracked_track
+from studio.core.solver.performers.prop_tracks import seen_from, stage_track
 from studio.core.solver.performers.stage import concerning
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import stand

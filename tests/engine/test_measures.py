@@ -7,7 +7,7 @@ import pytest
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
-from studio.engine.measures import ANGLE, LENGTH_MEASURE, measure_of
+from studio.engine.residual_measures import ANGLE, LENGTH_MEASURE, measure_of
 from tests.builders import make_constraint
 
 

@@ -14,7 +14,7 @@ from studio.core.solver.performers.rows import composite_of
 from studio.core.solver.request import AdaptedMotion
 from studio.engine.live_adaptation import normalised
 from studio.engine.residuals import missed_by, worst_residual
-from studio.panels.constraint_editors.residuals import residuals_of, words_of
+from studio.panels.constraint_editors.worst_residuals import residuals_of, words_of
 from studio.viewport.problem import worst_problem
 from tests.builders import make_constraint, make_contact, make_morphology, make_project
 

@@ -10,7 +10,7 @@ from studio.core.project import Motion
 from studio.core.stage.behaviour import advance, begun
 from studio.core.stage.conditions import Senses
 from studio.core.stage.manners import KeepDistance, LeanAway, Meet
-from studio.document.behaviours import state_key
+from studio.document.behaviour_commands import state_key
 
 FIRST, SECOND = "performer 0", "performer 1"
 

@@ -8,7 +8,7 @@ from PySide6.QtTest import QTest
 
 from studio.core.stage.prop import Prop
 from studio.library.catalogue import Catalogue
-from studio.library.clips import HitSegment, Kind, Limb
+from studio.library.clip_labels import HitSegment, Kind, Limb
 from studio.library.indexing import index
 from studio.panels.clip_line import ClipMark
 from studio.resources_folder import bundled_strikes_folder

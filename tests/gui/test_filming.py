@@ -21,8 +21,8 @@ from studio.io.project.character_file import bundled_characters
 from studio.viewport.camera import OrbitCamera
 from studio.viewport.film_pictures import render_shots
 from studio.viewport.paths import contact_marks
-from studio.viewport.scene import StageScene
 from studio.viewport.shots import Shots, View
+from studio.viewport.stage_picture import StageScene
 from studio.viewport.widget import Viewport
 from tests.builders import make_contact, make_project
 from tests.patience import PATIENCE

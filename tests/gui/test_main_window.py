@@ -11,7 +11,7 @@ from PySide6.QtCore import QPoint, Qt, QTimer
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QLabel, QScrollArea
 
-from studio.app import recovery
+from studio.app import recovery_offer
 from studio.app.application import import_views, make_application, make_window, show_views
 from studio.app.problems import ProblemHooks
 from studio.app.settings import Settings
@@ -342,10 +342,10 @@ def test_the_sample_is_one_motion_playing_on_five_characters(qtbot, window):
 
 def test_what_a_crashed_session_left_is_offered_and_recovered(qtbot, window, tmp_path, monkeypatch):
     session = Session(tmp_path / "j.sqlite", "id", None, 3, datetime.now().astimezone(), False)
-    monkeypatch.setattr(recovery, "recoverable_sessions", lambda folder: (session,))
+    monkeypatch.setattr(recovery_offer, "recoverable_sessions", lambda folder: (session,))
     recovered = []
     monkeypatch.setattr(window.bench.document, "recover", recovered.append)
-    recovery.offer(window.bench, tmp_path)
+    recovery_offer.offer(window.bench, tmp_path)
     assert "3 edits" in window.recovery.text
     window.recovery.press("Recover")
     assert recovered == [session]
@@ -357,7 +357,7 @@ def test_work_that_the_user_gave_up_is_listed_and_can_be_had_again(qtbot, window
     given_up = Document(make_project(), journal_folder=journals)
     given_up.remove("constraints", "constraint 0", "Delete Target 0")
     given_up.close()
-    recovery.offer(window.bench, journals)
+    recovery_offer.offer(window.bench, journals)
     assert window.recovery.text == ""
     window.actions_by_id.by_id["recover"].trigger()
     row = window.choice_panel.list.topLevelItem(0)
@@ -369,7 +369,7 @@ def test_work_that_the_user_gave_up_is_listed_and_can_be_had_again(qtbot, window
 
 
 def test_without_earlier_work_that_is_said(qtbot, window, tmp_path):
-    recovery.offer(window.bench, tmp_path)
+    recovery_offer.offer(window.bench, tmp_path)
     window.actions_by_id.by_id["recover"].trigger()
     assert "no earlier work" in window.strip.text
 

@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QLineEdit
 
 from studio.app.application import import_views, make_application, make_window, show_views
 from studio.app.settings import Settings
-from studio.document.clips import edit_clip
+from studio.document.clip_edits import edit_clip
 from studio.document.document import Document
 from studio.timeline.hover import hover_text
 from studio.viewport.paths import contact_marks

@@ -11,7 +11,7 @@ from studio.core.captures.contacts import ContactInterval, Touch
 from studio.core.mesh.hand_shapes import OPEN_GRIP
 from studio.core.stage.prop import Carried, Prop
 from studio.engine.performance import posed_performers
-from studio.engine.props import prop_at
+from studio.engine.prop_places import prop_at
 from tests.gui.viewport_use import drag, on_arrow, settle
 from tests.patience import PATIENCE
 

@@ -10,7 +10,7 @@ from studio.core.project import Motion
 from studio.core.stage.clip import Clip
 from studio.document.document import Document
 from studio.panels.inspector import Inspector
-from studio.panels.library import LibraryPanel
+from studio.panels.library_panel import LibraryPanel
 from studio.panels.performer_editor import PerformerEditor
 from tests.builders import make_capture, make_constraint, make_project
 from tests.gui.hand import LEFT, NONE, RATE, curve

@@ -12,7 +12,7 @@ from studio.app.strike_target import StrikeTarget
 from studio.core.constraints.keyed import KeyedPlace
 from studio.core.stage.prop import Prop
 from studio.document.dragging import carried_strike
-from studio.library.clips import Limb
+from studio.library.clip_labels import Limb
 from studio.viewport import picking
 from studio.viewport.dropping import StrikeDrops
 from tests.gui.striking_use import struck_place

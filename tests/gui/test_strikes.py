@@ -13,7 +13,7 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.stage.prop import Prop
 from studio.engine.live_adaptation import LiveAdaptation
 from studio.engine.tasks import Progress
-from studio.library.clips import Limb
+from studio.library.clip_labels import Limb
 from studio.panels import strikes
 from studio.resources_folder import example_captures_folder
 from tests.gui.striking_use import struck_place

@@ -12,11 +12,11 @@ from studio.core.captures.contacts import ContactPoint
 from studio.core.project import Motion
 from studio.core.stage.clip import Clip
 from studio.core.stage.scope import Scope
-from studio.document import clips
+from studio.document import clip_edits
 from studio.document.document import Document
 from studio.document.dragging import carried_capture
 from studio.panels.inspector import Inspector
-from studio.panels.library import LibraryPanel
+from studio.panels.library_panel import LibraryPanel
 from studio.timeline.hover import hover_text
 from tests.builders import make_capture, make_constraint, make_contact, make_project
 from tests.gui.hand import LEFT, NONE, RATE, pixels
@@ -224,7 +224,7 @@ def test_what_is_removed_while_its_menu_is_open_is_told_of(document, timeline, q
     if gone == "performer":
         document.remove("performers", SECOND, "Remove performer")
     else:
-        clips.remove_clips(document, ("kick",), "Delete")
+        clip_edits.remove_clips(document, ("kick",), "Delete")
     before = document.project
     with qtbot.waitSignal(document.problem) as said:
         chosen.trigger()
@@ -270,7 +270,7 @@ def test_a_drop_beside_the_rows_goes_to_the_end_of_the_active_row(document, time
     content = carried_capture("other")
     event = QDropEvent(QPointF(400, 300), Qt.DropAction.CopyAction, content, LEFT, NONE)
     timeline.tracks.dropEvent(event)
-    assert document.project.performers[FIRST].clips[-1].start == pytest.approx(end - clips.BLEND)
+    assert document.project.performers[FIRST].clips[-1].start == pytest.approx(end - clip_edits.BLEND)
 
 
 def test_the_form_of_a_clip_changes_it_and_undo_takes_it_back(document, live, qtbot):
@@ -298,7 +298,7 @@ def test_the_form_of_a_clip_changes_it_and_undo_takes_it_back(document, live, qt
 
 
 def test_undo_of_an_added_clip_leaves_nothing_selected_that_is_gone(document):
-    name = clips.add_clip(document, [FIRST], "other")
+    name = clip_edits.add_clip(document, [FIRST], "other")
     document.selection.set(("performers", FIRST), ("clips", name))
     document.undo_stack.undo()
     assert document.selection.items == (("performers", FIRST),)

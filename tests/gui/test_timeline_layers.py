@@ -8,7 +8,7 @@ from PySide6.QtCore import QPoint, QPointF
 from studio.core.solver.adapt import adapt
 from studio.core.solver.performers.performing import perform
 from studio.core.stage.layer import Layer, Region
-from studio.document import clips
+from studio.document import clip_edits
 from studio.engine.wanted import wanted_of
 from studio.io.project.project_file import new_document_id, read_project, write_project
 from studio.jobs.performances import prepared
@@ -21,7 +21,7 @@ from tests.gui.test_timeline_clips import FIRST, SECOND, choose, document, place
 @pytest.fixture
 def layer(document):  # noqa: F811
     """The clip of a layer over the second one's upper body, from frame 20 on."""
-    name = clips.add_layer(document, [SECOND], "other", 20 / RATE)
+    name = clip_edits.add_layer(document, [SECOND], "other", 20 / RATE)
     document.selection.set(("performers", SECOND), ("clips", name))
     document.undo_stack.clear()
     return name
@@ -83,10 +83,10 @@ def test_its_form_changes_it_and_undo_takes_it_back(document, timeline, live, la
 
 
 def test_it_is_split_duplicated_and_deleted_as_clips_are(document, layer):  # noqa: F811
-    clips.split_clip(document, layer, 50 / RATE)
-    clips.duplicate_clip(document, layer)
+    clip_edits.split_clip(document, layer, 50 / RATE)
+    clip_edits.duplicate_clip(document, layer)
     assert len(document.project.performers[SECOND].layers) == 3
-    clips.remove_clips(document, [layer], "Delete")
+    clip_edits.remove_clips(document, [layer], "Delete")
     assert len(document.project.performers[SECOND].layers) == 2
     document.remove("motions", "other", "Delete")
     assert document.project.performers[SECOND].layers == ()
@@ -97,13 +97,13 @@ def test_whose_layers_change_is_solved_anew(document, layer):  # noqa: F811
         return wanted_of(document.project, SECOND, (SECOND,), lambda _: None)
 
     before = wanted()
-    clips.edit_layer(document, layer, "Weight", weight=0.5)
+    clip_edits.edit_layer(document, layer, "Weight", weight=0.5)
     assert wanted() != before
     assert not wanted().stands_as(before)
 
 
 def test_a_project_keeps_its_layers_and_plays_them(document, layer, tmp_path):  # noqa: F811
-    clips.edit_layer(document, layer, "Arm", region=Region.RIGHT_ARM, weight=0.7, fade_out=0.2)
+    clip_edits.edit_layer(document, layer, "Arm", region=Region.RIGHT_ARM, weight=0.7, fade_out=0.2)
     write_project(tmp_path / "layers.studio", document.project, new_document_id())
     opened = read_project(tmp_path / "layers.studio")
     assert opened.problems == ()

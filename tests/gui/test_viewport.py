@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QApplication, QPushButton
 
 from studio.document.document import Document
 from studio.engine.empty_stage import HIDDEN
-from studio.viewport.scene import StageScene
+from studio.viewport.stage_picture import StageScene
 from studio.viewport.widget import Viewport
 from tests.builders import make_project
 from tests.gui.viewport_use import LEFT, chip, settle

@@ -9,7 +9,7 @@ from PySide6.QtTest import QTest
 
 from studio.core.project import Motion
 from studio.core.stage.prop import Prop
-from studio.viewport.following import FollowCamera
+from studio.viewport.follow_camera import FollowCamera
 from tests.builders import make_project
 from tests.gui.viewport_use import LEFT, MIDDLE, NONE, drag, settle
 

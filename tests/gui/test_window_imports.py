@@ -7,7 +7,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QPushButton
 
-from studio.app.importing import repair_words
+from studio.app.capture_import import repair_words
 from studio.core.body.humanoid import BodyPart
 from studio.core.body.pose import PoseSequence
 from studio.core.captures.annotations import Annotations, Label

@@ -8,7 +8,7 @@ from pathlib import Path
 from random import Random
 
 from studio.library.catalogue import DATABASE, Catalogue
-from studio.library.clips import ClipLabel, Kind
+from studio.library.clip_labels import ClipLabel, Kind
 from studio.library.confirmed_labels import CONFIRMED_LABELS
 from studio.library.indexing import corrected, index, whole_library
 from studio.library.library import POSES, STAMP, Library

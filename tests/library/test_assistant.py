@@ -9,8 +9,8 @@ from studio.core.normalized.mirror import mirrored
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.realize import realize
 from studio.io.importing import load_capture
-from studio.library.assistant import propose
-from studio.library.clips import ClipLabel, HitSegment, Kind, Limb
+from studio.library.clip_labels import ClipLabel, HitSegment, Kind, Limb
+from studio.library.proposed_strikes import propose
 from studio.resources_folder import bundled_strikes_folder
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "captures"

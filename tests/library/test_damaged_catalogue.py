@@ -13,7 +13,7 @@ import pytest
 from studio.core.errors import StudioError
 from studio.library import catalogue as catalogues
 from studio.library.catalogue import CATALOGUE_VERSION, DATABASE, Catalogue
-from studio.library.clips import ClipLabel
+from studio.library.clip_labels import ClipLabel
 from studio.library.confirmed_labels import CONFIRMED_LABELS
 from studio.library.indexing import corrected, index, whole_library
 from studio.library.library import POSES, STAMP, Library

@@ -10,7 +10,7 @@ import pytest
 
 from studio.core.body.morphology import Proportions
 from studio.library.catalogue import DATABASE, Catalogue
-from studio.library.clips import ClipLabel, HitSegment, Kind, Limb
+from studio.library.clip_labels import ClipLabel, HitSegment, Kind, Limb
 from studio.library.hitting import limb_size
 from studio.library.indexing import corrected, index, unsaid
 from studio.library.library import POSES, Library

@@ -18,7 +18,7 @@ from studio.core.solver.adapt import adapt, place_of
 from studio.core.stage.clip import Clip
 from studio.io.project.character_file import bundled_characters
 from studio.library.catalogue import Catalogue
-from studio.library.clips import Kind, Limb
+from studio.library.clip_labels import Kind, Limb
 from studio.library.hitting import hit_places
 from studio.library.indexing import bundled_library, index
 from studio.library.library import Library

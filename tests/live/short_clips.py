@@ -14,7 +14,7 @@ from studio.core.stage.clip import FASTEST_CLIP, SLOWEST_CLIP, Clip
 from studio.core.stage.layer import Layer, Region
 from studio.jobs.performances import prepared
 from studio.library.scenes.stagehand import bodies, material
-from studio.live.stage import LiveStage
+from studio.live.playing_stage import LiveStage
 
 NAMES = "front_kick", "reach_grasp", "walk_turn"
 

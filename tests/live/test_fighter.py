@@ -15,7 +15,7 @@ from studio.cli.main import main
 from studio.core.captures.contacts import touching_points
 from studio.io.project.character_file import bundled_characters
 from studio.library.catalogue import Catalogue
-from studio.library.clips import Kind, Limb
+from studio.library.clip_labels import Kind, Limb
 from studio.library.indexing import bundled_library, index
 from studio.library.library import Library
 from studio.library.mirroring import with_mirrored

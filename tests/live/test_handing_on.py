@@ -3,10 +3,10 @@
 import numpy as np
 
 from studio.core.solver.adapt import place_of
-from studio.core.solver.performers.props import Holder, stage_track
+from studio.core.solver.performers.prop_tracks import Holder, stage_track
 from studio.core.stage.holding import PALM_OFFSET
 from studio.core.stage.placement import Placement
-from studio.live.stage import LiveStage
+from studio.live.playing_stage import LiveStage
 from tests.core.test_props import GIVEN, handing
 from tests.live.test_live_stage import LEFT_WRIST, STEP, WRIST, prepare
 

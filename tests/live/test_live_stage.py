@@ -36,7 +36,7 @@ from studio.core.stage.whom import FollowPartner
 from studio.jobs.performances import prepared
 from studio.library.scenes.stagehand import bodies, material
 from studio.live.playing import own_row
-from studio.live.stage import LiveStage
+from studio.live.playing_stage import LiveStage
 
 STEP = 1.0 / 60.0
 WRIST = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)

@@ -25,7 +25,7 @@ from studio.library.scenes.sparring import (
     SPARRING_DISTANCE,
     sparring,
 )
-from studio.live.stage import LiveStage
+from studio.live.playing_stage import LiveStage
 
 STEP = 1.0 / 60.0
 ONE, OTHER = PUNCH_KEYS

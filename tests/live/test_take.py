@@ -12,8 +12,8 @@ from studio.core.solver.adapt import adapt
 from studio.core.solver.performers.performing import motion_of, perform
 from studio.core.stage.scope import Scope
 from studio.library.scenes.sparring import PUNCH_KEYS
-from studio.live.stage import LiveStage
-from studio.live.take import StageTake, edits_of
+from studio.live.playing_stage import LiveStage
+from studio.live.recorded_take import StageTake, edits_of
 from tests.live.test_live_stage import STEP, WRIST, clip_of, prepare, reaching, staged
 from tests.live.test_sparring import moved, scene
 

@@ -17,7 +17,7 @@ from studio.core.solver.standing.swing_foot_path import Sole
 from studio.core.stage.clip import Clip
 from studio.library.scenes.stagehand import material
 from studio.live.playing import own_row
-from studio.live.stage import LiveStage
+from studio.live.playing_stage import LiveStage
 from tests.live.test_live_stage import CHANGE, PERMITTED, STEP, Shown, cast, changed, clip_of, prepare, staged, stuff
 
 

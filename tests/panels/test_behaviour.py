@@ -12,7 +12,7 @@ from studio.core.stage.behaviour import Behaviour, Role, State, Transition
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import ClipEndCondition, DistanceCondition, EventCondition, KeyCondition
 from studio.core.stage.manners import KeepDistance
-from studio.document.behaviours import remove_parts
+from studio.document.behaviour_commands import remove_parts
 from studio.document.document import Document
 from studio.panels.behaviour.panel import BehaviourPanel
 from studio.panels.fields import NumberField

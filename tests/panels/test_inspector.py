@@ -16,7 +16,7 @@ from studio.document.document import Document
 from studio.io.project.character_file import bundled_characters
 from studio.panels.constraint_editors.body_figure import SCALE, SEGMENT_SHAPES, BodyFigure
 from studio.panels.constraint_editors.priority import OrderList
-from studio.panels.constraint_editors.residuals import BodyResidual, ResidualTable, residuals_of, words_of
+from studio.panels.constraint_editors.worst_residuals import BodyResidual, ResidualTable, residuals_of, words_of
 from studio.panels.fields import Choice, NumberField
 from studio.panels.inspector import Inspector
 from tests.builders import make_morphology, make_project

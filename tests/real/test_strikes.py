@@ -6,8 +6,8 @@ import pytest
 
 from examples.keyed import front_kick, straight_punch
 from studio.core.normalized.realize import realize
-from studio.library.assistant import propose
-from studio.library.clips import Limb
+from studio.library.clip_labels import Limb
+from studio.library.proposed_strikes import propose
 from tests.captures import CAPTURES, outside
 from tests.real.taken import RECORDINGS, named, taken
 

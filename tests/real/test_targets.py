@@ -13,7 +13,7 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import acceleration_ratio, centre_of_mass, contact_quality
 from studio.core.solver.adapt import adapt, hold, place_of
-from studio.core.solver.performers.following import tracked_track
+from studio.core.solver.performers.followed_tracks import tracked_track
 from studio.core.solver.report import report_of
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.source import source_motion

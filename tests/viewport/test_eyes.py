@@ -7,10 +7,10 @@ import pytest
 
 from studio.core.project import Project
 from studio.core.stage.prop import Prop
-from studio.engine.props import props_at
+from studio.engine.prop_places import props_at
 from studio.viewport.camera import OrbitCamera
 from studio.viewport.eyes import EYE_SEPARATION, Eye, Stereo, StereoScene, StereoView, anaglyph, side_by_side
-from studio.viewport.scene import StageScene
+from studio.viewport.stage_picture import StageScene
 from studio.viewport.stills import Still
 
 SIZE = (320, 240)

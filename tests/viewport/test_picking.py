@@ -3,7 +3,7 @@ import pytest
 
 from studio.core.stage.prop import Prop
 from studio.engine.performance import posed_performers
-from studio.engine.props import props_at
+from studio.engine.prop_places import props_at
 from studio.viewport.body_points import body_joints, point_path
 from studio.viewport.camera import OrbitCamera
 from studio.viewport.picking import body_at, joint_at, prop_under

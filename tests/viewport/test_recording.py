@@ -13,7 +13,7 @@ from studio.core.normalized.realize import realize
 from studio.core.stage.placement import Placement
 from studio.io.importing import GUESS_ALL, load_capture
 from studio.io.markers.capture import capture_of_take
-from studio.viewport.recording import METRES_A_NEWTON, RecordedBy
+from studio.viewport.optical_recording import METRES_A_NEWTON, RecordedBy
 from tests.core.markers.made import made_trial
 
 

@@ -13,7 +13,7 @@ from studio.core.stage import ready_made
 from studio.core.stage.behaviour import Behaviour
 from studio.core.stage.clip import Clip
 from studio.core.stage.manners import WHOLE_CLIP
-from studio.document.behaviours import add_behaviour, edit_behaviour, let_play, state_key
+from studio.document.behaviour_commands import add_behaviour, edit_behaviour, let_play, state_key
 
 STRIKE_KEY = "X"
 WARD_EASE, WARD_HOLD = 0.2, 1 / 120

@@ -5,7 +5,7 @@ from functools import partial
 
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
-from studio.document import clips
+from studio.document import clip_edits
 
 
 def chosen_clip(bench: Workbench) -> str | None:
@@ -20,13 +20,13 @@ def chosen_clip(bench: Workbench) -> str | None:
 
 def add(bench: Workbench) -> None:
     """Choose a capture: it plays after what the selected bodies play, or all that are shown."""
-    _choose(bench, "Add a clip of", lambda keys, motion_id: clips.add_clip(bench.document, keys, motion_id))
+    _choose(bench, "Add a clip of", lambda keys, motion_id: clip_edits.add_clip(bench.document, keys, motion_id))
 
 
 def add_layer(bench: Workbench) -> None:
     """Choose a capture: it plays over the upper body of those from the playhead on."""
     now = bench.document.playhead.time
-    _choose(bench, "Add a layer of", lambda keys, motion_id: clips.add_layer(bench.document, keys, motion_id, now))
+    _choose(bench, "Add a layer of", lambda keys, motion_id: clip_edits.add_layer(bench.document, keys, motion_id, now))
 
 
 def _choose(bench: Workbench, text: str, put: Callable[[list[str], str], str]) -> None:
@@ -54,7 +54,7 @@ def _add(bench: Workbench, put: Callable[[list[str], str], str], motion_id: str)
 def split(bench: Workbench) -> None:
     """The clip at the playhead becomes two."""
     clip_id = _clip(bench)
-    _select(bench, clips.split_clip(bench.document, clip_id, bench.document.playhead.time))
+    _select(bench, clip_edits.split_clip(bench.document, clip_id, bench.document.playhead.time))
 
 
 def mirror(bench: Workbench) -> None:
@@ -62,23 +62,23 @@ def mirror(bench: Workbench) -> None:
     document = bench.document
     keys = document.selection.of("clips") or (_clip(bench),)
     if len(keys) == 1:
-        clips.mirror_clip(document, keys[0])
+        clip_edits.mirror_clip(document, keys[0])
         return
     with document.group(f"Mirror {len(keys)} clips"):
         for key in keys:
-            clips.mirror_clip(document, key)
+            clip_edits.mirror_clip(document, key)
 
 
 def duplicate(bench: Workbench) -> None:
     """A copy that plays after it."""
-    _select(bench, clips.duplicate_clip(bench.document, _clip(bench)))
+    _select(bench, clip_edits.duplicate_clip(bench.document, _clip(bench)))
 
 
 def make_own(bench: Workbench) -> None:
     """The active body's clip is edited alone from now on."""
     performer_id, clip_id = bench.document.active_performer_id, _clip(bench)
     if performer_id is not None:
-        _select(bench, clips.make_own(bench.document, performer_id, clip_id))
+        _select(bench, clip_edits.make_own(bench.document, performer_id, clip_id))
 
 
 def _clip(bench: Workbench) -> str:

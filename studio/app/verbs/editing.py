@@ -14,10 +14,10 @@ from studio.core.project import GROUND_ID
 from studio.core.stage.behaviour import Transition
 from studio.core.stage.clip import Clip
 from studio.core.stage.staging import lined_up, travel_heading
-from studio.document.behaviours import duplicate_states, remove_parts
+from studio.document.behaviour_commands import duplicate_states, remove_parts
+from studio.document.clip_edits import name_of, remove_clips
 from studio.document.clipboard import copied, paste
-from studio.document.clips import name_of, remove_clips
-from studio.document.corrections import set_key as set_correction_key
+from studio.document.correction_edits import set_key as set_correction_key
 from studio.document.key_edits import delete_keys, set_keys
 
 EDITED_PARTS = ("clips", "states", "transitions")

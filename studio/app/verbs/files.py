@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-from studio.app import casting, importing, sample
+from studio.app import capture_import, casting, sample
 from studio.app.file_dialogs import PROJECTS, ask_file, ask_new_file, characters, motions
 from studio.app.workbench import Workbench
 from studio.core.captures.remarks import remarks_on
@@ -49,14 +49,14 @@ def _import(bench: Workbench, path: Path) -> None:
     """Read a file once, beside the window, and show the capture or the character that it holds."""
     known = bench.settings.corrections
 
-    def read(progress: Progress) -> importing.ReadMotion | ReadCharacter:
-        return importing.read_either(path, progress, known, bench.live.expect)
+    def read(progress: Progress) -> capture_import.ReadMotion | ReadCharacter:
+        return capture_import.read_either(path, progress, known, bench.live.expect)
 
-    def show(held: importing.ReadMotion | ReadCharacter) -> None:
+    def show(held: capture_import.ReadMotion | ReadCharacter) -> None:
         if isinstance(held, ReadCharacter):
             casting.show_import(bench, path, held)
         else:
-            importing.show_import(bench, path, held)
+            capture_import.show_import(bench, path, held)
 
     bench.runner.run(f"Opening {path.name}", read, show)
 
@@ -111,7 +111,7 @@ def save_to(bench: Workbench, path: Path, overwrite: bool = False) -> None:
 
 def import_motion(bench: Workbench) -> None:
     """Ask which."""
-    ask_file(bench, "Import motion", motions("capture_reader"), lambda path: importing.import_motion(bench, path))
+    ask_file(bench, "Import motion", motions("capture_reader"), lambda path: capture_import.import_motion(bench, path))
 
 
 def import_character(bench: Workbench) -> None:

@@ -22,7 +22,7 @@ from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.document.document import Document
 from studio.engine.grasps import Grasp, captured_grasp, chest_heading, grasp_at, grasp_near
 from studio.engine.performance import Posed, motion_time, posed_performers
-from studio.engine.props import (
+from studio.engine.prop_places import (
     between_hands,
     heading_of,
     prop_at,

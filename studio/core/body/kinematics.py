@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
-from studio.core.pieces import do_over_frames
+from studio.core.threads import do_over_frames
 
 FloatArray = NDArray[np.float64]
 

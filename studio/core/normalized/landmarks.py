@@ -12,7 +12,7 @@ from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_world, rest_poses
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture
-from studio.core.pieces import do_over_frames
+from studio.core.threads import do_over_frames
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

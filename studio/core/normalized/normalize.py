@@ -42,9 +42,9 @@ from studio.core.normalized.measure import measure_actor
 from studio.core.normalized.motion import HEADING_SMOOTHING, NormalizedMotion
 from studio.core.normalized.realize import girdle_of, trunk_places
 from studio.core.normalized.soles import sole_points
-from studio.core.pieces import do_over_frames
 from studio.core.rotations import from_matrix, sign_continuous
 from studio.core.sharing import Shared
+from studio.core.threads import do_over_frames
 from studio.core.windows import smoothed
 
 FloatArray = NDArray[np.float64]

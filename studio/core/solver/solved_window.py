@@ -30,7 +30,7 @@ from studio.core.solver.asking.packing import pack_tasks, priority_order
 from studio.core.solver.asking.releasing import contact_release, is_ramped, ramped_target
 from studio.core.solver.asking.self_contact import arm_activations
 from studio.core.solver.asking.tracks import OwnPath, Targets, Track, Tracks
-from studio.core.solver.performers.following import own_track
+from studio.core.solver.performers.followed_tracks import own_track
 from studio.core.solver.smoothing.level_smoothing import (
     SMOOTHING_WIDTHS,
     LevelNumbers,

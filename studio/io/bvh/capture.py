@@ -17,8 +17,8 @@ from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.confidence import Confidence
 from studio.core.kernels.body.file_channels import change_axes
-from studio.core.pieces import over_frames
 from studio.core.rotations import IDENTITY_QUATERNION, normalized
+from studio.core.threads import over_frames
 from studio.io.bvh.reader import read_bvh
 from studio.io.capture_guesses import ReadJoints, body_guesses, loose_guesses, stood_capture, with_sides_right
 from studio.io.figure.body_maps import FoundBody, find_body, loose_feet, loose_hands, named_sides

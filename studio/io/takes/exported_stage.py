@@ -23,7 +23,7 @@ from studio.io.registry import Format, Progress
 from studio.io.staged_export import take_of_performer
 
 if TYPE_CHECKING:
-    from studio.core.solver.performers.props import Hands
+    from studio.core.solver.performers.prop_tracks import Hands
 
 FloatArray = NDArray[np.float64]
 
@@ -95,7 +95,7 @@ def exported_stage(
         take = take_of_performer(project, key, performance, along=options.carries(path))
         take = replace(take, capture=replace(take.capture, name=name))
         takes.append(options.applied_over(take, seconds, rate, path))
-    from studio.core.solver.performers.props import Holder  # here: it loads kernels
+    from studio.core.solver.performers.prop_tracks import Holder  # here: it loads kernels
 
     hands: dict[str, Hands] = {
         key: Holder(
@@ -125,7 +125,7 @@ def write_stage(stage: ExportedStage, path: Path, progress: Progress = lambda sh
 
 
 def _prop(name: str, prop: Prop, seconds: FloatArray, hands: "Mapping[str, Hands]") -> ExportedProp:
-    from studio.core.solver.performers.props import stage_track
+    from studio.core.solver.performers.prop_tracks import stage_track
 
     track = stage_track(prop, seconds, hands)
     places = np.broadcast_to(track.places, (len(seconds), 3))

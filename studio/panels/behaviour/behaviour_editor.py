@@ -4,9 +4,9 @@ from PySide6.QtWidgets import QLineEdit, QListWidget
 
 from studio.core.errors import StudioError
 from studio.core.stage.behaviour import Behaviour
-from studio.document.behaviours import make_own, state_key
+from studio.document.behaviour_commands import make_own, state_key
 from studio.document.document import Document
-from studio.engine.live import Live
+from studio.engine.live_interface import Live
 from studio.panels.editor import Editor
 from studio.panels.fields import ROW_HEIGHT, Choice, Section, labelled, press_button
 

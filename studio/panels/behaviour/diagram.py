@@ -12,11 +12,11 @@ from studio.core.project import Project
 from studio.core.stage import behaviour_edits as edits
 from studio.core.stage.behaviour import Behaviour, State
 from studio.document import colours
-from studio.document.behaviours import BehaviourEdit, edit_behaviour, state_key, transition_key
+from studio.document.behaviour_commands import BehaviourEdit, edit_behaviour, state_key, transition_key
 from studio.document.document import Document
 from studio.document.selection import Item
-from studio.panels.behaviour import gestures
-from studio.panels.behaviour.figures import Arrow, Box, StateItem, TransitionItem, bow_of
+from studio.panels.behaviour import diagram_drags
+from studio.panels.behaviour.diagram_items import Arrow, Box, StateItem, TransitionItem, bow_of
 from studio.panels.behaviour.words import clip_words, condition_words, manner_words
 
 SCENE = QRectF(-4000.0, -4000.0, 8000.0, 8000.0)
@@ -35,7 +35,7 @@ class Diagram(QGraphicsView):
         """State of each performer, by performer id, while the stage runs."""
         self.states: dict[str, StateItem] = {}
         self.arrows: list[TransitionItem] = []
-        self.gesture: gestures.DiagramGesture | None = None
+        self.gesture: diagram_drags.DiagramGesture | None = None
         self._renaming: QLineEdit | None = None
         self._whole = True
         """True while the view is fitted to the whole diagram: until the user zooms or pans."""
@@ -189,7 +189,7 @@ class Diagram(QGraphicsView):
         if self.behaviour is None or self.gesture is not None:
             return
         place = self.mapToScene(event.position().toPoint())
-        self.gesture = gestures.begun(self, event, place)
+        self.gesture = diagram_drags.begun(self, event, place)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Continue the current gesture; without one, highlight the item under the mouse."""

@@ -6,7 +6,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QStackedLayout, QVBoxLayout, QWidget
 
 from studio.core.errors import StudioError
-from studio.document.behaviours import let_play, shown_behaviour
+from studio.document.behaviour_commands import let_play, shown_behaviour
 from studio.document.document import Document
 from studio.panels.behaviour.diagram import Diagram
 from studio.panels.fields import Choice, labelled, press_button

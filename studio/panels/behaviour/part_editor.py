@@ -9,7 +9,7 @@ from studio.core.errors import StudioError
 from studio.core.project import Project
 from studio.core.stage.behaviour import Behaviour
 from studio.core.stage.whom import PELVIS_POINT, FollowPartner, Whom
-from studio.document.behaviours import BehaviourEdit, behaviour_with, edit_behaviour
+from studio.document.behaviour_commands import BehaviourEdit, behaviour_with, edit_behaviour
 from studio.panels.behaviour.words import point_choices, point_name
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, Section

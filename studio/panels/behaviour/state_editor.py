@@ -13,9 +13,9 @@ from studio.core.stage.behaviour import State
 from studio.core.stage.clip import FASTEST_CLIP, SLOWEST_CLIP, Clip
 from studio.core.stage.clip_row import players_of
 from studio.core.stage.manners import KeepDistance, LeanAway, Manner, Meet
-from studio.document.behaviours import state_key
+from studio.document.behaviour_commands import state_key
 from studio.document.document import Document
-from studio.engine.live import Live
+from studio.engine.live_interface import Live
 from studio.panels.behaviour.manner_section import TITLES, MannerSection
 from studio.panels.behaviour.part_editor import PartEditor
 from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, labelled

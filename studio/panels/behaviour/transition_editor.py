@@ -9,9 +9,9 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 from studio.core.stage import behaviour_edits as edits
 from studio.core.stage.behaviour import LONGEST_BLEND, Transition
 from studio.core.stage.conditions import ClipEndCondition, Condition
-from studio.document.behaviours import place_of, transition_key
+from studio.document.behaviour_commands import place_of, transition_key
 from studio.document.document import Document
-from studio.engine.live import Live
+from studio.engine.live_interface import Live
 from studio.panels.behaviour.condition_section import ConditionSection
 from studio.panels.behaviour.part_editor import PartEditor
 from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, labelled, press_button

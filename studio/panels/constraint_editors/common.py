@@ -10,12 +10,12 @@ from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.target import is_moving
 from studio.core.stage.scope import Scope
 from studio.document.document import Document
-from studio.engine.live import Live
+from studio.engine.live_interface import Live
 from studio.engine.point_names import POINT_NAMES, point_words
 from studio.panels.constraint_editors.activation import ActivationSection
 from studio.panels.constraint_editors.chain import ChainSection
 from studio.panels.constraint_editors.priority import PrioritySection
-from studio.panels.constraint_editors.residuals import ResidualSection
+from studio.panels.constraint_editors.worst_residuals import ResidualSection
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section
 from studio.panels.scope_row import ScopeRow

@@ -14,7 +14,7 @@ from studio.document import colours
 from studio.io.markers.maps import find_map, fitted, known_maps, save_map
 from studio.panels.fields import FIELD_ICON_PX, Choice, Section, labelled, press_button
 from studio.panels.markers.cloud import MarkerCloud
-from studio.panels.markers.figure import MarkerFigure
+from studio.panels.markers.marker_figure import MarkerFigure
 
 NOT_USED = "-"
 

@@ -8,11 +8,11 @@ from PySide6.QtCore import QPointF
 from studio.core.project import Performer
 from studio.core.stage.clip import Clip
 from studio.core.stage.clip_row import ClipEdit, begun_at, edited, ended_at, frame_at, players_of
-from studio.document.clips import name_of
-from studio.timeline.figures import moment
+from studio.document.clip_edits import name_of
 from studio.timeline.gestures.gesture import DragHint, EditGesture
 from studio.timeline.shown import ItemPart, RowContext
 from studio.timeline.snapping import Snapped
+from studio.timeline.time_words import moment
 
 
 class ClipGesture(EditGesture):

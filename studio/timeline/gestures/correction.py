@@ -5,10 +5,10 @@ from dataclasses import replace
 from PySide6.QtCore import QPointF
 
 from studio.core.stage.correction import Correction
-from studio.timeline.figures import moment
 from studio.timeline.gestures.activation import time_of, with_time
 from studio.timeline.gestures.gesture import DragHint, EditGesture
 from studio.timeline.shown import ItemPart, RowContext
+from studio.timeline.time_words import moment
 
 
 class DragCorrectionRange(EditGesture):

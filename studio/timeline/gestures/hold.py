@@ -2,9 +2,9 @@
 
 from PySide6.QtCore import QPointF
 
-from studio.timeline.figures import moment
 from studio.timeline.gestures.gesture import DragHint, EditGesture
 from studio.timeline.shown import ItemPart, RowContext
+from studio.timeline.time_words import moment
 from studio.timeline.tracks.hold import hold_under
 
 

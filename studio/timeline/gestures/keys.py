@@ -4,11 +4,11 @@ from PySide6.QtCore import QPointF, QRectF
 
 from studio.document.key_edits import KeyDrag
 from studio.document.keyed_fields import KeyRef
-from studio.timeline.figures import moment
 from studio.timeline.gestures.gesture import DragHint, TimelineGesture
 from studio.timeline.sheet import Sheet
 from studio.timeline.shown import RowContext
 from studio.timeline.snapping import key_magnets, snapped
+from studio.timeline.time_words import moment
 from studio.timeline.tracks.brush import KEY_REACH
 from studio.timeline.tracks.keys import fields_in, key_height, keys_between, stage_times
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 from PySide6.QtCore import QPointF
 
 from studio.core.captures.annotations import Label
-from studio.timeline.figures import moment
 from studio.timeline.gestures.gesture import DragHint, EditGesture
 from studio.timeline.shown import ItemPart, RowContext
+from studio.timeline.time_words import moment
 
 
 class DragLabel(EditGesture):

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 from PySide6.QtCore import QPointF
 
-from studio.timeline.figures import moment
 from studio.timeline.gestures.gesture import DragHint, EditGesture
 from studio.timeline.shown import RowContext
+from studio.timeline.time_words import moment
 
 
 class MoveSound(EditGesture):

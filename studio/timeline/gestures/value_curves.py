@@ -4,10 +4,10 @@ from PySide6.QtCore import QPointF, QRect, QRectF, Qt
 
 from studio.document.channels import key_values, with_handle, with_values
 from studio.document.key_edits import KeyDrag, replace_fields
-from studio.timeline.figures import moment
 from studio.timeline.gestures.gesture import DragHint, TimelineGesture
 from studio.timeline.shown import RowContext
 from studio.timeline.snapping import key_magnets, snapped
+from studio.timeline.time_words import moment
 from studio.timeline.tracks.value_curves import (
     HandleRef,
     ValueCurves,

@@ -7,8 +7,8 @@ from studio.core.constraints.activation import EaseShape, ease
 from studio.core.stage.clip import Clip
 from studio.document import colours
 from studio.engine.empty_stage import HIDDEN, empty_words
-from studio.timeline.figures import rate
 from studio.timeline.shown import Hit, ItemPart, RowContext, label_area
+from studio.timeline.time_words import rate
 from studio.timeline.tracks.brush import LABEL_INDENT, font, hairline, paint_dot, paint_fold, paint_label, translucent
 from studio.timeline.tracks.change import paint_take_over, take_over
 

@@ -165,7 +165,7 @@ def _prop_path(
     follow: FollowProp, player: Player, players: Mapping[str, Player], results: Mapping[str, AdaptedMotion]
 ) -> Track:
     """Track of a prop held by others of the cycle, in one performer's space."""
-    from studio.core.solver.performers.props import Holder, seen_from, stage_track
+    from studio.core.solver.performers.prop_tracks import Holder, seen_from, stage_track
 
     prop, seconds = player.props[follow.prop_id], player.composite.timing.begin + player.times
     hands = {}

@@ -179,7 +179,7 @@ def _prop(follow: FollowProp, project: Project, performer_id: str, results: Mapp
     timings = {key: _timing_in(project, leaders[key], result) for key, result in results.items()}
 
     def make(composite: Composite) -> Track | OwnPath:
-        from studio.core.solver.performers.props import (  # here: it loads kernels
+        from studio.core.solver.performers.prop_tracks import (  # here: it loads kernels
             Hands,
             Holder,
             own_hands,
@@ -212,7 +212,7 @@ def _tracked(follow: FollowTracked, project: Project, performer: Performer) -> F
     leg = project.characters[performer.character_id].morphology.leg_length
 
     def make(composite: Composite) -> Track:
-        from studio.core.solver.performers.following import tracked_in_row
+        from studio.core.solver.performers.followed_tracks import tracked_in_row
 
         return tracked_in_row(follow, captures, composite, leg)
 
@@ -251,7 +251,7 @@ def leader_track(
 
     ``result`` is the other's motion, with its ``timing`` and ``placement``.
     """
-    from studio.core.solver.performers.following import performer_track
+    from studio.core.solver.performers.followed_tracks import performer_track
 
     rows = timing.frames_at(seconds) - result.first_frame
     return performer_track(follow.point, follow.turn, result, rows, placement, own)

@@ -15,8 +15,8 @@ from studio.core.normalized.pieces import MotionPiece
 from studio.core.solver.adapt import adapt
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.performers.circles import Player, solve_cycle
-from studio.core.solver.performers.following import tracked_track
-from studio.core.solver.performers.props import seen_from, stage_track
+from studio.core.solver.performers.followed_tracks import tracked_track
+from studio.core.solver.performers.prop_tracks import seen_from, stage_track
 from studio.core.solver.performers.stage import concerning
 from studio.core.solver.request import AdaptRequest
 from studio.core.stage.placement import Placement

@@ -14,7 +14,7 @@ from scipy.ndimage import maximum_filter1d
 
 from studio.core.body.canonical import BodyLayout
 from studio.core.body.morphology import Morphology
-from studio.library.clips import ClipLabel, HitSegment, Kind, Limb
+from studio.library.clip_labels import ClipLabel, HitSegment, Kind, Limb
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -32,7 +32,7 @@ from studio.core.stage.placement import Placement
 from studio.live.acting import Act, StageView, act_of, senses_of
 from studio.live.keeping import step_of
 from studio.live.playing import Playing, asked_anew, own_row, restood, taken_over
-from studio.live.take import Begun, StageTake
+from studio.live.recorded_take import Begun, StageTake
 
 Expected = dict[FollowPerformer, NDArray[np.float64]]
 

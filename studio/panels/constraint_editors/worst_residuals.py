@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from studio.core.project import Project
 from studio.document import colours
-from studio.engine.live import Live
+from studio.engine.live_interface import Live
 from studio.engine.residuals import Residual, missed_by, unsolved_words, worst_residual
 from studio.panels.editor import Editor
 from studio.panels.fields import Section

@@ -15,7 +15,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.mesh.prop_shapes import PROP_COLOUR
 from studio.core.project import Project
 from studio.engine.performance import Posed
-from studio.engine.props import PropPose
+from studio.engine.prop_places import PropPose
 from studio.viewport.bodies import BodyVisual
 from studio.viewport.camera import OrbitCamera
 from studio.viewport.eyes import CENTRE_EYE, Eye

@@ -7,14 +7,14 @@ from typing import Protocol
 import numpy as np
 
 from studio.document.document import Document
-from studio.engine.live import Live
+from studio.engine.live_interface import Live
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.gizmo import GIZMO_AXES, Gizmo, moved_axes
 from studio.viewport.movables import Movable
 from studio.viewport.rotate_gizmo import TRACKBALL, RotateGizmo, rotation_about
 from studio.viewport.scale_gizmo import ScaleGizmo
 from studio.viewport.selected_movable import AnyGizmo
-from studio.viewport.snapping import DEFAULT_STEPS, SnapSteps
+from studio.viewport.snap_steps import DEFAULT_STEPS, SnapSteps
 
 FINE_DRAG = 0.2
 ORBIT_PER_PIXEL = math.radians(0.4)

@@ -8,7 +8,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from studio.app.corrections import ReadAs, as_corrected, values_of, words
+from studio.app.import_corrections import ReadAs, as_corrected, values_of, words
 from studio.app.relinking import finder, offer_relinking
 from studio.app.workbench import Workbench
 from studio.core.captures.annotations import Annotations

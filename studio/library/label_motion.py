@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from studio.core.body.sticks import bone_pairs
 from studio.core.normalized.realize import realize
-from studio.library.assistant import body_track
 from studio.library.library import LibraryClip
+from studio.library.proposed_strikes import body_track
 
 FloatArray = NDArray[np.float64]
 

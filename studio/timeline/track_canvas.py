@@ -19,10 +19,9 @@ from PySide6.QtWidgets import QToolTip, QWidget
 from studio.core.captures.contacts import contact_point
 from studio.document.document import Document
 from studio.document.dragging import capture_in, strike_in
-from studio.engine.live import Live
+from studio.engine.live_interface import Live
 from studio.timeline import edits
-from studio.timeline.clip_edits import add_clip, try_edit
-from studio.timeline.figures import moment
+from studio.timeline.clip_actions import add_clip, try_edit
 from studio.timeline.gestures.begin import cursor_at, gesture_at, items_of
 from studio.timeline.gestures.gesture import TimelineGesture
 from studio.timeline.gestures.keys import BoxSelect, DragKeys
@@ -34,9 +33,10 @@ from studio.timeline.menus import menu_at
 from studio.timeline.name_field import NameField
 from studio.timeline.shown import ROW_LABEL_WIDTH, Hit, ItemPart
 from studio.timeline.snapping import snapped
+from studio.timeline.time_words import moment
+from studio.timeline.track_view import TrackView
 from studio.timeline.tracks.labels import flag_area
 from studio.timeline.tracks.value_curves import HandleRef, plot_area
-from studio.timeline.view import TrackView
 
 DRAG_BEGINS = 3
 ZOOM_PER_DEGREE = 1.0125

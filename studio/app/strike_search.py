@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtWidgets import QStackedWidget
 
+from studio.app.capture_import import read_motion
 from studio.app.file_dialogs import ask_folder
-from studio.app.importing import read_motion
 from studio.app.labelling import Labelling
 from studio.app.pose_mapping import PoseMapping
 from studio.app.strike_edit import Wish, put_strike
@@ -21,7 +21,7 @@ from studio.core.stage.placement import Placement
 from studio.engine.performance import row_at
 from studio.engine.tasks import CancelledError, Progress
 from studio.io.importing import GUESS_ALL
-from studio.library.clips import Kind, Limb
+from studio.library.clip_labels import Kind, Limb
 from studio.panels.strikes import (
     NO_MATCH_HINT,
     NO_STRIKES_HINT,

@@ -8,7 +8,7 @@ from studio.core.constraints.base import Vector
 from studio.core.errors import StudioError
 from studio.core.names import free_name
 from studio.core.stage.correction import new_correction
-from studio.document.editing import EditedProject
+from studio.document.edited_project import EditedProject
 
 
 def correction_at(document: EditedProject, performer_id: str, time: float) -> str | None:

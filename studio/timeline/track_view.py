@@ -11,8 +11,8 @@ from studio.core.captures.remarks import Remark, remarks_on
 from studio.document.document import Document
 from studio.document.keyed_fields import KEYED_COLLECTIONS, fields_of
 from studio.engine.empty_stage import empty_words
-from studio.engine.live import Live
-from studio.timeline import edits, overlay
+from studio.engine.live_interface import Live
+from studio.timeline import edits, track_overlay
 from studio.timeline.axis import TimeAxis
 from studio.timeline.curve_fields import CURVE_FIELDS_HEIGHT as FIELDS_HEIGHT
 from studio.timeline.curve_fields import CurveFields
@@ -275,7 +275,7 @@ class TrackView(QWidget):
         if self.document.playhead.playing:
             self.axis.reveal(self.document.playhead.time)
         self.update(self._playhead_area)
-        self.update(overlay.playhead_area(self.shown, self.height()))
+        self.update(track_overlay.playhead_area(self.shown, self.height()))
 
     def set_quantity(self, quantity: Plotted) -> None:
         """Plot something else."""
@@ -294,7 +294,7 @@ class TrackView(QWidget):
         """The picture, then what lies over it."""
         with QPainter(self) as painter:  # an error inside must not leave a painter on a widget that goes on
             if self.sheet is None:
-                overlay.paint_prompt(
+                track_overlay.paint_prompt(
                     painter, self.rect(), self.prompt, self._progress[1] if self._progress[0] else None
                 )
             else:
@@ -304,12 +304,14 @@ class TrackView(QWidget):
         self.picture.refresh(sheet, self.devicePixelRatioF())
         # At a scale of 1.5 a part of the picture would not begin on whole pixels; Qt clips the whole to the area.
         painter.drawPixmap(QPointF(), self.picture.pixmap)
-        overlay.paint_playhead(painter, sheet.shown, self.height())
-        self._playhead_area = overlay.playhead_area(sheet.shown, self.height())  # where it is left from, also by a zoom
+        track_overlay.paint_playhead(painter, sheet.shown, self.height())
+        self._playhead_area = track_overlay.playhead_area(
+            sheet.shown, self.height()
+        )  # where it is left from, also by a zoom
         if isinstance(self.gesture, BoxSelect | BoxSelectCurves):
-            overlay.paint_box(painter, self.gesture.box)
+            track_overlay.paint_box(painter, self.gesture.box)
         if self.gesture is not None and self.gesture.mark is not None:
-            overlay.paint_mark(painter, sheet.shown, self.gesture.mark, self.mouse, self.rect())
+            track_overlay.paint_mark(painter, sheet.shown, self.gesture.mark, self.mouse, self.rect())
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Place everything anew."""

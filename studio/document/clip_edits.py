@@ -10,7 +10,7 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.clip_row import ClipEdit, edited, in_order, players_of, split
 from studio.core.stage.layer import Layer
 from studio.core.stage.scope import Scope
-from studio.document.editing import EditedProject
+from studio.document.edited_project import EditedProject
 
 BLEND = 0.3
 """Seconds by which a clip that is added overlaps what comes before it."""

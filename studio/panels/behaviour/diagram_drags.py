@@ -10,8 +10,8 @@ from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPen
 
 from studio.core.stage.behaviour import Behaviour
 from studio.document import colours
-from studio.document.behaviours import state_key
-from studio.panels.behaviour.figures import StateItem, towards
+from studio.document.behaviour_commands import state_key
+from studio.panels.behaviour.diagram_items import StateItem, towards
 
 if TYPE_CHECKING:
     from studio.panels.behaviour.diagram import Diagram

@@ -43,7 +43,10 @@ class PropPose:
 
 def prop_at(project: Project, posed: Mapping[str, Posed], prop_id: str, time: float) -> PropPose:
     """A prop at stage ``time``, at which ``posed`` are all who perform."""
-    from studio.core.solver.performers.props import Holder, stage_track  # not before it is needed: it loads kernels
+    from studio.core.solver.performers.prop_tracks import (  # not before it is needed: it loads kernels
+        Holder,
+        stage_track,
+    )
 
     prop = project.props[prop_id]
     hands = {}
@@ -188,7 +191,7 @@ def between_hands(
     With a ``heading`` (radians on the stage) the prop faces the nearest of the four quarter turns from the chest's
     heading. With a ``lift`` it stays at the hands of the motion, that many metres above their middle.
     """
-    from studio.core.solver.performers.props import carried_track  # loads kernels
+    from studio.core.solver.performers.prop_tracks import carried_track  # loads kernels
 
     motion, held = holder.over_time, Carried(performer_id)
     known, body = motion.unasked or motion, motion.body

@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QMenu
 
 from studio.core.errors import StudioError
 from studio.core.stage.clip_row import begun_at, ended_at, players_of
-from studio.document import clips
+from studio.document import clip_edits
 from studio.timeline.shown import Hit, ItemPart, RowContext
 
 
@@ -25,7 +25,7 @@ def performers_of_row(shown: RowContext, performer_id: str) -> tuple[str, ...]:
 def add_clip(shown: RowContext, performer_id: str, motion_id: str, start: float | None) -> None:
     """Add and select a clip in a row, from ``start`` or where the row ends."""
     document = shown.document
-    name = clips.add_clip(document, performers_of_row(shown, performer_id), motion_id, start)
+    name = clip_edits.add_clip(document, performers_of_row(shown, performer_id), motion_id, start)
     document.selection.set(("performers", performer_id), ("clips", name))
 
 
@@ -33,7 +33,7 @@ def add_layer(shown: RowContext, performer_id: str, motion_id: str, start: float
     """As ``add_clip``, a layer: from ``start`` or the playhead."""
     document = shown.document
     begin = document.playhead.time if start is None else start
-    name = clips.add_layer(document, performers_of_row(shown, performer_id), motion_id, begin)
+    name = clip_edits.add_layer(document, performers_of_row(shown, performer_id), motion_id, begin)
     document.selection.set(("performers", performer_id), ("clips", name))
 
 
@@ -42,11 +42,11 @@ def nudged(shown: RowContext, clip_id: str, edge: ItemPart, frames: int) -> None
     project = shown.project
     clip = project.clips[clip_id]
     rate, count = project.frame_rate_of(clip), project.captures[project.motions[clip.motion_id].capture_id].frame_count
-    text = f"Trim {clips.name_of(project, clip)}"
+    text = f"Trim {clip_edits.name_of(project, clip)}"
     if edge == ItemPart.FIRST:
-        clips.edit_clip(shown.document, clip_id, lambda each: (begun_at(each, rate, each.first + frames),), text)
+        clip_edits.edit_clip(shown.document, clip_id, lambda each: (begun_at(each, rate, each.first + frames),), text)
     else:
-        clips.edit_clip(shown.document, clip_id, lambda each: (ended_at(each, each.last + frames, count),), text)
+        clip_edits.edit_clip(shown.document, clip_id, lambda each: (ended_at(each, each.last + frames, count),), text)
 
 
 def offer_clip(menu: QMenu, shown: RowContext, hit: Hit) -> None:
@@ -57,20 +57,20 @@ def offer_clip(menu: QMenu, shown: RowContext, hit: Hit) -> None:
         document.selection.set(("performers", hit.performer_id), ("clips", clip_id))
 
     def split() -> None:
-        select(clips.split_clip(document, hit.id, document.playhead.time))
+        select(clip_edits.split_clip(document, hit.id, document.playhead.time))
 
     def offer(text: str, run: Callable[[], None]) -> None:
         _offer(menu, shown, hit.performer_id, text, lambda: run() if hit.id in shown.project.clips else _refuse("clip"))
 
     offer("Split at playhead", split)
-    offer("Mirror", lambda: clips.mirror_clip(document, hit.id))
-    offer("Duplicate", lambda: select(clips.duplicate_clip(document, hit.id)))
+    offer("Mirror", lambda: clip_edits.mirror_clip(document, hit.id))
+    offer("Duplicate", lambda: select(clip_edits.duplicate_clip(document, hit.id)))
     players = players_of(project, hit.id)
     if len(players) > 1:
         text = f"Make it {project.performers[hit.performer_id].name}'s own"
-        offer(text, lambda: select(clips.make_own(document, hit.performer_id, hit.id)))
-    text = f"Delete clip {clips.name_of(project, project.clips[hit.id])}"
-    offer("Delete", lambda: clips.remove_clips(document, (hit.id,), text))
+        offer(text, lambda: select(clip_edits.make_own(document, hit.performer_id, hit.id)))
+    text = f"Delete clip {clip_edits.name_of(project, project.clips[hit.id])}"
+    offer("Delete", lambda: clip_edits.remove_clips(document, (hit.id,), text))
 
 
 def offer_motions(menu: QMenu, shown: RowContext, performer_id: str, start: float | None) -> None:

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from studio.core.stage.scope import Scope
-from studio.document.editing import EditedProject
+from studio.document.edited_project import EditedProject
 
 
 def ask_contact_of(document: EditedProject, contact_id: str, scope: Scope, text: str) -> str:

@@ -8,7 +8,7 @@ from studio.core.names import free_name
 from studio.core.project import Project
 from studio.core.stage import behaviour_edits as edits
 from studio.core.stage.behaviour import Behaviour
-from studio.document.editing import EditedProject
+from studio.document.edited_project import EditedProject
 
 BehaviourEdit = Callable[[Behaviour], Behaviour]
 COPY_OFFSET = (48.0, 72.0)

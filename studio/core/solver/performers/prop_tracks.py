@@ -17,7 +17,7 @@ from studio.core.constraints.keyed import KeyedNumber, KeyedTurn
 from studio.core.rotations import to_matrix
 from studio.core.solver.asking.points import point_indices
 from studio.core.solver.asking.tracks import Track
-from studio.core.solver.performers.following import performer_track, point_track
+from studio.core.solver.performers.followed_tracks import performer_track, point_track
 from studio.core.solver.request import AdaptedMotion, Unasked
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Carried, InHand, Prop
