@@ -1,8 +1,7 @@
-"""Many files at once: a dialog over the verb ``batch``, with its progress."""
+"""Many files at once: a dialog over a batch, with its progress."""
 
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from PySide6.QtCore import Qt, QUrl
 from PySide6.QtGui import QCloseEvent, QDesktopServices
@@ -19,16 +18,18 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from studio.app.batching import run_batch
 from studio.app.file_dialogs import CONSTRAINTS_FILTER, ask_file, ask_folder
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
+from studio.engine.tasks import Progress
 from studio.io.project.character_file import bundled_characters
 from studio.io.registry import known_formats
+from studio.jobs.adapted_files import ACTOR_WORD, AdaptSettings
+from studio.jobs.batch import BatchResult, BatchSettings, FileDone, run_batch
 from studio.panels.fields import FIELD_ICON_PX, Choice, Section, labelled, press_button
 
 BATCH_DIALOG_WIDTH = 520
-ACTOR_CHOICE = ("actor", "The body each capture was recorded from")
+ACTOR_CHOICE = (ACTOR_WORD, "The body each capture was recorded from")
 
 
 class BatchDialog(QDialog):
@@ -36,7 +37,8 @@ class BatchDialog(QDialog):
 
     def __init__(self, bench: Workbench) -> None:
         super().__init__(bench.window)
-        self._bench, self._task, self._page = bench, -1, ""
+        self._bench, self._task = bench, -1
+        self._page: Path | None = None
         self.setWindowTitle("Adapt a folder of captures")
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setMinimumWidth(BATCH_DIALOG_WIDTH)
@@ -109,14 +111,19 @@ class BatchDialog(QDialog):
         return foot
 
     def begin(self) -> None:
-        """Start the verb with what is chosen."""
-        arguments = [self.source.text(), "--out", self.out.text(), "--format", str(self.format.currentText()).lower()]
-        arguments += ["--character", *(key for key, check in self.characters.items() if check.isChecked())]
-        if self.constraints.text():
-            arguments += ["--constraints", self.constraints.text()]
-        self._page = ""
+        """Start the batch with what is chosen."""
+        settings = BatchSettings(
+            Path(self.source.text()),
+            Path(self.out.text()),
+            AdaptSettings(
+                characters=tuple(key for key, check in self.characters.items() if check.isChecked()),
+                constraints=Path(self.constraints.text()) if self.constraints.text() else None,
+                suffix=f".{str(self.format.currentText()).lower()}",
+            ),
+        )
+        self._page = None
         self._task = self._bench.runner.run(
-            f"Adapting {Path(self.source.text()).name}", lambda progress: run_batch(arguments, progress), self._done
+            f"Adapting {settings.source.name}", partial(_run_batch, settings), self._done
         )
         self._refresh()
 
@@ -130,7 +137,7 @@ class BatchDialog(QDialog):
         self.start.setEnabled(not self.running and chosen and bool(self.source.text() and self.out.text()))
         self.start.setVisible(not self.running)
         self.stop.setVisible(self.running)
-        self.show_page.setVisible(bool(self._page))
+        self.show_page.setVisible(self._page is not None)
         if not self.running:
             self.bar.setValue(0)
 
@@ -139,11 +146,9 @@ class BatchDialog(QDialog):
             self.bar.setValue(round(1000 * share))
             self.words.setText(text)
 
-    def _done(self, answer: dict[str, Any]) -> None:
-        adapted = answer["files"] - answer["unchanged"] - answer["failed"]
-        unchanged, failed = answer["unchanged"], answer["failed"]
-        self._page = answer["page"]
-        self._end(f"{answer['files']} files: {adapted} adapted, {unchanged} unchanged, {failed} failed.")
+    def _done(self, result: BatchResult) -> None:
+        self._page = result.page
+        self._end(result.words)
 
     def _failed(self, task: int, sentence: str) -> None:
         if task == self._task:
@@ -158,7 +163,7 @@ class BatchDialog(QDialog):
         self.words.setText(words)
         self._refresh()
         if self.isHidden():
-            self._bench.said.emit(words)
+            self._bench.say(words)
             self.deleteLater()
 
     def closeEvent(self, event: QCloseEvent) -> None:
@@ -172,9 +177,21 @@ class BatchDialog(QDialog):
         self.close()
 
     def _open_page(self) -> None:
-        if not QDesktopServices.openUrl(QUrl.fromLocalFile(self._page)):
+        if not QDesktopServices.openUrl(QUrl.fromLocalFile(str(self._page))):
             raise StudioError(f"No program opens web pages here. The summary is {self._page}.")
 
 
 def _show_path(field: QLineEdit, path: Path) -> None:
     field.setText(str(path))
+
+
+def _run_batch(settings: BatchSettings, progress: Progress) -> BatchResult:
+    """Run the batch on a thread beside the window; cancelled, its workers end."""
+    share, text = 0.0, "Starting the workers"
+
+    def tell(done: FileDone) -> None:
+        nonlocal share, text
+        share, text = done.number / done.count, f"{done.number} of {done.count}: {done.name}: {done.outcome}"
+        progress(share, text)
+
+    return run_batch(settings, tell, lambda: progress(share, text))

@@ -10,8 +10,9 @@ import numpy as np
 from studio.cli.export_arguments import export_options
 from studio.cli.import_arguments import import_options
 from studio.cli.outputs import refuse_replacing
-from studio.cli.printing import counted, print_json
+from studio.cli.printing import print_json
 from studio.core.captures.capture import Guess
+from studio.core.names import counted
 from studio.io.export import Take, format_for, take_of_capture, take_of_standing, write_take
 from studio.io.importing import ImportOptions, known_of_motion, load_character, read_capture, read_file
 from studio.io.project.character_file import actor_character

@@ -2,7 +2,8 @@
 
 from argparse import Namespace
 
-from studio.cli.printing import counted, print_json, print_table
+from studio.cli.printing import print_json, print_table
+from studio.core.names import counted
 from studio.library.catalogue import Catalogue
 from studio.library.indexing import index, whole_library
 from studio.library.library import LibraryClip

@@ -11,12 +11,13 @@ from typing import Any
 import numpy as np
 
 from studio.cli.import_arguments import import_options
-from studio.cli.printing import counted, print_json
+from studio.cli.printing import print_json
 from studio.core.body.character_skeleton import character_body_map, character_skeleton
 from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.remarks import remarks_on, remarks_on_body
 from studio.core.errors import StudioError
 from studio.core.markers.take import MarkerTake, centre_errors
+from studio.core.names import counted
 from studio.core.normalized.drift import floor_drift
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.round_trip import round_trip

@@ -32,8 +32,3 @@ def print_table(titles: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
             for place, (cell, width) in enumerate(zip(row, widths, strict=True))
         ]
         print("  ".join(cells).rstrip())
-
-
-def counted(number: int, thing: str) -> str:
-    """Number and noun, such as ``1 character``, ``3 characters``."""
-    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from studio.cli.import_arguments import import_options
 from studio.cli.outputs import refuse_replacing
-from studio.cli.printing import counted, print_json
+from studio.cli.printing import print_json
 from studio.core.errors import StudioError
+from studio.core.names import counted
 from studio.core.project import Project
 from studio.core.stage.saved_camera import CameraPlacement
 from studio.core.stage.staging import staged

@@ -18,3 +18,8 @@ def free_name(name: str, taken: Collection[str]) -> str:
 def safe_name(name: str) -> str:
     """A name of a file that every system allows."""
     return re.sub(r'[\\/:*?"<>|]', "_", name)
+
+
+def counted(number: int, thing: str) -> str:
+    """Number and noun, such as ``1 character``, ``3 characters``."""
+    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"

@@ -4,37 +4,32 @@ import csv
 import json
 import multiprocessing
 import os
-import re
+import pickle
 import signal
 import subprocess
 import sys
-from argparse import ArgumentParser
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import pytest
 from distributed import Client, LocalCluster
 
-from studio.cli import batch
-from studio.cli.arguments import ADD_ARGUMENTS
-from studio.cli.batch_jobs import BatchJob, done_before, find_jobs, work
-from studio.cli.batch_workers import FORK
 from studio.cli.main import main
+from studio.core.markers.marker_map import MarkerMap
+from studio.core.stage.placement import Placement
 from studio.io.export import write_capture
+from studio.io.importing import ImportOptions
+from studio.jobs.adapted_files import AdaptSettings
+from studio.jobs.batch import BatchResult, BatchSettings, FileDone, run_batch
+from studio.jobs.batch_jobs import BatchJob, done_before, find_jobs, work
+from studio.jobs.batch_workers import can_fork
 from tests.architecture.sources import ROOT
 from tests.builders import make_capture
 
-
-def asked_by(*words: str) -> dict[str, Any]:
-    """Arguments of a job, from the command line."""
-    parser = ArgumentParser()
-    ADD_ARGUMENTS["batch"](parser)
-    told = vars(parser.parse_args(["captures", "--out", "out", *words]))
-    return {key: value for key, value in told.items() if key not in batch._OWN}
-
-
-ASKED = asked_by("--character", "child")
+SETTINGS = AdaptSettings(characters=("child",))
 
 
 @pytest.fixture
@@ -48,8 +43,8 @@ def folder(tmp_path: Path) -> Path:
     return source
 
 
-def jobs_of(folder: Path, **asked: object) -> list[BatchJob]:
-    return find_jobs(folder, folder.parent / "out", ASKED | asked)
+def jobs_of(folder: Path, settings: AdaptSettings = SETTINGS) -> list[BatchJob]:
+    return find_jobs(folder, folder.parent / "out", settings)
 
 
 def rows(folder: Path) -> list[dict[str, str]]:
@@ -71,10 +66,14 @@ def command(folder: Path, cluster: LocalCluster, *more: str) -> list[str]:
     return ["batch", str(folder), "--character", "child", *place, *more]
 
 
+def settings_for(folder: Path, cluster: LocalCluster) -> BatchSettings:
+    return BatchSettings(folder, folder.parent / "out", SETTINGS, scheduler=cluster.scheduler_address)
+
+
 def test_each_capture_of_the_folder_and_those_below_is_a_job_and_what_was_written_is_none(folder):
     (folder / "out").mkdir()
     write_capture(make_capture(), folder / "out" / "walk_child.bvh")
-    jobs = find_jobs(folder, folder / "out", ASKED)
+    jobs = find_jobs(folder, folder / "out", SETTINGS)
     assert [job.name for job in jobs] == ["kicks/walk.bvh", "run.bvh", "walk.bvh"]
     assert len({job.folder for job in jobs}) == 2
 
@@ -84,7 +83,7 @@ def test_a_job_is_done_anew_only_when_something_that_matters_has_changed(folder)
     assert done_before(job) is None
     record = work(job)
     assert done_before(job) == json.loads(json.dumps(record))
-    assert done_before(jobs_of(folder, unit="inch")[2]) is None
+    assert done_before(jobs_of(folder, replace(SETTINGS, reading=ImportOptions(unit="inch")))[2]) is None
     [written] = record["written"]
     Path(written).write_text("touched")
     assert done_before(job) is None
@@ -104,7 +103,7 @@ def test_a_report_that_is_none_of_ours_is_no_reason_to_skip(folder):
 def test_what_goes_wrong_is_a_record_of_that_file_alone(folder, monkeypatch):
     (folder / "walk.bvh").write_text("HIERARCHY\n")
     assert work(jobs_of(folder)[2])["error"] == "walk.bvh, line 1: the file ends before MOTION. It is cut off."
-    monkeypatch.setattr("studio.cli.adapt.adapt_file", lambda *_: 1 / 0)
+    monkeypatch.setattr("studio.jobs.batch_jobs.adapt_file", lambda *_: 1 / 0)
     assert "ZeroDivisionError" in work(jobs_of(folder)[0])["error"]
 
 
@@ -133,7 +132,7 @@ def test_the_folder_of_the_captures_and_one_with_files_of_somebody_else_are_not_
 
 
 def test_a_scheduler_that_does_not_answer_is_named(folder, tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("studio.cli.batch_cluster._PATIENCE", 0.5)
+    monkeypatch.setattr("studio.jobs.batch_cluster._PATIENCE", 0.5)
     address = "tcp://127.0.0.1:9"
     assert main(["batch", str(folder), "--out", str(tmp_path / "out"), "--scheduler", address]) == 1
     assert f"No scheduler answers at '{address}'" in capsys.readouterr().err
@@ -158,38 +157,38 @@ def test_a_second_run_skips_all_but_what_changed_and_a_bad_file_is_a_row(folder,
     assert "Foot slide, mm" in page
 
 
-def test_with_a_worker_killed_half_way_nothing_is_lost(folder, two_workers, monkeypatch, capsys):
+def test_with_a_worker_killed_half_way_nothing_is_lost(folder, two_workers):
     for seed in range(12):
         write_capture(make_capture(seed=seed, frames=200), folder / f"take{seed}.bvh")
     with Client(two_workers.scheduler_address) as client:
         workers = client.run(os.getpid)
-    told = batch._tell
     killed: list[int] = []
+    outcomes = []
 
-    def tell_and_kill(number: int, count: int, name: str, words: str) -> None:
-        told(number, count, name, words)
-        if number == 5:
+    def kill_one(done: FileDone) -> None:
+        outcomes.append(done.outcome)
+        if done.number == 5:
             killed.append(next(iter(workers.values())))
             os.kill(killed[0], signal.SIGKILL)
 
-    monkeypatch.setattr(batch, "_tell", tell_and_kill)
-    assert main(command(folder, two_workers)) == 0
-    assert len(killed) == 1
-    assert len(re.findall(r"\] \S+: done", capsys.readouterr().err)) == 15
+    result = run_batch(settings_for(folder, two_workers), kill_one)
+    assert (len(killed), result.failed) == (1, 0)
+    assert outcomes == ["done"] * 15
     assert len(rows(folder)) == 15
     assert all(row["error"] == "" and Path(row["file"]).is_file() for row in rows(folder))
-    assert all(done_before(job) for job in find_jobs(folder, folder.parent / "out", ASKED))
+    assert all(done_before(job) for job in find_jobs(folder, folder.parent / "out", SETTINGS))
 
 
 def test_stopped_it_says_how_far_it_came_and_keeps_it(folder, two_workers, monkeypatch, capsys):
-    told = batch._tell
+    def run_and_stop(settings: BatchSettings, told: Callable[[FileDone], object]) -> BatchResult:
+        def tell(done: FileDone) -> None:
+            told(done)
+            if done.number == 2:
+                raise KeyboardInterrupt
 
-    def tell_and_stop(number: int, count: int, name: str, words: str) -> None:
-        told(number, count, name, words)
-        if number == 2:
-            raise KeyboardInterrupt
+        return run_batch(settings, tell)
 
-    monkeypatch.setattr(batch, "_tell", tell_and_stop)
+    monkeypatch.setattr("studio.cli.batch.run_batch", run_and_stop)
     assert main(command(folder, two_workers)) == 130
     assert "Stopped after 2 of 3 files" in capsys.readouterr().err
     assert len(rows(folder)) == 2
@@ -204,15 +203,15 @@ def test_without_a_scheduler_it_starts_workers_of_its_own_and_ends_them(folder, 
 
 def test_workers_that_are_new_processes_do_what_forks_do(folder, monkeypatch, capsys):
     """As on Windows and macOS."""
-    monkeypatch.setattr("studio.cli.batch_workers.FORK", False)
+    monkeypatch.setattr("studio.jobs.batch_workers.can_fork", lambda: False)
     assert main(["batch", str(folder), "--out", str(folder.parent / "out"), "--character", "child", "--workers=2"]) == 0
     assert "3 adapted, 0 unchanged, 0 failed" in capsys.readouterr().out
 
 
-@pytest.mark.skipif(not FORK, reason="elsewhere workers do not inherit what is replaced here")
+@pytest.mark.skipif(not can_fork(), reason="elsewhere workers do not inherit what is replaced here")
 def test_a_capture_of_which_workers_die_is_a_row_with_its_error_and_the_others_are_done(folder, monkeypatch, capsys):
     monkeypatch.setattr(
-        "studio.cli.batch_workers.work", lambda job: work(job) if "run" not in job.name else os._exit(9)
+        "studio.jobs.batch_workers.work", lambda job: work(job) if "run" not in job.name else os._exit(9)
     )
     command = ["batch", str(folder), "--out", str(folder.parent / "out"), "--character", "child", "--workers", "2"]
     assert main(command) == 1
@@ -241,3 +240,25 @@ def test_ctrl_c_in_a_terminal_ends_the_batch_with_one_sentence(folder):
     assert len(last) == 1
     assert last[0].startswith("morpho-studio: Stopped after")
     assert not list(folder.parent.rglob("*.part"))
+
+
+def test_from_another_thread_it_says_what_is_done_and_stops_when_told(folder):
+    """As the window runs it: its workers are new processes, and what is done stays."""
+    settings = BatchSettings(folder, folder.parent / "out", SETTINGS, workers=1)
+
+    def stop(done: FileDone) -> None:
+        raise InterruptedError(done.name)
+
+    with ThreadPoolExecutor(1) as thread:
+        with pytest.raises(InterruptedError):
+            thread.submit(run_batch, settings, stop).result()
+        names: list[str] = []
+        result = thread.submit(run_batch, settings, lambda done: names.append(done.outcome)).result()
+    assert (result.unchanged, result.adapted, result.failed) == (1, 2, 0)
+    assert names == ["unchanged", "done", "done"]
+
+
+def test_settings_with_maps_of_markers_and_joints_reach_another_process():
+    reading = ImportOptions(marker_map=MarkerMap("own", {"collar": ("H1", "H2")}), body_map={"head": "Head"})
+    settings = AdaptSettings(places={"child": Placement((1.0, 2.0), 0.5)}, reading=reading)
+    assert pickle.loads(pickle.dumps(settings)) == settings

@@ -1,4 +1,4 @@
-"""Many files from the window: the dialog over the verb, with real processes."""
+"""Many files from the window: the dialog over a batch, with real processes."""
 
 import threading
 
@@ -8,6 +8,7 @@ from PySide6.QtTest import QTest
 
 from studio.app.batch_dialog import BatchDialog
 from studio.io.export import write_capture
+from studio.jobs.batch import BatchResult
 from tests.builders import make_capture, make_project
 from tests.patience import PATIENCE
 
@@ -49,7 +50,7 @@ def test_a_folder_is_adapted_with_progress_and_its_summary_offered(qtbot, dialog
     assert len([share for share in shares if 0 < share < 1000]) >= 2
 
 
-def test_what_the_verb_refuses_is_said_in_the_dialog(qtbot, dialog, tmp_path):
+def test_what_the_batch_refuses_is_said_in_the_dialog(qtbot, dialog, tmp_path):
     dialog.out.setText(str(tmp_path / "out"))
     dialog.source.setText(str(tmp_path / "nowhere"))
     press(dialog.start)
@@ -71,7 +72,7 @@ def test_stopped_while_the_workers_start_it_ends_at_once_and_nothing_goes_on(qtb
 def test_closed_while_it_runs_it_goes_on_and_says_in_the_window_what_came_of_it(
     qtbot, window, dialog, tmp_path, monkeypatch, leave
 ):
-    answer = {"files": 2, "unchanged": 0, "failed": 0, "page": "summary.html"}
+    answer = BatchResult(tmp_path, ({"name": "walk.bvh"}, {"name": "run.bvh"}), unchanged=0)
     closed = threading.Event()
     monkeypatch.setattr("studio.app.batch_dialog.run_batch", lambda *_: (closed.wait(), answer)[1])
     dialog.out.setText(str(tmp_path / "out"))

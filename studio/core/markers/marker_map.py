@@ -39,6 +39,10 @@ class MarkerMap:
         object.__setattr__(self, "markers", MappingProxyType(ordered))
         object.__setattr__(self, "centres", MappingProxyType(dict(self.centres)))
 
+    def __reduce__(self) -> tuple[type["MarkerMap"], tuple[str, dict[str, tuple[str, ...]], dict[str, str]]]:
+        """Pickle of the map for another process; read-only mappings have none of their own."""
+        return MarkerMap, (self.name, dict(self.markers), dict(self.centres))
+
     @property
     def labels(self) -> frozenset[str]:
         """All markers that it names."""

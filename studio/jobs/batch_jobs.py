@@ -2,9 +2,7 @@
 
 import hashlib
 import json
-from argparse import Namespace
 from collections import Counter
-from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
@@ -13,13 +11,13 @@ from typing import Any
 from studio import __version__
 from studio.core.errors import StudioError
 from studio.io.beside import read_bytes
+from studio.io.json_text import write_json
 from studio.io.registry import known_formats
-from studio.startup.process import prepare_process
+from studio.jobs.adapted_files import AdaptSettings, adapt_file
 
 Record = dict[str, Any]
 REPORTS = "reports"
 """Subfolder of the batch's folder with a report for each capture."""
-FILES_ASKED_FOR = ("constraints", "ground", "body_map", "marker_map")
 
 
 @dataclass(frozen=True)
@@ -37,11 +35,10 @@ class BatchJob:
     """Size of the capture in bytes."""
     digest: str
     """Digest of capture, characters, constraints and options: the same digest means the same result."""
-    arguments: Mapping[str, Any]
-    """Arguments of ``adapt``."""
+    settings: AdaptSettings
 
 
-def find_jobs(source: Path, out: Path, arguments: Mapping[str, Any]) -> list[BatchJob]:
+def find_jobs(source: Path, out: Path, settings: AdaptSettings) -> list[BatchJob]:
     """Job for every capture in ``source`` and below, except those under ``out``. Raises StudioError."""
     if not source.is_dir():
         raise StudioError(f"'{source}' is not a folder. Name the folder that holds the captures.")
@@ -52,7 +49,8 @@ def find_jobs(source: Path, out: Path, arguments: Mapping[str, Any]) -> list[Bat
     captures = [path for path in found if own not in path.resolve().parents]
     if not captures:
         raise StudioError(f"'{source}' holds no captures. The studio reads {', '.join(suffixes)}.")
-    asked = _digest_of_asked(arguments)
+    settings = settings.absolute
+    asked = _digest_of(settings)
     stems = Counter(path.with_suffix("") for path in captures)
     jobs = []
     for path in captures:
@@ -61,7 +59,7 @@ def find_jobs(source: Path, out: Path, arguments: Mapping[str, Any]) -> list[Bat
         content, report = read_bytes(path), out / REPORTS / f"{name}.json"
         digest = hashlib.sha256(asked + content).hexdigest()
         places = path.resolve(), folder.resolve(), report.resolve()
-        jobs.append(BatchJob(name.as_posix(), *places, len(content), digest, arguments))
+        jobs.append(BatchJob(name.as_posix(), *places, len(content), digest, settings))
     return jobs
 
 
@@ -78,15 +76,10 @@ def done_before(job: BatchJob) -> Record | None:
 
 def work(job: BatchJob) -> Record:
     """Adapt one capture in this process and return its record; an error is reported in the record and stops nothing."""
-    prepare_process()
-    from studio.cli.adapt import adapt_file, asked_by
-    from studio.cli.import_arguments import import_options
-    from studio.io.json_text import write_json
-
-    arguments, start = Namespace(**job.arguments), perf_counter()
+    start = perf_counter()
     record: Record = {"name": job.name, "digest": job.digest}
     try:
-        record |= adapt_file(job.capture, import_options(arguments), asked_by(arguments), job.folder)
+        record |= adapt_file(job.capture, job.settings, job.settings.cast(), job.folder)
         record["written"] = {each["file"]: _hash(Path(each["file"])) for each in record["characters"]}
         record["seconds"] = perf_counter() - start
         job.report.parent.mkdir(parents=True, exist_ok=True)
@@ -108,16 +101,11 @@ def died(job: BatchJob) -> Record:
     return failure(job, f"{job.name}: every worker that was given this file died of it. Look at it alone.")
 
 
-def _digest_of_asked(arguments: Mapping[str, Any]) -> bytes:
-    digest = hashlib.sha256(f"{__version__} {sorted((key, str(value)) for key, value in arguments.items())}".encode())
-    for path in _files(arguments):
+def _digest_of(settings: AdaptSettings) -> bytes:
+    digest = hashlib.sha256(f"{__version__} {settings}".encode())
+    for path in settings.files:
         digest.update(read_bytes(path))
     return digest.digest()
-
-
-def _files(arguments: Mapping[str, Any]) -> Iterator[Path]:
-    yield from (Path(arguments[key]) for key in FILES_ASKED_FOR if arguments[key])
-    yield from (Path(name) for name in arguments["character"] if Path(name).is_file())
 
 
 def _hash(path: Path) -> str:

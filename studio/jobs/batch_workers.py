@@ -5,22 +5,24 @@ import multiprocessing
 import os
 import signal
 import sys
+import threading
 from collections import Counter, deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 
-from studio.cli.batch_jobs import BatchJob, Record, died, work
 from studio.core.solver.request import AdaptRequest
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
 from studio.jobs.adapt_report import character_report
 from studio.jobs.adaptation import ready_capture
+from studio.jobs.batch_jobs import BatchJob, Record, died, work
 from studio.resources_folder import example_captures_folder
+from studio.startup.process import prepare_process
 
-FORK = sys.platform == "linux"
-"""True if workers are forks, which inherit all imports and loaded kernels; a new process takes seconds."""
+POLL_SECONDS = 0.2
+"""Seconds between two calls of ``waited``."""
 ATTEMPTS = 2
 """Number of workers that may die of a job before it counts as failed."""
 WORKER_STOP_SECONDS = 5.0
@@ -30,8 +32,7 @@ WORKER_STOP_SECONDS = 5.0
 class Worker:
     """Worker process and its current job."""
 
-    def __init__(self) -> None:
-        context = _context()
+    def __init__(self, context: "multiprocessing.context.ForkContext | multiprocessing.context.SpawnContext") -> None:
         self.pipe, theirs = context.Pipe()
         self.process: BaseProcess = context.Process(target=serve, args=(theirs,), daemon=True)
         self.process.start()
@@ -53,14 +54,19 @@ class Worker:
         self.pipe.close()
 
 
-def _context() -> "multiprocessing.context.ForkContext | multiprocessing.context.SpawnContext":
-    return multiprocessing.get_context("fork") if FORK else multiprocessing.get_context("spawn")
+def can_fork() -> bool:
+    """True if workers can be forks, which inherit imports and loaded kernels; a new process takes seconds to load them.
+
+    Linux alone forks safely, and only a process whose other threads are not in the middle of something.
+    """
+    return sys.platform == "linux" and threading.current_thread() is threading.main_thread()
 
 
 def serve(pipe: Connection) -> None:
     """Main loop of a worker: one job after the other, until there are no more or the parent process is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that gives the jobs
     signal.signal(signal.SIGTERM, signal.default_int_handler)
+    prepare_process()
     parent = multiprocessing.parent_process()
     assert parent is not None
     try:
@@ -80,29 +86,33 @@ def load_kernels() -> None:
     character_report(request, ready.source, ready.capture.first_frame, by_frame=False)
 
 
-def run_here(jobs: Sequence[BatchJob], count: int | None) -> Iterator[Record]:
+def run_here(jobs: Sequence[BatchJob], count: int | None, waited: Callable[[], object]) -> Iterator[Record]:
     """Record of each job as soon as it is done, the largest captures first, by ``count`` processes; None for as many as
     cores.
 
-    The job of a worker that dies is given to another one.
+    The job of a worker that dies is given to another one. ``waited`` is called while no job is done; it may raise.
     """
+    forks = can_fork()
     waiting = deque(sorted(jobs, key=lambda job: job.size, reverse=True))
     count = min(count or os.cpu_count() or 1, len(jobs))
-    if FORK and count > 1:
-        load_kernels()
-    gc.freeze()  # else the garbage collector of a fork would copy all that is loaded
-    workers, deaths = [Worker() for _ in range(count)], Counter[str]()
+    if forks:
+        if count > 1:
+            load_kernels()
+        gc.freeze()  # else the garbage collector of a fork would copy all that is loaded
+    context = multiprocessing.get_context("fork") if forks else multiprocessing.get_context("spawn")
+    workers, deaths = [Worker(context) for _ in range(count)], Counter[str]()
     try:
         for worker in workers:
             worker.give(waiting.popleft())
         while busy := {worker.pipe: worker for worker in workers if worker.job is not None}:
-            for pipe in wait(list(busy)):
+            waited()
+            for pipe in wait(list(busy), POLL_SECONDS):
                 worker = busy[pipe]  # type: ignore[index]
                 job, record = worker.job, _answer(worker)
                 assert job is not None
                 if record is None:
                     worker.end()
-                    workers[workers.index(worker)] = worker = Worker()
+                    workers[workers.index(worker)] = worker = Worker(context)
                     deaths[job.name] += 1
                     if deaths[job.name] < ATTEMPTS:
                         waiting.appendleft(job)

@@ -7,12 +7,13 @@ from io import StringIO
 from pathlib import Path
 from typing import Any
 
-from studio.cli.printing import counted
+from studio.core.names import counted
 from studio.io.replacing import write_whole
 
 Record = dict[str, Any]
 Row = dict[str, Any]
 
+TABLE, PAGE = "summary.csv", "summary.html"
 SUMMARY_COLUMNS = (
     *("capture", "character", "file", "frames", "frame_rate", "slide_mm", "skate_mm", "float_mm", "penetration_mm"),
     *("residual_mm", "residual_deg", "targets", "reached", "microseconds_per_frame", "seconds", "error"),
@@ -39,8 +40,8 @@ def rows_of(records: Sequence[Record]) -> list[Row]:
 def write_summary(folder: Path, records: Sequence[Record]) -> None:
     """Write ``summary.csv`` and ``summary.html`` into ``folder``. Raises StudioError if they cannot be written."""
     rows = rows_of(records)
-    write_rows(folder / "summary.csv", rows)
-    write_whole(folder / "summary.html", _page(records, rows).encode())
+    write_rows(folder / TABLE, rows)
+    write_whole(folder / PAGE, _page(records, rows).encode())
 
 
 def write_rows(path: Path, rows: Sequence[Row]) -> None:

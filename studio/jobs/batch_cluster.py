@@ -1,15 +1,19 @@
 """Jobs of a batch on a running Dask cluster."""
 
-from collections.abc import Iterator, Sequence
+import time
+from collections.abc import Callable, Iterator, Sequence
 
-from studio.cli.batch_jobs import BatchJob, Record, died, work
 from studio.core.errors import StudioError
+from studio.jobs.batch_jobs import BatchJob, Record, died, work
+from studio.startup.process import prepare_process
 
 _PATIENCE = 10.0
 """Seconds to wait for a scheduler to answer."""
+CLUSTER_POLL_SECONDS = 0.1
+"""Seconds between two looks at what is done."""
 
 
-def run_there(jobs: Sequence[BatchJob], scheduler: str) -> Iterator[Record]:
+def run_there(jobs: Sequence[BatchJob], scheduler: str, waited: Callable[[], object]) -> Iterator[Record]:
     """Record of each job as soon as the workers of the ``scheduler`` at that address have done it.
 
     The job of a worker that dies is given to another one.
@@ -25,8 +29,14 @@ def run_there(jobs: Sequence[BatchJob], scheduler: str) -> Iterator[Record]:
     except (OSError, ValueError, ImportError) as error:
         raise StudioError(f"No scheduler answers at '{scheduler}'. Start one with `dask scheduler`.") from error
     with client:
+        client.run(prepare_process)
         futures = {client.submit(work, job, key=f"adapt-{job.name}-{job.digest[:12]}", pure=False): job for job in jobs}
-        for future in as_completed(futures):
-            job = futures[future]
-            yield future.result() if future.status == "finished" else died(job)
-            future.release()
+        ready = as_completed(futures)
+        while not ready.is_empty():
+            waited()
+            done = ready.next_batch(block=False)
+            if not done:
+                time.sleep(CLUSTER_POLL_SECONDS)
+            for future in done:
+                yield future.result() if future.status == "finished" else died(futures[future])
+                future.release()

@@ -1,0 +1,131 @@
+"""Batch: every capture of a folder adapted by many processes; unchanged results are skipped."""
+
+from collections.abc import Callable, Generator, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+
+from studio.core.errors import StudioError
+from studio.core.names import counted
+from studio.jobs.adaptation import make_folder
+from studio.jobs.adapted_files import AdaptSettings
+from studio.jobs.batch_cluster import run_there
+from studio.jobs.batch_jobs import REPORTS, BatchJob, Record, done_before, find_jobs
+from studio.jobs.batch_summary import PAGE, TABLE, write_summary
+from studio.jobs.batch_workers import run_here
+
+
+@dataclass(frozen=True)
+class BatchSettings:
+    """Folders of a batch, and where its jobs run."""
+
+    source: Path
+    """Folder of captures, with those below it."""
+    out: Path
+    """Folder for the adapted files."""
+    adapt: AdaptSettings
+    overwrite: bool = False
+    """Write into a folder that holds files of others."""
+    workers: int | None = None
+    """Number of processes; None for as many as the machine has cores."""
+    scheduler: str | None = None
+    """Address of a running Dask cluster to use instead of processes of this machine."""
+
+
+@dataclass(frozen=True)
+class FileDone:
+    """One more file of a batch is done."""
+
+    number: int
+    """Number of files done, this one included."""
+    count: int
+    name: str
+    outcome: str
+    """``unchanged``, ``done``, or the error."""
+
+
+@dataclass(frozen=True)
+class BatchResult:
+    """Records of all files of a batch, in the order of their names."""
+
+    out: Path
+    records: tuple[Record, ...]
+    unchanged: int
+
+    @property
+    def failed(self) -> int:
+        """Number of files that could not be adapted."""
+        return sum("error" in record for record in self.records)
+
+    @property
+    def adapted(self) -> int:
+        """Number of files that were adapted now."""
+        return len(self.records) - self.unchanged - self.failed
+
+    @property
+    def words(self) -> str:
+        """Sentence for people."""
+        return (
+            f"{counted(len(self.records), 'file')}: {self.adapted} adapted, {self.unchanged} unchanged,"
+            f" {self.failed} failed."
+        )
+
+    @property
+    def table(self) -> Path:
+        """Summary for other programs."""
+        return self.out / TABLE
+
+    @property
+    def page(self) -> Path:
+        """Summary for people."""
+        return self.out / PAGE
+
+
+def run_batch(
+    settings: BatchSettings, told: Callable[[FileDone], object], waited: Callable[[], object] = lambda: None
+) -> BatchResult:
+    """Adapt captures without a current result, and write the summary.
+
+    ``told`` hears each file, ``waited`` is called some times a second. When one of them raises, the workers end, and
+    the summary has what is done; a later run goes on from there. Raises StudioError for folders and characters that
+    cannot be used; an error in one file is its record.
+    """
+    settings.adapt.cast()  # what is missing is told before any work
+    jobs = find_jobs(settings.source, settings.out, settings.adapt)
+    _refuse_others_folder(settings)
+    make_folder(settings.out / REPORTS)
+    records = {job.name: record for job in jobs if (record := done_before(job)) is not None}
+    unchanged = len(records)
+    try:
+        for number, name in enumerate(records, 1):
+            told(FileDone(number, len(jobs), name, "unchanged"))
+        waiting = [job for job in jobs if job.name not in records]
+        with closing(_run(waiting, settings, waited)) as done:
+            for record in done:
+                records[record["name"]] = record
+                told(FileDone(len(records), len(jobs), record["name"], record.get("error") or "done"))
+    finally:
+        ordered = tuple(records[job.name] for job in jobs if job.name in records)
+        write_summary(settings.out, ordered)
+    return BatchResult(settings.out, ordered, unchanged)
+
+
+def _run(
+    jobs: Sequence[BatchJob], settings: BatchSettings, waited: Callable[[], object]
+) -> Generator[Record, None, None]:
+    if not jobs:
+        return
+    if settings.scheduler is None:
+        yield from run_here(jobs, settings.workers, waited)
+    else:
+        yield from run_there(jobs, settings.scheduler, waited)
+
+
+def _refuse_others_folder(settings: BatchSettings) -> None:
+    """Raise StudioError if the folder holds files that no batch has written, as one might be replaced."""
+    out = settings.out
+    if out.is_dir() and any(out.iterdir()) and not (out / REPORTS).is_dir() and not settings.overwrite:
+        raise StudioError(
+            f"'{out}' holds files that no batch has written. Choose another folder, or have those of its names replaced"
+            " with --overwrite."
+        )
