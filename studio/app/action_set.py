@@ -127,7 +127,7 @@ class ActionSet(QObject):
             try:
                 row.run(self._bench)
             except StudioError as error:
-                self._bench.said.emit(str(error))
+                self._bench.say(str(error))
             self.refresh()
 
         return run

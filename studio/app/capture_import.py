@@ -204,7 +204,7 @@ def read_again(
             if motion.path is not None:
                 bench.sources[capture_id] = motion.path
                 if old.digest not in ("", motion.capture.digest):
-                    bench.said.emit(f"The content of {motion.path} has changed since it was read before.")
+                    bench.say(f"The content of {motion.path} has changed since it was read before.")
 
     def missed(error: StudioError) -> None:
         if isinstance(error, SourceMissing):
@@ -221,13 +221,13 @@ def tell_repairs(bench: Workbench, capture_id: str) -> None:
     if capture.markers is not None and capture.body_map is None:
         ask = ("Markers…", lambda: bench.window.inspector.markers_wanted.emit(capture_id))
         held = next(guess.reason for guess in capture.guesses if guess.subject == "marker map").partition(".")[0]
-        bench.window.strip.say(f"No body was found in {capture.source}. {held}: label its markers.", ask)
+        bench.say(f"No body was found in {capture.source}. {held}: label its markers.", ask)
         return
     if not capture.repairs:
-        bench.window.strip.clear()
+        bench.clear_message()
         return
     report = ("Import report", lambda: bench.document.selection.set(("captures", capture_id)))
-    bench.window.strip.say(repair_words(capture), report, ("Close", bench.window.strip.clear))
+    bench.say(repair_words(capture), report, ("Close", bench.clear_message))
 
 
 def repair_words(capture: Capture) -> str:
@@ -269,7 +269,7 @@ def tell_corrections(bench: Workbench, capture_id: str) -> None:
             read_again(bench, capture_id, GUESS_ALL, f"Read {capture.name} as guessed")
 
     sentence = f"{capture.source} was read as you corrected its kind of file before: {words(corrections)}."
-    bench.window.strip.say(sentence, ("Keep", bench.window.strip.clear), ("Guess again", guess))
+    bench.say(sentence, ("Keep", bench.clear_message), ("Guess again", guess))
 
 
 def show_motion(document: Document) -> None:

@@ -118,15 +118,15 @@ def _tell(bench: Workbench, path: Path, read: ReadCharacter) -> None:
         sentences.append(f"{path.name} was read with {count} repair{'' if count == 1 else 's'}: {first}")
     elif daring:
         sentences.append(f"{path.name} was read; guessed {' '.join(daring)}")
-    actions: list[tuple[str, Callable[[], object]]] = [("Close", bench.window.strip.clear)]
+    actions: list[tuple[str, Callable[[], object]]] = [("Close", bench.clear_message)]
     sentences += [f"Warning: {remark.sentence}" for remark in remarks_on_body(read.character.build)]
     if read.moves:
         sentences.append("The file holds a motion too." if sentences else f"{path.name} holds a motion too.")
         actions.insert(0, ("Import its motion", lambda: import_motion(bench, path)))
     if sentences:
-        bench.window.strip.say(" ".join(sentences), *actions)
+        bench.say(" ".join(sentences), *actions)
     else:
-        bench.window.strip.clear()
+        bench.clear_message()
 
 
 def is_daring(guess: Guess) -> bool:

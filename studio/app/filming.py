@@ -58,7 +58,7 @@ def film(bench: Workbench, path: Path, size: tuple[int, int], frame_rate: float)
                 _follow(renderer, progress)
         return [path]
 
-    task: int = bench.runner.run("Film", work, lambda written: bench.said.emit(words_of(written)))
+    task: int = bench.runner.run("Film", work, lambda written: bench.say(words_of(written)))
     return task
 
 

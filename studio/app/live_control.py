@@ -109,7 +109,7 @@ class LiveControl:
         try:
             feeder = UdpInput(Inbox(), port, address)
         except StudioError as error:
-            self.bench.said.emit(str(error))
+            self.bench.say(str(error))
             return
         feeder.kept = self.recorder.keep if self.recorder else None
         self._add(LiveSource(f"Port {feeder.port}", feeder))
@@ -119,11 +119,11 @@ class LiveControl:
         try:
             replay = Replay(path, Inbox())
         except StudioError as error:
-            self.bench.said.emit(str(error))
+            self.bench.say(str(error))
             return
         self._add(LiveSource(path.name, replay))
         if replay.problem:
-            self.bench.said.emit(replay.problem)
+            self.bench.say(replay.problem)
 
     def record(self, path: Path) -> None:
         """Write all that is listened to into a file, and into no other any more, until it is asked to stop."""
@@ -131,7 +131,7 @@ class LiveControl:
         try:
             self.recorder = Recorder(path)
         except StudioError as error:
-            self.bench.said.emit(str(error))
+            self.bench.say(str(error))
             return
         self._keep_by(self.recorder)
         self.tell()
@@ -144,7 +144,7 @@ class LiveControl:
         self._keep_by(None)
         recorder.close()
         packets = "packet" if recorder.count == 1 else "packets"
-        self.bench.said.emit(recorder.problem or f"{recorder.path.name} holds {recorder.count} {packets}.")
+        self.bench.say(recorder.problem or f"{recorder.path.name} holds {recorder.count} {packets}.")
         self.tell()
 
     def close_source(self, key: str) -> None:
@@ -260,7 +260,7 @@ class LiveControl:
         """Let the head that is followed look at the stage through the screen, as from the camera where it is now."""
         place = self._head()
         if on and place is None:
-            self.bench.said.emit(
+            self.bench.say(
                 "No head is being tracked. In the Live panel, listen to a port and choose the head to follow."
             )
             return

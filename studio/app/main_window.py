@@ -266,7 +266,7 @@ class MainWindow(QMainWindow):
         self.behaviour.wanted.connect(lambda key: self.actions_by_id.by_id[key].trigger())
         self.console = Console(self.bench.document)
         self.problem_search = ProblemSearch(self.bench.document, self.bench.live, self)
-        self.problem_search.failed.connect(self.bench.said)
+        self.problem_search.failed.connect(self.bench.say)
         self.problem_tour = ProblemTour(self.bench, self.problem_search, self)
         self.problems = ProblemTable(self.problem_search)
         self.problems.chosen.connect(self.problem_tour.show)
@@ -317,7 +317,7 @@ class MainWindow(QMainWindow):
 
     def _connect(self) -> None:
         bench, document, runner = self.bench, self.bench.document, self.bench.runner
-        bench.said.connect(self.strip.say)
+        bench.said.connect(self.strip.show_message)
         self.live_playing = LivePlaying(bench, self)
         bench.live.play.state_changed.connect(self.behaviour.show_running)
         document.saved_state_changed.connect(self._saved_state_changed)
@@ -379,7 +379,7 @@ class MainWindow(QMainWindow):
         try:
             capture_import.reimport(self.bench, capture_id, option)
         except StudioError as error:
-            self.strip.say(str(error))
+            self.bench.say(str(error))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """A click beside everything takes the keyboard out of a field."""
@@ -410,7 +410,7 @@ class MainWindow(QMainWindow):
             try:
                 files.open_path(self.bench, path)
             except StudioError as error:
-                self.strip.say(str(error))
+                self.bench.say(str(error))
 
     def showEvent(self, event: QShowEvent) -> None:
         """Docks take their measures only once there is a window."""

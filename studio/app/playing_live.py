@@ -98,13 +98,13 @@ def toggle(bench: Workbench) -> None:
         bench.live.play.end()
         return
     if not bench.live.play.begin():
-        bench.said.emit("The solver is still being prepared. Play live as soon as the bar below is gone.")
+        bench.say("The solver is still being prepared. Play live as soon as the bar below is gone.")
         return
     active = bench.document.active_performer_id or ""
     names = [_name(bench.document.project, clip) for clip in clips_of(bench.document.project, active)]
     own = [f"{number}: {name} (selected body)." for number, name in enumerate(names[:9], 1)]
     heard = [f"{key}: {', '.join(states).lower()}." for key, states in keys_of(bench.document.project).items()]
-    bench.said.emit(" ".join(["The stage plays live.", *own, *heard, "R: record. Esc: end."]))
+    bench.say(" ".join(["The stage plays live.", *own, *heard, "R: record. Esc: end."]))
 
 
 def record(bench: Workbench) -> None:
@@ -132,7 +132,7 @@ def put_take(bench: Workbench, take: StageTake) -> None:
     document.playhead.set_range(round(begin * rate), round((begin + take.end - take.begin) * rate))
     document.playhead.set_time(begin)
     clips = sum(len(each.clips) for each in rows)
-    bench.said.emit(
+    bench.say(
         f"Recorded {take.end - take.begin:.1f} s: {clips} clips of {len(rows)} performers are their rows now."
         " Undo gives back what was there."
     )

@@ -29,7 +29,7 @@ def show_plug_in(window: "MainWindow", offer: plug_ins.Offer) -> None:
         try:
             dock = _dock(window, offer)
         except StudioError as error:
-            window.strip.say(str(error))
+            window.bench.say(str(error))
             return
         dock.setObjectName(key)
         window.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, dock)

@@ -96,7 +96,7 @@ class PoseLibrary:
         try:
             work()
         except StudioError as error:
-            self._bench.said.emit(str(error))
+            self._bench.say(str(error))
 
 
 def _hips_height(shown: Posed) -> float:

@@ -42,7 +42,7 @@ class ProblemTour(QObject):
             return
         if not problems:
             self._at = None
-            self._bench.said.emit("No problems: every constraint holds, and nothing slides, sinks in or pops.")
+            self._bench.say("No problems: every constraint holds, and nothing slides, sinks in or pops.")
             return
         places = {each.key: place for place, each in enumerate(problems)}
         at = places.get(self._at) if self._at is not None else None
@@ -52,4 +52,4 @@ class ProblemTour(QObject):
         problem = problems[place]
         self._at = problem.key
         self.show(problem.row, problem.aspect)
-        self._bench.said.emit(f"Problem {place + 1} of {len(problems)}. {problem.sentence}.")
+        self._bench.say(f"Problem {place + 1} of {len(problems)}. {problem.sentence}.")

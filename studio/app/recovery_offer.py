@@ -13,11 +13,11 @@ def offer(bench: Workbench, folder: Path) -> None:
     bench.journals = folder
     try:
         for sentence in put_damaged_aside(folder):
-            bench.document.problem.emit(sentence)
+            bench.say(sentence)
         sessions = recoverable_sessions(folder)
         tidy(folder)
     except OSError as error:
-        bench.document.problem.emit(f"Earlier work in '{folder}' cannot be looked for: {error.strerror}.")
+        bench.say(f"Earlier work in '{folder}' cannot be looked for: {error.strerror}.")
         return
     if sessions:
         bench.window.recovery.offer(words_of(sessions[0]), lambda: _recover(bench, sessions[0]))

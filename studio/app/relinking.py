@@ -52,7 +52,7 @@ def relink(bench: Workbench, capture_id: str) -> int:
     def found(source: SourceFile) -> None:
         link(bench, capture_id, source)
         other = ("Choose another…", lambda: ask_source(bench, capture_id))
-        bench.window.strip.say(_words(bench, capture_id, source), ("Close", bench.window.strip.clear), other)
+        bench.say(_words(bench, capture_id, source), ("Close", bench.clear_message), other)
 
     task: int = bench.runner.run(f"Looking for {capture.source}", finder(bench, capture_id), found, missed)
     return task
@@ -61,7 +61,7 @@ def relink(bench: Workbench, capture_id: str) -> int:
 def offer_relinking(bench: Workbench, capture_id: str, error: StudioError, then: Callable[[], object]) -> None:
     """Tell that a source is missing, with a button that asks for it and goes on with ``then``."""
     ask = ("Relink…", lambda: ask_source(bench, capture_id, then))
-    bench.window.strip.say(str(error), ask, ("Close", bench.window.strip.clear))
+    bench.say(str(error), ask, ("Close", bench.clear_message))
 
 
 def ask_source(bench: Workbench, capture_id: str, then: Callable[[], object] = lambda: None) -> None:
@@ -73,7 +73,7 @@ def ask_source(bench: Workbench, capture_id: str, then: Callable[[], object] = l
     def chosen(path: Path) -> None:
         def linked(source: SourceFile) -> None:
             link(bench, capture_id, source)
-            bench.said.emit(_words(bench, capture_id, source))
+            bench.say(_words(bench, capture_id, source))
             then()
 
         bench.runner.run(f"Relinking {capture.name}", lambda _: SourceFile(path, digest_of(path)), linked)

@@ -71,7 +71,7 @@ def open_scene(bench: Workbench, scene: BundledScene) -> None:
         if bench.document.revision != revision:
             return  # as above
         bench.document.new(project)
-        bench.said.emit(scene.text)
+        bench.say(scene.text)
         bench.document.playhead.play()
 
     bench.runner.run(f"Opening {scene.title.lower()}", lambda _progress: scene.make(), show)

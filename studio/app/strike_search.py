@@ -110,7 +110,7 @@ class Striking:
             self.search_in(library)
             words = f"{remarks} {_told(report, folder)}".strip()
             if words:
-                self.bench.said.emit(words)
+                self.bench.say(words)
 
         task: int = self.bench.runner.run(f"Indexing {folder.name}", work, done)
         return task
@@ -136,7 +136,7 @@ class Striking:
             library, remarks = answer
             self.search_in(library)
             if remarks:
-                self.bench.said.emit(remarks)
+                self.bench.say(remarks)
 
         self.bench.runner.run("Opening the motion library", work, done)
 
@@ -152,7 +152,7 @@ class Striking:
         try:
             self._play(self._wish(self.listed[place], key, document.playhead.time if time is None else time))
         except StudioError as error:
-            self.bench.said.emit(str(error))
+            self.bench.say(str(error))
 
     def _play(self, wish: Wish) -> None:
         path = wish.found.clip.take.path

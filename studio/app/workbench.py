@@ -11,6 +11,7 @@ from studio.app.settings import Settings
 from studio.document.document import Document
 from studio.engine.live_adaptation import LiveAdaptation
 from studio.engine.tasks import TaskRunner
+from studio.panels.message_strip import Answer, Message
 
 # Both views load what a window can be shown without; the window loads this module.
 if TYPE_CHECKING:
@@ -25,8 +26,8 @@ class Workbench(QObject):
     window: "MainWindow"
     """The one window, which enters itself when it is made."""
 
-    said = Signal(str)
-    """A sentence for the message strip."""
+    said = Signal(Message)
+    """What the window tells the user, whoever says it; an empty one takes the last away."""
     views_changed = Signal()
 
     def __init__(self, document: Document, live: LiveAdaptation, runner: TaskRunner, settings: Settings) -> None:
@@ -44,8 +45,16 @@ class Workbench(QObject):
         # What is connected to them would keep them, and all that they hold, for good: they go with their parent.
         for part in (document, live, runner):
             part.setParent(self)
-        document.problem.connect(self.said)
-        runner.failed.connect(lambda _, sentence: self.said.emit(sentence))
+        document.problem.connect(self.say)
+        runner.failed.connect(lambda _, sentence: self.say(sentence))
+
+    def say(self, sentence: str, *answers: Answer) -> None:
+        """Tell the user a sentence, with buttons for the answers to it."""
+        self.said.emit(Message(sentence, answers))
+
+    def clear_message(self) -> None:
+        """Take away what was said last."""
+        self.said.emit(Message("", ()))
 
     @property
     def has_viewport(self) -> bool:

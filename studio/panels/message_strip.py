@@ -1,6 +1,7 @@
 """The line under the viewport that says what went wrong, and the quiet bar that offers a choice. Never modal."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from PySide6.QtCore import QEvent, Qt, Signal
 from PySide6.QtGui import QKeyEvent
@@ -9,6 +10,16 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QWi
 from studio.panels.fields import press_button
 
 Answer = tuple[str, Callable[[], object]]
+
+
+@dataclass(frozen=True)
+class Message:
+    """Sentence for the user, and the buttons beside it."""
+
+    sentence: str
+    answers: tuple[Answer, ...] = ()
+
+
 PRESSING = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 
 
@@ -48,6 +59,13 @@ class MessageStrip(QWidget):
         self._label.setText(sentence)
         self.setAccessibleName(sentence)
         self.show()
+
+    def show_message(self, message: Message) -> None:
+        """Show a message; an empty one takes the last away."""
+        if message.sentence:
+            self.say(message.sentence, *message.answers)
+        else:
+            self.clear()
 
     def ask(self, sentence: str, *answers: Answer) -> None:
         """``say`` with the keyboard on the first answer: Tab goes on, Enter presses, Esc presses the last one."""

@@ -180,7 +180,7 @@ def test_closing_leaves_no_thread_and_no_timer(qtbot, tmp_path):
 
 
 def test_a_fault_in_an_action_is_told_and_does_not_stop_the_studio(qtbot, window):
-    window.bench.said.emit("An internal error occurred: KeyError: 'x'.")
+    window.bench.say("An internal error occurred: KeyError: 'x'.")
     assert "internal error" in window.strip.text
     QTest.keyClick(window, Qt.Key.Key_Escape)
     assert window.strip.text == ""
@@ -376,7 +376,7 @@ def test_without_earlier_work_that_is_said(qtbot, window, tmp_path):
 
 def test_an_exception_that_nobody_caught_is_a_sentence_in_the_strip(qtbot, window):
     hooks = ProblemHooks()
-    hooks.told.connect(window.bench.said)
+    hooks.told.connect(window.bench.say)
     try:
         sys.excepthook(KeyError, KeyError("hips"), None)
         assert "KeyError: 'hips'" in window.strip.text

@@ -164,7 +164,7 @@ def test_new_constraints_act_for_the_whole_clip_if_that_is_preferred(studio):
 
 def test_help_opens_the_guide_or_says_where_it_is(window, monkeypatch):
     opened, said = [], []
-    window.bench.said.connect(said.append)
+    window.bench.said.connect(lambda message: said.append(message.sentence))
     monkeypatch.setattr(QDesktopServices, "openUrl", lambda url: opened.append(url.toLocalFile()) or len(opened) == 1)
     QTest.keyClick(window, Qt.Key.Key_F1)
     assert opened == [str(guide_file())]

@@ -82,7 +82,7 @@ def test_problems_are_in_the_order_of_their_weight_and_each_is_named_once(stage)
 def test_next_problem_goes_to_the_worst_then_on_and_previous_back(stage, qtbot):
     document, _, search, bench, tour, _ = stage
     said = []
-    bench.said.connect(said.append)
+    bench.said.connect(lambda message: said.append(message.sentence))
     with qtbot.waitSignal(search.found, timeout=PATIENCE):
         tour.go(1)
     first = search.problems[0]
@@ -106,7 +106,7 @@ def test_a_problem_that_is_mended_leaves_the_tour_and_the_worst_that_remains_is_
     document.replace("constraints", "far", off, "Turn off")
     live.told_changed.emit()
     said = []
-    bench.said.connect(said.append)
+    bench.said.connect(lambda message: said.append(message.sentence))
     with qtbot.waitSignal(search.found, timeout=PATIENCE):
         tour.go(1)
     assert said[-1].startswith("Problem 1 of")

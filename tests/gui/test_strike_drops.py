@@ -80,7 +80,7 @@ def test_a_frozen_target_is_hit_where_it_was_when_it_was_asked(striking, window,
 
 def test_a_face_can_be_struck_but_not_ones_own(striking, window, qtbot):
     said = []
-    window.bench.said.connect(said.append)
+    window.bench.said.connect(lambda message: said.append(message.sentence))
     document, panel = window.bench.document, striking.panel
     one, other = list(document.project.performers)[:2]
     striker = replace(document.project.performers[other], position=(0.0, 0.0), heading=0.0)

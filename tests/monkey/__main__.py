@@ -20,9 +20,13 @@ import traceback
 import warnings
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tests.monkey.events import Monkey
 from tests.monkey.report import GAP, Clock, Report, resident
+
+if TYPE_CHECKING:
+    from studio.panels.message_strip import Message
 
 EVENTS, ROUND = 100_000, 1000
 BEAT, PATIENCE = 20, 0.3
@@ -74,10 +78,10 @@ class Soak:
         if "plugin does not support" not in text:
             self.fault(f"{text}\n{''.join(traceback.format_stack())}")
 
-    def said(self, sentence: str) -> None:
+    def said(self, message: "Message") -> None:
         """Only what is no sentence for the user: that was logged, with its stack, or comes from a task."""
-        if FAULT in sentence:
-            self.fault(sentence)
+        if FAULT in message.sentence:
+            self.fault(message.sentence)
 
     def open(self) -> None:
         """A window with its real engine, journal and views."""

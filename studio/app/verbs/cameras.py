@@ -24,7 +24,7 @@ def store(slot: int) -> Callable[[Workbench], None]:
 
     def run(bench: Workbench) -> None:
         camera_id = store_camera(bench.document, bench.viewport.placement, slot)
-        bench.said.emit(f"The view is stored as {bench.document.project.cameras[camera_id].name}.")
+        bench.say(f"The view is stored as {bench.document.project.cameras[camera_id].name}.")
 
     return run
 

@@ -22,7 +22,7 @@ def adder(kind: str) -> Callable[[Workbench], None]:
         if bench.viewport.add_constraint_at_pick(kind) is None:
             raise StudioError(NO_JOINT)
         if bench.window.strip.text == NO_JOINT:
-            bench.window.strip.clear()
+            bench.clear_message()
 
     return add
 
@@ -61,7 +61,7 @@ def put_area_mesh(bench: Workbench, path: Path) -> None:
         if isinstance(area, AreaConstraint):
             new = replace(area, shape=AreaShape.MESH, mesh=file.mesh)
             bench.document.replace("constraints", area_id, new, f"Load {path.name} for {area.name}")
-            bench.said.emit(f"{path.name}: {file.guesses}.")
+            bench.say(f"{path.name}: {file.guesses}.")
 
     bench.runner.run(f"Reading {path.name}", lambda progress: read_mesh(path), done)
 

@@ -161,7 +161,7 @@ def escape(bench: Workbench) -> None:
     if view is not None and (view.cancel_gesture() or view.joint_picked is not None):
         view.pick(None)
     elif bench.window.strip.text:
-        bench.window.strip.clear()
+        bench.clear_message()
     else:
         bench.document.selection.clear()
 

@@ -99,12 +99,12 @@ def save_to(bench: Workbench, path: Path, overwrite: bool = False) -> None:
 
     def saved() -> None:
         bench.settings.remember(path)
-        bench.window.strip.clear()
+        bench.clear_message()
 
     def refused(error: StudioError) -> None:
         if isinstance(error, ChangedOnDisk):
             again = ("Save anyway", lambda: save_to(bench, path, overwrite=True))
-            bench.window.strip.say(str(error), ("Save as…", lambda: save_as(bench)), again, ("Close", lambda: None))
+            bench.say(str(error), ("Save as…", lambda: save_as(bench)), again, ("Close", lambda: None))
 
     save_in_background(bench.document, bench.runner, path, overwrite=overwrite, on_saved=saved, on_error=refused)
 

@@ -83,7 +83,7 @@ def _add(bench: Workbench, prop: Prop) -> None:
     else:
         prop = _grasped(_as_broad(prop, grasp.holder), grasp)
         frame = round(grasp.seconds * document.playhead.frame_rate)
-        bench.said.emit(f"The motion holds a thing at frame {frame}: {prop.name} is there. Pick it up at that frame.")
+        bench.say(f"The motion holds a thing at frame {frame}: {prop.name} is there. Pick it up at that frame.")
     name = free_name(prop.name, {each.name for each in document.project.props.values()})
     document.selection.set(("props", document.add("props", replace(prop, name=name), f"Add {name}")))
 
@@ -127,7 +127,7 @@ def add_mesh(bench: Workbench, path: Path) -> None:
 
     def done(file: MeshFile) -> None:
         _add(bench, Prop(path.stem, extent(file.mesh), shape=PropShape.MESH, mesh=file.mesh))
-        bench.said.emit(f"{path.name}: {file.guesses}.")
+        bench.say(f"{path.name}: {file.guesses}.")
 
     bench.runner.run(f"Reading {path.name}", lambda progress: read_mesh(path), done)
 
@@ -263,11 +263,9 @@ def _in_reach(bench: Workbench, prop: Prop, holder: Posed, begin: float, grasp: 
     if isinstance(prop.position, KeyedPlace) and isinstance(nearer.position, tuple):
         nearer = replace(prop, position=prop.position.with_key(begin, nearer.position))
     elif not lies:
-        bench.said.emit(f"{prop.name} is {beyond:.1f} m away: the hands do not reach it. Move it closer.")
+        bench.say(f"{prop.name} is {beyond:.1f} m away: the hands do not reach it. Move it closer.")
         return prop
-    bench.said.emit(
-        f"{prop.name} was {beyond:.1f} m away, beyond reach: it was moved ahead of {holder.performer.name}."
-    )
+    bench.say(f"{prop.name} was {beyond:.1f} m away, beyond reach: it was moved ahead of {holder.performer.name}.")
     return nearer
 
 

@@ -20,6 +20,6 @@ def add_sound(bench: Workbench, path: Path) -> None:
     def done(sound: SoundTrack) -> None:
         sound_id = bench.document.add("sounds", sound, f"Add {sound.name}")
         bench.document.selection.set(("sounds", sound_id))
-        bench.said.emit(f"{path.name}: {len(sound.beats)} beats found. Keys and contacts snap to them.")
+        bench.say(f"{path.name}: {len(sound.beats)} beats found. Keys and contacts snap to them.")
 
     bench.runner.run(f"Reading {path.name}", lambda progress: read_sound(path, lambda: progress(0.0, path.name)), done)
