@@ -3,6 +3,7 @@
 A metre is then known to a ten-thousandth of a millimetre, a turn to some millionths of a degree.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,23 +13,52 @@ FloatArray = NDArray[np.float64]
 
 
 class Single:
-    """Numbers of any shape; whatever is read of them by an index is a new array of 64 bits."""
+    """Numbers of any shape; whatever is read of them by an index is a new array of 64 bits.
 
-    def __init__(self, numbers: FloatArray | NDArray[np.float32]) -> None:
-        """Arrays of 32 bits are taken as they are."""
+    A copy shares all rows with the original but those that are written to it: a body of which something is asked for
+    some seconds costs these seconds, not its whole take.
+    """
+
+    def __init__(
+        self, numbers: FloatArray | NDArray[np.float32], written: Sequence[tuple[int, NDArray[np.float32]]] = ()
+    ) -> None:
+        """Arrays of 32 bits are taken as they are, and never written to; ``written`` are rows that replace theirs, each
+        by the number of its first row, later ones those before.
+        """
         self._kept = np.asarray(numbers, dtype=np.float32)
+        self._written = tuple(written)
 
     def __getitem__(self, index: Any) -> FloatArray:
-        return np.asarray(self._kept[index], dtype=np.float64)
+        rows, *columns = index if isinstance(index, tuple) else (index,)
+        if self._written and isinstance(rows, int | np.integer):
+            row = range(len(self))[rows]
+            return np.asarray(self[row : row + 1][(0, *columns)])
+        if self._written and isinstance(rows, slice) and rows.step in (None, 1) and all(map(_is_basic, columns)):
+            part = self.part(rows)
+            found = part._kept[:, *columns].astype(np.float64)
+            for first, numbers in part._written:
+                found[first : first + len(numbers)] = numbers[:, *columns]
+            return found
+        return np.asarray(self._whole()[index], dtype=np.float64)
 
     def __setitem__(self, index: Any, numbers: FloatArray) -> None:
-        self._kept[index] = numbers
+        if isinstance(index, slice) and index.step in (None, 1):
+            first, last, _ = index.indices(len(self))
+            rows = np.array(np.broadcast_to(numbers, (max(last - first, 0), *self.shape[1:])), dtype=np.float32)
+            if len(rows) == len(self):
+                self._kept, self._written = rows, ()
+            elif len(rows):
+                self._written = (*self._written, (first, rows))
+            return
+        whole = self._whole().copy()
+        whole[index] = numbers
+        self._kept, self._written = whole, ()
 
     def __len__(self) -> int:
         return len(self._kept)
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
-        return self._kept.astype(dtype or np.float64)
+        return self._whole().astype(dtype or np.float64)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -36,11 +66,30 @@ class Single:
 
     def copy(self) -> "Single":
         """The same numbers, to be changed."""
-        return Single(self._kept.copy())
+        return Single(self._kept, self._written)
 
     def part(self, rows: slice) -> "Single":
-        """Some rows, in place."""
-        return Single(self._kept[rows])
+        """Some rows, without a copy."""
+        first, last, _ = rows.indices(len(self))
+        written = [
+            (max(begin - first, 0), numbers[max(first - begin, 0) : max(last - begin, 0)])
+            for begin, numbers in self._written
+            if begin < last and begin + len(numbers) > first
+        ]
+        return Single(self._kept[rows], written)
+
+    def _whole(self) -> NDArray[np.float32]:
+        """All numbers in one array, not to be written to."""
+        if not self._written:
+            return self._kept
+        whole = self._kept.copy()
+        for first, numbers in self._written:
+            whole[first : first + len(numbers)] = numbers
+        return whole
+
+
+def _is_basic(index: Any) -> bool:
+    return isinstance(index, int | np.integer | slice)
 
 
 PoseArray = FloatArray | Single
@@ -48,7 +97,7 @@ PoseArray = FloatArray | Single
 
 
 def part_of(numbers: PoseArray, rows: slice) -> PoseArray:
-    """Some rows of an array, in place."""
+    """Some rows of an array, without a copy."""
     return numbers.part(rows) if isinstance(numbers, Single) else numbers[rows]
 
 

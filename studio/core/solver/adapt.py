@@ -79,7 +79,7 @@ def hold(
     self_contact = self_contact if self_contact and self_contact.rooms else None
     if self_contact:
         fraction = self_contact.beside(fraction)
-    positions, rotations = positions[:].copy(), rotations[:].copy()
+    positions, rotations = positions.copy(), rotations.copy()
     residuals, acting = np.full((len(constraints), len(positions)), np.nan), np.asarray(activations.any(axis=1))
     asked = [constraint for constraint, acts in zip(constraints, acting, strict=True) if acts]
     window_of = partial(SolvedWindow, standing, asked, activations[acting], tracks, bound)
