@@ -13,7 +13,7 @@ Answer = tuple[str, Callable[[], object]]
 
 
 @dataclass(frozen=True)
-class Message:
+class UserMessage:
     """Sentence for the user, and the buttons beside it."""
 
     sentence: str
@@ -60,7 +60,7 @@ class MessageStrip(QWidget):
         self.setAccessibleName(sentence)
         self.show()
 
-    def show_message(self, message: Message) -> None:
+    def show_message(self, message: UserMessage) -> None:
         """Show a message; an empty one takes the last away."""
         if message.sentence:
             self.say(message.sentence, *message.answers)

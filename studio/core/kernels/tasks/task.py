@@ -21,7 +21,7 @@ away, to its rotation.
 """
 
 PRIORITY_TOLERANCE = 2e-4
-"""Greatest change, in metres or radians, of a residual by all lower levels (METHOD 6, "The law"); the tolerances of
+"""Greatest change, in metres or radians, of a residual by all lower levels (METHOD 9, "The law"); the tolerances of
 tasks that are met, held or at rest are fractions of it.
 """
 

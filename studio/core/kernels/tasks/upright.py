@@ -1,7 +1,7 @@
 """Keep-upright tasks: an axis of a segment within a cone about a direction; the rotation about the direction is free.
 
 A record of ``kernels.tasks.task`` has the axis, in the segment's own axes, in ``offsets[1]``, the direction in
-``goal_positions[1]`` and the greatest lean at this frame, in radians, in ``goal_distance`` (METHOD 5).
+``goal_positions[1]`` and the greatest lean at this frame, in radians, in ``goal_distance`` (METHOD 7).
 """
 
 import math
