@@ -15,7 +15,7 @@ from studio.core.errors import StudioError
 from studio.core.rotations import IDENTITY_QUATERNION, from_matrix, multiply
 from studio.core.stage.placement import Placement
 from studio.io.export import Take, skin_of
-from studio.io.export_choices import JOINTED, REST_POSES, ROOTS, SKELETAL
+from studio.io.export_choices import JOINTED, REST_POSES, RESTING, ROOTLESS, ROOTS, SKELETAL
 from studio.io.joint_names import with_joint_names
 from studio.io.takes.own_rig import has_own_rig, on_own_rig
 
@@ -55,11 +55,14 @@ class ExportOptions:
 
     def check(self, path: Path) -> None:
         """Raise StudioError where a choice does not fit the kind of file that ``path`` is."""
-        if self.rest_pose and path.suffix.lower() not in SKELETAL:
-            raise StudioError(f"{path.name} has no rest pose to choose. Skeletons have: {', '.join(SKELETAL)}.")
+        suffix = path.suffix.lower()
+        if self.rest_pose and suffix not in RESTING:
+            raise StudioError(f"{path.name} has no rest pose to choose. Skeletons have: {', '.join(RESTING)}.")
         for name, value, known in (("rest pose", self.rest_pose, REST_POSES), ("root", self.root, ROOTS)):
             if value and value not in known:
                 raise StudioError(f"There is no {name} '{value}'. Choose {', '.join(filter(None, known))}.")
+        if self.root == "floor" and suffix in ROOTLESS:
+            raise StudioError(f"{path.name} has no root joint: its hips travel. Choose in-place or none.")
         if self.begin is not None and self.end is not None and self.begin > self.end:
             raise StudioError(f"A range runs from a second to a later one, not from {self.begin:g} to {self.end:g}.")
 

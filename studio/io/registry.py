@@ -214,6 +214,7 @@ OWN_FORMATS = (
         suffixes=(".vrma",),
         sniff="studio.io.gltf.container:is_gltf",
         capture_reader="studio.io.gltf.capture:load_gltf",
+        motion_writer="studio.io.gltf.vrma_writer:write_take",
     ),
     Format(
         name="USD",
