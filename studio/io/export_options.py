@@ -74,6 +74,7 @@ class ExportOptions:
                 f"{path.name}: the constraints of '{take.name}' count from its first frame. Write all of it at its own"
                 " frame rate, or another kind of file."
             )
+        take = self._on_joints(take, path)
         return self._shaped(self._timed(take) if self._is_timed(take) else take, path)
 
     def applied_over(self, take: Take, seconds: FloatArray, frame_rate: float, path: Path) -> Take:
@@ -81,12 +82,16 @@ class ExportOptions:
         holds still.
         """
         self.check(path)
-        return self._shaped(sampled(take, seconds - take.begin, frame_rate), path)
+        return self._shaped(sampled(self._on_joints(take, path), seconds - take.begin, frame_rate), path)
+
+    def _on_joints(self, take: Take, path: Path) -> Take:
+        """The take on the joints that are chosen, frame by frame as it was adapted."""
+        if not self.joint_names and path.suffix.lower() in JOINTED and has_own_rig(take):
+            return on_own_rig(take, path.suffix.lower())
+        return take
 
     def _shaped(self, take: Take, path: Path) -> Take:
-        """The take in its place, with the joints, the zero pose and the names that are chosen."""
-        if not self.joint_names and path.suffix.lower() in JOINTED and has_own_rig(take):
-            take = on_own_rig(take, path.suffix.lower())
+        """The take in its place, with the zero pose, the root and the names that are chosen."""
         if not self.at_origin:
             take = placed(take)
         take = self._from_rest_pose(take, path)

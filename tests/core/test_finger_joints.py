@@ -33,10 +33,16 @@ SPELLINGS = {
     "Biped": ("LFinger0 LFinger01 LFinger02", "LFinger3 LFinger31 LFinger32"),
     "MakeHuman": ("finger1-1.L finger1-2.L finger1-3.L", "finger4-1.L finger4-2.L finger4-3.L"),
     "H-Anim": ("l_thumb1 l_thumb2 l_thumb3", "l_ring_proximal l_ring_middle l_ring_distal"),
+    "VRM 1": ("leftThumbMetacarpal leftThumbProximal leftThumbDistal", "leftRingProximal leftRingMid leftRingDistal"),
+    "H-Anim 4": (
+        "l_carpometacarpal_1 l_metacarpophalangeal_1 l_carpal_interphalangeal_1",
+        "l_carpometacarpal_4 l_metacarpophalangeal_4 l_carpal_proximal_interphalangeal_4"
+        " l_carpal_distal_interphalangeal_4",
+    ),
     "MMD": ("左親指０ 左親指１ 左親指２", "左薬指１ 左薬指２ 左薬指３"),
     "palm without a number": ("LThumb1 LThumb2 LThumb3", "LHandRing LHandRing1 LHandRing2 LHandRing3"),
 }
-IN_PALM = {"LeftInHandRing", "ring_metacarpal_l", "LHandRing"}
+IN_PALM = {"LeftInHandRing", "ring_metacarpal_l", "LHandRing", "l_carpometacarpal_4"}
 
 
 @pytest.mark.parametrize("program", SPELLINGS)

@@ -38,9 +38,10 @@ _WORDS = {
     Digit.RING: r"(?<!st)(?<!sp)ring|薬指",
     Digit.LITTLE: r"pink(y|ie)|little|小指",
 }
-_NUMBERED = re.compile(r"(?:finger|digit)[ _-]?(\d)")
-"""Fingers by number: Biped counts from 0, MakeHuman and Rokoko from 1."""
-_IN_PALM = re.compile(r"carpal|in_?hand")
+_NUMBERED = re.compile(r"(?:finger|digit|phalangeal|carpometacarpal)[ _-]?(\d)")
+"""Fingers by number: Biped counts from 0, MakeHuman, Rokoko and H-Anim from 1."""
+_IN_PALM = re.compile(r"^(?!.*phalangeal).*(carpal|in_?hand)")
+"""Bones in the palm, which only the thumb bends at."""
 
 
 def find_fingers(skeleton: Skeleton, body: BodyMap) -> dict[FingerJoint, int]:
@@ -49,7 +50,8 @@ def find_fingers(skeleton: Skeleton, body: BodyMap) -> dict[FingerJoint, int]:
     for side, part in enumerate((BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)):
         for digit, chain in _chains(skeleton, body[part]).items():
             found |= {FingerJoint(side, digit, place): joint for place, joint in enumerate(chain)}
-    return found
+    digits = list(Digit)
+    return dict(sorted(found.items(), key=lambda item: (item[0].side, digits.index(item[0].digit), item[0].place)))
 
 
 def _chains(skeleton: Skeleton, hand: int) -> Mapping[Digit, list[int]]:
@@ -68,7 +70,7 @@ def _chains(skeleton: Skeleton, hand: int) -> Mapping[Digit, list[int]]:
         digit = words[min(words)] if words else None  # ``ring_middle`` is a ring finger
         if digit is None and joint in numbers and numbers[joint] - first < len(digits):
             digit = digits[numbers[joint] - first]
-        if digit is None or _IN_PALM.search(name):
+        if digit is None or (digit is not Digit.THUMB and _IN_PALM.search(name)):
             continue
         chain = chains.setdefault(digit, [])
         if not chain or chain[-1] in skeleton.path(hand, joint):
