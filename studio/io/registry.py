@@ -219,6 +219,10 @@ OWN_FORMATS = (
     Format(
         name="USD",
         suffixes=(".usd", ".usda", ".usdc", ".usdz"),
+        sniff="studio.io.usd.format:is_usd",
+        capture_reader="studio.io.usd.format:load_capture",
+        character_reader="studio.io.usd.format:load_character",
+        reader="studio.io.usd.format:load_either",
         motion_writer="studio.io.usd.writer:write_take",
         stage_writer="studio.io.usd.writer:write_stage",
     ),
