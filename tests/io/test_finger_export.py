@@ -125,10 +125,8 @@ def test_each_joint_of_each_finger_turns_as_captured_in_every_kind_of_file(take:
     source, path = fist_capture(), tmp_path / f"out{suffix}"
     chosen = ExportOptions().applied_to(take, path)
     write_take(chosen, path)
-    written = load_capture(path).poses if suffix != ".usda" else chosen.poses
-    assert chosen.rest_rotations is not None or suffix == ".bvh"
-    back = load_capture(path) if suffix != ".usda" else chosen.capture
-    assert written.frame_count == source.frame_count
+    back = load_capture(path)
+    assert back.poses.frame_count == source.frame_count
     theirs, own = (find_fingers(each.skeleton, each.body_map) for each in (source, back))
     assert len(own) == len(theirs) == 30
     for finger, joint in own.items():

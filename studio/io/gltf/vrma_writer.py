@@ -33,11 +33,8 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
     between two bones go into the lower one. Raises StudioError where the body has no spine or head.
     """
     progress(0.0, f"Writing {path.name}")
-    if take.capture.body_map is None:
-        raise StudioError(f"'{take.name}' has no body map, so it cannot be a VRM animation. Complete it first.")
-    capture = take.capture if take.character else with_zero_pose(take.capture, t_pose(take.capture))
-    bones = humanoid_joints(capture.skeleton, take.capture.body_map)
-    moving = Take(humanoid_capture(capture, list(bones.values())))
+    capture, bones = humanoid_capture(take)
+    moving = Take(capture)
     scene = GltfScene(take.name, take.frame_rate, take.poses.frame_count)
     scene.add_motion(moving, lambda share: progress(_POSED + (0.8 - _POSED) * share, f"Writing {path.name}"))
     nodes = {bone: {"node": node} for node, bone in enumerate(bones)}
@@ -45,12 +42,17 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
     write_scene(path, scene, progress)
 
 
-def humanoid_capture(capture: Capture, joints: list[int]) -> Capture:
-    """The motion on ``joints`` alone, parents first, the hips before all; at rest they stand on the ground.
+def humanoid_capture(take: Take) -> tuple[Capture, list[str]]:
+    """The motion on joints of a humanoid alone, and the bone of VRM 1 that each is; raises StudioError.
 
-    World rotations, and the position of the first, stay those of ``capture``; the bones between keep the length that
-    they have at rest.
+    At rest it stands in a T-pose on the ground. World rotations, and the positions of the hips, stay those of ``take``;
+    the bones between keep the length that they have at rest.
     """
+    if take.capture.body_map is None:
+        raise StudioError(f"'{take.name}' has no body map, so it cannot be a VRM animation. Complete it first.")
+    capture = take.capture if take.character else with_zero_pose(take.capture, t_pose(take.capture))
+    bones = humanoid_joints(capture.skeleton, take.capture.body_map)
+    joints = list(bones.values())
     skeleton, poses = capture.skeleton, capture.poses
     still = rest_poses(skeleton, np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1)))
     places = joint_world(skeleton, still)[0][0]
@@ -74,10 +76,11 @@ def humanoid_capture(capture: Capture, joints: list[int]) -> Capture:
     translations = np.tile(offsets, (poses.frame_count, 1, 1))
     translations[:, 0] = travel
     names = tuple(skeleton.names[joint] for joint in joints)
-    return replace(
+    humanoid = replace(
         capture,
         skeleton=Skeleton(names, parents, offsets, np.zeros(len(joints), dtype=bool)),
         poses=PoseSequence(rotations, translations),
         body_map=None,
         reference_rotations=np.tile(IDENTITY_QUATERNION, (len(joints), 1)),
     )
+    return humanoid, list(bones)
