@@ -5,8 +5,11 @@ REST_POSES = {"t": "T-pose", "own": "Bind pose"}
 ROOTS = {"": "Hips travel", "floor": "Root joint on floor", "in-place": "In place"}
 """Joints that keep the travel of a body, by key."""
 
-SKELETAL = (".bvh", ".fbx", ".glb", ".gltf", ".usd", ".usda", ".usdc", ".usdz")
-"""Kinds of files that hold a skeleton: a character carries the capture's fingers, props and other joints along in them,
-and they have a zero pose."""
-JOINTED = (*SKELETAL, ".csv", ".npz")
+RESTING = (".bvh", ".fbx", ".glb", ".gltf", ".usd", ".usda", ".usdc", ".usdz")
+"""Kinds of files whose skeleton rests in a pose that can be chosen."""
+SKELETAL = (*RESTING, ".vrma")
+"""Kinds of files that hold a skeleton: a character carries the capture's fingers, props and other joints along."""
+JOINTED = (*RESTING, ".csv", ".npz")
 """Kinds of files that hold any joints; the others hold a body or its markers."""
+ROOTLESS = (".vrma",)
+"""Kinds of files in which nothing but the hips travels."""
