@@ -12,10 +12,11 @@ from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
-from studio.core.solver.adapt import adapt, hold, place_of
+from studio.core.solver.adapt import hold, place_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import stand
 from studio.io.project.character_file import bundled_characters
+from tests.core.grounding import adapt_again
 from tests.core.motions import ALWAYS, target, walk
 from tests.core.reachable import reachable_target
 from tests.core.scenes import KINDS, Scene
@@ -31,7 +32,7 @@ BENT = 0.114
 
 
 def _solved(body: Morphology, *constraints: Constraint) -> AdaptedMotion:
-    return adapt(AdaptRequest(WALK, body, CONTACTS, constraints), 30, 30)
+    return adapt_again(AdaptRequest(WALK, body, CONTACTS, constraints), 30, 30)
 
 
 def _higher(body: Morphology, chain: Chain, random: np.random.Generator) -> PositionConstraint:
