@@ -11,7 +11,7 @@ from studio.app.settings import Settings
 from studio.document.document import Document
 from studio.engine.live_adaptation import LiveAdaptation
 from studio.engine.tasks import TaskRunner
-from studio.panels.message_strip import Answer, Message
+from studio.panels.message_strip import Answer, Lifetime, Message
 
 # Both views load what a window can be shown without; the window loads this module.
 if TYPE_CHECKING:
@@ -48,9 +48,9 @@ class Workbench(QObject):
         document.problem.connect(self.say)
         runner.failed.connect(lambda _, sentence: self.say(sentence))
 
-    def say(self, sentence: str, *answers: Answer) -> None:
-        """Tell the user a sentence, with buttons for the answers to it."""
-        self.said.emit(Message(sentence, answers))
+    def say(self, sentence: str, *answers: Answer, until: Lifetime = Lifetime.CLOSED) -> None:
+        """Tell the user a sentence, with buttons for the answers to it; it goes by itself at the event ``until``."""
+        self.said.emit(Message(sentence, answers, until))
 
     def clear_message(self) -> None:
         """Take away what was said last."""
