@@ -28,6 +28,9 @@ HELD_DISTANCE = 0.3
 CARRIED_AHEAD, CARRIED_HEIGHT = 0.28, 0.2
 """Leg lengths from the root forward to a prop that is carried before the body, and up to its middle, at least."""
 
+FINGERS_RAISED = 2.0 / 3.0
+"""Part of the arms' elevation that the fingers on a prop follow; wrists bend by the rest, and by more once it moves."""
+
 
 @dataclass(frozen=True, eq=False)
 class PropPose:
@@ -206,6 +209,14 @@ def between_hands(
         if ahead < needed:
             held = replace(held, offset=(needed - ahead, -aside, max(CARRIED_HEIGHT - up, 0.0)))
     return replace(held, heading=wrapped(turned * math.pi / 2))
+
+
+def elevation_of_hands(pose: PropPose, holder: Posed) -> float:
+    """Radians by which fingers on a prop are raised: part of the rise from the middle of the shoulders to the prop."""
+    layout = holder.motion.morphology.layout
+    shoulders = holder.points[[layout.collar(side) + 1 for side in range(2)]].mean(axis=0)
+    x, y, z = (pose.place - shoulders).tolist()
+    return FINGERS_RAISED * math.atan2(z, math.hypot(x, y))
 
 
 def takes_lower(prop: Prop, giver: Carried, taker: Carried) -> bool:

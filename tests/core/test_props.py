@@ -268,6 +268,30 @@ def test_a_stick_is_held_by_one_hand_above_the_other_with_both_palms_on_it() -> 
     assert np.nanmax(made.adapted.residuals) < np.radians(10.0)
 
 
+@pytest.mark.parametrize(
+    ("ahead", "up", "elevation"), [(0.35, 1.25, 0.7), (0.15, 1.3, 0.9), (0.42, 0.36, 0.7), (0.6, -0.8, -0.7)]
+)
+def test_palms_lie_on_a_box_overhead_or_on_the_floor_with_fingers_raised_along_the_arms(
+    carry: Project, ahead: float, up: float, elevation: float
+) -> None:
+    """Fingers that point ahead are 81 degrees short on a box at (0.35, 0, 1.25) leg lengths, and 116 at (0.15, 0, 1.3);
+    raised fingers still hold it when it is brought down to the waist.
+    """
+    props = [
+        (key, replace(box, held=replace(box.held, offset=(ahead, 0.0, up))), None) for key, box in carry.props.items()
+    ]
+    project = replace(carry.with_entities("props", props), constraints={})
+    for key, _ in _players(project):
+        asked = grips("walk", key, f"box {key}", project.props[f"box {key}"], (0.0, 20.0), 0, elevation=elevation)
+        rows = [(f"grip {key} {place}", each, None) for place, each in enumerate(asked)]
+        project = project.with_entities("constraints", rows)
+    for each in performed(project).performances.values():
+        rows = zip(each.adapted.residuals, each.request.constraints, strict=True)
+        angles = [row for row, one in rows if one.unit == "rad"]
+        assert len(angles) == 2
+        assert np.nanmax(angles) < np.radians(10.0)
+
+
 def test_a_prop_is_not_put_down_before_it_is_picked_up() -> None:
     with pytest.raises(ValueError, match="later one"):
         Carried("performer 0", begin=2.0, end=1.0)

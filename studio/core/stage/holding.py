@@ -64,24 +64,27 @@ def grips(
     turned: int = 0,
     lower: bool = False,
     reaching: float = HAND_REACH_SECONDS,
+    elevation: float = 0.0,
 ) -> tuple[Constraint, ...]:
     """Both wrists of a performer at the sides of a prop, palms on their middle, over a span of seconds of the motion.
 
     They come there within ``reaching`` seconds before, and leave after. The prop is ``turned`` by quarters about Z from
-    where the performer faces; ``lower`` is for hands that find the middle taken. How the hands are turned comes after
-    where they are.
+    where the performer faces; ``lower`` is for hands that find the middle taken. Fingers point ahead, raised by
+    ``elevation`` radians as the arms are to a prop overhead, where wrists do not bend so far as to point ahead. How the
+    hands are turned comes after where they are.
     """
     begin, end = seconds
     curve = ActivationCurve(begin - reaching, begin, end, end + HAND_REACH_SECONDS)
     scope, words = Scope(performer_id=performer_id), prop.name.lower()
     facing = from_euler("Z", np.array([-turned * math.pi / 2]))
-    palm: Quaternion = tuple(multiply(facing, np.array(FLAT_HAND)).tolist())
+    fingers = multiply(facing, from_euler("Y", np.array([-elevation])))
+    palm: Quaternion = tuple(multiply(fingers, np.array(FLAT_HAND)).tolist())
     asked: list[Constraint] = []
     for side, sign in (("Left", 1.0), ("Right", -1.0)):
         part = side.lower()
         on_side = PositionConstraint(
             motion_id, f"{side} hand on {words}", BodyPoint(BodyPart(f"{part}_forearm"), at_end=True), HOLDING,
-            priority, curve, target=_wrist_on(prop_id, prop, sign, facing, lower), scope=scope,
+            priority, curve, target=_wrist_on(prop_id, prop, sign, fingers, lower), scope=scope,
         )  # fmt: skip
         flat = OrientationConstraint(
             motion_id, f"{side} palm on {words}", BodyPoint(BodyPart(f"{part}_hand")), TURNING, priority + 1, curve,
@@ -91,9 +94,11 @@ def grips(
     return tuple(asked)
 
 
-def _wrist_on(prop_id: str, prop: Prop, sign: float, facing: FloatArray, lower: bool) -> FollowProp:
-    """Place of the left wrist (1) or the right one (-1) on a prop, for who faces so (4,) in its axes."""
-    axes = to_matrix(facing)
+def _wrist_on(prop_id: str, prop: Prop, sign: float, fingers: FloatArray, lower: bool) -> FollowProp:
+    """Place of the left wrist (1) or the right one (-1) on a prop, for hands whose fingers point along x and whose
+    palms look along y after the rotation ``fingers`` (4,) in its axes.
+    """
+    axes = to_matrix(fingers)
     breadth, height = float(np.abs(axes[:, 1]) @ prop.size), prop.size[2]
     share, offset = np.zeros(3), PALM_OFFSET * axes[:, 0]
     if breadth >= THIN:
