@@ -23,10 +23,10 @@ from benchmarks.window_hand import Hand, Move
 from benchmarks.window_parts import Parts
 from benchmarks.window_scene import DRAGGED, long_clip, open_clip, open_window
 from studio.app.main_window import MainWindow
-from studio.core.project import GROUND_ID, Project
 from studio.core.solver.adapt import adapt
 from studio.core.solver.performers.performing import perform
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.stage.project import GROUND_ID, Project
 from studio.engine.live_adaptation import normalised
 from studio.library.scenes.fight import fight_training
 

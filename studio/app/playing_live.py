@@ -10,9 +10,9 @@ from PySide6.QtWidgets import QAbstractSpinBox, QApplication, QComboBox, QLineEd
 
 from studio.app.strike_edit import clips_until
 from studio.app.workbench import Workbench
-from studio.core.project import Entity, Performer, Project, new_id
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import KeyCondition
+from studio.core.stage.project import Entity, Performer, Project, new_id
 from studio.live.recorded_take import StageTake, edits_of
 
 TYPING = (QLineEdit, QAbstractSpinBox, QComboBox, QTextEdit, QPlainTextEdit)

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from studio.app.workbench import Workbench
 from studio.core.mesh.hand_shapes import FIST_GRIP
-from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
+from studio.core.stage.project import Project
 from studio.core.stage.staging import side_by_side, staged
 from studio.io.adapted_file import read_adapted
 from studio.io.project.character_file import bundled_characters

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 from studio.core.errors import StudioError
 from studio.core.names import free_name
-from studio.core.project import Project
 from studio.core.stage import behaviour_edits as edits
 from studio.core.stage.behaviour import Behaviour
+from studio.core.stage.project import Project
 from studio.document.edited_project import EditedProject
 
 BehaviourEdit = Callable[[Behaviour], Behaviour]

@@ -7,7 +7,7 @@ from pathlib import Path
 from PySide6.QtCore import QObject, QTimer
 
 from studio.core.errors import StudioError
-from studio.core.project import Project
+from studio.core.stage.project import Project
 from studio.document.commands.replace import Edit, ReplaceValue
 from studio.document.edited_project import EditedProject
 from studio.document.file_lock import FileLock

@@ -21,7 +21,7 @@ from typing import Any
 
 from PySide6.QtCore import QObject, Signal
 
-from studio.core.project import COLLECTIONS, Entity, Project
+from studio.core.stage.project import COLLECTIONS, Entity, Project
 from studio.document.commands.replace import Edit
 from studio.document.file_lock import FileLock
 from studio.document.playhead import PlayheadState

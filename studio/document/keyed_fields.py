@@ -3,10 +3,10 @@
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
-from studio.core.constraints.activation import ActivationCurve
-from studio.core.constraints.keyed import Keys
-from studio.core.project import Project
+from studio.core.curves.activation import ActivationCurve
+from studio.core.curves.keyed import Keys
 from studio.core.stage.clip import Clip
+from studio.core.stage.project import Project
 
 Keyed = Keys | ActivationCurve
 """Values with keys; an activation has its four times."""

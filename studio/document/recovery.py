@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from studio.core.errors import StudioError
-from studio.core.project import Project
+from studio.core.stage.project import Project
 from studio.document.commands.replace import Edit, applied
 from studio.document.file_lock import FileLock
 from studio.document.journal import JournalEntry, StateHash, files_of, lock_of, remove_session, steps_of

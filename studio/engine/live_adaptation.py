@@ -12,12 +12,12 @@ from studio.core.body.morphology import Morphology
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.project import Performer, Project
 from studio.core.project_cache import forget_project
 from studio.core.solver.performers.circles import solve_cycle
 from studio.core.solver.performers.rows import frame_count_of, timing_of
 from studio.core.solver.performers.stage import in_order, leaders_of
 from studio.core.solver.request import AdaptedMotion
+from studio.core.stage.project import Performer, Project
 from studio.document.document import Document
 from studio.engine.driven import Driven
 from studio.engine.frames import Circle, Frames, Outcome, Solve

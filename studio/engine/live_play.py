@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 from PySide6.QtCore import QObject, Qt, Signal
 
 from studio.core.errors import StudioError
-from studio.core.project import Project
 from studio.core.solver.performers.performing import Prepare
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.clip import Clip
+from studio.core.stage.project import Project
 from studio.document.document import Document
 from studio.engine.tasks import CLOSE_WAIT_SECONDS, join_all
 

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint, Vector
-from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.constraints.procedural import ProceduralPlace
-from studio.core.project import Project
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.rotations import from_euler, from_matrix, multiply, to_matrix
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.holding import quarters
+from studio.core.stage.project import Project
 from studio.core.stage.prop import Carried, InHand, Prop
 from studio.engine.grasps import chest_heading
 from studio.engine.performance import Posed

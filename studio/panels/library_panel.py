@@ -20,7 +20,7 @@ from PySide6.QtCore import (
 from PySide6.QtGui import QKeyEvent, QMouseEvent
 from PySide6.QtWidgets import QAbstractItemView, QLineEdit, QListView, QVBoxLayout, QWidget
 
-from studio.core.project import Performer
+from studio.core.stage.project import Performer
 from studio.document.document import Document
 from studio.document.dragging import CAPTURE, LIBRARY_ITEM, carried_item
 from studio.panels.library_delegate import EYE_WIDTH, LIBRARY_ROW_ROLE, LibraryDelegate

@@ -11,12 +11,12 @@ from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.constraints.follow import Follow
-from studio.core.constraints.keyed import KeyedPlace
 from studio.core.constraints.own_place import KeyedOwnPlace
 from studio.core.constraints.target import own_place_of
-from studio.core.project import Performer
+from studio.core.curves.keyed import KeyedPlace
 from studio.core.rotations import to_matrix
 from studio.core.stage.placement import Placement
+from studio.core.stage.project import Performer
 from studio.core.stage.prop import InHand, Prop
 from studio.document.document import Document
 from studio.document.mirrored import mirrored_change

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
+from studio.core.curves.activation import ActivationCurve
 from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.project.character_file import bundled_characters

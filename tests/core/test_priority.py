@@ -7,10 +7,10 @@ import pytest
 
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
 from studio.core.solver.adapt import hold, place_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest

@@ -9,8 +9,7 @@ from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Proportions
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowBody, FollowProp
-from studio.core.constraints.keyed import KeyedNumber, KeyedPlace
-from studio.core.project import Project
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace
 from studio.core.rotations import to_matrix
 from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.performers.performing import Staged, perform
@@ -18,6 +17,7 @@ from studio.core.solver.performers.prop_tracks import Holder, handing_time, stag
 from studio.core.solver.performers.stage import asked_of
 from studio.core.stage.holding import grips
 from studio.core.stage.placement import Placement
+from studio.core.stage.project import Project
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.jobs.performances import prepared
 from studio.library.scenes import carrying

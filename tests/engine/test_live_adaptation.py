@@ -16,13 +16,13 @@ from PySide6.QtCore import QTimer
 
 from studio.core.body.morphology import Morphology
 from studio.core.captures.capture import Capture
+from studio.core.constraints.scope import Scope
 from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
 from studio.core.mesh.volume import BodyVolume, fitted_volume
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.project import GROUND_ID
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.stage.scope import Scope
+from studio.core.stage.project import GROUND_ID
 from studio.document.document import Document
 from studio.engine.live_adaptation import LiveAdaptation
 from studio.engine.residuals import unsolved_words

@@ -13,8 +13,8 @@ from studio.core.constraints.area import AreaShape
 from studio.core.constraints.balance import Support
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowProp
-from studio.core.constraints.keyed import KeyedPlace
 from studio.core.constraints.kinds import CONSTRAINT_KINDS
+from studio.core.curves.keyed import KeyedPlace
 from studio.core.quality.metrics import centre_of_mass
 from studio.core.stage.prop import Prop
 from studio.document.document import Document

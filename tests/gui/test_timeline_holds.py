@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from PySide6.QtCore import QPoint, QPointF
 
-from studio.core.constraints.activation import ActivationCurve
+from studio.core.curves.activation import ActivationCurve
 from studio.core.stage.prop import Carried, Prop
 from studio.timeline.hover import hover_text
 from tests.gui.hand import RATE, pixels

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studio.core.body.character_skeleton import joint_points
 from studio.core.body.kinematics import joint_world
 from studio.core.errors import StudioError
-from studio.core.mesh.joint_skin import character_skin
 from studio.core.mesh.skin import skin_vertices
 from studio.core.normalized.normalize import normalize
+from studio.core.rigs.character_skeleton import joint_points
+from studio.core.rigs.joint_skin import character_skin
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.io.export import take_of_adapted, take_of_capture, write_take

@@ -6,13 +6,13 @@ from functools import partial
 
 from studio.app.workbench import Workbench
 from studio.core.captures.reaching import farthest_frame
-from studio.core.constraints.activation import ActivationCurve, EaseShape
+from studio.core.curves.activation import ActivationCurve, EaseShape
 from studio.core.errors import StudioError
-from studio.core.project import Project, new_id
 from studio.core.stage import ready_made
 from studio.core.stage.behaviour import Behaviour
 from studio.core.stage.clip import Clip
 from studio.core.stage.manners import WHOLE_CLIP
+from studio.core.stage.project import Project, new_id
 from studio.document.behaviour_commands import add_behaviour, edit_behaviour, let_play, state_key
 
 STRIKE_KEY = "X"

@@ -11,13 +11,13 @@ from studio.app.file_dialogs import ask_file
 from studio.app.workbench import Workbench
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowProp
-from studio.core.constraints.keyed import KeyedPlace
 from studio.core.constraints.target import follows_of
+from studio.core.curves.keyed import KeyedPlace
 from studio.core.errors import StudioError
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.names import free_name
-from studio.core.project import Performer, Project
 from studio.core.stage.holding import HAND_REACH_SECONDS, THIN, grips, quarters, reaching_time
+from studio.core.stage.project import Performer, Project
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.document.document import Document
 from studio.engine.grasps import Grasp, captured_grasp, chest_heading, grasp_at, grasp_near

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import ClassVar, Self
 
 from studio.core.constraints.base import BodyPoint, Vector, finite_vector
-from studio.core.constraints.keyed import Line
+from studio.core.curves.keyed import Line
 from studio.core.plausible import TIME_RANGE
 
 

@@ -58,7 +58,7 @@ class Composite:
 
 
 @project_cache(maxsize=64)
-def compose(pieces: tuple[MotionPiece, ...], blends: bool = False) -> Composite:
+def compose_pieces(pieces: tuple[MotionPiece, ...], blends: bool = False) -> Composite:
     """One motion out of pieces, in the order of their start; the same pieces give the same value.
 
     A single piece that plays a motion as it is gives that motion itself, whole. The frame rate is the highest. One that

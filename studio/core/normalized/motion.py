@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from studio.core.frozen_array import unwritten
 from studio.core.kernels import layout
 from studio.core.rotations import multiply, rotate
-from studio.core.windows import smoothed
+from studio.core.windows import bell_average
 
 FloatArray = NDArray[np.float64]
 
@@ -97,7 +97,7 @@ class NormalizedMotion:
         feet = self.channels[:, layout.FOOT : layout.FOOT + 8].reshape(-1, 2, 4)
         x, y, _ = rotate(multiply(pelvis[:, None], feet), np.array([0.0, 1.0, 0.0])).sum(axis=1).T
         level = np.column_stack([np.cos(yaw) * x - np.sin(yaw) * y, np.sin(yaw) * x + np.cos(yaw) * y])
-        return unwritten(smoothed(level, HEADING_SMOOTHING * self.frame_rate))
+        return unwritten(bell_average(level, HEADING_SMOOTHING * self.frame_rate))
 
     @property
     def parts(self) -> tuple[slice, ...]:

@@ -6,16 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import EASE_PEAK, ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain, Constraint, Vector
 from studio.core.constraints.follow import FollowProp
-from studio.core.constraints.keyed import Quaternion
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.constraints.scope import Scope
+from studio.core.curves.activation import EASE_PEAK, ActivationCurve
+from studio.core.curves.keyed import Quaternion
 from studio.core.mesh.hand_shapes import HALF_CLOSED_GRIP, OPEN_GRIP
 from studio.core.rotations import from_euler, multiply, to_matrix
 from studio.core.stage.prop import Carried, InHand, Prop
-from studio.core.stage.scope import Scope
 
 FloatArray = NDArray[np.float64]
 

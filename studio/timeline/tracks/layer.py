@@ -3,7 +3,7 @@
 from PySide6.QtCore import QPointF, QRect, QRectF
 from PySide6.QtGui import QPainter, QPainterPath, QPolygonF
 
-from studio.core.constraints.activation import EaseShape, ease
+from studio.core.curves.activation import EaseShape, ease
 from studio.core.stage.clip import Clip
 from studio.core.stage.layer import Layer, Region
 from studio.document import colours

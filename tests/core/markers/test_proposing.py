@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from studio.core.markers.label_words import part_of
+from studio.core.markers.label_words import side_and_part
 from studio.core.markers.proposing import propose_map
 from studio.core.markers.trial import Trial
 from studio.io.c3d.reader import read_c3d
@@ -34,7 +34,7 @@ from tests.core.markers.made import made_trial
     ],
 )
 def test_words_in_labels_say_side_and_part(label: str, said: tuple[str, str] | None) -> None:
-    assert part_of(label) == said
+    assert side_and_part(label) == said
 
 
 def _renamed(names: dict[str, str]) -> Trial:
