@@ -17,7 +17,6 @@ import threading
 import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
 from PySide6.QtCore import QObject, Signal
 
@@ -337,7 +336,7 @@ def _put_fact(connection: sqlite3.Connection, key: str, value: str) -> None:
     connection.execute("INSERT OR REPLACE INTO session VALUES (?, ?)", (key, value))
 
 
-def edit_record(edit: Edit, members: Members) -> dict[str, Any]:
+def edit_record(edit: Edit, members: Members) -> dict[str, object]:
     """An edit as JSON; what the entity was before follows from the state before."""
     record = None if edit.new is None else entity_record(edit.collection, edit.entity_id, edit.new, members)
     return {"collection": edit.collection, "id": edit.entity_id, "place": edit.place, "new": record}

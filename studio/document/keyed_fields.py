@@ -1,7 +1,7 @@
 """Keyed fields: everything of a project that has keys over time, by one name each."""
 
 from collections.abc import Iterable, Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from studio.core.curves.activation import ActivationCurve
 from studio.core.curves.keyed import Keys
@@ -34,7 +34,7 @@ class KeyRef(NamedTuple):
     place: int
 
 
-def fields_of(collection: str, entity_id: str, entity: Any) -> dict[KeyedField, Keyed]:
+def fields_of(collection: str, entity_id: str, entity: object) -> dict[KeyedField, Keyed]:
     """The keyed fields of one entity."""
     if entity is None or collection not in KEYED_COLLECTIONS:
         return {}

@@ -5,7 +5,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Qt, Signal
 
@@ -212,9 +212,9 @@ class _Worker:
         self._seen = True
         return self._newest
 
-    def ask(self, question: "Callable[[LiveStage], Any]") -> Any:
+    def ask(self, question: "Callable[[LiveStage], object]") -> object:
         """Answer of the stage between two steps; None where it has failed."""
-        answers: list[Any] = []
+        answers: list[object] = []
         answered = threading.Event()
 
         def order(stage: "LiveStage") -> None:
