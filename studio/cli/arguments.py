@@ -138,7 +138,7 @@ def add_live_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--sender", nargs="+", default=[LOOPBACK], metavar="ADDRESS", help="who is listened to")
     parser.add_argument("--replay", type=Path, metavar="FILE", help="recorded datagrams in place of the network")
     parser.add_argument("--stream", type=port, metavar="PORT", help="send the fighter as VMC to this port")
-    parser.add_argument("--stream-to", default=LOOPBACK, metavar="ADDRESS")
+    parser.add_argument("--stream-to", metavar="ADDRESS", help="who is sent to; this computer by default")
     parser.add_argument(
         "--strike-every",
         type=number(0.05, LONGEST_SECONDS, "a number of seconds"),

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from studio.cli.library_options import library_with_clips
 from studio.cli.live_stage import run_live_stage
 from studio.cli.printing import STOPPED
+from studio.core.errors import StudioError
 from studio.core.normalized.pieces import MotionPiece
 from studio.io.importing import GUESS_ALL
 from studio.jobs.adaptation import chosen_characters, ready_capture
@@ -22,7 +23,7 @@ from studio.live.fight import ANY_STRIKE, FIGHT_ORDERS, Order, fight, orders_eve
 from studio.live.fighter import Fighter
 from studio.live.recording import read_recording
 from studio.live.streamer import Streamer
-from studio.live.tracker import Inbox, UdpInput
+from studio.live.tracker import LOOPBACK, Inbox, UdpInput
 from studio.resources_folder import example_captures_folder
 
 FloatArray = NDArray[np.float64]
@@ -35,6 +36,8 @@ CIRCLE, SWAY = 0.5, 0.35
 
 def run(arguments: Namespace) -> int:
     """Fight, or play a stage, then print the report."""
+    if arguments.stream_to is not None and arguments.stream is None:
+        raise StudioError("--stream-to names the receiver alone. Add --stream PORT to send.")
     if arguments.stage is not None:
         return run_live_stage(arguments)
     library = library_with_clips(arguments)
@@ -44,7 +47,7 @@ def run(arguments: Namespace) -> int:
     with ExitStack() as stack:
         streamer = None
         if arguments.stream is not None:
-            streamer = stack.enter_context(Streamer(arguments.stream, arguments.stream_to))
+            streamer = stack.enter_context(Streamer(arguments.stream, arguments.stream_to or LOOPBACK))
         beside = None if arguments.fast else stack.enter_context(ThreadPoolExecutor(1))
         fighter = Fighter(library, body, guard_of(arguments.guard), executor=beside, follows=not arguments.frozen)
         rehearse(fighter)

@@ -92,6 +92,11 @@ def test_a_number_beyond_its_range_or_half_an_option_is_bad_usage(words, sentenc
     assert sentence in capsys.readouterr().err
 
 
+def test_a_receiver_without_a_port_is_refused_and_not_ignored(capsys):
+    assert main(["live", "--stream-to", "127.0.0.1", "--seconds", "1"]) == 1
+    assert "--stream PORT" in capsys.readouterr().err
+
+
 def test_the_rest_poses_to_choose_are_those_that_exports_know():
     parser = ArgumentParser()
     add_export_options(parser)
