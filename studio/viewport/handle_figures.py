@@ -10,7 +10,6 @@ from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
-from studio.core.constraints.keyed import KeyedPlace
 from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
@@ -19,6 +18,7 @@ from studio.core.constraints.parallel import AXIS_DRAWN, ParallelConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.constraints.target import own_place_of
+from studio.core.curves.keyed import KeyedPlace
 from studio.core.rotations import to_matrix
 from studio.core.stage.placement import Placement
 from studio.engine.performance import Posed

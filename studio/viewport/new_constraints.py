@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint, Vector
@@ -23,10 +22,11 @@ from studio.core.constraints.parallel import ParallelConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.rail import RailConstraint
 from studio.core.constraints.upright import UprightConstraint
+from studio.core.curves.activation import ActivationCurve
 from studio.core.names import free_name
-from studio.core.project import Project
 from studio.core.rotations import from_matrix
 from studio.core.solver.request import AdaptedMotion
+from studio.core.stage.project import Project
 from studio.engine.moments import TargetContext
 from studio.engine.performance import Posed
 from studio.viewport.body_points import BodyJoint, point_path

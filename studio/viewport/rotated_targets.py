@@ -8,12 +8,12 @@ import numpy as np
 
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import Constraint
-from studio.core.constraints.keyed import KeyedTurn
 from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.rail import RailConstraint
 from studio.core.constraints.upright import UprightConstraint
+from studio.core.curves.keyed import KeyedTurn
 from studio.core.rotations import frame_along, from_matrix, to_matrix
 from studio.document.document import Document
 from studio.engine.moments import TargetContext

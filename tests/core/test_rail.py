@@ -5,19 +5,19 @@ import pytest
 
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.carried_over import Carry, carried_over
 from studio.core.constraints.follow import FollowBody, FollowProp
-from studio.core.constraints.keyed import KeyedPlace
 from studio.core.constraints.kinds import CONSTRAINT_KINDS, ConstraintKind
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.rail import RailConstraint, RailShape
 from studio.core.constraints.target import Place
+from studio.core.curves.activation import ActivationCurve
+from studio.core.curves.keyed import KeyedPlace
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import contact_quality
+from studio.core.quality.report import report_of
 from studio.core.solver.adapt import place_of
-from studio.core.solver.report import report_of
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.standing.stand import standing_of
 from tests.core.test_constraint_kinds import ALL, BODIES, CONTACTS, LEFT, RIGHT, WALK, ask, solved

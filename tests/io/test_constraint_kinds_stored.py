@@ -8,14 +8,12 @@ import numpy as np
 import pytest
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.balance import BalanceConstraint, Support
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.follow import FollowBody, FollowPerformer, FollowProp, FollowTracked
-from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
@@ -25,6 +23,8 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.procedural import CirclePlace, NoisePlace, PendulumPlace
 from studio.core.constraints.rail import RailConstraint
 from studio.core.constraints.upright import UprightConstraint
+from studio.core.curves.activation import ActivationCurve
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.errors import StudioError
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.stage.prop import Prop

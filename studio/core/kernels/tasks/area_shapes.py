@@ -1,4 +1,4 @@
-"""Restricted areas: the nearest allowed position of a point (METHOD 5, "area")."""
+"""Restricted areas: the nearest allowed position of a point (METHOD 7, "area")."""
 
 import math
 

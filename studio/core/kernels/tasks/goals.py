@@ -1,4 +1,4 @@
-"""Properties of the kinds of task, and positions of their ends (METHOD 5)."""
+"""Properties of the kinds of task, and positions of their ends (METHOD 7)."""
 
 from studio.core.kernels.body.parts import body_point_position
 from studio.core.kernels.compiling import small_kernel
@@ -92,7 +92,7 @@ def end_position(row, end, pose):
 
 @small_kernel
 def interpolate_point(start, target, fraction):
-    """Point (x, y, z) at ``fraction`` of the way from ``start`` to ``target`` (METHOD 5, (12))."""
+    """Point (x, y, z) at ``fraction`` of the way from ``start`` to ``target`` (METHOD 7, (12))."""
     return (
         start[0] + fraction * (target[0] - start[0]),
         start[1] + fraction * (target[1] - start[1]),

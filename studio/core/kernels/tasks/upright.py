@@ -1,7 +1,7 @@
 """Keep-upright tasks: an axis of a segment within a cone about a direction; the rotation about the direction is free.
 
 A record of ``kernels.tasks.task`` has the axis, in the segment's own axes, in ``offsets[1]``, the direction in
-``goal_positions[1]`` and the greatest lean at this frame, in radians, in ``goal_distance`` (METHOD 5). If it follows
+``goal_positions[1]`` and the greatest lean at this frame, in radians, in ``goal_distance`` (METHOD 7). If it follows
 another segment of its own body, the direction is fixed to that segment: the first column of ``relative``. Then
 ``end_fractions[1]`` is 1 if rows count the rotation of that segment too.
 """

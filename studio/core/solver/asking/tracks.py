@@ -12,11 +12,11 @@ from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.balance import Support
 from studio.core.constraints.base import Constraint, Vector
 from studio.core.constraints.follow import FOLLOWS, Follow, FollowProp, FollowTracked
-from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Quaternion
 from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.constraints.rail import RailConstraint
 from studio.core.constraints.target import Place, Turn
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Quaternion
 from studio.core.rotations import from_matrix, normalized, shortest_arc, to_matrix
 
 if TYPE_CHECKING:
