@@ -19,7 +19,7 @@ from studio.app.verbs import behaviours, cameras, clips, editing, files, playbac
 from studio.app.verbs.constraining import adder, choose_joint, load_area_mesh, selected_area, selected_constraint, shift
 from studio.app.workbench import Workbench
 from studio.core.constraints.base import KindInfo
-from studio.core.constraints.kinds import CONSTRAINT_KINDS, is_made
+from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.stage.clip_row import players_of
 from studio.core.stage.saved_camera import CAMERA_SLOTS
 from studio.library.scenes import SCENES
@@ -206,7 +206,7 @@ def _adding(kind: str, shown: KindInfo) -> Action:
 CONSTRAINT = (
     Action("choose_joint", "Constraint", "Pick joint…", choose_joint, ("Shift+J",),
            "A joint of the active body, from a list that can be searched", _ready, ends_group=True),
-    *(_adding(kind, each.shown) for kind, each in CONSTRAINT_KINDS.items() if is_made(kind)),
+    *(_adding(kind, each.value.shown) for kind, each in CONSTRAINT_KINDS.items() if each.make),
     Action("area_mesh", "Constraint", "Load mesh for area…", load_area_mesh,
            tooltip="The surface of an OBJ, STL or PLY file becomes the shape of the selected area",
            enabled=lambda bench: selected_area(bench) is not None, ends_group=True),

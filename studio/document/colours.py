@@ -31,7 +31,7 @@ GRID = "#3a424b"
 CHARACTERS = ("#7FB4E6", "#E8A95B", "#8FCB8A", "#D98BB5", "#B9A6E8")
 
 KINDS = {
-    **{kind: each.shown.colour for kind, each in CONSTRAINTS.items()},
+    **{kind: each.value.shown.colour for kind, each in CONSTRAINTS.items()},
     "contact": "#95ad74",
     "label": "#8fa8cf",
     "correction": "#d98bb5",

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
-from studio.core.constraints.kinds import ADDED_KINDS
+from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.own_place import KeyedOwnPlace
@@ -63,11 +62,11 @@ class HandleShape:
 
 def figure_of(constraint: Constraint, pose: Posed, floor: float) -> HandleShape:
     """Figure of ``constraint`` on a body at a moment, over a ground ``floor`` metres high."""
-    added = ADDED_KINDS.get(constraint.kind)
-    draw = _FIGURES.get(type(constraint)) if added is None else added.figure
+    draw = CONSTRAINT_KINDS[constraint.kind].figure
     if draw is None:
         return HandleShape(lines=constraint.sketch(_point(pose, constraint.point), _turn(pose, constraint.point)))
-    return draw(constraint, pose, floor)
+    figure: HandleShape = draw(constraint, pose, floor)
+    return figure
 
 
 def with_outline(figure: HandleShape, outline: FloatArray | None, floor: float) -> HandleShape:
@@ -91,19 +90,22 @@ def with_path(figure: HandleShape, target: object, time: float, place: FloatArra
     return replace(figure, lines=(*figure.lines, path))
 
 
-def _position(constraint: PositionConstraint, pose: Posed, floor: float) -> HandleShape:
+def position_figure(constraint: PositionConstraint, pose: Posed, floor: float) -> HandleShape:
+    """The link from the point to its target."""
     link = np.stack([_point(pose, constraint.point), np.array(constraint.target)])
     return HandleShape(link=link, missed=_length(link) > REACHED)
 
 
-def _look_at(constraint: LookAtConstraint, pose: Posed, floor: float) -> HandleShape:
+def look_at_figure(constraint: LookAtConstraint, pose: Posed, floor: float) -> HandleShape:
+    """The link from the eyes to the target, drawn also while it is met."""
     link = np.stack([_point(pose, constraint.point), np.array(constraint.target)])
     gaze, way = _turn(pose, constraint.point)[:, 0], link[1] - link[0]
     angle = float(np.arctan2(np.linalg.norm(np.cross(gaze, way)), gaze @ way))
     return HandleShape(link=link, link_always=True, missed=angle > measure_of(constraint).held_below)
 
 
-def _distance(constraint: DistanceConstraint, pose: Posed, floor: float) -> HandleShape:
+def distance_figure(constraint: DistanceConstraint, pose: Posed, floor: float) -> HandleShape:
+    """The link between both ends."""
     other = constraint.other
     end = _point(pose, other) if isinstance(other, BodyPoint) else np.array(other)
     link = np.stack([_point(pose, constraint.point), end])
@@ -111,7 +113,7 @@ def _distance(constraint: DistanceConstraint, pose: Posed, floor: float) -> Hand
     return HandleShape(link=link, link_always=True, missed=abs(_length(link) - distance) > REACHED)
 
 
-def _orientation(constraint: OrientationConstraint, pose: Posed, floor: float) -> HandleShape:
+def orientation_figure(constraint: OrientationConstraint, pose: Posed, floor: float) -> HandleShape:
     """The three axes as they are asked, at the segment's origin."""
     begin = _point(pose, constraint.point)
     asked, is_so = to_matrix(np.array(constraint.target)), _turn(pose, constraint.point)
@@ -120,7 +122,7 @@ def _orientation(constraint: OrientationConstraint, pose: Posed, floor: float) -
     return HandleShape(lines=lines, missed=float(np.arccos(cosine)) > measure_of(constraint).held_below)
 
 
-def _parallel(constraint: ParallelConstraint, pose: Posed, floor: float) -> HandleShape:
+def parallel_figure(constraint: ParallelConstraint, pose: Posed, floor: float) -> HandleShape:
     """Both axes, each at its segment."""
     turn, other = _turn(pose, constraint.point), _turn(pose, constraint.other)
     lines = (
@@ -131,7 +133,8 @@ def _parallel(constraint: ParallelConstraint, pose: Posed, floor: float) -> Hand
     return HandleShape(lines=lines, missed=lean > measure_of(constraint).held_below)
 
 
-def _balance(constraint: BalanceConstraint, pose: Posed, floor: float) -> HandleShape:
+def balance_figure(constraint: BalanceConstraint, pose: Posed, floor: float) -> HandleShape:
+    """A disc under the centre of mass, and the place that it is to be over."""
     x, y, _ = _mass(pose)
     below = np.array([x, y, floor])
     disc = below + DISC_RADIUS * _CIRCLE
@@ -142,12 +145,13 @@ def _balance(constraint: BalanceConstraint, pose: Posed, floor: float) -> Handle
     return HandleShape((disc, asked + BALANCE_RING_RADIUS * _CIRCLE), (disc,), link, missed=_length(link) > REACHED)
 
 
-def _clear(constraint: ClearConstraint, pose: Posed, floor: float) -> HandleShape:
+def clear_figure(constraint: ClearConstraint, pose: Posed, floor: float) -> HandleShape:
     """The capsules that the arms are kept out of."""
     return HandleShape(lines=tuple(capsule_lines(pose.motion, pose.row)), only_chosen=True)
 
 
-def _area(constraint: AreaConstraint, pose: Posed, floor: float) -> HandleShape:
+def area_figure(constraint: AreaConstraint, pose: Posed, floor: float) -> HandleShape:
+    """Lines and faces of the shape, and the link to the nearest allowed position."""
     if constraint.mesh is not None and constraint.shape is AreaShape.MESH:
         lines, faces = mesh_lines(constraint.mesh)
     else:
@@ -202,16 +206,6 @@ _SHAPES: dict[AreaShape, Callable[[FloatArray], Shape]] = {
     AreaShape.TABLE: _table,
     AreaShape.SPHERE: _sphere,
     AreaShape.CYLINDER: _cylinder,
-}
-_FIGURES: dict[type[Constraint], Callable[[Any, Posed, float], HandleShape]] = {
-    PositionConstraint: _position,
-    OrientationConstraint: _orientation,
-    LookAtConstraint: _look_at,
-    DistanceConstraint: _distance,
-    ParallelConstraint: _parallel,
-    BalanceConstraint: _balance,
-    AreaConstraint: _area,
-    ClearConstraint: _clear,
 }
 
 

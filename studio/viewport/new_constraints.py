@@ -1,7 +1,6 @@
 """A new constraint of any kind, made of what a body does at the playhead: it asks for what is there already."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -16,7 +15,7 @@ from studio.core.constraints.carried_over import mirrored_constraint, other_side
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.fitted_activation import LONGEST, fitted_activation
-from studio.core.constraints.kinds import ADDED_KINDS
+from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.parallel import ParallelConstraint
@@ -146,14 +145,14 @@ class Here:
 
 def constraint_here(here: Here, kind: str) -> Constraint:
     """A constraint of ``kind`` that asks for what the body does at the playhead."""
-    added = ADDED_KINDS.get(kind)
-    make = _MAKERS[kind] if added is None else added.make
-    assert make is not None  # a plug-in kind without one has no action
+    make = CONSTRAINT_KINDS[kind].make
+    assert make is not None  # a kind without one has no action
     made = make(here)
     return mirrored_constraint(made) if here.pose.mirrored else made
 
 
-def _position(here: Here) -> Constraint:
+def new_position(here: Here) -> Constraint:
+    """The joint stays where it is."""
     joint = here.picked
     place = _vector(here.place(joint.point))
     # Bodies of other measures are elsewhere in the middle of a walk: each has its own place, as long as that is known.
@@ -162,7 +161,8 @@ def _position(here: Here) -> Constraint:
     return PositionConstraint(**common, target=target)
 
 
-def _orientation(here: Here) -> Constraint:
+def new_orientation(here: Here) -> Constraint:
+    """The segment stays turned as it is."""
     from scipy.spatial.transform import Rotation  # late: it takes longer than a window
 
     joint = here.picked
@@ -177,13 +177,14 @@ def _orientation(here: Here) -> Constraint:
     )
 
 
-def _look_at(here: Here) -> Constraint:
+def new_look_at(here: Here) -> Constraint:
+    """The eyes look two metres ahead."""
     target = here.place(EYES) + LOOK_AT_DISTANCE * here.turn(EYES.part)[:, 0]
     gazes = here.turns(EYES.part)[:, :, 0]
     return LookAtConstraint(**here.common("Look at", EYES, _HEAD, gazes), target=_vector(target))
 
 
-def _upright(here: Here) -> Constraint:
+def new_upright(here: Here) -> Constraint:
     """Keep the axis up that points up now."""
     part = turned_part(here.picked.point)
     chain = _HEAD if part in (BodyPart.HEAD, BodyPart.NECK) else replace(here.picked.chain, end_segment=1.0)
@@ -191,7 +192,7 @@ def _upright(here: Here) -> Constraint:
     return UprightConstraint(**common, axis=_vector(here.turn(part)[2]), cone=UPRIGHT_TOLERANCE)
 
 
-def _parallel(here: Here) -> Constraint:
+def new_parallel(here: Here) -> Constraint:
     """Keep the segment as it is to that of the other side; a segment in the middle to the pelvis, which the thorax
     carries on.
     """
@@ -205,7 +206,8 @@ def _parallel(here: Here) -> Constraint:
     return ParallelConstraint(**common, axis=axis, other=BodyPoint(other))
 
 
-def _distance(here: Here) -> Constraint:
+def new_distance(here: Here) -> Constraint:
+    """Both wrists stay as far apart as they are; another joint stays at its place."""
     joint = here.picked
     begin, other = here.place(joint.point), opposite_hand(joint.point)
     name = "Hands apart" if other else f"{joint.name.capitalize()} near"
@@ -218,11 +220,13 @@ def _distance(here: Here) -> Constraint:
     return DistanceConstraint(**common, other=other, distance=float(np.linalg.norm(here.place(other) - begin)))
 
 
-def _balance(here: Here) -> Constraint:
+def new_balance(here: Here) -> Constraint:
+    """The centre of mass stays over its own path."""
     return BalanceConstraint(**here.common("Balance", BodyPoint(BodyPart.PELVIS), _WHOLE_BODY))
 
 
-def _area(here: Here) -> Constraint:
+def new_area(here: Here) -> Constraint:
+    """A table under the joint."""
     joint = here.picked
     x, y, top = here.place(joint.point)
     floor = float(here.project.ground.height_at(here.pose.clip_placement.to_stage((x, y, 0.0))))
@@ -234,7 +238,7 @@ def _area(here: Here) -> Constraint:
     )
 
 
-def _rail(here: Here) -> Constraint:
+def new_rail(here: Here) -> Constraint:
     """A line through the joint along the way that it takes about the playhead."""
     joint = here.picked
     path = here.points(joint.point)
@@ -244,22 +248,9 @@ def _rail(here: Here) -> Constraint:
     return RailConstraint(**common, centre=_vector(here.place(joint.point)), direction=_vector(direction))
 
 
-def _clear(here: Here) -> Constraint:
+def new_clear(here: Here) -> Constraint:
+    """The arms stay out of the body."""
     return ClearConstraint(**here.common("Clear of body", BodyPoint(BodyPart.THORAX), Chain()))
-
-
-_MAKERS: dict[str, Callable[[Here], Constraint]] = {
-    "position": _position,
-    "orientation": _orientation,
-    "look_at": _look_at,
-    "upright": _upright,
-    "parallel": _parallel,
-    "distance": _distance,
-    "balance": _balance,
-    "area": _area,
-    "rail": _rail,
-    "clear": _clear,
-}
 
 
 def turned_part(point: BodyPoint) -> BodyPart:

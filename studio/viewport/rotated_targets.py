@@ -1,16 +1,14 @@
 """Constraints that a gizmo rotates or resizes: orientations, look-at targets, directions, areas."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import replace
-from types import MappingProxyType
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import Constraint
-from studio.core.constraints.kinds import ADDED_KINDS
+from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.rail import RailConstraint
@@ -219,21 +217,8 @@ def tilt_of(moment: TargetContext, constraint: Constraint, name: str) -> FloatAr
     return np.stack(columns, axis=1)
 
 
-ROTATED_TARGETS: Mapping[type[Constraint], type[Target]] = MappingProxyType(
-    {
-        OrientationConstraint: RotatedSegment,
-        UprightConstraint: RotatedDirection,
-        RailConstraint: RotatedRail,
-        LookAtConstraint: LookedAt,
-        AreaConstraint: RotatedArea,
-    }
-)
-"""Targets that are rotated, by kind; those of other kinds are only moved."""
-
-
 def target_of_kind(constraint: Constraint) -> type[Target]:
-    """Class of a constraint's handle."""
-    added = ADDED_KINDS.get(constraint.kind)
-    if added is not None and added.target is not None:
-        return cast("type[Target]", added.target())
-    return ROTATED_TARGETS.get(type(constraint), Target)
+    """Class of a constraint's handle; a kind without one is only moved."""
+    target = CONSTRAINT_KINDS[constraint.kind].target
+    kind: type[Target] = target() if target else Target
+    return kind

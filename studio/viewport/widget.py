@@ -317,7 +317,7 @@ class Viewport(Canvas):
         if (
             pose is None
             or pose.motion_id not in project.motions
-            or (picked is None and CONSTRAINT_KINDS[kind].shown.picks)
+            or (picked is None and CONSTRAINT_KINDS[kind].value.shown.picks)
         ):
             return None
         context, joint = TargetContext(project, self.posed, pose), picked.joint if picked else None

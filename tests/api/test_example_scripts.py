@@ -75,7 +75,7 @@ def test_joined_clips_are_saved_and_opened_again(tmp_path: Path, capsys: pytest.
     run("render_a_scene", tmp_path / "row.png", tmp_path / "row.studio", "1.0")
 
 
-def test_a_hand_slides_along_a_banister_while_feet_stay_aligned(
+def test_a_hand_slides_along_a_banister_while_the_head_faces_as_the_hips(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     run("rail_and_parallel", tmp_path / "slide.bvh")

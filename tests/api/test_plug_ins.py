@@ -167,7 +167,7 @@ def test_a_kind_of_constraint_and_a_measure_of_a_package_are_solved_saved_and_re
 def registered(site: Path, monkeypatch):
     """Registers what the example adds, and takes it away again."""
     monkeypatch.syspath_prepend(str(site))
-    known = (kinds.CONSTRAINT_KINDS, kinds.ADDED_KINDS, motion_measures.ADDED_MEASURES)
+    known = (kinds.CONSTRAINT_KINDS, motion_measures.ADDED_MEASURES)
     before = [dict(each) for each in known]
     plug_ins.load_registered.cache_clear()
     assert plug_ins.load_registered() == ()
@@ -182,7 +182,7 @@ def test_a_kind_of_a_package_has_its_form_and_a_measure_can_be_plotted(registere
     assert editor_of_kind("example_height").__name__ == "HeightEditor"
     assert editor_of_kind("no_such_kind") is ConstraintEditor
     assert [each.value for each in plotted_quantities()][-1] == "Hand speed"
-    assert plug_ins.kind_of(kinds.ADDED_KINDS["example_height"]).value.kind == "example_height"
+    assert plug_ins.kind_of(kinds.CONSTRAINT_KINDS["example_height"]).value.kind == "example_height"
     with pytest.raises(ValueError, match="already"):
         kinds.add_kind(kinds.ConstraintKind(PositionConstraint, lambda: None))
 

@@ -9,6 +9,7 @@ from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.carried_over import Carry, carried_over
+from studio.core.constraints.kinds import CONSTRAINT_KINDS, ConstraintKind
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.parallel import ParallelConstraint
 from studio.core.constraints.position import PositionConstraint
@@ -134,3 +135,14 @@ def test_in_a_mirror_the_other_segments_are_parallel() -> None:
 def test_axes_that_point_nowhere_and_a_segment_with_itself_are_refused(wrong: dict[str, object]) -> None:
     with pytest.raises(ValueError, match=r"nowhere|cone|itself"):
         ask(ParallelConstraint, BodyPoint(BodyPart.RIGHT_HAND), WRIST, **wrong)
+
+
+class PluggedParallel(ParallelConstraint):
+    kind = "plugged_parallel"
+
+
+def test_a_kind_that_a_plug_in_registers_by_its_value_and_task_is_solved_alike(monkeypatch: pytest.MonkeyPatch) -> None:
+    body, task = BODIES["tall_man"], CONSTRAINT_KINDS["parallel"].task
+    asked = parallel(body, BodyPart.HEAD, BodyPart.PELVIS, HEAD)
+    monkeypatch.setitem(CONSTRAINT_KINDS, PluggedParallel.kind, ConstraintKind(PluggedParallel, task))
+    assert (solved(body, PluggedParallel(**vars(asked))).rotations == solved(body, asked).rotations).all()

@@ -8,6 +8,7 @@ from studio.core.body.morphology import Morphology
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.carried_over import Carry, carried_over
 from studio.core.constraints.follow import FollowBody, FollowProp
+from studio.core.constraints.kinds import CONSTRAINT_KINDS, ConstraintKind
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.rail import RailConstraint, RailShape
 from studio.core.constraints.target import Place
@@ -157,3 +158,14 @@ def test_in_a_mirror_the_other_hand_slides_on_the_mirrored_rail() -> None:
 def test_a_rail_without_a_direction_or_a_length_is_refused(wrong: dict[str, object]) -> None:
     with pytest.raises(ValueError, match=r"nowhere|length|finite"):
         ask(RailConstraint, RIGHT, ALL, **wrong)
+
+
+class PluggedRail(RailConstraint):
+    kind = "plugged_rail"
+
+
+def test_a_rail_that_a_plug_in_registers_by_its_value_and_task_is_solved_alike(monkeypatch: pytest.MonkeyPatch) -> None:
+    body = BODIES["tall_man"]
+    rail = beside_hand(body, RailShape.LINE)
+    monkeypatch.setitem(CONSTRAINT_KINDS, PluggedRail.kind, ConstraintKind(PluggedRail, CONSTRAINT_KINDS["rail"].task))
+    assert (solved(body, PluggedRail(**vars(rail))).positions == solved(body, rail).positions).all()

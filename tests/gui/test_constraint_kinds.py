@@ -281,7 +281,7 @@ def keyed(studio, kind="position"):
     """A constraint whose place has a key at 0.1 s, before the playhead at 0.2 s."""
     viewport, document, _ = studio
     constraint = add(studio, kind)
-    name = CONSTRAINT_KINDS[kind].shown.held_by
+    name = CONSTRAINT_KINDS[kind].value.shown.held_by
     place = fixed(studio, constraint)
     new = replace(constraint, **{name: KeyedPlace((0.1,), (place,))})
     document.replace("constraints", document.selection.current[1], new, "Key")
@@ -304,9 +304,9 @@ def test_dragging_a_keyed_target_sets_a_key_at_the_playhead_and_escape_takes_it_
     QTest.mouseRelease(viewport, LEFT, Qt.KeyboardModifier.NoModifier, end)
     assert current(document) == before
     drag(viewport, begin, end)
-    target = getattr(current(document), CONSTRAINT_KINDS[kind].shown.held_by)
+    target = getattr(current(document), CONSTRAINT_KINDS[kind].value.shown.held_by)
     assert target.times == (0.1, 0.2)
-    assert target.values[0] == getattr(before, CONSTRAINT_KINDS[kind].shown.held_by).values[0]
+    assert target.values[0] == getattr(before, CONSTRAINT_KINDS[kind].value.shown.held_by).values[0]
     assert target.values[1][2] > target.values[0][2] + 0.02
     what = "centre" if kind == "area" else "target"
     assert document.undo_stack.undoText() == f"Key {what} of {before.name}"

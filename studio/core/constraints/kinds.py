@@ -1,7 +1,8 @@
-"""All kinds of constraint, in the order of menus and forms, and those that plug-ins add."""
+"""All kinds of constraint, in the order of menus and forms: those of the studio, and those that plug-ins add."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Any
 
 from studio.core.constraints.area import AreaConstraint
@@ -16,26 +17,10 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.rail import RailConstraint
 from studio.core.constraints.upright import UprightConstraint
 
-CONSTRAINT_KINDS: dict[str, type[Constraint]] = {
-    each.kind: each
-    for each in (
-        PositionConstraint,
-        OrientationConstraint,
-        LookAtConstraint,
-        UprightConstraint,
-        ParallelConstraint,
-        DistanceConstraint,
-        BalanceConstraint,
-        AreaConstraint,
-        RailConstraint,
-        ClearConstraint,
-    )
-}
-
 
 @dataclass(frozen=True)
 class ConstraintKind:
-    """A kind of constraint that a plug-in adds: its value, and a part for each view of it.
+    """A kind of constraint, of the studio or of a plug-in: its value, and a part for each view of it.
 
     All parts but the value are functions, so that nothing is loaded before it is needed.
     """
@@ -43,7 +28,7 @@ class ConstraintKind:
     value: type[Constraint]
     """Frozen dataclass with ``kind``, ``unit`` and ``shown``; fields are plain values, points and targets."""
     task: Callable[[], Any]
-    """``() -> SolverKind``: what the solver does for it, by one of its own tasks."""
+    """``() -> SolverKind``: what the solver does for it, by one of its own tasks; None where it does it without one."""
     make: Callable[[Any], Constraint] | None = None
     """``(here) -> Constraint``: a new one at the picked joint; without it the window adds none."""
     editor: Callable[[], Any] | None = None
@@ -54,19 +39,48 @@ class ConstraintKind:
     """``() -> type[Target]``: its handle; without it, one that moves the value named by ``shown.held_by``."""
 
 
-ADDED_KINDS: dict[str, ConstraintKind] = {}
-"""Registrations of plug-ins by kind."""
+def _part(module: str, name: str) -> Callable[[], Any]:
+    """Function that returns ``name`` of a module of the studio, which is imported when it is called."""
+    return lambda: getattr(import_module(f"studio.{module}"), name)
 
 
-def is_made(kind: str) -> bool:
-    """True if the window can add a constraint of a kind."""
-    return kind not in ADDED_KINDS or ADDED_KINDS[kind].make is not None
+def _built_in(
+    value: type[Constraint], *, solved: bool = True, drawn: bool = False, target: str | None = None
+) -> ConstraintKind:
+    """A kind of the studio, whose parts bear its name: ``solved`` by a task, ``drawn`` by a figure of its own, moved by
+    the class ``target``.
+    """
+    kind = value.kind
+    make, figure = _part("viewport.new_constraints", f"new_{kind}"), _part("viewport.handle_figures", f"{kind}_figure")
+    return ConstraintKind(
+        value,
+        _part(f"core.solver.asking.kinds.{kind}", f"{kind.upper()}_KIND") if solved else lambda: None,
+        lambda here: make()(here),
+        _part(f"panels.constraint_editors.{kind}", value.__name__.replace("Constraint", "Editor")),
+        (lambda constraint, pose, floor: figure()(constraint, pose, floor)) if drawn else None,
+        _part("viewport.rotated_targets", target) if target else None,
+    )
+
+
+BUILT_IN_KINDS = (
+    _built_in(PositionConstraint, drawn=True),
+    _built_in(OrientationConstraint, drawn=True, target="RotatedSegment"),
+    _built_in(LookAtConstraint, drawn=True, target="LookedAt"),
+    _built_in(UprightConstraint, target="RotatedDirection"),
+    _built_in(ParallelConstraint, drawn=True),
+    _built_in(DistanceConstraint, drawn=True),
+    _built_in(BalanceConstraint, drawn=True),
+    _built_in(AreaConstraint, drawn=True, target="RotatedArea"),
+    _built_in(RailConstraint, target="RotatedRail"),
+    _built_in(ClearConstraint, solved=False, drawn=True),
+)
+CONSTRAINT_KINDS: dict[str, ConstraintKind] = {each.value.kind: each for each in BUILT_IN_KINDS}
+"""All kinds by name."""
 
 
 def add_kind(kind: ConstraintKind) -> ConstraintKind:
     """Register a kind; raises ValueError where there is another one of that name."""
     name = kind.value.kind
-    if name in CONSTRAINT_KINDS and ADDED_KINDS.get(name) != kind:
+    if CONSTRAINT_KINDS.setdefault(name, kind) != kind:
         raise ValueError(f"there is already a constraint of the kind '{name}'.")
-    CONSTRAINT_KINDS[name], ADDED_KINDS[name] = kind.value, kind
     return kind

@@ -114,7 +114,7 @@ def constraint_of(record: Json, motion_id: str, where: str) -> Constraint:
     if kind is None:
         asked = f"not '{str(record['kind'])[:40]}'" if "kind" in record else "but it says none"
         raise StudioError(f"{where}, kind: expected one of {', '.join(CONSTRAINT_KINDS)}, {asked}.")
-    if strange := _paths({k: v for k, v in unknown_fields(record, kind).items() if k not in _IDS}):
+    if strange := _paths({k: v for k, v in unknown_fields(record, kind.value).items() if k not in _IDS}):
         raise StudioError(f"{where}: '{strange[0]}' is not known here. Correct its name.")
     if large := too_large(record):
         raise StudioError(f"{where}, {large} is too large to be true. Lengths are metres, times seconds.")

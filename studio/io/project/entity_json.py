@@ -258,7 +258,8 @@ def _part_with_dangling(
 
 def _class_of(collection: str, record: Json) -> Any:
     if collection == "constraints":
-        return CONSTRAINT_KINDS.get(str(record.get("kind")))
+        known = CONSTRAINT_KINDS.get(str(record.get("kind")))
+        return known.value if known else None
     if collection == "grounds":
         return GROUND_KINDS.get(str(record.get("kind", Ground.kind)))
     return CLASSES[collection]
