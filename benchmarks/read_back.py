@@ -22,7 +22,7 @@ Places = Mapping[str, FloatArray]
 
 
 def places_in(path: Path) -> Places:
-    """Where the joints in a written file are."""
+    """Places of the joints in a written file."""
     return _READERS[path.suffix](path)
 
 

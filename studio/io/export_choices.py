@@ -1,9 +1,9 @@
 """Names of the choices for a file that is written, without what they compute with."""
 
 REST_POSES = {"t": "T-pose", "own": "Bind pose"}
-"""In which pose every angle of a file is zero, by key."""
+"""Poses in which every angle of a file is zero, by key."""
 ROOTS = {"": "Hips travel", "floor": "Root joint on floor", "in-place": "In place"}
-"""Where the travel of a body is kept, by key."""
+"""Joints that keep the travel of a body, by key."""
 
 RESTING = (".bvh", ".fbx", ".glb", ".gltf", ".usd", ".usda", ".usdc", ".usdz")
 """Kinds of files whose skeleton rests in a pose that can be chosen."""

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from studio.core.body.pose import PoseSequence
 from studio.core.body.pose_sampling import poses_at
-from studio.core.body.root_motion import in_place, with_root_joint
-from studio.core.body.zero_pose import t_pose, with_zero_pose
 from studio.core.captures.annotations import Annotations
 from studio.core.errors import StudioError
+from studio.core.rigs.root_motion import in_place, with_root_joint
+from studio.core.rigs.zero_pose import t_pose, with_zero_pose
 from studio.core.rotations import IDENTITY_QUATERNION, from_matrix, multiply
 from studio.core.stage.placement import Placement
 from studio.io.export import Take, skin_of

@@ -19,8 +19,8 @@ from studio.io import plug_ins
 from studio.io.beside import SNIFFED, refuse_archive, refuse_devices, refuse_stand_in
 
 if TYPE_CHECKING:
-    from studio.core.body.character import Character
     from studio.core.captures.capture import Capture, Guess
+    from studio.core.mesh.character import Character
     from studio.io.export import Take
     from studio.io.importing import ImportOptions
     from studio.io.takes.exported_stage import ExportedStage

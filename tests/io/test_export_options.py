@@ -10,12 +10,12 @@ from benchmarks.read_back import places_in
 from studio.core.body.canonical import BodyPart
 from studio.core.body.kinematics import joint_world, rest_poses
 from studio.core.body.pose import PoseSequence
-from studio.core.body.zero_pose import t_pose, with_zero_pose
 from studio.core.captures.annotations import Annotations, Label
 from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.errors import StudioError
-from studio.core.mesh.joint_skin import character_skin
 from studio.core.normalized.normalize import normalize
+from studio.core.rigs.joint_skin import character_skin
+from studio.core.rigs.zero_pose import t_pose, with_zero_pose
 from studio.core.rotations import multiply
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest

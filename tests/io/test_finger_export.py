@@ -12,9 +12,9 @@ from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_world
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
-from studio.core.body.zero_pose import with_zero_pose
 from studio.core.captures.capture import Capture
 from studio.core.normalized.normalize import normalize
+from studio.core.rigs.zero_pose import with_zero_pose
 from studio.core.rotations import angle_between, from_rotation_vector, inverse, multiply, normalized, to_matrix
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest

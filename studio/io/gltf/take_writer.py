@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from studio import __version__
 from studio.core.mesh.appearance import Material
-from studio.core.mesh.joint_skin import JointSkin
+from studio.core.rigs.joint_skin import JointSkin
 from studio.core.rotations import from_matrix
 from studio.core.stage.saved_camera import CAMERA_ASPECT, FARTHEST_SEEN, NEAREST_SEEN, VIEW_ANGLE, SavedCamera
 from studio.io.export import Take, plain_material, skin_of

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from studio.core.body.kinematics import joint_world, rest_poses
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
-from studio.core.body.zero_pose import t_pose, with_zero_pose
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
+from studio.core.rigs.zero_pose import t_pose, with_zero_pose
 from studio.core.rotations import IDENTITY_QUATERNION, multiply, rotate
 from studio.io.export import Take
 from studio.io.gltf.take_writer import GltfScene, write_scene

@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.character_skeleton import t_pose_rotations
 from studio.core.body.finger_joints import Digit, find_fingers
 from studio.core.body.humanoid import BodyMap, BodyPart
 from studio.core.body.kinematics import joint_world, rest_poses
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
-from studio.core.mesh.joint_skin import FloatArray, JointSkin
 from studio.core.mesh.rig import NO_SEGMENT, Rig, rig_body_map
 from studio.core.mesh.skin import bound_pose, fit_skin, segment_forms
+from studio.core.rigs.character_skeleton import t_pose_rotations
+from studio.core.rigs.joint_skin import FloatArray, JointSkin
 from studio.core.rotations import IDENTITY_QUATERNION, frame_along, from_matrix, multiply, to_matrix
 from studio.io.export import Take
 
