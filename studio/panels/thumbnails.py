@@ -9,9 +9,9 @@ from PySide6.QtCore import QLineF, QObject, Qt, QThreadPool, Signal
 from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPixmap
 
 from studio.core.body.canonical import BodyPart
-from studio.core.body.character import Character
 from studio.core.body.kinematics import joint_positions
 from studio.core.captures.capture import Capture
+from studio.core.mesh.character import Character
 from studio.document import colours
 from studio.document.document import Document
 
@@ -24,7 +24,7 @@ _POINTS = 60_000
 _LIGHT = np.array([0.8, 0.3, 0.52])
 _DARKEST = 0.4
 _POSES = ((0.2, -0.3, 70), (0.8, 0.3, 70), (0.5, 0.0, 255))
-"""Of each pose of a capture: its moment in the take, its place across the picture, its opacity."""
+"""Moment in the take, offset across the picture and opacity of each pose of a capture."""
 
 
 class Thumbnails(QObject):
@@ -104,21 +104,20 @@ def capture_picture(capture: Capture, size: int = THUMBNAIL_PIXELS) -> QImage:
     picture = QImage(size, size, QImage.Format.Format_ARGB32_Premultiplied)
     picture.fill(Qt.GlobalColor.transparent)
     skeleton = capture.skeleton
-    painter = QPainter(picture)
-    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-    for moment, across, opacity in _POSES:
-        frame = round(moment * (capture.frame_count - 1))
-        places = joint_positions(skeleton, capture.poses.frames(frame, frame))[0]
-        seen = np.stack([places @ _left_of(capture, places), places[:, 2]], axis=1)
-        low, high = seen.min(axis=0), seen.max(axis=0)
-        scale = (size - 2 * _MARGIN) / max(float((high - low).max()), 1e-6)
-        points = size / 2 + scale * (seen - (low + high) / 2) * [1.0, -1.0] + [across * size, 0.0]
-        colour = QColor(colours.TEXT)
-        colour.setAlpha(opacity)
-        painter.setPen(QPen(colour, size / 28.0, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
-        bones = [(joint, parent) for joint, parent in enumerate(skeleton.parents.tolist()) if parent >= 0]
-        painter.drawLines([QLineF(*points[parent], *points[joint]) for joint, parent in bones])
-    painter.end()
+    with QPainter(picture) as painter:
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        for moment, across, opacity in _POSES:
+            frame = round(moment * (capture.frame_count - 1))
+            places = joint_positions(skeleton, capture.poses.frames(frame, frame))[0]
+            seen = np.stack([places @ _left_of(capture, places), places[:, 2]], axis=1)
+            low, high = seen.min(axis=0), seen.max(axis=0)
+            scale = (size - 2 * _MARGIN) / max(float((high - low).max()), 1e-6)
+            points = size / 2 + scale * (seen - (low + high) / 2) * [1.0, -1.0] + [across * size, 0.0]
+            colour = QColor(colours.TEXT)
+            colour.setAlpha(opacity)
+            painter.setPen(QPen(colour, size / 28.0, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
+            bones = [(joint, parent) for joint, parent in enumerate(skeleton.parents.tolist()) if parent >= 0]
+            painter.drawLines([QLineF(*points[parent], *points[joint]) for joint, parent in bones])
     return picture
 
 
