@@ -1,6 +1,6 @@
 """Characters in: read from files or made of a capture's actor, put on the stage playing what the others play."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,6 +17,7 @@ from studio.core.names import free_name
 from studio.core.stage.project import Performer
 from studio.document import colours
 from studio.document.document import Document
+from studio.io.figure.body import remapped
 from studio.io.importing import GUESS_ALL, load_character
 from studio.io.project.character_file import actor_character
 from studio.io.registry import Progress, ReadCharacter, known_formats
@@ -76,6 +77,26 @@ def make_actor_character(bench: Workbench, capture_id: str) -> None:
         return actor_character(f"Actor of {capture.name}", actor.morphology, colour)
 
     bench.runner.run(text, work, lambda character: put_character(document, character, text))
+
+
+def remap_character(bench: Workbench, character_id: str, joints: Mapping[str, str], text: str) -> int:
+    """Measure and bind a character anew by the joint of each part; one undo step called ``text``. Returns the task."""
+    document = bench.document
+    character = document.project.characters[character_id]
+
+    def work(progress: Progress) -> Character:
+        progress(0.1, text)
+        made = remapped(character, joints)
+        progress(1.0, text)
+        return made
+
+    def put(made: Character) -> None:
+        if document.project.characters.get(character_id) is not character:
+            raise StudioError(f"{character.name} was changed while it was mapped. Choose the joint again.")
+        document.replace("characters", character_id, made, text)
+
+    task: int = bench.runner.run(text, work, put)
+    return task
 
 
 def put_character(document: Document, character: Character, text: str) -> str:

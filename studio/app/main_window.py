@@ -341,6 +341,7 @@ class MainWindow(QMainWindow):
         self.inspector.reimport_wanted.connect(self._reimport)
         self.inspector.markers_wanted.connect(lambda capture: open_markers(bench, capture))
         self.inspector.character_wanted.connect(lambda capture: casting.make_actor_character(bench, capture))
+        self.inspector.remap_wanted.connect(lambda *wanted: casting.remap_character(bench, *wanted))
         document.entity_changed.connect(lambda collection, key: capture_import.keep_corrections(bench, collection, key))
 
     def _restore_layout(self) -> None:

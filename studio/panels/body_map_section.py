@@ -17,7 +17,6 @@ from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.mesh.character import Character
 from studio.core.mesh.rig import rig_body_map
-from studio.io.figure.body import remapped
 from studio.io.figure.body_maps import NamingFamily, find_preset, naming_families, read_body_map
 from studio.io.json_text import write_json
 from studio.panels.constraint_editors.body_figure import SEGMENT_SHAPES, BodyFigure
@@ -215,13 +214,16 @@ def capture_section(editor: Editor) -> BodyMapSection:
     return BodyMapSection(editor, lambda: body_of_capture(editor.entity), put)
 
 
-def character_section(editor: Editor, character_id: Callable[[], str]) -> BodyMapSection:
-    """Section for a character that ``editor`` shows, alone or as that of a performer."""
+def character_section(
+    editor: Editor, character_id: Callable[[], str], remap: Callable[[str, Mapping[str, str], str], None]
+) -> BodyMapSection:
+    """Section for a character that ``editor`` shows, alone or as that of a performer.
 
-    def character() -> Character:
-        return editor.document.project.characters[character_id()]
+    ``remap`` gets the character's id, the joint of each part and the text of the undo step: measuring and binding a
+    body takes too long for the window's thread.
+    """
 
     def put(names: Mapping[str, str], text: str) -> None:
-        editor.put_other("characters", character_id(), lambda: remapped(character(), names), text)
+        remap(character_id(), names, text)
 
-    return BodyMapSection(editor, lambda: body_of_character(character()), put)
+    return BodyMapSection(editor, lambda: body_of_character(editor.document.project.characters[character_id()]), put)

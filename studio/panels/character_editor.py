@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import fields, replace
 
+from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QLineEdit
 
 from studio.core.body.growth import KeyedProportions
@@ -150,6 +151,9 @@ class BodySection(Section):
 class CharacterEditor(Editor):
     """Form of a character that no performer plays."""
 
+    remap_wanted = Signal(str, object, str)
+    """Character id, {part: joint}, text of the undo step."""
+
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Character")
@@ -159,7 +163,7 @@ class CharacterEditor(Editor):
         self._body = BodySection(self, lambda: self.entity_id)
         self.column.addWidget(section)
         self.column.addWidget(self._body)
-        self._body_map = character_section(self, lambda: self.entity_id)
+        self._body_map = character_section(self, lambda: self.entity_id, self.remap_wanted.emit)
         self.column.addWidget(self._body_map)
         self.finish()
 

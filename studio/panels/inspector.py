@@ -62,6 +62,8 @@ class Inspector(QScrollArea):
     """Capture id: its markers are to be shown."""
     character_wanted = Signal(str)
     """Capture id: its actor is to become a character."""
+    remap_wanted = Signal(str, object, str)
+    """Character id, {part: joint}, text of the undo step: the character is to be bound anew."""
 
     def __init__(self, document: Document, live: Live) -> None:
         super().__init__()
@@ -94,6 +96,8 @@ class Inspector(QScrollArea):
             self.editor.reimport_wanted.connect(self.reimport_wanted)
             self.editor.markers_wanted.connect(self.markers_wanted)
             self.editor.character_wanted.connect(self.character_wanted)
+        if isinstance(self.editor, CharacterEditor | PerformerEditor):
+            self.editor.remap_wanted.connect(self.remap_wanted)
         if editor is not None:
             # It may be in the middle of an event of its own: it stays a child until the event loop lets it go.
             self.takeWidget()

@@ -1,4 +1,4 @@
-"""Drawing of a row of the library: mark, name, detail, eye."""
+"""Drawing of a row of the library: picture, mark, name, detail, eye."""
 
 from pathlib import Path
 
@@ -8,10 +8,14 @@ from PySide6.QtWidgets import QAbstractItemView, QStyle, QStyledItemDelegate, QS
 
 from studio.document import colours
 from studio.panels.library_rows import LibraryRow
+from studio.panels.thumbnails import Thumbnails
 from studio.resources_folder import resources_folder
 
 LIBRARY_ROW_ROLE = Qt.ItemDataRole.UserRole
 LIBRARY_ROW_HEIGHT = 26
+PICTURE_SIDE, PICTURE_ROW_HEIGHT = 36, 40
+PICTURED = ("captures", "characters", "performers")
+"""Collections whose rows have a picture."""
 HEAD_HEIGHT = 36
 LIBRARY_MARK_PX = 12
 MARK = 8
@@ -25,9 +29,10 @@ HINT_PIXELS = 12
 class LibraryDelegate(QStyledItemDelegate):
     """Quiet rows on a 4 px grid; the only colours are those of bodies and of constraint kinds."""
 
-    def __init__(self, view: QAbstractItemView) -> None:
+    def __init__(self, view: QAbstractItemView, thumbnails: Thumbnails) -> None:
         super().__init__(view)
-        self._view = view
+        self._view, self._thumbnails = view, thumbnails
+        thumbnails.drawn.connect(view.viewport().update)
         icons = resources_folder() / "icons"
         self._eye = _icon(icons / "eye.svg")
         self._closed_eye = _icon(icons / "eye_closed.svg")
@@ -40,7 +45,9 @@ class LibraryDelegate(QStyledItemDelegate):
                 QRect(0, 0, max(width, 1), 0), Qt.TextFlag.TextWordWrap, row.text
             )
             return QSize(0, max(room.height() + 8, LIBRARY_ROW_HEIGHT))
-        return QSize(0, LIBRARY_ROW_HEIGHT if row.item is not None else HEAD_HEIGHT)
+        if row.item is None:
+            return QSize(0, HEAD_HEIGHT)
+        return QSize(0, PICTURE_ROW_HEIGHT if row.item[0] in PICTURED else LIBRARY_ROW_HEIGHT)
 
     def paint(
         self, painter: QPainter, option: QStyleOptionViewItem, index: QModelIndex | QPersistentModelIndex
@@ -78,30 +85,45 @@ class LibraryDelegate(QStyledItemDelegate):
             painter.fillRect(option.rect, QColor(colours.BAR))
         if option.state & state.State_HasFocus:
             painter.fillRect(
-                QRect(option.rect.left(), option.rect.top(), 2, LIBRARY_ROW_HEIGHT), QColor(colours.KINDS["position"])
+                QRect(option.rect.left(), option.rect.top(), 2, option.rect.height()), QColor(colours.KINDS["position"])
             )
 
     def _paint_row(self, painter: QPainter, rect: QRect, font: QFont, row: LibraryRow) -> None:
         left, right = rect.left() + LIBRARY_MARK_PX, rect.right() - LIBRARY_MARK_PX
         hidden = row.shown is False
+        pictured = row.item is not None and row.item[0] in PICTURED
+        if row.item is not None and pictured:
+            picture = self._thumbnails.of(*row.item)
+            if picture is not None:
+                painter.setOpacity(0.5 if hidden else 1.0)
+                painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
+                painter.drawPixmap(QRect(left, rect.top() + 2, PICTURE_SIDE, PICTURE_SIDE), picture)
+                painter.setOpacity(1.0)
+            left += PICTURE_SIDE + 8
         if row.colour is not None:
             left += self._paint_mark(painter, left, rect.center().y(), row, hidden)
         if row.shown is not None:
             eye = self._closed_eye if hidden else self._eye
             eye.paint(painter, QRect(right - EYE + 2, rect.center().y() - EYE // 2 + 1, EYE, EYE))
             right -= EYE + 6
+        lines = QRect(left, rect.top(), right - left, rect.height())
+        if pictured:
+            upper, lower = lines.adjusted(0, 3, 0, -lines.height() // 2), lines.adjusted(0, lines.height() // 2, 0, -3)
+            aligned = Qt.AlignmentFlag.AlignLeft
+        else:
+            upper = lower = lines
+            aligned = Qt.AlignmentFlag.AlignRight
         painter.setFont(_sized(font, DETAIL_PIXELS))
         painter.setPen(QColor(colours.TEXT_THIRD))
-        detail = QRect(left, rect.top(), right - left, rect.height())
-        painter.drawText(detail, Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignRight, row.detail)
-        right -= painter.fontMetrics().horizontalAdvance(row.detail) + 8
+        painter.drawText(lower, Qt.AlignmentFlag.AlignVCenter | aligned, row.detail)
+        if not pictured:
+            upper = upper.adjusted(0, 0, -painter.fontMetrics().horizontalAdvance(row.detail) - 8, 0)
         name = QFont(font)
         name.setWeight(QFont.Weight.DemiBold if row.strong else QFont.Weight.Normal)
         painter.setFont(name)
         painter.setPen(QColor(colours.TEXT_THIRD if hidden else colours.TEXT))
-        text = painter.fontMetrics().elidedText(row.text, Qt.TextElideMode.ElideMiddle, right - left)
-        place = QRect(left, rect.top(), right - left, rect.height())
-        painter.drawText(place, Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft, text)
+        text = painter.fontMetrics().elidedText(row.text, Qt.TextElideMode.ElideMiddle, upper.width())
+        painter.drawText(upper, Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft, text)
 
     def _paint_mark(self, painter: QPainter, left: int, middle: int, row: LibraryRow, hidden: bool) -> int:
         colour = QColor(row.colour)

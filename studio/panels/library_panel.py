@@ -24,6 +24,7 @@ from studio.document.document import Document
 from studio.document.dragging import CAPTURE, LIBRARY_ITEM, carried_item
 from studio.panels.library_delegate import EYE_WIDTH, LIBRARY_ROW_ROLE, LibraryDelegate
 from studio.panels.library_rows import LibraryRow, rows_of
+from studio.panels.thumbnails import Thumbnails
 
 EYE_HINT = "Click the eye to show or hide it, with all that are selected. Alt and click shows it alone."
 Index = QModelIndex | QPersistentModelIndex
@@ -167,7 +168,8 @@ class LibraryPanel(QWidget):
         self.view = LibraryView()
         self.view.setAccessibleName("Library")
         self.view.setModel(self.model)
-        self.view.setItemDelegate(LibraryDelegate(self.view))
+        self.thumbnails = Thumbnails(document)
+        self.view.setItemDelegate(LibraryDelegate(self.view, self.thumbnails))
         self.view.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
         self.view.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.view.setUniformItemSizes(False)

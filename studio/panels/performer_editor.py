@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 
-from PySide6.QtCore import QSignalBlocker
+from PySide6.QtCore import QSignalBlocker, Signal
 from PySide6.QtWidgets import QCheckBox, QLabel, QLineEdit
 
 from studio.document.document import Document
@@ -18,6 +18,9 @@ PLACEMENT_LIMIT = 1000.0
 
 class PerformerEditor(Editor):
     """Performer and character in one form: to the animator they are one body."""
+
+    remap_wanted = Signal(str, object, str)
+    """Character id, {part: joint}, text of the undo step."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -65,7 +68,7 @@ class PerformerEditor(Editor):
         self._body = BodySection(self, lambda: self.entity.character_id)
         self.column.addWidget(section)
         self.column.addWidget(self._body)
-        self._body_map = character_section(self, lambda: self.entity.character_id)
+        self._body_map = character_section(self, lambda: self.entity.character_id, self.remap_wanted.emit)
         self.column.addWidget(self._body_map)
         self.finish()
 

@@ -1,11 +1,15 @@
 """Body maps by mouse: a part is clicked, then its joint; saved, loaded and chosen by names."""
 
 import json
+import threading
+import time
+from dataclasses import replace
 
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
+from studio.app import casting
 from studio.core.body.canonical import BodyPart
 from studio.core.mesh.rig import rig_body_map
 from studio.io.figure.body import remapped
@@ -41,7 +45,21 @@ def section(window, hero):
 
 def map_by_mouse(section, part, joint):
     QTest.mouseClick(section._parts, LEFT, pos=(SEGMENT_SHAPES[part].center() * SCALE).toPoint())
+    click_joint(section, joint)
+
+
+def click_joint(section, joint):
     QTest.mouseClick(section._joints, LEFT, pos=section._joints.place_of(joint).toPoint())
+    wait_for_tasks(section)
+
+
+def wait_for_tasks(section):
+    """Wait until nothing runs beside the window."""
+    runner = section.window().bench.runner
+    end = time.monotonic() + 20.0
+    while runner.running and time.monotonic() < end:
+        QTest.qWait(5)
+    assert not runner.running
 
 
 def joints_of(character):
@@ -52,6 +70,7 @@ def test_a_wrong_map_is_mended_by_naming(section, hero):
     found, document, key = section
     family = next(each for each in naming_families() if each.name.startswith("VRM"))
     found._preset.chosen.emit(family)
+    wait_for_tasks(found)
     assert joints_of(document.project.characters[key]) == hero.joints
     document.undo_stack.undo()
     assert joints_of(document.project.characters[key]) == hero.joints | SWAPPED_ARMS
@@ -73,9 +92,9 @@ def test_exchanged_arms_are_mended_by_mouse_and_undone(section, hero):
 def test_the_chest_is_chosen_by_mouse(section, hero):
     found, document, key = section
     QTest.mouseClick(found._parts, LEFT, pos=(SEGMENT_SHAPES[BodyPart.THORAX].center() * SCALE).toPoint())
-    QTest.mouseClick(found._joints, LEFT, pos=found._joints.place_of("spine").toPoint())
+    click_joint(found, "spine")
     assert document.project.characters[key].build.layout.spine_count == 2
-    QTest.mouseClick(found._joints, LEFT, pos=found._joints.place_of("chest").toPoint())
+    click_joint(found, "chest")
     assert document.project.characters[key].build.layout.spine_count == 3
     rig = document.project.characters[key].skin.rig
     assert rig.names[rig_body_map(rig, 3).spine[-1]] == "chest"
@@ -86,6 +105,7 @@ def test_a_map_that_is_saved_mends_another_character(section, hero, tmp_path):
     path = tmp_path / "hero.json"
     path.write_text(json.dumps(hero.joints))
     found.load_from(path)
+    wait_for_tasks(found)
     assert joints_of(document.project.characters[key]) == hero.joints
     found.save_to(tmp_path / "again.json")
     assert json.loads((tmp_path / "again.json").read_text()) == hero.joints
@@ -111,3 +131,35 @@ def test_a_performer_has_the_section_of_its_character(window, hero):
     found.resize(320, 900)
     map_by_mouse(found, BodyPart.LEFT_HAND, "leftHand")
     assert joints_of(document.project.characters[character])["left_hand"] == "leftHand"
+
+
+def test_the_window_goes_on_meanwhile_and_a_cancelled_one_changes_nothing(section, monkeypatch):
+    found, document, key = section
+    may_go_on, threads = threading.Event(), []
+
+    def slow(character, names):
+        threads.append(threading.current_thread())
+        may_go_on.wait(10.0)
+        return remapped(character, names)
+
+    monkeypatch.setattr(casting, "remapped", slow)
+    runner, before = found.window().bench.runner, document.project.characters[key]
+    QTest.mouseClick(found._parts, LEFT, pos=(SEGMENT_SHAPES[BodyPart.LEFT_HAND].center() * SCALE).toPoint())
+    QTest.mouseClick(found._joints, LEFT, pos=found._joints.place_of("leftHand").toPoint())
+    [task] = runner.running  # the click has come back
+    runner.cancel(task)
+    may_go_on.set()
+    wait_for_tasks(found)
+    assert threads != [threading.main_thread()]
+    assert document.project.characters[key] is before
+
+
+def test_a_character_that_was_changed_meanwhile_is_kept_and_the_user_told(section):
+    found, document, key = section
+    QTest.mouseClick(found._parts, LEFT, pos=(SEGMENT_SHAPES[BodyPart.LEFT_HAND].center() * SCALE).toPoint())
+    QTest.mouseClick(found._joints, LEFT, pos=found._joints.place_of("leftHand").toPoint())
+    changed = replace(document.project.characters[key], name="Other")
+    document.replace("characters", key, changed, "Rename")
+    wait_for_tasks(found)
+    assert document.project.characters[key] is changed
+    assert "was changed while it was mapped" in found.window().strip.text

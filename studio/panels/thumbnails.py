@@ -1,0 +1,138 @@
+"""Small pictures of captures and characters, drawn beside the window and kept while the project is open."""
+
+from collections.abc import Callable
+from contextlib import suppress
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QLineF, QObject, Qt, QThreadPool, Signal
+from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPixmap
+
+from studio.core.body.canonical import BodyPart
+from studio.core.body.kinematics import joint_positions
+from studio.core.captures.capture import Capture
+from studio.core.mesh.character import Character
+from studio.document import colours
+from studio.document.document import Document
+
+FloatArray = NDArray[np.float64]
+
+THUMBNAIL_PIXELS = 72
+"""Width and height; rows show half of it in pixels of a usual screen."""
+_MARGIN = 4
+_POINTS = 60_000
+_LIGHT = np.array([0.8, 0.3, 0.52])
+_DARKEST = 0.4
+_POSES = ((0.2, -0.3, 70), (0.8, 0.3, 70), (0.5, 0.0, 255))
+"""Moment in the take, offset across the picture and opacity of each pose of a capture."""
+
+
+class Thumbnails(QObject):
+    """Pictures by entity: None until one is drawn, then ``drawn`` is emitted."""
+
+    drawn = Signal()
+    _made = Signal(object, object)
+
+    def __init__(self, document: Document) -> None:
+        super().__init__()
+        self._document = document
+        self._pictures: dict[int, tuple[object, QPixmap | None]] = {}
+        self._pool = QThreadPool(self)
+        self._pool.setMaxThreadCount(1)
+        self._made.connect(self._keep, Qt.ConnectionType.QueuedConnection)
+        document.project_opened.connect(self._pictures.clear)
+
+    def of(self, collection: str, entity_id: str) -> QPixmap | None:
+        """Picture of a capture, a character or a performer; None where there is none, or none yet."""
+        project = self._document.shown_project
+        if collection == "performers" and entity_id in project.performers:
+            collection, entity_id = "characters", project.performers[entity_id].character_id
+        entity = project.get(collection, entity_id)
+        if isinstance(entity, Capture):
+            return self._picture(entity.poses, lambda: capture_picture(entity))
+        if isinstance(entity, Character):
+            return self._picture(entity.skin, lambda: character_picture(entity))
+        return None
+
+    def _picture(self, key: object, draw: Callable[[], QImage]) -> QPixmap | None:
+        """The picture of what ``key`` is shown by: poses or a skin, which outlive changes of names and lengths."""
+        if id(key) in self._pictures:
+            return self._pictures[id(key)][1]
+        self._pictures[id(key)] = (key, None)  # the key is kept, so that its id stays its own
+
+        def work() -> None:
+            picture = draw()
+            with suppress(RuntimeError):  # the window is gone
+                self._made.emit(key, picture)
+
+        self._pool.start(work)
+        return None
+
+    def _keep(self, key: object, picture: QImage) -> None:
+        if id(key) in self._pictures:
+            self._pictures[id(key)] = (key, QPixmap.fromImage(picture))
+            self.drawn.emit()
+
+
+def character_picture(character: Character, size: int = THUMBNAIL_PIXELS) -> QImage:
+    """Front view of a character as its skin was bound, in the colours of its materials."""
+    skin = character.skin
+    corners = skin.vertices.astype(np.float64)[skin.triangles]
+    crossed = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas = np.linalg.norm(crossed, axis=1)
+    random = np.random.default_rng(0)
+    chosen = random.choice(len(areas), _POINTS, p=areas / areas.sum()) if areas.sum() > 0.0 else np.zeros(1, np.int64)
+    shares = random.dirichlet(np.ones(3), len(chosen))
+    points = np.einsum("nc,nci->ni", shares, corners[chosen])
+    normals = crossed[chosen] / np.maximum(areas[chosen, None], 1e-12)
+    light = _DARKEST + (1.0 - _DARKEST) * np.clip(normals @ _LIGHT, 0.0, 1.0)
+    shown = _colours(character)[skin.appearance.triangle_materials[chosen] if skin.appearance else 0 * chosen]
+    low, high = points.min(axis=0), points.max(axis=0)
+    scale = (size - 2 * _MARGIN - 1) / max(high[1] - low[1], high[2] - low[2], 1e-6)
+    column = size / 2 + scale * (points[:, 1] - (low[1] + high[1]) / 2)
+    row = size / 2 - scale * (points[:, 2] - (low[2] + high[2]) / 2)
+    nearest_last = np.argsort(points[:, 0])
+    place = np.clip(np.stack([row, column]).astype(np.int64), 0, size - 1)[:, nearest_last]
+    pixels = np.zeros((size, size, 4), np.uint8)
+    pixels[place[0], place[1], :3] = np.clip(shown * light[:, None], 0.0, 255.0)[nearest_last]
+    pixels[place[0], place[1], 3] = 255
+    return QImage(pixels.tobytes(), size, size, 4 * size, QImage.Format.Format_RGBA8888).copy()
+
+
+def capture_picture(capture: Capture, size: int = THUMBNAIL_PIXELS) -> QImage:
+    """Front view of three poses of a capture, the middle one brightest."""
+    picture = QImage(size, size, QImage.Format.Format_ARGB32_Premultiplied)
+    picture.fill(Qt.GlobalColor.transparent)
+    skeleton = capture.skeleton
+    with QPainter(picture) as painter:
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        for moment, across, opacity in _POSES:
+            frame = round(moment * (capture.frame_count - 1))
+            places = joint_positions(skeleton, capture.poses.frames(frame, frame))[0]
+            seen = np.stack([places @ _left_of(capture, places), places[:, 2]], axis=1)
+            low, high = seen.min(axis=0), seen.max(axis=0)
+            scale = (size - 2 * _MARGIN) / max(float((high - low).max()), 1e-6)
+            points = size / 2 + scale * (seen - (low + high) / 2) * [1.0, -1.0] + [across * size, 0.0]
+            colour = QColor(colours.TEXT)
+            colour.setAlpha(opacity)
+            painter.setPen(QPen(colour, size / 28.0, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
+            bones = [(joint, parent) for joint, parent in enumerate(skeleton.parents.tolist()) if parent >= 0]
+            painter.drawLines([QLineF(*points[parent], *points[joint]) for joint, parent in bones])
+    return picture
+
+
+def _colours(character: Character) -> FloatArray:
+    """(M, 3) colours of the materials from 0 to 255; that of the character where it has none."""
+    look = character.skin.appearance
+    names = [material.colour for material in look.materials] if look else [character.colour]
+    return np.array([[int(name[place : place + 2], 16) for place in (1, 3, 5)] for name in names], dtype=np.float64)
+
+
+def _left_of(capture: Capture, places: FloatArray) -> FloatArray:
+    """(3,) level direction to the left of a body whose joints are at ``places`` (J, 3)."""
+    if capture.body_map is None:
+        return np.array([0.0, 1.0, 0.0])
+    left, right = (places[capture.body_map[part]] for part in (BodyPart.LEFT_THIGH, BodyPart.RIGHT_THIGH))
+    level: FloatArray = (left - right) * [1.0, 1.0, 0.0]
+    level /= max(float(np.linalg.norm(level)), 1e-9)
+    return level

@@ -1,0 +1,62 @@
+"""Pictures in the library: of captures and characters, drawn beside the window, once each."""
+
+import threading
+import time
+from dataclasses import replace
+
+from PySide6.QtGui import QImage
+from PySide6.QtTest import QTest
+
+from studio.io.project.character_file import bundled_characters
+from studio.panels import thumbnails
+from studio.panels.library_delegate import PICTURED
+from studio.panels.thumbnails import capture_picture, character_picture
+from tests.builders import make_capture
+
+
+def filled(picture: QImage) -> list[tuple[int, int]]:
+    """Columns and rows of pixels that are not transparent."""
+    return [(x, y) for y in range(picture.height()) for x in range(picture.width()) if picture.pixelColor(x, y).alpha()]
+
+
+def wait_for(done) -> None:
+    end = time.monotonic() + 20.0
+    while not done() and time.monotonic() < end:
+        QTest.qWait(5)
+    assert done()
+
+
+def test_a_character_fills_its_picture_upright_and_on_both_sides_alike(qapp):
+    pixels = filled(character_picture(bundled_characters()["stocky_man"]))
+    columns, rows = ([each[axis] for each in pixels] for axis in (0, 1))
+    assert max(max(rows) - min(rows), max(columns) - min(columns)) >= thumbnails.THUMBNAIL_PIXELS - 14
+    middle = sum(columns) / len(columns)
+    assert abs(middle - thumbnails.THUMBNAIL_PIXELS / 2) < 2.0
+    assert len(pixels) > 500
+
+
+def test_a_capture_shows_its_poses_within_the_picture(qapp):
+    assert len(filled(capture_picture(make_capture()))) > 200
+    assert len(filled(capture_picture(make_capture(body_map=None)))) > 200
+
+
+def test_every_row_gets_its_picture_drawn_beside_the_window_and_only_once(window, monkeypatch):
+    threads = []
+    draw = thumbnails.character_picture
+
+    def counted(character):
+        threads.append(threading.current_thread())
+        return draw(character)
+
+    monkeypatch.setattr(thumbnails, "character_picture", counted)
+    library, document = window.library, window.bench.document
+    key = document.add("characters", bundled_characters()["child"], "Add")
+    items = [row.item for row in library.model.rows if row.item and row.item[0] in PICTURED]
+    assert ("characters", key) in items
+    wait_for(lambda: all(library.thumbnails.of(*item) is not None for item in items))
+    count = len(threads)
+    assert threading.main_thread() not in threads
+    character = document.project.characters[key]
+    document.replace("characters", key, replace(character, name="Other"), "Rename")
+    assert library.thumbnails.of("characters", key) is not None
+    assert len(threads) == count
