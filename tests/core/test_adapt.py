@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology, Proportions
 from studio.core.captures.contacts import ContactPoint
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
+from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.realize import realize
 from studio.core.quality.metrics import contact_quality

@@ -13,8 +13,8 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.position import PositionConstraint
 from studio.core.quality.metrics import angular_acceleration
+from studio.core.quality.report import BLOCKED_BY_LIMITS, winners
 from studio.core.solver.asking.tracks import Track
-from studio.core.solver.report import BLOCKED_BY_LIMITS, winners
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import standing_of
 from studio.io.project.character_file import bundled_characters

@@ -43,7 +43,7 @@ class _Reach:
 
     @property
     def moved(self) -> np.ndarray:
-        """Where the point is now."""
+        """Present place of the point."""
         return self.positions[self.root + 1] + self.rotations[self.upper + 1] @ self.offset
 
     def bend(self, distance: float) -> None:
