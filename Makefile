@@ -58,6 +58,7 @@ quality: .venv/.ready-to-run
 
 soak: .venv/.ready-to-test
 	.venv/bin/python -m tests.soak
+	.venv/bin/python -m pytest -q -m hypothesis --hypothesis-profile=deep
 
 examples: .venv/.ready-to-run
 	@set -e; for made in captures strikes characters sample; do echo "$$made"; .venv/bin/python examples/make_$$made.py; done

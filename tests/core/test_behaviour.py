@@ -133,6 +133,13 @@ def test_the_first_transition_of_which_all_conditions_hold_is_taken(behaviour: B
         assert after == (Running(ready[0].target, through=ready[0]) if ready else Running(running.state, seconds))
 
 
+@pytest.mark.parametrize("targets", [("Strike", "Ward off"), ("Ward off", "Strike")])
+def test_of_two_transitions_whose_conditions_hold_the_first_is_taken(targets: tuple[str, str]) -> None:
+    both = tuple(Transition("Guard", target, (TimeCondition(0.0),)) for target in targets)
+    fighter = replace(FIGHTER, transitions=both)
+    assert advance(fighter, begun(fighter), Senses(0.1)).state == targets[0]
+
+
 @given(behaviours())
 def test_a_behaviour_is_stored_as_it_is(behaviour: Behaviour) -> None:
     record = entity_record("behaviours", "b", behaviour, {})

@@ -35,7 +35,8 @@ def press(button):
     QTest.mouseClick(button, Qt.MouseButton.LeftButton)
 
 
-def test_a_folder_is_adapted_with_progress_and_its_summary_offered(qtbot, dialog, tmp_path):
+def test_a_folder_is_adapted_with_progress_and_its_summary_offered(qtbot, dialog, tmp_path, monkeypatch):
+    monkeypatch.setattr("os.cpu_count", lambda: 1)  # one worker to start
     (tmp_path / "captures" / "broken.bvh").write_text("HIERARCHY\n")
     assert not dialog.start.isEnabled()
     dialog.out.setText(str(tmp_path / "out"))
