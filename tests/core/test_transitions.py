@@ -177,7 +177,7 @@ def pitched(angle: float) -> np.ndarray:
 
 @pytest.mark.parametrize(("before", "after"), [(0.5, 0.0), (0.0, 0.5), (0.5, 0.3)])
 def test_the_tip_of_a_foot_stays_where_it_is_while_its_toes_take_another_pitch(before: float, after: float) -> None:
-    """It slid by 15 mm where the ball was held, which goes round the tip."""
+    """It moved by 7 mm where the ball was held, which goes round the tip."""
     sole, tip = np.array([[0.13, 0.0, -0.06, 0.08, 0.05, 0.06]]), np.array([0.4, 0.1, 0.0])
     own, seen = (
         FootPath(tip - (pitched(angle + 0.3) @ [0.13, 0.0, -0.06] + pitched(angle) @ [0.06, 0.0, -0.02]), *turns)
