@@ -20,7 +20,7 @@ from studio.core.kernels.support.swing_foot_clearance import SWING_FADE, raise_s
 from studio.core.normalized.transition import pace_left, place_left
 from studio.core.solver.standing.blends import GOES_ALONG
 from studio.core.solver.standing.footprints import planes_under, soles_of, tilts_of
-from studio.core.solver.standing.held_foot import FootPath
+from studio.core.solver.standing.held_foot import FootPath, Pivot, heel_pivot, sole_arms, toe_pivot
 from studio.core.solver.standing.tipping import depths_of, out_of_ground
 
 FloatArray = NDArray[np.float64]
@@ -67,11 +67,12 @@ class DampedHeight:
 
 @dataclass(frozen=True, eq=False)
 class _Print:
-    """Footprint: the ``pivot`` that stands (bit of heel or ball), its position ``place`` (3,), and the ``tilt`` (3, 3)
-    of the ground there.
+    """Footprint of a heel or of toes (``state``, a bit): the ``pivot`` that stands, its position ``place`` (3,), and
+    the ``tilt`` (3, 3) of the ground there.
     """
 
-    pivot: int
+    state: int
+    pivot: Pivot
     place: FloatArray
     tilt: FloatArray
 
@@ -158,7 +159,7 @@ class Foothold:
         self.state = state
         if not state:
             self._printed = None
-        elif held is None or not held.pivot & state:
+        elif held is None or not held.state & state:
             self._printed = self._print(HEEL_STANDS if state & HEEL_STANDS else TOE_STANDS, seen, held)
         if len(self._shown) < 2:
             return
@@ -167,21 +168,23 @@ class Foothold:
             self._gaps[:, 0, :2] = 0.0  # it stands still from now on
         self._pace, self._since = max(dt, 1e-3), dt
 
-    def _print(self, pivot: int, seen: FootPose, held: _Print | None) -> _Print:
-        """Footprint of heel or ball: below its shown position, on the plane of the footprint ``held``, otherwise of the
-        ground.
+    def _print(self, state: int, seen: FootPose, held: _Print | None) -> _Print:
+        """Footprint of heel or toes: below their shown position, on the plane of the footprint ``held``, otherwise of
+        the ground.
         """
-        place = seen.ankle + seen.foot @ self._lever(pivot)
+        measures = sole_rows(self.body, self.side)
+        pivot = heel_pivot(measures) if state == HEEL_STANDS else toe_pivot(measures, seen.toe)
+        place = seen.ankle + pivot.offsets(seen.foot, seen.toe)
         if held is None:
             soles = soles_of(seen.ankle[None], seen.foot[None], sole_rows(self.body, self.side))
             planes = planes_under(self.ground, soles)
             tilt = Rotation.from_rotvec(tilts_of(planes.normals)[0]).as_matrix()
-            at, height = np.array([*soles[0, 1], planes.heights[0]]), 0.0
+            at = np.array([*soles[0, 1], planes.heights[0]])
         else:
-            tilt, at, height = held.tilt, held.place, self._thickness(held.pivot)
+            tilt, at = held.tilt, held.place
         normal = tilt[:, 2]
         level = at[2] - normal[:2] @ (place[:2] - at[:2]) / normal[2]
-        return _Print(pivot, np.array([*place[:2], level + (self._thickness(pivot) - height) / normal[2]]), tilt)
+        return _Print(state, pivot, np.array([*place[:2], level]), tilt)
 
     def _aimed(self, own: FootPose) -> FootPose:
         """Target pose of the foot by its contact state alone, without the remaining gap."""
@@ -190,7 +193,7 @@ class Foothold:
             return own._replace(ankle=own.ankle + np.array([0.0, 0.0, self.climb.value]))
         turn = printed.tilt @ (_level(self._heading) if self.state == SOLE_STANDS else own.foot)
         toe = printed.tilt @ _level(turn[:2, 0]) if self.state & TOE_STANDS else turn @ own.foot.T @ own.toe
-        return FootPose(printed.place - turn @ self._lever(printed.pivot), turn, toe)
+        return FootPose(printed.place - self._pivot.offsets(turn, toe), turn, toe)
 
     def _above_ground(self, pose: FootPose) -> FootPose:
         """Pose of a foot in the air, raised and with its toes bent up where it would penetrate the ground."""
@@ -208,7 +211,7 @@ class Foothold:
         """Difference (3, 3) from the ``aimed`` to the ``shown`` foot: displacement of the pivot (m), rotation vectors
         of foot and toes.
         """
-        place = shown.ankle + (shown.foot - aimed.foot) @ self._pivot - aimed.ankle
+        place = shown.ankle - aimed.ankle + self._pivot.offsets(shown.foot - aimed.foot, shown.toe - aimed.toe)
         turns = [Rotation.from_matrix(a @ b.T).as_rotvec() for a, b in zip(shown[1:], aimed[1:], strict=True)]
         return np.array([place, *turns])
 
@@ -219,7 +222,7 @@ class Foothold:
             Rotation.from_rotvec(foot).as_matrix() @ aimed.foot,
             Rotation.from_rotvec(toe).as_matrix() @ aimed.toe,
         )
-        return FootPose(aimed.ankle + way + (aimed.foot - turned) @ self._pivot, turned, bent)
+        return FootPose(aimed.ankle + way + self._pivot.offsets(aimed.foot - turned, aimed.toe - bent), turned, bent)
 
     def _left(self, before: FloatArray, last: FloatArray) -> FloatArray:
         """Rest of a gap (3,) at this time; while the foot stands it closes without overshoot."""
@@ -232,25 +235,13 @@ class Foothold:
         return np.asarray(place_left(times, max(seconds, 1e-3)) * last + pace_left(times, max(seconds, 1e-3)) * speed)
 
     @property
-    def _pivot(self) -> FloatArray:
-        return self._lever(self._printed.pivot if self._printed else TOE_STANDS)
-
-    def _lever(self, pivot: int) -> FloatArray:
-        """Vector (3,) in metres from the ankle to heel or ball, in the foot's axes."""
-        return self._heel if pivot == HEEL_STANDS else np.asarray(self.body.foot[self.side])
-
-    @property
-    def _heel(self) -> FloatArray:
-        return np.array([-self.body.heel_length[self.side], 0.0, -self.body.ankle_height[self.side]])
-
-    def _thickness(self, pivot: int) -> float:
-        """Height of a pivot above the ground in metres: zero for the heel, that of the toe joint for the ball."""
-        return 0.0 if pivot == HEEL_STANDS else float(self.body.ankle_height[self.side] + self.body.foot[self.side, 2])
+    def _pivot(self) -> Pivot:
+        return self._printed.pivot if self._printed else toe_pivot(sole_rows(self.body, self.side), np.eye(3))
 
     def points_of(self, pose: FootPose) -> FloatArray:
         """Points (2, 3) of the sole below heel and ball, in metres."""
-        ball = pose.ankle + pose.foot @ self._lever(TOE_STANDS)
-        return np.array([pose.ankle + pose.foot @ self._heel, ball - [0.0, 0.0, self._thickness(TOE_STANDS)]])
+        heel, joint, thickness, _ = (arm[0] for arm in sole_arms(sole_rows(self.body, self.side)))
+        return np.array([pose.ankle + pose.foot @ heel, pose.ankle + pose.foot @ joint - thickness])
 
 
 def _level(heading: FloatArray) -> FloatArray:

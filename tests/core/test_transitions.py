@@ -14,7 +14,7 @@ from studio.core.normalized.realize import realize
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import contact_quality, swing_depths
 from studio.core.solver.adapt import hold
-from studio.core.solver.standing.held_foot import FootPath, HeldFoot
+from studio.core.solver.standing.held_foot import FootPath, HeldFoot, heel_pivot
 from studio.core.solver.standing.inertialisation import Stance, led_from
 from studio.core.solver.standing.stepping import FootFlight, flights_of
 from tests.core.test_compose import BODY, EXAMPLES, PERMITTED, cut, example, local_accelerations, peaks, standing
@@ -157,16 +157,37 @@ def test_a_foot_that_is_held_while_its_own_motion_walks_on_does_not_slide() -> N
     """It slid by 57 mm where its own turned on its heel after a stride."""
     states = np.repeat([3, 0, 1], [20, 10, 30])
     frames = np.arange(60)
-    heel, ball = np.array([-0.05, 0.0, -0.08]), np.array([0.13, 0.0, -0.06])
+    heel = np.array([-0.05, 0.0, -0.08])
     turns = turning_about(np.array([0.0, 0.0, 1.0]), np.clip(frames - 30, 0, 30) / 30.0)
     came_down = np.clip((frames - 20) / 10.0, 0.0, 1.0)[:, None] * [0.8, 0.0, 0.0]
     own = FootPath(came_down - turns @ heel, turns, turns)
     across = turning_about(np.array([0.0, 0.0, 1.0]), np.full(2, 1.2))
     seen = FootPath(np.tile([0.3, 0.2, 0.08], (2, 1)), across, across)
-    foot = HeldFoot(own, states, seen, 3, heel, ball, np.full(2, 100.0), 60.0)
+    sole = np.array([[0.13, 0.0, -0.06, 0.08, 0.05, 0.06]])
+    foot = HeldFoot(own, states, seen, 3, sole, np.full(2, 100.0), 60.0)
     path, _ = foot.path(FootFlight(60, 60, 0.3, held=True), 0.3, np.arange(1, 61) / 60.0)
-    heels = path.places(heel)[31:]
+    heels = path.places(heel_pivot(sole))[31:]
     assert np.linalg.norm(heels - heels[0], axis=1).max() < 1e-9
+
+
+def pitched(angle: float) -> np.ndarray:
+    """Rotations (60, 3, 3) that point the x axis down by ``angle`` radians."""
+    return np.tile(Rotation.from_euler("y", angle).as_matrix(), (60, 1, 1))
+
+
+@pytest.mark.parametrize(("before", "after"), [(0.5, 0.0), (0.0, 0.5), (0.5, 0.3)])
+def test_the_tip_of_a_foot_stays_where_it_is_while_its_toes_take_another_pitch(before: float, after: float) -> None:
+    """It moved by 7 mm where the ball was held, which goes round the tip."""
+    sole, tip = np.array([[0.13, 0.0, -0.06, 0.08, 0.05, 0.06]]), np.array([0.4, 0.1, 0.0])
+    own, seen = (
+        FootPath(tip - (pitched(angle + 0.3) @ [0.13, 0.0, -0.06] + pitched(angle) @ [0.06, 0.0, -0.02]), *turns)
+        for angle, turns in ((each, (pitched(each + 0.3), pitched(each))) for each in (after, before))
+    )
+    seen = FootPath(seen.ankles[:2], seen.feet[:2], seen.toes[:2])
+    foot = HeldFoot(own, np.full(60, 2), seen, 2, sole, np.full(2, 100.0), 60.0)
+    path, _ = foot.path(FootFlight(60, 60, 0.3, held=True), 0.3, np.arange(1, 61) / 60.0)
+    tips = path.ankles + path.feet @ [0.13, 0.0, -0.06] + path.toes @ [0.06, 0.0, -0.02]
+    assert np.linalg.norm(tips - tip, axis=1).max() < 1e-9
 
 
 def test_a_foot_that_is_lifted_at_once_is_in_the_air_from_the_change_on() -> None:

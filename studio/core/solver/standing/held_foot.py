@@ -6,6 +6,7 @@ from the previous pose to the own pose.
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,47 @@ States = NDArray[np.int64]
 
 FLOWN = 0.3
 """Saturation in metres of the distance over which a lifted foot keeps its contact rotation."""
+FLAT_TOE = 1e-3
+"""Downward pitch in radians up to which toes lie flat."""
+
+
+class Pivot(NamedTuple):
+    """Point that a foot stands on: ``in_foot`` (3,) metres from the ankle in the foot's axes, then ``in_toes``
+    (3,) in those of its toes.
+    """
+
+    in_foot: FloatArray
+    in_toes: FloatArray
+
+    def offsets(self, feet: FloatArray, toes: FloatArray) -> FloatArray:
+        """Vectors (..., 3) from the ankle in the world, for rotations (..., 3, 3) of foot and toes."""
+        return np.asarray(feet @ self.in_foot + toes @ self.in_toes)
+
+
+def heel_pivot(measures: FloatArray) -> Pivot:
+    """Pivot of a foot that stands on its heel alone: its lower edge; ``measures`` (1, 6) as in ``sole_arms``."""
+    heel, *_ = sole_arms(measures)
+    return Pivot(heel[0], np.zeros(3))
+
+
+def toe_pivot(measures: FloatArray, *toes: FloatArray) -> Pivot:
+    """Pivot of a foot that stands on its toes: their tip if any of the rotations ``toes`` (3, 3) points down, else the
+    sole below the ball.
+    """
+    _, joint, thickness, tip = sole_arms(measures)
+    return Pivot(joint[0], tip[0] if min(each[2, 0] for each in toes) < -FLAT_TOE else -thickness[0])
+
+
+def sole_arms(measures: FloatArray) -> tuple[FloatArray, ...]:
+    """Vectors (F or 1, 3) from the ankle to the heel and the toe joint, the sole's thickness, and from the joint to the
+    tip.
+
+    ``measures`` (F or 1, 6) as in ``morphology.sole_rows``.
+    """
+    forward, left, down, height, heel, length = measures.T
+    zero = np.zeros_like(height)
+    arms = (-heel, zero, -height), (forward, left, down), (zero, zero, height + down), (length, zero, -height - down)
+    return tuple(np.column_stack(each) for each in arms)
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,9 +76,9 @@ class FootPath:
     feet: FloatArray
     toes: FloatArray
 
-    def places(self, pivot: FloatArray) -> FloatArray:
-        """Positions (F, 3) of a point of the foot, in its axes from its ankle."""
-        return np.asarray(self.ankles + self.feet @ pivot)
+    def places(self, pivot: Pivot) -> FloatArray:
+        """Positions (F, 3) of a pivot of the foot."""
+        return np.asarray(self.ankles + pivot.offsets(self.feet, self.toes))
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,15 +86,14 @@ class HeldFoot:
     """A foot with its ``own`` path from the transition on and ``states`` (F,), and its previous path ``seen`` in the
     two frames before, with ``state``.
 
-    ``heel`` and ``ball`` (3,) are in its axes from its ankle; ``peaks`` (2,) in rad/s2 of foot and toes.
+    ``measures`` (1, 6) as in ``sole_arms``; ``peaks`` (2,) in rad/s2 of foot and toes.
     """
 
     own: FootPath
     states: States
     seen: FootPath
     state: int
-    heel: FloatArray
-    ball: FloatArray
+    measures: FloatArray
     peaks: FloatArray
     rate: float
 
@@ -68,10 +109,12 @@ class HeldFoot:
         soon = self._whole.any() and 2.0 * rests <= MOST_TRANSITION * self.rate
         return rests if soon and self.states[:rests].all() else 0
 
-    @property
-    def pivot(self) -> FloatArray:
-        """Pivot (3,): the heel if that alone stands, else the ball."""
-        return self.heel if self.states[self.rest] & self.state == HEEL_STANDS else self.ball
+    @cached_property
+    def pivot(self) -> Pivot:
+        """The heel if that alone stands, else the ball or the tip of the toes."""
+        if self.states[self.rest] & self.state == HEEL_STANDS:
+            return heel_pivot(self.measures)
+        return toe_pivot(self.measures, self.seen.toes[1], self.own.toes[self.rest])
 
     @cached_property
     def aside(self) -> FloatArray:
@@ -130,7 +173,7 @@ class HeldFoot:
         aside = kept[:, None] * self.asides(flight) * [1.0, 1.0, 0.0]
         stands = self.own.places(self.pivot) + aside
         stands += place_left(times, lies)[:, None] * (self.seen.places(self.pivot)[1] - stands)
-        return FootPath(stands - feet @ self.pivot, feet, toes), aside
+        return FootPath(stands - self.pivot.offsets(feet, toes), feet, toes), aside
 
     def _lain(self, own: FloatArray, seen: FloatArray, peak: float, lies: float, times: FloatArray) -> FloatArray:
         """Rotations (F, 3, 3) of a part from its previous rotations ``seen`` (2, 3, 3) to its ``own`` (F, 3, 3)."""

@@ -206,8 +206,7 @@ class _Change:
         on, state = slice(self.first, None), int(seen.states[side])
         own = FootPath(footing.ankles[side, on, :3], footing.feet[side, on], footing.toes[side, on])
         before = FootPath(seen.ankles[side], seen.feet[side], seen.toes[side])
-        heel = np.array([-body.heel_length[side], 0.0, -body.ankle_height[side]])
-        known = own, footing.states[side, on], before, state, heel, np.asarray(body.foot[side])
+        known = own, footing.states[side, on], before, state, sole_rows(body, side)
         return HeldFoot(*known, self.legs[side, 1:], self.rate)
 
     @cached_property

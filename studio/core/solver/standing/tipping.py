@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.support.swing_foot_clearance import TOE_BEND_LEAD, smooth_toe_bends
-from studio.core.solver.standing.held_foot import FootPath
+from studio.core.solver.standing.held_foot import FootPath, sole_arms
 from studio.core.solver.standing.swing_foot_path import SOLE_TOLERANCE
 
 FloatArray = NDArray[np.float64]
@@ -20,7 +20,7 @@ def heights_of(foot: FootPath, measures: FloatArray, ground: Ground) -> FloatArr
 
     ``measures`` (F or 1, 6) as in ``morphology.sole_rows``.
     """
-    heel, joint, thickness, tip = _arms(measures)
+    heel, joint, thickness, tip = sole_arms(measures)
     up, ball = foot.ankles, foot.ankles + _turned(foot.feet, joint)
     lows = (
         up + _turned(foot.feet, heel),
@@ -41,7 +41,7 @@ def out_of_ground(foot: FootPath, measures: FloatArray, depths: FloatArray) -> F
     """``foot`` raised by ``depths`` (2, F) at its heel and its ball, with the same toe rotations."""
     if not depths.any():
         return foot
-    heel, joint, _, _ = _arms(measures)
+    heel, joint, _, _ = sole_arms(measures)
     heels, balls = (foot.ankles + _turned(foot.feet, each) for each in (heel, joint))
     arms, tips = balls - heels, depths[1] - depths[0]
     tips = tips * (arms[:, :2] ** 2).sum(axis=1) / np.maximum((arms**2).sum(axis=1), 1e-9)  # a steep foot is raised
@@ -57,7 +57,7 @@ def tipped_about_ankle(foot: FootPath, measures: FloatArray, heights: FloatArray
 
     The lower of both, now at ``heights`` (2, F), rises, at most until the foot is level.
     """
-    heel, joint, _, _ = _arms(measures)
+    heel, joint, _, _ = sole_arms(measures)
     pitch, extent = heights[0] - heights[1], joint[:, 0] - heel[:, 0]
     up = np.clip(rises[1] * extent / joint[:, 0], 0.0, np.maximum(pitch, 0.0))
     down = np.clip(-rises[0] * extent / heel[:, 0], 0.0, np.maximum(-pitch, 0.0))
@@ -74,16 +74,6 @@ def seen_coming(depths: FloatArray, stands: NDArray[np.bool_], frame_rate: float
     for each, out in zip(raised, early, strict=True):
         smooth_toe_bends(surely, round(TOE_BEND_LEAD * frame_rate), each, out)
     return early
-
-
-def _arms(measures: FloatArray) -> tuple[FloatArray, ...]:
-    """Vectors (F or 1, 3) from the ankle to the heel and the toe joint, the sole's thickness, and from the joint to the
-    tip.
-    """
-    forward, left, down, height, heel, length = measures.T
-    zero = np.zeros_like(height)
-    arms = (-heel, zero, -height), (forward, left, down), (zero, zero, height + down), (length, zero, -height - down)
-    return tuple(np.column_stack(each) for each in arms)
 
 
 def _turned(rotation_matrices: FloatArray, arms: FloatArray) -> FloatArray:
