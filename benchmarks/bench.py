@@ -24,7 +24,7 @@ from benchmarks.start_up import start_up
 from studio.cli.bench import frame_cases
 from studio.cli.bench_cases import clip_of, make_tasks
 from studio.cli.bench_timing import time_jobs
-from studio.core.body.character import Character
+from studio.core.mesh.character import Character
 from studio.core.solver.source import source_motion
 from studio.io.project.character_file import bundled_characters
 from studio.jobs.adaptation import ReadyCapture

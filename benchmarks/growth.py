@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from studio.cli.bench_cases import LIMB, ROOT_CHAIN, WHOLE_CASE, WITH_TRUNK, make_tasks
 from studio.cli.bench_timing import BenchJob, time_jobs
 from studio.core.body.canonical import BodyPart
-from studio.core.body.character import Character
 from studio.core.captures.contacts import ContactInterval
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.mesh.character import Character
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import from_matrix
 from studio.core.solver.adapt import adapt, place_of
@@ -49,7 +49,7 @@ class Growth:
     costs: list[float]
     least: list[float]
     most: list[float]
-    """Of all orders; the costs are their means."""
+    """Number of orders; the costs are their means."""
     fixed: float
     slope: float
     fit: float

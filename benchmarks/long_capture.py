@@ -36,10 +36,10 @@ from studio.app.settings import Settings  # noqa: E402
 from studio.core.body.canonical import BodyPart  # noqa: E402
 from studio.core.captures.annotations import Annotations  # noqa: E402
 from studio.core.captures.capture import Capture  # noqa: E402
-from studio.core.constraints.activation import ActivationCurve  # noqa: E402
 from studio.core.constraints.base import BodyPoint, Chain, Constraint  # noqa: E402
 from studio.core.constraints.own_place import OwnPlace  # noqa: E402
 from studio.core.constraints.position import PositionConstraint  # noqa: E402
+from studio.core.curves.activation import ActivationCurve  # noqa: E402
 from studio.core.solver.request import AdaptRequest  # noqa: E402
 from studio.document.document import Document  # noqa: E402
 from studio.engine.live_adaptation import normalised  # noqa: E402

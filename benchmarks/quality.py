@@ -12,7 +12,8 @@ from studio.core.body.canonical import BodyLayout
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import Constraint
 from studio.core.grounds.ground import Ground
-from studio.core.quality.metrics import QUIET_PEAK, angular_acceleration, centre_of_mass, contact_quality
+from studio.core.normalized.transition import QUIET_PEAK
+from studio.core.quality.metrics import angular_acceleration, centre_of_mass, contact_quality
 from studio.core.solver.adapt import adapt, hold
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.stand import Standing, stand

@@ -22,9 +22,9 @@ from studio.startup.process import prepare_process  # noqa: E402
 prepare_process()
 
 from studio.cli.printing import print_table  # noqa: E402
-from studio.core.body.character import Character  # noqa: E402
 from studio.core.errors import StudioError  # noqa: E402
 from studio.core.grounds.ground import Ground  # noqa: E402
+from studio.core.mesh.character import Character  # noqa: E402
 from studio.core.normalized.round_trip import round_trip  # noqa: E402
 from studio.core.quality.motion_quality import PART_SEGMENTS, MotionQuality, motion_quality  # noqa: E402
 from studio.core.solver.adapt import hold  # noqa: E402

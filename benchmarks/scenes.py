@@ -17,12 +17,13 @@ from numpy.typing import NDArray
 from benchmarks.clips import BUNDLED, REAL
 from studio.cli.bench_cases import ROOT_CHAIN, WHOLE_CHAIN, clip_of, make_tasks
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
-from studio.core.quality.metrics import QUIET_PEAK, angular_acceleration
+from studio.core.normalized.transition import QUIET_PEAK
+from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import adapt, hold, place_of
 from studio.core.solver.asking.releasing import constraint_activations
 from studio.core.solver.request import AdaptedMotion

@@ -8,19 +8,19 @@ import numpy as np
 
 from benchmarks.growth import CHARACTERS, Growth, fitted
 from studio.core.body.canonical import BodyPart
-from studio.core.body.character import Character
 from studio.core.body.morphology import Morphology
 from studio.core.captures.capture import Capture
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.position import PositionConstraint
+from studio.core.curves.activation import ActivationCurve
+from studio.core.mesh.character import Character
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.project import Performer, Project
 from studio.core.solver.adapt import adapt
 from studio.core.solver.performers.performing import Prepare, perform
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.clip import Clip
+from studio.core.stage.project import Performer, Project
 from studio.jobs.performances import prepared
 from studio.library.scenes.fight import fight_training
 from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, bodies, material

@@ -10,12 +10,12 @@ from studio.app.main_window import MainWindow
 from studio.app.settings import Settings
 from studio.cli.bench_cases import ROOT_CHAIN
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.position import PositionConstraint
-from studio.core.project import Project
+from studio.core.curves.activation import ActivationCurve
+from studio.core.stage.project import Project
 from studio.core.stage.staging import staged
 from studio.document.document import Document
 from studio.io.importing import GUESS_ALL

@@ -4,9 +4,9 @@ import json
 import sys
 from pathlib import Path
 
-from studio.core.body.character import Character
 from studio.core.mannequin.physiques import BUNDLED
 from studio.core.mannequin.sculpt import make_mannequin
+from studio.core.mesh.character import Character
 from studio.io.project.character_file import write_character
 from studio.resources_folder import resources_folder
 

@@ -12,7 +12,7 @@ prepare_process()
 
 from studio.app import sample  # noqa: E402
 from studio.core.normalized.normalize import detected_contacts  # noqa: E402
-from studio.core.project import Motion, Project  # noqa: E402
+from studio.core.stage.project import Motion, Project  # noqa: E402
 from studio.core.stage.staging import staged  # noqa: E402
 from studio.io.adapted_file import write_adapted  # noqa: E402
 from studio.io.importing import load_capture  # noqa: E402

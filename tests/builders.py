@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 
 from studio.core.body.canonical import BodyPart
-from studio.core.body.character import Character
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.morphology import Morphology, Proportions
 from studio.core.body.pose import PoseSequence
@@ -14,13 +13,14 @@ from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.confidence import Confidence
 from studio.core.captures.contacts import ContactInterval, ContactPoint
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
+from studio.core.curves.activation import ActivationCurve
+from studio.core.mesh.character import Character
 from studio.core.mesh.skin import SkinnedMesh
-from studio.core.project import Motion, Performer, Project
 from studio.core.rotations import normalized
 from studio.core.stage.clip import Clip
+from studio.core.stage.project import Motion, Performer, Project
 
 _LEG = ((0.0, 0.09, 0.0), (0.0, 0.0, -0.42), (0.0, 0.0, -0.40), (0.14, 0.0, -0.06), (0.06, 0.0, 0.0))
 _ARM = ((0.0, 0.04, 0.12), (0.0, 0.14, 0.0), (0.0, 0.28, 0.0), (0.0, 0.25, 0.0), (0.0, 0.17, 0.0))

@@ -15,11 +15,11 @@ import numpy as np
 
 from benchmarks.clips import ROOT
 from studio.cli.bench_cases import Task, places_of
-from studio.core.body.character_skeleton import character_poses, character_skeleton, joint_points
 from studio.core.body.morphology import Morphology
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.quality.metrics import centre_of_mass
+from studio.core.rigs.character_skeleton import character_poses, character_skeleton, joint_points
 from studio.core.solver.adapt import adapt, hold
 from studio.core.solver.asking.chains import segment_masses
 from studio.core.solver.asking.points import point_indices

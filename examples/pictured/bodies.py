@@ -14,12 +14,12 @@ from scipy.spatial.transform import Rotation
 
 from pictured.session import example
 from studio.core.body.canonical import BodyPart
-from studio.core.body.character import Character
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
+from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
+from studio.core.mesh.character import Character
 from studio.core.mesh.skin import skin_vertices
 from studio.core.solver.adapt import hold
 from studio.core.solver.request import AdaptedMotion

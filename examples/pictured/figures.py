@@ -11,9 +11,9 @@ from scipy.spatial.transform import Rotation
 from pictured.session import example
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
-from studio.core.constraints.activation import ActivationCurve, EaseShape, ease
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
+from studio.core.curves.activation import ActivationCurve, EaseShape, ease
 from studio.core.grounds.ground import Ground
 from studio.core.grounds.steps import Steps
 from studio.core.kernels.algebra.smooth_steps import smooth_penetration
@@ -26,7 +26,7 @@ from studio.core.normalized.transition import pace_left, place_left
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import hold
 from studio.core.solver.standing.stand import stand
-from studio.core.solver.standing.support import corners, mass_path, outlines, standing_points
+from studio.core.solver.standing.support import corners, mass_path, outlines, standing_mask
 from studio.core.windows import highest
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
@@ -220,7 +220,7 @@ def balance() -> Figure:
     positions, rotations = np.array(standing.positions), np.array(standing.rotations)
     frames = slice(60, 260)
     masses = mass_path(positions, body)[frames]
-    areas = corners(outlines(positions, rotations, standing_points(ready.contacts, len(positions)), body))[frames]
+    areas = corners(outlines(positions, rotations, standing_mask(ready.contacts, len(positions)), body))[frames]
     figure = Figure(figsize=(9.0, 3.0), layout="constrained")
     axes = figure.subplots()
     for outline in areas[::20]:

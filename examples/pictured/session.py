@@ -17,9 +17,9 @@ from PySide6.QtGui import QImage
 from studio.app import application, capture_import
 from studio.app.settings import Settings
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
+from studio.core.curves.activation import ActivationCurve
 from studio.core.mesh.hand_shapes import FIST_GRIP, RELAXED_GRIP
 from studio.core.stage.staging import staged
 from studio.document.document import Document

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QWidget
 from pictured.session import KICK_TIME, Session, example, kick_target, left_wrist
 from studio.app.marker_dialog import open_markers
 from studio.core.body.morphology import Proportions
-from studio.core.constraints.keyed import KeyedPlace
+from studio.core.curves.keyed import KeyedPlace
 from studio.core.stage.prop import Prop
 from studio.document import colours
 from studio.document.channels import Side, with_handle

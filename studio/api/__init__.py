@@ -15,31 +15,33 @@ Errors that a user can mend are ``StudioError``, a sentence each.
 from studio.api.results import Adapted
 from studio.api.scene import Scene, new_scene, open_scene
 from studio.core.body.canonical import BodyPart
-from studio.core.body.character import Character
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
-from studio.core.constraints.activation import ActivationCurve, EaseShape
 from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint, KindInfo
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.follow import FollowBody, FollowPerformer, FollowProp, FollowTracked
-from studio.core.constraints.keyed import KeyedPlace, KeyedTurn
 from studio.core.constraints.kinds import ConstraintKind
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
+from studio.core.constraints.parallel import ParallelConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.constraints.rail import RailConstraint
+from studio.core.constraints.scope import Scope
 from studio.core.constraints.upright import UprightConstraint
+from studio.core.curves.activation import ActivationCurve, EaseShape
+from studio.core.curves.keyed import KeyedPlace, KeyedTurn
 from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
-from studio.core.project import Motion, Performer, Project
+from studio.core.mesh.character import Character
 from studio.core.quality.motion_measures import MotionMeasure
 from studio.core.stage.clip import Clip
 from studio.core.stage.correction import Correction, KeyedPoses, PoseOffsets
+from studio.core.stage.project import Motion, Performer, Project
 from studio.core.stage.prop import Prop
-from studio.core.stage.scope import Scope
 from studio.io.export_options import ExportOptions
 from studio.io.importing import ImportOptions
 from studio.io.plug_ins import Panel, Verb
@@ -90,11 +92,13 @@ __all__ = [
     "OrientationConstraint",
     "OwnPlace",
     "Panel",
+    "ParallelConstraint",
     "Performer",
     "PoseOffsets",
     "PositionConstraint",
     "Project",
     "Prop",
+    "RailConstraint",
     "Result",
     "Scene",
     "Scope",

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.constraints.base import BodyPoint
-from studio.core.project import Project
 from studio.core.solver.adapt import grounded, place_of
 from studio.core.solver.performers.performing import Performance
 from studio.core.solver.source import played_on
 from studio.core.stage.placement import Placement
+from studio.core.stage.project import Project
 from studio.jobs.adapt_report import figures
 
 FloatArray = NDArray[np.float64]

@@ -13,13 +13,13 @@ from PySide6.QtGui import QUndoStack
 
 from studio.api.results import Adapted
 from studio.core.body.canonical import BodyPart
-from studio.core.body.character import Character
 from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.constraints.base import Constraint, Vector
 from studio.core.errors import StudioError
-from studio.core.project import Entity, Motion, Performer, Project, new_id
+from studio.core.mesh.character import Character
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.clip import Clip
+from studio.core.stage.project import Entity, Motion, Performer, Project, new_id
 from studio.document.correction_edits import set_pose
 from studio.document.edited_project import EditedProject
 from studio.io.export import write_take

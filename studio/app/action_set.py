@@ -13,6 +13,7 @@ from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.core.stage.saved_camera import CAMERA_SLOTS
 from studio.document.stored_cameras import camera_in_slot
+from studio.panels.message_strip import Lifetime
 
 
 def with_mnemonics(names: Iterable[str]) -> list[str]:
@@ -127,7 +128,7 @@ class ActionSet(QObject):
             try:
                 row.run(self._bench)
             except StudioError as error:
-                self._bench.say(str(error))
+                self._bench.say(str(error), until=Lifetime.SELECTED)
             self.refresh()
 
         return run

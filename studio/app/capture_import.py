@@ -16,9 +16,9 @@ from studio.core.captures.capture import Capture
 from studio.core.captures.remarks import remarks_on
 from studio.core.errors import StudioError
 from studio.core.markers.take import MarkerTake
-from studio.core.project import Motion, Project, new_id
 from studio.core.solver.performers.rows import stage_span
 from studio.core.stage.clip import Clip
+from studio.core.stage.project import Motion, Project, new_id
 from studio.core.stage.staging import is_unarranged, lined_up, side_by_side, travel_heading
 from studio.document.document import Document
 from studio.io.importing import GUESS_ALL, ImportOptions, known_of_motion, read_capture, read_file

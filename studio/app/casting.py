@@ -9,12 +9,12 @@ import numpy as np
 from studio.app.capture_import import changing_nothing, import_motion
 from studio.app.workbench import Workbench
 from studio.core.body.canonical import BodyPart
-from studio.core.body.character import Character
 from studio.core.captures.capture import Guess
 from studio.core.captures.remarks import remarks_on_body
 from studio.core.errors import StudioError
+from studio.core.mesh.character import Character
 from studio.core.names import free_name
-from studio.core.project import Performer
+from studio.core.stage.project import Performer
 from studio.document import colours
 from studio.document.document import Document
 from studio.io.importing import GUESS_ALL, load_character

@@ -16,7 +16,7 @@ import numpy as np
 from studio.app.exporting import words_of
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
-from studio.core.project import Project
+from studio.core.stage.project import Project
 from studio.io.child_process import child_process, said_lines, wait_for
 from studio.io.media.film import film_encoder, is_film
 from studio.io.replacing import new_folder

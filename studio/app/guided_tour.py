@@ -7,7 +7,7 @@ from PySide6.QtCore import QMetaObject, QObject
 
 from studio.app.sample import open_sample
 from studio.app.workbench import Workbench
-from studio.core.project import Project
+from studio.core.stage.project import Project
 from studio.panels.message_strip import MessageStrip
 
 

@@ -42,7 +42,7 @@ from studio.panels.history import History
 from studio.panels.inspector import Inspector
 from studio.panels.library_drops import BODIES, LibraryDrops
 from studio.panels.library_panel import LibraryPanel
-from studio.panels.message_strip import MessageStrip, RecoveryBar
+from studio.panels.message_strip import Lifetime, MessageStrip, RecoveryBar
 from studio.panels.problem_table import ProblemTable
 from studio.panels.status_line import StatusLine
 
@@ -318,6 +318,12 @@ class MainWindow(QMainWindow):
     def _connect(self) -> None:
         bench, document, runner = self.bench, self.bench.document, self.bench.runner
         bench.said.connect(self.strip.show_message)
+        for event, signal in (
+            (Lifetime.PROJECT_OPENED, document.project_opened),
+            (Lifetime.EDITED, document.undo_stack.indexChanged),
+            (Lifetime.SELECTED, document.selection.changed),
+        ):
+            signal.connect(lambda *_, event=event: self.strip.outlive(event))
         self.live_playing = LivePlaying(bench, self)
         bench.live.play.state_changed.connect(self.behaviour.show_running)
         document.saved_state_changed.connect(self._saved_state_changed)

@@ -10,13 +10,16 @@ from PySide6.QtWidgets import QAbstractSpinBox, QApplication, QComboBox, QLineEd
 
 from studio.app.strike_edit import clips_until
 from studio.app.workbench import Workbench
-from studio.core.project import Entity, Performer, Project, new_id
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import KeyCondition
+from studio.core.stage.project import Entity, Performer, Project, new_id
 from studio.live.recorded_take import StageTake, edits_of
 
 TYPING = (QLineEdit, QAbstractSpinBox, QComboBox, QTextEdit, QPlainTextEdit)
 KEY_EVENTS = (QEvent.Type.ShortcutOverride, QEvent.Type.KeyPress)
+
+
+PLAYS_LIVE = "The stage plays live."
 
 
 class LivePlaying(QObject):
@@ -79,6 +82,8 @@ class LivePlaying(QObject):
         application = QApplication.instance()
         if application is not None:
             (application.installEventFilter if running else application.removeEventFilter)(self)
+        if not running and self._bench.window.strip.text.startswith(PLAYS_LIVE):
+            self._bench.clear_message()
 
     def _start_chosen(self) -> None:
         """A clip that is clicked while the stage plays live begins, for the active performer."""
@@ -104,7 +109,7 @@ def toggle(bench: Workbench) -> None:
     names = [_name(bench.document.project, clip) for clip in clips_of(bench.document.project, active)]
     own = [f"{number}: {name} (selected body)." for number, name in enumerate(names[:9], 1)]
     heard = [f"{key}: {', '.join(states).lower()}." for key, states in keys_of(bench.document.project).items()]
-    bench.say(" ".join(["The stage plays live.", *own, *heard, "R: record. Esc: end."]))
+    bench.say(" ".join([PLAYS_LIVE, *own, *heard, "R: record. Esc: end."]))
 
 
 def record(bench: Workbench) -> None:

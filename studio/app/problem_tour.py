@@ -5,6 +5,9 @@ from PySide6.QtCore import QObject
 from studio.app.workbench import Workbench
 from studio.engine.problem_search import ProblemSearch
 from studio.engine.quality_summary import FoundProblem, SummaryRow
+from studio.panels.message_strip import Lifetime
+
+NO_PROBLEMS = "No problems: every constraint holds, and nothing slides, sinks in or pops."
 
 
 class ProblemTour(QObject):
@@ -42,7 +45,7 @@ class ProblemTour(QObject):
             return
         if not problems:
             self._at = None
-            self._bench.say("No problems: every constraint holds, and nothing slides, sinks in or pops.")
+            self._bench.say(NO_PROBLEMS, until=Lifetime.EDITED)
             return
         places = {each.key: place for place, each in enumerate(problems)}
         at = places.get(self._at) if self._at is not None else None
@@ -52,4 +55,4 @@ class ProblemTour(QObject):
         problem = problems[place]
         self._at = problem.key
         self.show(problem.row, problem.aspect)
-        self._bench.say(f"Problem {place + 1} of {len(problems)}. {problem.sentence}.")
+        self._bench.say(f"Problem {place + 1} of {len(problems)}. {problem.sentence}.", until=Lifetime.SELECTED)

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from logging.handlers import RotatingFileHandler
 from pathlib import Path
 from types import TracebackType
-from typing import Any
 
 import platformdirs
 from PySide6.QtCore import QObject, Signal
@@ -50,7 +49,7 @@ class ProblemHooks(QObject):
 
     def __init__(self) -> None:
         super().__init__()
-        self._hooks: tuple[Callable[..., Any], Callable[..., Any]] = (sys.excepthook, threading.excepthook)
+        self._hooks: tuple[Callable[..., object], Callable[..., object]] = (sys.excepthook, threading.excepthook)
         sys.excepthook = self._on_error
         threading.excepthook = self._on_thread_error
 

@@ -9,13 +9,14 @@ from pathlib import Path
 
 from studio.app.workbench import Workbench
 from studio.core.mesh.hand_shapes import FIST_GRIP
-from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
+from studio.core.stage.project import Project
 from studio.core.stage.staging import side_by_side, staged
 from studio.io.adapted_file import read_adapted
 from studio.io.project.character_file import bundled_characters
 from studio.io.project.project_file import read_project
 from studio.library.scenes import BundledScene
+from studio.panels.message_strip import Lifetime
 from studio.resources_folder import example_captures_folder, sample_folder
 
 SAMPLE_NAME, SAMPLE_MOTION_ID = "front_kick", "sample"
@@ -71,7 +72,7 @@ def open_scene(bench: Workbench, scene: BundledScene) -> None:
         if bench.document.revision != revision:
             return  # as above
         bench.document.new(project)
-        bench.say(scene.text)
+        bench.say(scene.text, until=Lifetime.PROJECT_OPENED)
         bench.document.playhead.play()
 
     bench.runner.run(f"Opening {scene.title.lower()}", lambda _progress: scene.make(), show)

@@ -15,9 +15,9 @@ from studio.core.captures.capture import Capture
 from studio.core.constraints.target import Place
 from studio.core.errors import StudioError
 from studio.core.mesh.hand_shapes import FIST_GRIP
-from studio.core.project import Performer, Project, new_id
 from studio.core.stage.clip import Clip
 from studio.core.stage.placement import Placement
+from studio.core.stage.project import Performer, Project, new_id
 
 # Here and below: what searches loads the solver, which takes longer than a window.
 if TYPE_CHECKING:

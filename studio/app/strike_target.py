@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import Follow, FollowPerformer, FollowProp
-from studio.core.project import Project
+from studio.core.stage.project import Project
 from studio.engine.performance import Results, posed_performers
 from studio.engine.prop_places import prop_at
 

@@ -11,7 +11,7 @@ from studio.app.settings import Settings
 from studio.document.document import Document
 from studio.engine.live_adaptation import LiveAdaptation
 from studio.engine.tasks import TaskRunner
-from studio.panels.message_strip import Answer, UserMessage
+from studio.panels.message_strip import Answer, Lifetime, UserMessage
 
 # Both views load what a window can be shown without; the window loads this module.
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ class Workbench(QObject):
     """The one window, which enters itself when it is made."""
 
     said = Signal(UserMessage)
-    """Message that the window shows, whoever it comes from; an empty one takes the last away."""
+    """UserMessage that the window shows, whoever it comes from; an empty one takes the last away."""
     views_changed = Signal()
 
     def __init__(self, document: Document, live: LiveAdaptation, runner: TaskRunner, settings: Settings) -> None:
@@ -48,9 +48,9 @@ class Workbench(QObject):
         document.problem.connect(self.say)
         runner.failed.connect(lambda _, sentence: self.say(sentence))
 
-    def say(self, sentence: str, *answers: Answer) -> None:
-        """Tell the user a sentence, with buttons for the answers to it."""
-        self.said.emit(UserMessage(sentence, answers))
+    def say(self, sentence: str, *answers: Answer, until: Lifetime = Lifetime.CLOSED) -> None:
+        """Tell the user a sentence, with buttons for the answers to it; it goes by itself at the event ``until``."""
+        self.said.emit(UserMessage(sentence, answers, until))
 
     def clear_message(self) -> None:
         """Take away what was said last."""

@@ -10,11 +10,11 @@ from studio.cli.outputs import refuse_replacing
 from studio.cli.printing import QUALITY_TITLES, print_json, print_table
 from studio.core.errors import StudioError
 from studio.core.names import safe_name
-from studio.core.project import Project
 from studio.core.solver.adapt import grounded
 from studio.core.solver.performers.performing import Performance
 from studio.core.solver.source import played_on
 from studio.core.stage.placement import Placement
+from studio.core.stage.project import Project
 from studio.io.export import write_take
 from studio.io.json_text import write_json
 from studio.io.registry import known_formats

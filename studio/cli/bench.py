@@ -9,13 +9,13 @@ from typing import Any
 from studio.cli.bench_cases import clip_of, make_tasks
 from studio.cli.bench_timing import BenchJob, JobTiming, time_jobs
 from studio.cli.printing import print_json, print_table
-from studio.core.body.character import Character
-from studio.core.body.character_skeleton import character_poses, character_skeleton
 from studio.core.body.kinematics import joint_world
 from studio.core.errors import StudioError
+from studio.core.mesh.character import Character
 from studio.core.mesh.skin import skin_vertices
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.realize import realize
+from studio.core.rigs.character_skeleton import character_poses, character_skeleton
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.io.importing import GUESS_ALL, load_capture

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactInterval
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.position import PositionConstraint
+from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
 from studio.core.normalized.motion import NormalizedMotion

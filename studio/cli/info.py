@@ -12,7 +12,6 @@ import numpy as np
 
 from studio.cli.import_arguments import import_options
 from studio.cli.printing import print_json
-from studio.core.body.character_skeleton import character_body_map, character_skeleton
 from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.remarks import remarks_on, remarks_on_body
 from studio.core.errors import StudioError
@@ -21,7 +20,8 @@ from studio.core.names import counted
 from studio.core.normalized.drift import floor_drift
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.round_trip import round_trip
-from studio.core.project import COLLECTIONS
+from studio.core.rigs.character_skeleton import character_body_map, character_skeleton
+from studio.core.stage.project import COLLECTIONS
 from studio.io.importing import ImportOptions, known_of_motion, read_file
 from studio.io.project.project_file import read_project
 from studio.io.registry import ReadCapture, ReadCharacter

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from studio.cli.printing import STOPPED, print_json, print_table
-from studio.core.constraints.activation import FULLY_ACTIVE
 from studio.core.constraints.base import Constraint
+from studio.core.curves.activation import FULLY_ACTIVE
 from studio.core.errors import StudioError
-from studio.core.project import Project
+from studio.core.stage.project import Project
 from studio.jobs.adapt_report import REACHED_DEG, REACHED_MM, Record, residual_record
 from studio.jobs.bundled_scenes import open_project
 from studio.jobs.performances import prepared

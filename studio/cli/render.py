@@ -13,7 +13,7 @@ from studio.cli.outputs import refuse_replacing
 from studio.cli.printing import print_json
 from studio.core.errors import StudioError
 from studio.core.names import counted
-from studio.core.project import Project
+from studio.core.stage.project import Project
 from studio.core.stage.saved_camera import CameraPlacement
 from studio.core.stage.staging import staged
 from studio.io.media.film import write_moving

@@ -15,7 +15,7 @@ BELL_DEVIATIONS = 4.0
 """Standard deviations after which a bell ends."""
 
 
-def smoothed(track: ArrayLike, sigma: float) -> FloatArray:
+def bell_average(track: ArrayLike, sigma: float) -> FloatArray:
     """(F,) or (F, 3) averaged under a bell of ``sigma`` frames."""
     values = np.asarray(track, dtype=float)
     reach = int(BELL_DEVIATIONS * sigma + 0.5)

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 from studio.core.errors import StudioError
 from studio.core.names import free_name
-from studio.core.project import Project
 from studio.core.stage import behaviour_edits as edits
 from studio.core.stage.behaviour import Behaviour
+from studio.core.stage.project import Project
 from studio.document.edited_project import EditedProject
 
 BehaviourEdit = Callable[[Behaviour], Behaviour]
@@ -23,7 +23,7 @@ def state_key(behaviour_id: str, name: str) -> str:
 
 
 def transition_key(behaviour_id: str, place: int) -> str:
-    """By which a transition is selected."""
+    """Key by which a transition is selected."""
     return f"{behaviour_id}/{place}"
 
 

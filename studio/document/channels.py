@@ -10,17 +10,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from studio.core.body.growth import KeyedProportions
 from studio.core.body.morphology import Proportions
-from studio.core.constraints.activation import ActivationCurve
-from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
 from studio.core.constraints.own_place import KeyedOwnPlace
-from studio.core.constraints.tangents import HEAVIEST, LIGHTEST, Tangent, TangentMode, Tangents, tangents_of
+from studio.core.curves.activation import ActivationCurve
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
+from studio.core.curves.tangents import HEAVIEST, LIGHTEST, Tangent, TangentMode, Tangents, tangents_of
 from studio.core.rotations import from_euler, from_matrix, to_euler
 from studio.document.keyed_fields import Keyed, KeyedField
 
 FloatArray = NDArray[np.float64]
 
 SHOWN_EULER_ORDER = "ZYX"
-"""In which the angles of a rotation are shown: heading, then pitch, then roll."""
+"""Order in which the angles of a rotation are shown: heading, then pitch, then roll."""
 ANGLE_NAMES = ("heading", "pitch", "roll")
 AXIS_NAMES = ("x", "y", "z")
 DEGREES_PER_RADIAN = 180.0 / np.pi

@@ -3,13 +3,13 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
+from studio.core.constraints.scope import Scope
 from studio.core.errors import StudioError
-from studio.core.project import Project, new_id, new_ids
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.clip import Clip
-from studio.core.stage.clip_row import ClipEdit, edited, in_order, players_of, split
+from studio.core.stage.clip_row import ClipEdit, edited, players_of, split, with_row
 from studio.core.stage.layer import Layer
-from studio.core.stage.scope import Scope
+from studio.core.stage.project import Project, new_id, new_ids
 from studio.document.edited_project import EditedProject
 
 BLEND = 0.3
@@ -81,7 +81,7 @@ def add_clip(document: EditedProject, performer_ids: Iterable[str], motion_id: s
             performer = project.performers[key]
             end = timing_of(project, performer).end - BLEND if performer.clips else 0.0
             placed = replace(clip, start=max(end, 0.0) if start is None else start)
-            document.replace("performers", key, in_order(performer, (*performer.clips, placed)), text)
+            document.replace("performers", key, with_row(performer, (*performer.clips, placed)), text)
     return clip.id
 
 
@@ -141,7 +141,7 @@ def make_own(document: EditedProject, performer_id: str, clip_id: str) -> str:
 
 
 def name_of(project: Project, clip: Clip) -> str:
-    """By which a clip goes: its motion's."""
+    """Name of a clip: its motion's."""
     return project.motions[clip.motion_id].name
 
 

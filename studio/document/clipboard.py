@@ -11,14 +11,14 @@ from studio.core.body.growth import KeyedProportions
 from studio.core.captures.contacts import ContactInterval
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.carried_over import MIRROR, Carry, carried_over, mirrored_constraint
-from studio.core.constraints.keyed import Key, KeyedNumber, KeyedPlace, KeyedTurn, Keys
 from studio.core.constraints.objections import objection
 from studio.core.constraints.own_place import KeyedOwnPlace
+from studio.core.constraints.scope import EVERYONE, Scope
+from studio.core.curves.keyed import Key, KeyedNumber, KeyedPlace, KeyedTurn, Keys
 from studio.core.errors import StudioError
 from studio.core.names import free_name
-from studio.core.project import Project
 from studio.core.stage.correction import Correction, KeyedPoses
-from studio.core.stage.scope import EVERYONE, Scope
+from studio.core.stage.project import Project
 from studio.document.edited_project import EditedProject
 from studio.document.key_edits import replace_fields
 from studio.document.keyed_fields import (
@@ -207,7 +207,7 @@ def _later(seconds: float) -> Carry:
 
 
 def _scope(project: Project, scope: Scope, body: str) -> Scope:
-    """Of the body on which it is pasted; else as it was, where that body or clip is there."""
+    """Performer on which it is pasted; else as it was, if that body or clip is there."""
     if body:
         return Scope(performer_id=body)
     there = scope.performer_id in ("", *project.performers) and scope.clip_id in ("", *project.clips)

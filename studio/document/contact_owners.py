@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from studio.core.stage.scope import Scope
+from studio.core.constraints.scope import Scope
 from studio.document.edited_project import EditedProject
 
 

@@ -13,9 +13,9 @@ from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.objections import objection
 from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
-from studio.core.project import CLASSES, GROUND_ID, Entity, Performer, Project, new_ids, references
 from studio.core.solver.performers.rows import stage_span
 from studio.core.stage.clip import Clip
+from studio.core.stage.project import CLASSES, GROUND_ID, Entity, Performer, Project, new_ids, references
 from studio.document.commands.removal import removal
 from studio.document.commands.replace import Edit, ReplaceValue, applied, merged, reverted, same_value
 from studio.document.key_selection import KeySelection

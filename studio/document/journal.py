@@ -17,11 +17,10 @@ import threading
 import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
 from PySide6.QtCore import QObject, Signal
 
-from studio.core.project import COLLECTIONS, Entity, Project
+from studio.core.stage.project import COLLECTIONS, Entity, Project
 from studio.document.commands.replace import Edit
 from studio.document.file_lock import FileLock
 from studio.document.playhead import PlayheadState
@@ -337,7 +336,7 @@ def _put_fact(connection: sqlite3.Connection, key: str, value: str) -> None:
     connection.execute("INSERT OR REPLACE INTO session VALUES (?, ?)", (key, value))
 
 
-def edit_record(edit: Edit, members: Members) -> dict[str, Any]:
+def edit_record(edit: Edit, members: Members) -> dict[str, object]:
     """An edit as JSON; what the entity was before follows from the state before."""
     record = None if edit.new is None else entity_record(edit.collection, edit.entity_id, edit.new, members)
     return {"collection": edit.collection, "id": edit.entity_id, "place": edit.place, "new": record}

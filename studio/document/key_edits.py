@@ -6,9 +6,9 @@ from typing import Any
 
 from studio.core.body.growth import KeyedProportions
 from studio.core.body.morphology import Proportions
-from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
 from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
-from studio.core.constraints.tangents import Beyond
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
+from studio.core.curves.tangents import Beyond
 from studio.core.stage.correction import KeyedPoses
 from studio.document.edited_project import EditedProject
 from studio.document.keyed_fields import (

@@ -1,12 +1,12 @@
 """Keyed fields: everything of a project that has keys over time, by one name each."""
 
 from collections.abc import Iterable, Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from studio.core.constraints.activation import ActivationCurve
-from studio.core.constraints.keyed import Keys
-from studio.core.project import Project
+from studio.core.curves.activation import ActivationCurve
+from studio.core.curves.keyed import Keys
 from studio.core.stage.clip import Clip
+from studio.core.stage.project import Project
 
 Keyed = Keys | ActivationCurve
 """Values with keys; an activation has its four times."""
@@ -34,7 +34,7 @@ class KeyRef(NamedTuple):
     place: int
 
 
-def fields_of(collection: str, entity_id: str, entity: Any) -> dict[KeyedField, Keyed]:
+def fields_of(collection: str, entity_id: str, entity: object) -> dict[KeyedField, Keyed]:
     """The keyed fields of one entity."""
     if entity is None or collection not in KEYED_COLLECTIONS:
         return {}

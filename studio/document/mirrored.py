@@ -7,8 +7,8 @@ from studio.core.captures.contacts import ContactInterval
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.normalized.mirror import mirrored_contacts
-from studio.core.project import Project
 from studio.core.stage.correction import Correction
+from studio.core.stage.project import Project
 from studio.document.commands.replace import same_value
 
 

@@ -1,11 +1,11 @@
 """Props that bodies keep out of: one constraint a motion, of all who play it."""
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.follow import FollowProp
-from studio.core.project import Project
+from studio.core.curves.activation import ActivationCurve
+from studio.core.stage.project import Project
 from studio.core.stage.prop import PropShape
 from studio.document.document import Document
 

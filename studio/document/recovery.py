@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from studio.core.errors import StudioError
-from studio.core.project import Project
+from studio.core.stage.project import Project
 from studio.document.commands.replace import Edit, applied
 from studio.document.file_lock import FileLock
 from studio.document.journal import JournalEntry, StateHash, files_of, lock_of, remove_session, steps_of
@@ -45,7 +45,7 @@ class Session:
     damage: str = ""
     """Reason why nothing of it can be read; empty where something can."""
     stamp: Stamp | None = None
-    """Of the project's file as the session knew it: who saves is told when it was changed since."""
+    """Digest of the project's file as the session knew it: who saves is told if it was changed since."""
 
 
 @dataclass(frozen=True, eq=False)

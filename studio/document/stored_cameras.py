@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from studio.core.names import free_name
-from studio.core.project import Project
+from studio.core.stage.project import Project
 from studio.core.stage.saved_camera import CameraPlacement, SavedCamera
 from studio.document.document import Document
 

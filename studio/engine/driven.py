@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 from studio.core.errors import StudioError
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.project import Project
 from studio.core.solver.performers.rows import frame_count_of, timing_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.stage.project import Project
 from studio.engine.wanted import Prepare, Wanted, player_of, wanted_of
 
 if TYPE_CHECKING:

@@ -1,6 +1,6 @@
 """Text of the views on an empty stage."""
 
-from studio.core.project import Project
+from studio.core.stage.project import Project
 
 DROP = "Drop a capture here"
 HIDDEN = "All characters are hidden. Shift+H shows them."

@@ -16,11 +16,11 @@ from studio.core.body.morphology import Morphology
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.project import Performer, Project
 from studio.core.solver.performers.circles import solve_cycle
 from studio.core.solver.performers.rows import frame_count_of, timing_of
 from studio.core.solver.performers.stage import leaders_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.stage.project import Performer, Project
 from studio.engine.solve_cache import SolveCache
 from studio.engine.wanted import Prepare, Wanted, player_of, wanted_of
 

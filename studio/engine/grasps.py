@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import Touch
-from studio.core.project import Project
 from studio.core.stage.holding import HAND_REACH_SECONDS
+from studio.core.stage.project import Project
 from studio.core.stage.prop import Carried, Prop
 from studio.engine.performance import Posed, Results, posed_performers, stage_time
 

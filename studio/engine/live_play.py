@@ -5,15 +5,15 @@ import time
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Qt, Signal
 
 from studio.core.errors import StudioError
-from studio.core.project import Project
 from studio.core.solver.performers.performing import Prepare
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.clip import Clip
+from studio.core.stage.project import Project
 from studio.document.document import Document
 from studio.engine.tasks import CLOSE_WAIT_SECONDS, join_all
 
@@ -212,9 +212,9 @@ class _Worker:
         self._seen = True
         return self._newest
 
-    def ask(self, question: "Callable[[LiveStage], Any]") -> Any:
+    def ask(self, question: "Callable[[LiveStage], object]") -> object:
         """Answer of the stage between two steps; None where it has failed."""
-        answers: list[Any] = []
+        answers: list[object] = []
         answered = threading.Event()
 
         def order(stage: "LiveStage") -> None:

@@ -11,14 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 from studio.core.constraints.balance import Support
 from studio.core.constraints.base import BodyPoint, Constraint, Vector
 from studio.core.constraints.follow import Follow, FollowBody, FollowPerformer, FollowProp, FollowTracked
-from studio.core.constraints.keyed import KeyedPlace, Quaternion
 from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.constraints.target import Place, follows_of, own_place_of, own_places_of, with_own_place
-from studio.core.project import Project
+from studio.core.curves.keyed import KeyedPlace, Quaternion
 from studio.core.solver.asking.tracks import Targets, Track, fixed_at, moved_target, turned_target
 from studio.core.solver.performers.rows import carry_of
 from studio.core.solver.request import Unasked
+from studio.core.stage.project import Project
 from studio.engine.performance import Posed
 from studio.engine.prop_places import prop_at
 
@@ -147,7 +147,7 @@ class TargetContext:
 
     def outline(self) -> FloatArray | None:
         """(N, 2) the outline of what stands now, in the motion's space; None where nothing does."""
-        from studio.core.solver.standing.support import corners, outlines, standing_points  # as above
+        from studio.core.solver.standing.support import corners, outlines, standing_mask  # as above
 
         motion, row = self.pose.motion, slice(self.pose.row, self.pose.row + 1)
         composite = motion.composite
@@ -155,7 +155,7 @@ class TargetContext:
             composite.contacts if composite else tuple(self.project.contacts_of(self.pose.motion_id or "").values())
         )
         frame = self.pose.row + motion.first_frame
-        stands = standing_points(contacts, frame + 1)[:, frame:]
+        stands = standing_mask(contacts, frame + 1)[:, frame:]
         area: FloatArray = corners(outlines(motion.positions[row], motion.rotations[row], stands, motion.morphology))[0]
         if np.isnan(area).any():
             return None

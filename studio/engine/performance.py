@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.rest_pose import rest_pose
-from studio.core.constraints.activation import EaseShape, ease
+from studio.core.curves.activation import EaseShape, ease
 from studio.core.normalized.pieces import Played
-from studio.core.project import Performer, Project
 from studio.core.solver.performers.rows import timing_of
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.clip import Clip
 from studio.core.stage.holding import grip_on
 from studio.core.stage.placement import Placement
+from studio.core.stage.project import Performer, Project
 from studio.core.stage.timing import Timing
 from studio.document.document import Document
 from studio.engine.live_interface import Live

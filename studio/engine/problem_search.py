@@ -5,8 +5,8 @@ from typing import Any
 
 from PySide6.QtCore import QObject, QThreadPool, QTimer, Signal
 
-from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
+from studio.core.stage.project import Project
 from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.engine.quality_summary import FoundProblem, SummaryRow, problems_in, summary_of

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint, Vector
-from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.constraints.procedural import ProceduralPlace
-from studio.core.project import Project
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.rotations import from_euler, from_matrix, multiply, to_matrix
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.holding import quarters
+from studio.core.stage.project import Project
 from studio.core.stage.prop import Carried, InHand, Prop
 from studio.engine.grasps import chest_heading
 from studio.engine.performance import Posed
@@ -27,6 +27,9 @@ HELD_DISTANCE = 0.3
 """Metres from a point of a body to the surface of a prop that is held beside it, where it is."""
 CARRIED_AHEAD, CARRIED_HEIGHT = 0.28, 0.2
 """Leg lengths from the root forward to a prop that is carried before the body, and up to its middle, at least."""
+
+FINGERS_RAISED = 2.0 / 3.0
+"""Part of the arms' elevation that the fingers on a prop follow; wrists bend by the rest, and by more once it moves."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,6 +209,14 @@ def between_hands(
         if ahead < needed:
             held = replace(held, offset=(needed - ahead, -aside, max(CARRIED_HEIGHT - up, 0.0)))
     return replace(held, heading=wrapped(turned * math.pi / 2))
+
+
+def elevation_of_hands(pose: PropPose, holder: Posed) -> float:
+    """Radians by which fingers on a prop are raised: part of the rise from the middle of the shoulders to the prop."""
+    layout = holder.motion.morphology.layout
+    shoulders = holder.points[[layout.collar(side) + 1 for side in range(2)]].mean(axis=0)
+    x, y, z = (pose.place - shoulders).tolist()
+    return FINGERS_RAISED * math.atan2(z, math.hypot(x, y))
 
 
 def takes_lower(prop: Prop, giver: Carried, taker: Carried) -> bool:

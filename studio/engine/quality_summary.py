@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.carried_over import mirrored_constraint
-from studio.core.project import Project
 from studio.core.solver.performers.rows import timing_of
 from studio.core.solver.performers.stage import asked_of
 from studio.core.solver.request import AdaptedMotion
+from studio.core.stage.project import Project
 from studio.engine.performance import stage_time
 from studio.engine.residual_measures import LENGTH_MEASURE, PEAK, Measure
 from studio.engine.residuals import worst_residual
@@ -165,7 +165,8 @@ def _tracks(
 
 def _peaks(motion: AdaptedMotion, source: AdaptedMotion) -> FloatArray:
     """(F,) angular acceleration of the limb that turns most abruptly, in parts of its highest in the source."""
-    from studio.core.quality.metrics import LIMB_BONES, QUIET_PEAK, angular_acceleration, turning_peaks
+    from studio.core.normalized.transition import QUIET_PEAK
+    from studio.core.quality.metrics import LIMB_BONES, angular_acceleration, turning_peaks
 
     peaks = np.full(motion.frame_count, np.nan)
     if motion.frame_count < 3:

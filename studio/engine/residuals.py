@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactInterval
-from studio.core.constraints.activation import FULLY_ACTIVE
 from studio.core.constraints.base import Constraint
-from studio.core.project import Project
+from studio.core.curves.activation import FULLY_ACTIVE
 from studio.core.project_cache import project_cache
 from studio.core.solver.performers.stage import asked_of
 from studio.core.solver.request import AdaptedMotion
+from studio.core.stage.project import Project
 from studio.engine.live_interface import Live
 from studio.engine.residual_measures import LENGTH_MEASURE, Measure, measure_of
 

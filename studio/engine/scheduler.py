@@ -4,13 +4,12 @@ import os
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from PySide6.QtCore import QObject, Qt, Signal
 
 from studio.engine.tasks import CLOSE_WAIT_SECONDS, join_all
 
-Stage = Callable[[], Any]
+Stage = Callable[[], object]
 
 
 @dataclass(eq=False)
@@ -26,7 +25,7 @@ class _Request:
 class _Answer:
     request: _Request
     stage: int
-    value: Any
+    value: object
     error: Exception | None
 
 

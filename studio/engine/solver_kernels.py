@@ -4,8 +4,8 @@ from collections.abc import Iterable
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
-from studio.core.project import Project
 from studio.core.solver.performers.stage import asked_of
+from studio.core.stage.project import Project
 from studio.engine.tasks import CLOSE_WAIT_SECONDS
 from studio.startup.kernel_warm_up import WarmUp
 

@@ -2,7 +2,7 @@
 
 import threading
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from studio.core.body.morphology import AnyMorphology
 from studio.core.constraints.target import own_places_of
@@ -78,7 +78,7 @@ class GroundingKey:
     """All of a request that a standing depends on, but for motion and body."""
 
     ground: Ground
-    rest: tuple[Any, ...]
+    rest: tuple[object, ...]
 
     @staticmethod
     def of(request: AdaptRequest) -> "GroundingKey":

@@ -11,7 +11,6 @@ from studio.core.grounds.ground import Ground
 from studio.core.mesh.skin import SkinnedMesh
 from studio.core.mesh.volume import fitted_volume
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.project import Performer, Project
 from studio.core.solver.performers.awaiting import awaited
 from studio.core.solver.performers.circles import Player
 from studio.core.solver.performers.rows import (
@@ -23,12 +22,13 @@ from studio.core.solver.performers.rows import (
     is_plain,
     timing_of,
 )
-from studio.core.solver.performers.stage import Followed, asked_of, followed_by, props_of, tracks_of
+from studio.core.solver.performers.stage import Followed, asked_of, props_of, tracks_followed_by, tracks_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.clip import Clip
 from studio.core.stage.correction import Correction
 from studio.core.stage.layer import Layer
 from studio.core.stage.placement import Placement
+from studio.core.stage.project import Performer, Project
 from studio.core.stage.prop import Prop
 
 Prepare = Callable[[Capture], tuple[NormalizedMotion, Morphology]]
@@ -71,7 +71,7 @@ def wanted_of(project: Project, key: str, circle: tuple[str, ...], result_of: Re
     """Dependencies of a performer's result; None while a leader's result is missing."""
     performer = project.performers[key]
     character = project.characters[performer.character_id]
-    followed = followed_by(project, key, result_of, circle)
+    followed = tracks_followed_by(project, key, result_of, circle)
     if followed is None:
         return None
     asked = asked_of(project, key)

@@ -12,11 +12,11 @@ from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_positions
 from studio.core.body.moving_offsets import with_bones_followed
 from studio.core.body.pose import PoseSequence
-from studio.core.body.reference_pose import ReferencePose, find_reference_pose, stand_up
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.confidence import Confidence
 from studio.core.captures.motion_faults import clean_motion
+from studio.core.captures.reference_pose import ReferencePose, find_reference_pose, stand_up
 from studio.core.errors import StudioError
 from studio.core.rotations import IDENTITY_QUATERNION, normalized
 from studio.io.figure.body_maps import FoundBody, similar_joints

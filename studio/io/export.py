@@ -6,9 +6,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.carried_joints import carried_joints, with_carried_joints
-from studio.core.body.character import Character
-from studio.core.body.character_skeleton import character_body_map, character_poses, character_skeleton, joint_segments
 from studio.core.body.pose import PoseSequence
 from studio.core.body.rest_pose import rest_pose
 from studio.core.body.skeleton import Skeleton
@@ -17,9 +14,12 @@ from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import Touch
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Material
-from studio.core.mesh.joint_skin import JointSkin, bone_skin, character_skin
+from studio.core.mesh.character import Character
 from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.realize import own_poses
+from studio.core.rigs.carried_joints import carried_joints, with_carried_joints
+from studio.core.rigs.character_skeleton import character_body_map, character_poses, character_skeleton, joint_segments
+from studio.core.rigs.joint_skin import JointSkin, bone_skin, character_skin
 from studio.core.rotations import IDENTITY_QUATERNION
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.placement import Placement
@@ -60,7 +60,7 @@ class Take:
 
     @property
     def name(self) -> str:
-        """Of the motion, or of who performs it."""
+        """Name of the motion, or of who performs it."""
         return self.capture.name
 
     @property

@@ -19,8 +19,8 @@ from studio.io import plug_ins
 from studio.io.beside import SNIFFED, refuse_archive, refuse_devices, refuse_stand_in
 
 if TYPE_CHECKING:
-    from studio.core.body.character import Character
     from studio.core.captures.capture import Capture, Guess
+    from studio.core.mesh.character import Character
     from studio.io.export import Take
     from studio.io.importing import ImportOptions
     from studio.io.takes.exported_stage import ExportedStage
@@ -214,10 +214,15 @@ OWN_FORMATS = (
         suffixes=(".vrma",),
         sniff="studio.io.gltf.container:is_gltf",
         capture_reader="studio.io.gltf.capture:load_gltf",
+        motion_writer="studio.io.gltf.vrma_writer:write_take",
     ),
     Format(
         name="USD",
         suffixes=(".usd", ".usda", ".usdc", ".usdz"),
+        sniff="studio.io.usd.format:is_usd",
+        capture_reader="studio.io.usd.format:load_capture",
+        character_reader="studio.io.usd.format:load_character",
+        reader="studio.io.usd.format:load_either",
         motion_writer="studio.io.usd.writer:write_take",
         stage_writer="studio.io.usd.writer:write_stage",
     ),

@@ -3,15 +3,15 @@
 from dataclasses import replace
 from itertools import product
 
-from studio.core.body.carried_joints import carried_joints
 from studio.core.captures.annotations import Label, within
 from studio.core.captures.capture import Capture
 from studio.core.names import safe_name
 from studio.core.normalized.normalize import normalize
-from studio.core.project import Project
+from studio.core.rigs.carried_joints import carried_joints
 from studio.core.solver.performers.performing import Performance
 from studio.core.solver.performers.rows import is_plain, timing_of
 from studio.core.stage.placement import Placement
+from studio.core.stage.project import Project
 from studio.io.export import Take, take_of_adapted
 
 

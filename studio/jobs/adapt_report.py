@@ -15,8 +15,7 @@ from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.base import Constraint
 from studio.core.quality.metrics import SLOW, acceleration_ratio, knee_speeds, speed_ratio, worst_of
 from studio.core.quality.motion_measures import ADDED_MEASURES
-from studio.core.solver.adapt import grounded, solve
-from studio.core.solver.report import (
+from studio.core.quality.report import (
     BLOCKED_BY_CLEARANCE,
     BLOCKED_BY_CONTACTS,
     BLOCKED_BY_LIMITS,
@@ -30,6 +29,7 @@ from studio.core.solver.report import (
     fully_active,
     report_of,
 )
+from studio.core.solver.adapt import grounded, solve
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import Standing
 from studio.core.solver.warm_up import warm_up

@@ -7,13 +7,13 @@ from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
-from studio.core.body.character import Character
 from studio.core.captures.annotations import Annotations
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import CONTACT_POINTS, ContactInterval
 from studio.core.errors import StudioError
 from studio.core.markers.cleaning import clean
 from studio.core.markers.take import mapped_labels
+from studio.core.mesh.character import Character
 from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import detected_contacts, normalize

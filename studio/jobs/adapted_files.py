@@ -4,9 +4,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from studio.core.body.character import Character
 from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
+from studio.core.mesh.character import Character
 from studio.core.solver.request import AdaptRequest
 from studio.core.stage.placement import Placement
 from studio.io.export import take_of_actor, take_of_adapted, write_take

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from studio.core.errors import StudioError
-from studio.core.project import Project
+from studio.core.stage.project import Project
 from studio.io.project.project_file import read_project
 from studio.library.scenes import SCENES
 

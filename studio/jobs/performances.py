@@ -4,11 +4,11 @@ from studio.core.body.morphology import Morphology
 from studio.core.captures.capture import Capture
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize
-from studio.core.project import Project
 from studio.core.solver.adapt import adapt
 from studio.core.solver.performers.performing import Staged, perform
 from studio.core.solver.performers.rows import timing_of
 from studio.core.solver.request import AdaptedMotion
+from studio.core.stage.project import Project
 
 
 def adapted_performers(project: Project) -> dict[str, AdaptedMotion]:

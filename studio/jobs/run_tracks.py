@@ -10,7 +10,7 @@ from studio.core.constraints.follow import Follow, FollowPerformer, FollowProp, 
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
-from studio.core.normalized.compose import Composite, compose
+from studio.core.normalized.compose import Composite, compose_pieces
 from studio.core.normalized.pieces import MotionPiece
 from studio.core.solver.adapt import adapt
 from studio.core.solver.asking.tracks import Track
@@ -55,7 +55,7 @@ def with_tracks(
 
 def _played(request: AdaptRequest) -> Composite:
     """The whole motion of a request, from second 0 on."""
-    return compose((MotionPiece(request.motion, request.contacts, 0, request.motion.frame_count - 1),))
+    return compose_pieces((MotionPiece(request.motion, request.contacts, 0, request.motion.frame_count - 1),))
 
 
 def _concerning(

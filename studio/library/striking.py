@@ -12,17 +12,17 @@ import numpy as np
 
 from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactInterval
-from studio.core.constraints.activation import ActivationCurve, EaseShape
 from studio.core.constraints.base import Chain
 from studio.core.constraints.position import PositionConstraint
+from studio.core.constraints.scope import Scope
 from studio.core.constraints.target import Place
-from studio.core.normalized.compose import Composite, compose
+from studio.core.curves.activation import ActivationCurve, EaseShape
+from studio.core.normalized.compose import Composite, compose_pieces
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import MotionPiece
 from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.clip import Clip
-from studio.core.stage.scope import Scope
 from studio.library.clip_labels import ClipLabel, Limb, hit_point
 from studio.library.searching import Result, StrikeQuery, metres
 
@@ -99,7 +99,7 @@ def make_strike(playing: MotionPiece, at_frame: int, blow: Blow, body: Morpholog
     rate = playing.motion.frame_rate * playing.speed
     before = replace(playing, last=at_frame)
     begin = before.end + 1.0 / rate
-    whole = compose((before, blow.piece(begin)))
+    whole = compose_pieces((before, blow.piece(begin)))
     return strike_in(whole, round((begin - whole.timing.begin) * whole.timing.frame_rate), blow, body, target)
 
 

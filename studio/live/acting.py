@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowPerformer
-from studio.core.project import Project
+from studio.core.constraints.scope import Scope
 from studio.core.solver.adapt import place_of
 from studio.core.solver.performers.prop_tracks import Holder, stage_track
 from studio.core.solver.request import AdaptedMotion
@@ -17,7 +17,7 @@ from studio.core.stage.clip import SLOWEST_CLIP, Clip
 from studio.core.stage.conditions import Senses
 from studio.core.stage.manners import asked_by
 from studio.core.stage.placement import Placement
-from studio.core.stage.scope import Scope
+from studio.core.stage.project import Project
 from studio.core.stage.whom import DistanceMeasure, Whom, followed_by
 
 FloatArray = NDArray[np.float64]

@@ -20,7 +20,7 @@ from studio.core.captures.contacts import ContactInterval
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
-from studio.core.normalized.compose import Composite, compose
+from studio.core.normalized.compose import Composite, compose_pieces
 from studio.core.normalized.encode import encode
 from studio.core.normalized.joining import Planar
 from studio.core.normalized.motion import NormalizedMotion
@@ -165,7 +165,7 @@ class Fighter:
     """Recent positions (3,) of the target, the newest last."""
 
     def __post_init__(self) -> None:
-        whole = compose((replace(self.guard, start=0.0),))
+        whole = compose_pieces((replace(self.guard, start=0.0),))
         span = self.guard.first, self.guard.last
         cut = NormalizedMotion("guard", whole.motion.frame_rate, whole.motion.channels[span[0] : span[1] + 1].copy(),
                                whole.motion.spine_places)  # fmt: skip

@@ -11,11 +11,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.constraints.activation import ActivationCurve, ease
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.carried_over import COMING
+from studio.core.curves.activation import ActivationCurve, ease
 from studio.core.normalized.compose import Composite
-from studio.core.project import Project
 from studio.core.solver.adapt import grounded
 from studio.core.solver.asking.tracks import Tracks, fixed_at
 from studio.core.solver.performers.performing import Prepare, motion_of, unasked_request
@@ -23,6 +22,7 @@ from studio.core.solver.performers.rows import composite_of, constraints_in, pie
 from studio.core.solver.performers.stage import asked_of
 from studio.core.solver.solved_window import targets_of
 from studio.core.solver.standing.stand import Standing, standing_of
+from studio.core.stage.project import Project
 from studio.live.takeover import LAST_POSE_SECONDS, SPEED_FRAMES, take_over
 
 FloatArray = NDArray[np.float64]

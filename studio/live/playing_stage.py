@@ -17,18 +17,18 @@ from studio.core.constraints.follow import FollowPerformer
 from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
 from studio.core.normalized.transition import LEAST_TRANSITION
-from studio.core.project import Performer, Project
 from studio.core.solver.adapt import hold, place_of
 from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.performers.awaiting import awaited_moment, expected_at
 from studio.core.solver.performers.circles import Paths, Player, paths_of, solve_cycle
 from studio.core.solver.performers.performing import Prepare
-from studio.core.solver.performers.stage import followed_by, in_order, props_of, tracks_of
+from studio.core.solver.performers.stage import in_order, props_of, tracks_followed_by, tracks_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.behaviour import Running, advance, begun
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import Senses
 from studio.core.stage.placement import Placement
+from studio.core.stage.project import Performer, Project
 from studio.live.acting import Act, StageView, act_of, senses_of
 from studio.live.keeping import step_of
 from studio.live.playing import Playing, asked_anew, own_row, restood, taken_over
@@ -345,7 +345,7 @@ class LiveStage:
         constraints = playing.active(frame)
         holds = any(key in each.holders for each in props_of(self._staged, key))
         own = self._unasked(key) if holds else None
-        followed = followed_by(self._staged, key, solved.get, circle, constraints, own)
+        followed = tracks_followed_by(self._staged, key, solved.get, circle, constraints, own)
         if followed is None:
             raise StudioError(f"'{self._staged.performers[key].name}' follows somebody who cannot be adapted.")
         part.tracks = expected_at(tracks_of(followed, playing.composite.at(frame)), expected)

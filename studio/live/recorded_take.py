@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 
 from studio.core.constraints.base import Constraint, Vector
-from studio.core.constraints.keyed import KeyedPlace
 from studio.core.constraints.position import PositionConstraint
+from studio.core.constraints.scope import Scope
+from studio.core.curves.keyed import KeyedPlace
 from studio.core.kernels import layout as at
 from studio.core.normalized.joining import Planar
 from studio.core.normalized.mirror import mirrored
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import Played
-from studio.core.project import Entity, Project
 from studio.core.stage.clip import Clip
-from studio.core.stage.scope import Scope
+from studio.core.stage.project import Entity, Project
 from studio.core.stage.timing import Timing
 
 STILL_SECONDS = 0.1

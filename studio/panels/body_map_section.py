@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from PySide6.QtWidgets import QFileDialog, QHBoxLayout, QWidget
 
 from studio.core.body.canonical import BodyPart
-from studio.core.body.character import Character
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_positions, rest_poses
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
+from studio.core.mesh.character import Character
 from studio.core.mesh.rig import rig_body_map
 from studio.io.figure.body import remapped
 from studio.io.figure.body_maps import NamingFamily, find_preset, naming_families, read_body_map

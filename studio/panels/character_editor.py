@@ -5,10 +5,10 @@ from dataclasses import fields, replace
 
 from PySide6.QtWidgets import QLineEdit
 
-from studio.core.body.character import Character
 from studio.core.body.growth import KeyedProportions
 from studio.core.body.morphology import Morphology, Proportions
 from studio.core.captures.remarks import remarks_on_body
+from studio.core.mesh.character import Character
 from studio.core.mesh.skin import Blending
 from studio.document.document import Document
 from studio.engine.live_interface import Live

@@ -1,7 +1,7 @@
 """Form of a contact: the point of the body that stands still or touch of the hands, and its frames."""
 
 from studio.core.captures.contacts import CONTACT_POINTS, ContactInterval, ContactPoint, Touch
-from studio.core.stage.scope import Scope
+from studio.core.constraints.scope import Scope
 from studio.document.contact_owners import ask_contact_of
 from studio.document.document import Document
 from studio.engine.live_interface import Live

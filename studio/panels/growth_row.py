@@ -6,8 +6,8 @@ from typing import Any
 
 from PySide6.QtWidgets import QCheckBox
 
-from studio.core.body.character import Character
 from studio.core.body.growth import KeyedProportions
+from studio.core.mesh.character import Character
 from studio.panels.constraint_editors.target_rows import KeyRow
 from studio.panels.editor import Editor
 from studio.panels.fields import Section

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 from PySide6.QtCore import (
     QAbstractListModel,
@@ -20,7 +19,7 @@ from PySide6.QtCore import (
 from PySide6.QtGui import QKeyEvent, QMouseEvent
 from PySide6.QtWidgets import QAbstractItemView, QLineEdit, QListView, QVBoxLayout, QWidget
 
-from studio.core.project import Performer
+from studio.core.stage.project import Performer
 from studio.document.document import Document
 from studio.document.dragging import CAPTURE, LIBRARY_ITEM, carried_item
 from studio.panels.library_delegate import EYE_WIDTH, LIBRARY_ROW_ROLE, LibraryDelegate
@@ -50,7 +49,7 @@ class LibraryModel(QAbstractListModel):
     def rowCount(self, parent: Index = QModelIndex()) -> int:  # noqa: B008 - Qt's own default
         return 0 if parent.isValid() else len(self.rows)
 
-    def data(self, index: Index, role: int = Qt.ItemDataRole.DisplayRole) -> Any:
+    def data(self, index: Index, role: int = Qt.ItemDataRole.DisplayRole) -> object:
         row = self.rows[index.row()]
         match role:
             case Qt.ItemDataRole.DisplayRole:

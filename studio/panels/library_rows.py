@@ -3,10 +3,10 @@
 import unicodedata
 from dataclasses import dataclass
 
-from studio.core.body.character import Character
 from studio.core.body.growth import KeyedProportions
 from studio.core.constraints.base import Constraint
-from studio.core.project import GROUND_ID, Project
+from studio.core.mesh.character import Character
+from studio.core.stage.project import GROUND_ID, Project
 from studio.document import colours
 from studio.engine.point_names import point_words
 

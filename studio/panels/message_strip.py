@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from enum import IntEnum
 
 from PySide6.QtCore import QEvent, Qt, Signal
 from PySide6.QtGui import QKeyEvent
@@ -12,12 +13,26 @@ from studio.panels.fields import press_button
 Answer = tuple[str, Callable[[], object]]
 
 
+class Lifetime(IntEnum):
+    """Event that takes a message away at the latest; each event includes those above it."""
+
+    CLOSED = 0
+    """The user closes it, or another message comes."""
+    PROJECT_OPENED = 1
+    """Another project is shown: for what is said about this one."""
+    EDITED = 2
+    """The project is edited: for advice on the next edit."""
+    SELECTED = 3
+    """Something else is selected: for what an action needs first."""
+
+
 @dataclass(frozen=True)
 class UserMessage:
-    """Sentence for the user, and the buttons beside it."""
+    """Sentence for the user, the buttons beside it, and how long it holds."""
 
     sentence: str
     answers: tuple[Answer, ...] = ()
+    lifetime: Lifetime = Lifetime.CLOSED
 
 
 PRESSING = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
@@ -40,6 +55,7 @@ class MessageStrip(QWidget):
         self._label.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         self._row.addWidget(self._label, 1)
         self._answers: list[QPushButton] = []
+        self._lifetime = Lifetime.CLOSED
         self.hide()
 
     @property
@@ -52,6 +68,7 @@ class MessageStrip(QWidget):
         for button in self._answers:
             self._row.removeWidget(button)
             button.deleteLater()
+        self._lifetime = Lifetime.CLOSED
         chosen = answers or (("Close", self.clear),)
         self._answers = [
             self._make_button(*answer, main=place == 0 and bool(answers)) for place, answer in enumerate(chosen)
@@ -64,7 +81,13 @@ class MessageStrip(QWidget):
         """Show a message; an empty one takes the last away."""
         if message.sentence:
             self.say(message.sentence, *message.answers)
+            self._lifetime = message.lifetime
         else:
+            self.clear()
+
+    def outlive(self, event: Lifetime) -> None:
+        """Clear the message if it does not outlive the event."""
+        if self._lifetime >= event:
             self.clear()
 
     def ask(self, sentence: str, *answers: Answer) -> None:

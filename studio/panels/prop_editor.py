@@ -9,8 +9,8 @@ from PySide6.QtWidgets import QCheckBox, QLineEdit, QWidget
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
-from studio.core.constraints.keyed import KeyedPlace, Keys
 from studio.core.constraints.procedural import ProceduralPlace
+from studio.core.curves.keyed import KeyedPlace, Keys
 from studio.core.rotations import from_matrix, to_matrix
 from studio.core.stage.prop import Carried, Hold, InHand, Prop, PropShape
 from studio.document.document import Document

@@ -2,9 +2,9 @@
 
 from collections.abc import Callable
 
-from studio.core.project import Project
+from studio.core.constraints.scope import EVERYONE, Scope
 from studio.core.stage.clip_row import players_of
-from studio.core.stage.scope import EVERYONE, Scope
+from studio.core.stage.project import Project
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, Section
 

@@ -1,6 +1,6 @@
 """Small test run of everything that a moved slider or target will call, and its parts in the order of need."""
 
-from studio.core.body.character import Character
+from studio.core.mesh.character import Character
 from studio.core.mesh.skin import Blending
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.round_trip import round_trip

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtWidgets import QMenu
 
-from studio.core.constraints.keyed import Keys
-from studio.core.constraints.tangents import Beyond, TangentMode
+from studio.core.curves.keyed import Keys
+from studio.core.curves.tangents import Beyond, TangentMode
 from studio.document.channels import with_broken, with_even_weights, with_mode
 from studio.document.key_edits import delete_keys, edit_selected, set_beyond
 from studio.document.keyed_fields import Keyed

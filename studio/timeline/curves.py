@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyLayout
 from studio.core.captures.contacts import ContactInterval
-from studio.core.project import Project
 from studio.core.quality.motion_measures import ADDED_MEASURES, MotionMeasure
 from studio.core.solver.performers.rows import timing_of
 from studio.core.solver.request import AdaptedMotion
+from studio.core.stage.project import Project
 from studio.engine.residual_measures import LENGTH_MEASURE, Measure, measure_of
 from studio.engine.residuals import missed_by
 from studio.timeline.axis import AXIS_MARGIN, TimeAxis
@@ -175,12 +175,12 @@ class CurveQuery:
         from studio.core.solver.standing.support import (  # as above
             mass_path,
             outlines,
-            standing_points,
+            standing_mask,
             support_margins,
         )
 
         stop = adapted.first_frame + adapted.frame_count
-        stands = standing_points(self._contacts(adapted), stop)[:, adapted.first_frame :]
+        stands = standing_mask(self._contacts(adapted), stop)[:, adapted.first_frame :]
         areas = outlines(adapted.positions[:], adapted.rotations[:], stands, adapted.morphology)
         margins = support_margins(areas, mass_path(adapted.positions[:], adapted.morphology)[:, :2])
         return np.asarray(1000.0 * np.maximum(-np.nan_to_num(margins), 0.0))

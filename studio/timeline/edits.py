@@ -8,8 +8,8 @@ from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.target import key_times
 from studio.core.names import free_name
-from studio.core.project import Project
 from studio.core.stage.clip import Clip
+from studio.core.stage.project import Project
 from studio.document.clip_edits import name_of as clip_name
 from studio.document.clip_edits import remove_clips
 from studio.document.key_edits import delete_keys

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRect
 
 from studio.core.captures.remarks import Remark
-from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
+from studio.core.stage.project import Project
 from studio.document.document import Document
 from studio.document.keyed_fields import KeyRef
 from studio.engine.live_interface import Live

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from studio.core.project import Project
+from studio.core.stage.project import Project
 from studio.timeline.axis import TimeAxis
 from studio.timeline.shown import RowContext
 from studio.timeline.tracks.keys import sheet_fields, stage_times

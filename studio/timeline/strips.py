@@ -7,8 +7,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
+from studio.core.stage.project import Project
 from studio.engine.residual_measures import LENGTH_MEASURE, Measure, measure_of
 from studio.engine.residuals import missed_by
 

@@ -6,9 +6,9 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.project import Motion, Performer, Project
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.clip import Clip
+from studio.core.stage.project import Motion, Performer, Project
 from studio.document.document import Document
 
 Seconds = TypeVar("Seconds", float, NDArray[np.float64])

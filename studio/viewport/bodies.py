@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import pyvista as pv
 
 from studio.core.body.canonical import BodyLayout
-from studio.core.body.character import Character
+from studio.core.mesh.character import Character
 from studio.core.mesh.skin import SkinnedMesh, gripping, skin_vertices
 from studio.core.stage.placement import Placement
 from studio.engine.performance import Posed

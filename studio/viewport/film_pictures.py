@@ -7,8 +7,8 @@ from PySide6.QtGui import QImage, QPainter
 
 from studio.core.body.sticks import bone_pairs
 from studio.core.errors import StudioError
-from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
+from studio.core.stage.project import Project
 from studio.engine.live_adaptation import as_recorded
 from studio.engine.performance import Posed, pose_of, posed_performers, resting_performers
 from studio.engine.prop_places import props_at

@@ -3,9 +3,9 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from studio.core.body.character import Character
+from studio.core.mesh.character import Character
 from studio.core.mesh.skin import gripping, skin_vertices
-from studio.core.project import Project
+from studio.core.stage.project import Project
 from studio.viewport.bodies import make_actor, place
 from studio.viewport.coarse import coarse_skin
 from studio.viewport.live_mesh import LiveMesh

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from studio.core.grounds import Steps, SurfaceMesh
 from studio.core.grounds.ground import Ground
-from studio.core.grounds.slope import heading
+from studio.core.grounds.slope import direction_vector
 from studio.viewport.floor import (
     FLOOR,
     GRID_LINE_COLOUR,
@@ -127,7 +127,7 @@ def lines_of(ground: Ground) -> tuple[FloatArray, NDArray[np.uint8], Faces]:
 
 def _edges(ground: Steps) -> FloatArray:
     """(2 * pieces, 3) the noses of the steps, in pieces of a metre that can fade."""
-    ahead, across = heading(ground.direction), heading(ground.direction + np.pi / 2)
+    ahead, across = direction_vector(ground.direction), direction_vector(ground.direction + np.pi / 2)
     risers = np.arange(ground.count)
     heights = ground.height + ground.rise * (risers + (1 if ground.rise > 0 else 0))
     begins = np.arange(-GRID_REACH, GRID_REACH)
@@ -138,7 +138,7 @@ def _edges(ground: Steps) -> FloatArray:
 
 def _flight(ground: Steps) -> tuple[FloatArray, FloatArray, Faces]:
     """Treads and risers, each with corners of its own so that edges are sharp, and the floor before and after."""
-    ahead, across = heading(ground.direction), heading(ground.direction + np.pi / 2)
+    ahead, across = direction_vector(ground.direction), direction_vector(ground.direction + np.pi / 2)
     risers = np.arange(ground.count) * ground.tread
     end = risers[-1]
     along = np.concatenate(

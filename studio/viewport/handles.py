@@ -7,7 +7,7 @@ import numpy as np
 
 from studio.core.constraints.balance import Support
 from studio.core.constraints.carried_over import mirrored_constraint
-from studio.core.project import Project
+from studio.core.stage.project import Project
 from studio.engine.moments import TargetContext
 from studio.engine.performance import Posed
 from studio.viewport.camera import FloatArray
@@ -26,7 +26,7 @@ class Handle:
     figure: HandleShape
     activation: float
     main: bool
-    """Of the active performer: drawn in full."""
+    """Handles of the active performer: drawn in full."""
 
     @property
     def missed(self) -> bool:

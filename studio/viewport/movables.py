@@ -11,12 +11,12 @@ from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.constraints.follow import Follow
-from studio.core.constraints.keyed import KeyedPlace
 from studio.core.constraints.own_place import KeyedOwnPlace
 from studio.core.constraints.target import own_place_of
-from studio.core.project import Performer
+from studio.core.curves.keyed import KeyedPlace
 from studio.core.rotations import to_matrix
 from studio.core.stage.placement import Placement
+from studio.core.stage.project import Performer
 from studio.core.stage.prop import InHand, Prop
 from studio.document.document import Document
 from studio.document.mirrored import mirrored_change
@@ -198,7 +198,7 @@ class PlacedProp(Movable):
         self._put(replace(self._begin, size=(x, y, z)), "Resize", gesture, obstacles)
 
     def put_back(self, gesture: int) -> None:
-        """Where it was."""
+        """Former place."""
         self._put(self._begin, "Move", gesture, self._obstacles)
 
     def _put(
@@ -244,7 +244,7 @@ class PlacedPerformer(Movable):
         self._put(turned, "Turn", gesture)
 
     def put_back(self, gesture: int) -> None:
-        """Where it was."""
+        """Former place."""
         self._put(self._begin, "Move", gesture)
 
     def _put(self, performer: Performer, verb: str, gesture: int) -> None:

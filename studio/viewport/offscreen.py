@@ -4,8 +4,8 @@ from collections.abc import Generator, Iterable, Mapping
 
 import numpy as np
 
-from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
+from studio.core.stage.project import Project
 from studio.core.stage.saved_camera import CameraPlacement
 from studio.engine.performance import posed_performers
 from studio.engine.prop_places import props_at

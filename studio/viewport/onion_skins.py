@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
-from studio.core.project import Project
+from studio.core.stage.project import Project
 from studio.document import colours
 from studio.engine.performance import Posed, pose_of
 

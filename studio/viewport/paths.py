@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from studio.core.captures.contacts import ContactPoint, touching_points
 from studio.core.constraints.base import BodyPoint
-from studio.core.project import Project
+from studio.core.stage.project import Project
 from studio.document import colours
 from studio.document.keyed_fields import fields_of, to_stage
 from studio.engine.performance import FloatArray, Posed, pose_of

@@ -15,7 +15,8 @@ JOINT_REACH = 14.0
 """A joint is hit within so many pixels."""
 BODY_REACH = 0.09
 """A body is hit within so many metres of a bone."""
-PIXELS_PER_METRE_BEHIND = 4.0
+AS_NEAR = 2.0
+"""Pixels by which the hand cannot tell two joints apart."""
 
 Size = tuple[float, float]
 
@@ -29,18 +30,19 @@ class PickedJoint:
 
 
 def joint_at(posed: Mapping[str, Posed], camera: OrbitCamera, size: Size, x: float, y: float) -> PickedJoint | None:
-    """The joint nearest to pixel (x, y) and in reach of it; of two as near, the one in front."""
-    best, found = JOINT_REACH, None
+    """The joint nearest to pixel (x, y) and in reach of it; of several that are about as near, the one in front."""
+    found: list[tuple[float, float, PickedJoint]] = []
     for performer_id, pose in posed.items():
         joints = body_joints(pose.motion.morphology.layout)
         pixels, depth = camera.project(pose.points[[joint.index for joint in joints]], size)
         away = np.hypot(*(pixels - (x, y)).T)
-        away = np.where((away <= JOINT_REACH) & (depth > 0), away, np.inf)
-        cost = away + PIXELS_PER_METRE_BEHIND * (depth - camera.distance)
-        nearest = int(np.argmin(cost))
-        if np.isfinite(cost[nearest]) and (found is None or cost[nearest] < best):
-            best, found = float(cost[nearest]), PickedJoint(performer_id, joints[nearest])
-    return found
+        found += [
+            (float(away[row]), float(depth[row]), PickedJoint(performer_id, joints[row]))
+            for row in np.flatnonzero((away <= JOINT_REACH) & (depth > 0))
+        ]
+    nearest = min((away for away, _, _ in found), default=0.0)
+    in_front = min((one for one in found if one[0] <= nearest + AS_NEAR), key=lambda one: one[1], default=None)
+    return in_front[2] if in_front else None
 
 
 def body_at(posed: Mapping[str, Posed], camera: OrbitCamera, size: Size, x: float, y: float) -> str | None:

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 from studio.core.constraints.carried_over import mirrored_constraint
-from studio.core.project import Project
 from studio.core.solver.performers.rows import stage_span
 from studio.core.solver.performers.stage import asked_of
+from studio.core.stage.project import Project
 from studio.engine.performance import Results, stage_time
 from studio.engine.residuals import Residual, worst_residual
 

@@ -4,8 +4,8 @@ from typing import Any
 
 import pyvista as pv
 
-from studio.core.mesh.prop_shapes import FloatArray, fitted, unit_surface
 from studio.core.stage.prop import Prop, PropShape
+from studio.core.stage.prop_shapes import FloatArray, fitted, unit_surface
 
 
 def unit_mesh(prop: Prop) -> Any:

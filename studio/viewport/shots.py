@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from studio.core.constraints.base import BodyPoint
-from studio.core.project import Project
+from studio.core.stage.project import Project
 from studio.io.json_text import json_of
 from studio.io.npy import array_of
 from studio.io.project.entity_json import Members, npy_parts, parsed, project_json, project_of
@@ -20,7 +20,7 @@ class View:
 
     camera: OrbitCamera
     height: float
-    """Of the viewport in logical pixels, by which painted lines get as thick as there."""
+    """Height of the viewport in logical pixels: painted lines get as thick as there."""
     bones: bool = False
     trail: BodyPoint | None = None
     ghost_of: str | None = None

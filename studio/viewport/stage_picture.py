@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 
-from studio.core.body.character import Character
 from studio.core.grounds.ground import Ground
-from studio.core.mesh.prop_shapes import PROP_COLOUR
-from studio.core.project import Project
+from studio.core.mesh.character import Character
+from studio.core.stage.project import Project
+from studio.core.stage.prop_shapes import PROP_COLOUR
 from studio.engine.performance import Posed
 from studio.engine.prop_places import PropPose
 from studio.viewport.bodies import BodyVisual

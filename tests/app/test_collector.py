@@ -10,7 +10,7 @@ from studio.app import collector
 from studio.app.application import make_application, make_window, settle
 from studio.app.collector import Collector
 from studio.app.settings import Settings
-from studio.core.project import Project
+from studio.core.stage.project import Project
 from studio.document.document import Document
 
 

@@ -39,6 +39,7 @@ def test_empty_packages_break_no_contract(checkout):
     [
         ("core/body/pose.py", "import studio.io"),
         ("core/body/pose.py", "import pathlib"),
+        ("core/body/pose.py", "import studio.core.solver"),
         ("core/body/pose.py", "from PySide6.QtCore import QObject"),
         ("io/bvh/reader.py", "import studio.document"),
         ("cli/render.py", "import pyqtgraph"),

@@ -20,9 +20,17 @@ SAME_CONSTANT = dict.fromkeys(
     "columns of a frame of channels, which stand behind the name of their table: ``at.HIPS``",
 ) | {"T": "type variable"}
 """Constants that mean the same in every file that has them, with the reason."""
+SAME_FUNCTION = {
+    "angular_acceleration": "a kernel, and its call over all frames",
+    "centre_of_mass": "a kernel, and its call over all frames",
+    "compiled": "two decorators of which one is used, by how kernels are linked",
+    "joint_world": "a kernel, and its call over all frames",
+}
+"""Functions of the core that mean the same wherever they stand, with the reason."""
 RIDDLES = (
     "what", "who", "whom", "whose", "whether", "how", "why", "that which", "by how much", "by what", "as of", "of a",
-    "which",
+    "which", "where", "when", "whoever", "whatever", "as which", "as who", "of all", "of the", "of its", "of each",
+    "of what", "in which", "by which", "to which", "those who",
 )  # fmt: skip
 """Beginnings of docstrings that name neither the returned thing nor an action."""
 
@@ -44,6 +52,15 @@ def constants_of(file: Path) -> set[str]:
         for target in node.targets if isinstance(node, ast.Assign) else ():
             found |= {each.id for each in ast.walk(target) if isinstance(each, ast.Name) and each.id.isupper()}
     return {name for name in found if not name.startswith("_")}
+
+
+def functions_of_core(file: Path) -> set[str]:
+    """Public functions of a module of the core, but for kinds of constraint, which all answer the same questions."""
+    place = file.relative_to(ROOT / "studio").as_posix()
+    if not place.startswith("core/") or place.startswith("core/solver/asking/kinds/"):
+        return set()
+    names = {node.name for node in tree_of(file).body if isinstance(node, ast.FunctionDef)}
+    return {name for name in names if not name.startswith("_")}
 
 
 def twice(names_of: Callable[[Path], Iterator[str] | set[str]]) -> dict[str, list[str]]:
@@ -86,6 +103,10 @@ def file_name(file: Path) -> set[str]:
     folder = file.parent.relative_to(ROOT / "studio").as_posix()
     of_a_kind = folder in ONE_FILE_A_KIND or folder.startswith("io/") or file.name == "__init__.py"
     return set() if of_a_kind else {file.name}
+
+
+def test_no_function_of_the_core_shares_its_name_with_another_meaning() -> None:
+    assert twice(functions_of_core).keys() == SAME_FUNCTION.keys()
 
 
 def test_no_file_shares_its_name_but_for_kinds_and_formats() -> None:

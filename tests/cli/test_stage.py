@@ -10,8 +10,8 @@ from studio.cli.main import main
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
-from studio.core.project import Performer
 from studio.core.stage.clip import Clip
+from studio.core.stage.project import Performer
 from studio.io.importing import load_capture
 from studio.io.project.project_file import new_document_id, read_project, write_project
 from studio.jobs.performances import performances

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studio.core.constraints.activation import ActivationCurve, EaseShape, ease
+from studio.core.curves.activation import ActivationCurve, EaseShape, ease
 
 times = st.floats(-100.0, 100.0)
 shapes = st.sampled_from(EaseShape)

@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from studio.core.body.character_skeleton import character_poses, character_skeleton
 from studio.core.body.kinematics import joint_world
 from studio.core.body.morphology import AnimatedMorphology, sole_rows
 from studio.core.grounds import Slope
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.realize import realize
 from studio.core.quality.metrics import angular_acceleration, contact_quality
+from studio.core.rigs.character_skeleton import character_poses, character_skeleton
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.io.project.character_file import bundled_characters

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
-from studio.core.project import Performer, Project
+from studio.core.constraints.scope import Scope
+from studio.core.curves.activation import ActivationCurve
 from studio.core.solver.adapt import adapt
 from studio.core.solver.performers.performing import Performance, perform
 from studio.core.stage.clip import Clip
 from studio.core.stage.clip_row import split
-from studio.core.stage.scope import Scope
+from studio.core.stage.project import Performer, Project
 from studio.engine.residuals import missed_by
 from studio.jobs.performances import prepared
 from studio.library.scenes.stagehand import bodies, material

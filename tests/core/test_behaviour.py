@@ -8,12 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.follow import FollowPerformer, FollowProp
 from studio.core.constraints.position import PositionConstraint
-from studio.core.project import Project, references
+from studio.core.curves.activation import ActivationCurve
 from studio.core.stage.behaviour import Behaviour, Role, Running, State, Transition, advance, begun, without
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import (
@@ -26,6 +25,7 @@ from studio.core.stage.conditions import (
     TimeCondition,
 )
 from studio.core.stage.manners import KeepDistance, LeanAway, Manner, Meet, asked_by
+from studio.core.stage.project import Project, references
 from studio.core.stage.prop import Prop
 from studio.core.stage.whom import DistanceMeasure, FollowPartner, Whom
 from studio.io.project.entity_json import entity_of, entity_record, project_json, project_of

@@ -6,12 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.carried_over import Carry, carried_over, mirrored_constraint
 from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.procedural import CirclePlace
+from studio.core.curves.activation import ActivationCurve
 
 seconds = st.floats(-5.0, 5.0)
 

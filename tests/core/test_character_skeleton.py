@@ -7,15 +7,15 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from studio.core.body.canonical import BodyPart
-from studio.core.body.character_skeleton import (
+from studio.core.body.kinematics import joint_world, rest_poses
+from studio.core.normalized.normalize import normalize
+from studio.core.rigs.character_skeleton import (
     character_body_map,
     character_poses,
     character_skeleton,
     joint_points,
     t_pose_rotations,
 )
-from studio.core.body.kinematics import joint_world, rest_poses
-from studio.core.normalized.normalize import normalize
 from studio.core.rotations import IDENTITY_QUATERNION
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest

@@ -8,15 +8,15 @@ from scipy.spatial.transform import Rotation
 
 from studio.core.body.body_shape import body_by_shape, knees_bend_backwards, moving_body_by_shape
 from studio.core.body.canonical import BodyPart
-from studio.core.body.character import Character
-from studio.core.body.character_skeleton import t_pose_rotations
-from studio.core.body.embodiment import rolling_on_balls
 from studio.core.body.morphology import Proportions
 from studio.core.body.rest_pose import rest_pose
 from studio.core.body.skeleton import Skeleton
 from studio.core.body.standing import standing_points
 from studio.core.mannequin.tailoring import tailored
+from studio.core.mesh.character import Character
 from studio.core.mesh.skin import Blending, bound_pose, fit_skin, skin_vertices
+from studio.core.rigs.character_skeleton import t_pose_rotations
+from studio.core.rigs.embodiment import rolling_on_balls
 from studio.io.project.character_file import bundled_characters
 from tests.io.character_files import JOINTS, NAMES, PLACES
 

@@ -8,19 +8,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from studio.core.body.canonical import BodyPart
-from studio.core.body.character_skeleton import t_pose_rotations
 from studio.core.body.morphology import Morphology
 from studio.core.body.rest_pose import rest_pose
 from studio.core.body.standing import standing_points
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.curves.activation import ActivationCurve
 from studio.core.kernels.limits import arm_clearance as kernel
 from studio.core.kernels.limits.self_collision import make_clearance_scratch
 from studio.core.kernels.records import CAPSULE, ActorClearance, CapsuleArrays, Pose
 from studio.core.mesh.skin import fit_skin, skin_vertices
 from studio.core.mesh.volume import BodyVolume, fitted_volume, usual_volume
+from studio.core.rigs.character_skeleton import t_pose_rotations
 from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.asking.clearance import rest_rooms, rooms
 from studio.core.solver.asking.self_contact import self_contact_of

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as some
 
-from studio.core.normalized.compose import compose
+from studio.core.normalized.compose import compose_pieces
 from studio.core.normalized.pieces import MotionPiece
 from studio.core.stage.clip import Clip
 from studio.core.stage.clip_row import begun_at, edited, ended_at, frame_at, players_of, split
@@ -36,8 +36,8 @@ def pieces_of(clips: tuple[Clip, ...], motion: MotionPiece) -> tuple[MotionPiece
 def test_a_split_clip_plays_as_it_did(name: str, mirrored: bool) -> None:
     motion = example(name)
     clip = Clip("motion", 20, 220, 0.5, "one", mirrored=mirrored, speed=1.25)
-    whole = compose(pieces_of((clip,), motion))
-    parts = compose(pieces_of(split(clip, RATE, 2.0, iter(NAMES)), motion))
+    whole = compose_pieces(pieces_of((clip,), motion))
+    parts = compose_pieces(pieces_of(split(clip, RATE, 2.0, iter(NAMES)), motion))
     assert parts.timing == whole.timing
     assert np.abs(parts.motion.channels - whole.motion.channels).max() < 1e-6  # leg lengths: a micron
 

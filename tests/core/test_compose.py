@@ -9,14 +9,14 @@ import pytest
 from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
-from studio.core.normalized.compose import Composite, MotionPiece, compose
+from studio.core.normalized.compose import Composite, MotionPiece, compose_pieces
 from studio.core.normalized.differences import difference, moved
 from studio.core.normalized.joining import SAME_PLACE, Planar, average_body
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import capture_contacts, normalize
 from studio.core.normalized.realize import realize
-from studio.core.normalized.transition import MOST_TRANSITION, placed
-from studio.core.quality.metrics import QUIET_PEAK, angular_acceleration, contact_quality
+from studio.core.normalized.transition import MOST_TRANSITION, QUIET_PEAK, placed
+from studio.core.quality.metrics import angular_acceleration, contact_quality
 from studio.core.solver.adapt import hold
 from studio.core.solver.standing.stand import Standing, stand
 from studio.io.importing import load_capture
@@ -49,7 +49,7 @@ def standing(composite: Composite) -> Standing:
 
 @cache
 def peaks(name: str) -> np.ndarray:
-    return standing(compose((example(name),))).peaks
+    return standing(compose_pieces((example(name),))).peaks
 
 
 def local_accelerations(stands: Standing) -> np.ndarray:
@@ -65,7 +65,7 @@ def half_rate(motion: NormalizedMotion) -> NormalizedMotion:
 
 def test_a_clip_that_plays_a_motion_as_it_is_is_that_motion() -> None:
     whole = example("front_kick")
-    composite = compose((cut(whole, first=20, last=80, start=2.0),))
+    composite = compose_pieces((cut(whole, first=20, last=80, start=2.0),))
     assert composite.motion is whole.motion
     assert composite.contacts == whole.contacts
     assert composite.timing.start == pytest.approx(2.0)
@@ -74,12 +74,12 @@ def test_a_clip_that_plays_a_motion_as_it_is_is_that_motion() -> None:
 
 def test_the_same_row_is_the_same_value() -> None:
     row = example("front_kick"), cut(example("walk_turn"), start=6.0)
-    assert compose(row) is compose(row)
+    assert compose_pieces(row) is compose_pieces(row)
 
 
 def test_a_trimmed_clip_keeps_its_frames_to_the_bit_and_its_contacts() -> None:
     whole = example("walk_turn")
-    row = compose((cut(whole, last=99), cut(whole, first=0, last=50, start=20.0, joined=False)))
+    row = compose_pieces((cut(whole, last=99), cut(whole, first=0, last=50, start=20.0, joined=False)))
     np.testing.assert_array_equal(row.motion.channels[:100], whole.motion.channels[:100])
     for point in ContactPoint:
         for frame in range(80):
@@ -94,16 +94,16 @@ def test_captures_of_30_60_and_120_frames_a_second_play_the_same_motion() -> Non
         NormalizedMotion("", rate, whole.motion.channels, whole.motion.spine_places) for rate in (30.0, 120.0)
     )
     half = half_rate(whole.motion)
-    thirty = compose((cut(whole, motion=half, contacts=(), last=200), cut(whole, motion=fast, start=30.0)))
+    thirty = compose_pieces((cut(whole, motion=half, contacts=(), last=200), cut(whole, motion=fast, start=30.0)))
     assert thirty.timing.frame_rate == 120.0
     played = realize(NormalizedMotion("", 60.0, thirty.motion.channels[:600:2], thirty.motion.spine_places), BODY)[0]
     np.testing.assert_allclose(played, realize(whole.motion, BODY)[0][:300], atol=4e-3)
-    assert compose((cut(whole, motion=slow), cut(whole, motion=slow, start=40.0))).timing.frame_rate == 30.0
+    assert compose_pieces((cut(whole, motion=slow), cut(whole, motion=slow, start=40.0))).timing.frame_rate == 30.0
 
 
 def test_twice_as_fast_plays_every_other_frame() -> None:
     whole = example("straight_punch")
-    composite = compose((cut(whole, speed=2.0),))
+    composite = compose_pieces((cut(whole, speed=2.0),))
     assert composite.timing.end == pytest.approx(whole.end / 2)
     np.testing.assert_array_equal(composite.motion.channels, whole.motion.channels[::2])
 
@@ -111,7 +111,7 @@ def test_twice_as_fast_plays_every_other_frame() -> None:
 @pytest.mark.parametrize("second", EXAMPLES)
 def test_a_clip_goes_on_where_the_one_before_has_ended(second: str) -> None:
     before, after = example("walk_turn"), example(second)
-    row = compose((before, cut(after, start=before.end)))
+    row = compose_pieces((before, cut(after, start=before.end)))
     placement, layout = row.played[1].placement, average_body().layout
     begin = placed(after.motion.channels[:1], placement.turn, np.array(placement.offset))
     feet = [
@@ -122,13 +122,13 @@ def test_a_clip_goes_on_where_the_one_before_has_ended(second: str) -> None:
     ]
     nearer = np.linalg.norm(feet[1] - feet[0], axis=1).min()
     assert nearer < SAME_PLACE * average_body().leg_length
-    apart = compose((before, cut(after, start=before.end, joined=False)))
+    apart = compose_pieces((before, cut(after, start=before.end, joined=False)))
     np.testing.assert_allclose(apart.motion.channels[-1, :2], after.motion.channels[-1, :2], atol=1e-12)
 
 
 def test_a_clip_is_turned_about_where_it_begins_and_moved_in_leg_lengths() -> None:
     whole = example("walk_turn")
-    turned = compose((cut(whole, own=Planar(np.pi / 2, (0.5, -1.0))),)).motion.channels
+    turned = compose_pieces((cut(whole, own=Planar(np.pi / 2, (0.5, -1.0))),)).motion.channels
     plain = whole.motion.channels
     np.testing.assert_allclose(turned[0, :2], plain[0, :2] + [0.5, -1.0], atol=1e-12)
     way = plain[-1, :2] - plain[0, :2]
@@ -141,7 +141,7 @@ def test_no_foot_slides_and_no_joint_jolts_where_one_clip_follows_another(
     first: str, second: str, overlap: float
 ) -> None:
     before = example(first)
-    row = compose((before, cut(example(second), start=before.end - overlap)))
+    row = compose_pieces((before, cut(example(second), start=before.end - overlap)))
     stands = standing(row)
     quality = contact_quality(hold(stands, ()), stands.contacts, Ground())
     assert quality.slide < 1e-3
@@ -155,7 +155,7 @@ def test_no_foot_slides_and_no_joint_jolts_where_one_clip_follows_another(
 
 @cache
 def _fastest(name: str) -> float:
-    stands = standing(compose((example(name),)))
+    stands = standing(compose_pieces((example(name),)))
     return float(np.linalg.norm(np.diff(stands.positions, axis=0), axis=2).max() * stands.motion.frame_rate)
 
 
@@ -163,7 +163,7 @@ def test_a_cut_in_the_middle_of_a_stride_slides_no_foot() -> None:
     motion, contacts = walk()
     stride = MotionPiece(motion, contacts, 10, 64)
     for frame in (20, 41, 55, 70):
-        row = compose((stride, MotionPiece(motion, contacts, frame, 140, start=stride.end)))
+        row = compose_pieces((stride, MotionPiece(motion, contacts, frame, 140, start=stride.end)))
         stands = standing(row)
         quality = contact_quality(hold(stands, ()), stands.contacts, Ground())
         assert quality.slide < 1e-3
@@ -181,7 +181,7 @@ def test_what_leads_from_one_frame_to_another_leads_there() -> None:
 
 def test_a_pose_holds_while_nothing_plays() -> None:
     kick = example("front_kick")
-    row = compose((kick, cut(kick, start=kick.end + 2.0)))
+    row = compose_pieces((kick, cut(kick, start=kick.end + 2.0)))
     still = row.motion.channels[kick.last + 70 : kick.last + 110]
     assert np.abs(np.diff(still, axis=0)).max() < 1e-9
     assert any(each.first < kick.last and each.last > kick.last + 110 for each in row.contacts)
@@ -190,13 +190,13 @@ def test_a_pose_holds_while_nothing_plays() -> None:
 def test_a_row_that_is_far_too_long_is_refused_before_any_of_it_is_made() -> None:
     kick = example("front_kick")
     with pytest.raises(StudioError, match="nearer to each other"):
-        compose((kick, cut(kick, start=1e6)))
+        compose_pieces((kick, cut(kick, start=1e6)))
 
 
 def test_a_clip_over_a_longer_one_takes_over_in_its_first_second() -> None:
     """It would not be seen at all if it took over as it ends."""
     kick = example("front_kick")
-    row = compose((example("walk_turn"), cut(kick, start=2.0)))
+    row = compose_pieces((example("walk_turn"), cut(kick, start=2.0)))
     assert row.played[0].last < row.played[1].first <= round((2.0 + MOST_TRANSITION) * row.timing.frame_rate)
 
 
@@ -204,7 +204,7 @@ def test_a_clip_over_a_longer_one_takes_over_in_its_first_second() -> None:
 def test_clips_that_cover_each_other_leave_no_part_of_a_row_empty(seed: int) -> None:
     random = np.random.default_rng(seed)
     whole = [example(EXAMPLES[k]) for k in random.permutation(4)]
-    row = compose(
+    row = compose_pieces(
         tuple(cut(each, last=each.first + int(random.integers(1, 90)), start=0.5 * random.random()) for each in whole)
     )
     assert all(part.start < part.stop for part in row.motion.parts)

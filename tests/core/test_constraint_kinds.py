@@ -8,7 +8,6 @@ import pytest
 
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
@@ -16,6 +15,7 @@ from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import centre_of_mass, contact_quality
 from studio.core.rotations import from_matrix, to_matrix

@@ -17,10 +17,10 @@ from studio.core.captures.contacts import (
     detect_contacts,
     faces_down,
     lying,
+    spans_without,
     staying,
     through_still_gaps,
     tipped_over,
-    without,
 )
 
 RATE = 60.0
@@ -298,7 +298,7 @@ def test_knees_carry_nothing_while_the_seat_does() -> None:
 def test_what_is_taken_out_of_a_contact_is_out(wanted: list[bool], gone: list[bool]) -> None:
     mask = np.array(gone[: len(wanted)])
     spans = [(frame, frame) for frame, yes in enumerate(wanted) if yes]
-    rest = contact_mask(without(spans, mask, 0), len(wanted))
+    rest = contact_mask(spans_without(spans, mask, 0), len(wanted))
     assert np.array_equal(rest, np.array(wanted) & ~mask)
 
 

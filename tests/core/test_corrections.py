@@ -7,9 +7,9 @@ import pytest
 
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
+from studio.core.curves.activation import ActivationCurve
 from studio.core.rotations import from_matrix, from_rotation_vector, to_matrix, to_rotation_vector
 from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest

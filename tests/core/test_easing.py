@@ -11,20 +11,21 @@ from studio.cli.bench_cases import clip_of, make_tasks
 from studio.core.body.canonical import BodyPart
 from studio.core.body.joint_limits import limits_of
 from studio.core.body.rest_pose import rest_pose
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.follow import FollowTracked
+from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.tasks.goals import RADIAN_LENGTH as LEVER
 from studio.core.kernels.time.acceleration_peaks import TOTAL_PEAK
-from studio.core.quality.metrics import QUIET_PEAK, angular_acceleration, contact_quality
+from studio.core.normalized.transition import QUIET_PEAK
+from studio.core.quality.metrics import angular_acceleration, contact_quality
+from studio.core.quality.report import BLOCKED_BY_SMOOTHING, report_of
 from studio.core.rotations import angle_between, from_matrix
 from studio.core.solver.adapt import adapt, hold, place_of
 from studio.core.solver.asking.packing import pack_tasks
 from studio.core.solver.asking.releasing import constraint_activations
 from studio.core.solver.asking.tracks import Targets, Track
-from studio.core.solver.report import BLOCKED_BY_SMOOTHING, report_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.smoothing.limb_coordinates import LimbCoordinates
 from studio.core.solver.smoothing.target_motion import target_accelerations

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.fitted_activation import HOLD, RAMP, fitted_activation
+from studio.core.curves.activation import ActivationCurve
 
 SECONDS = np.arange(360) / 120.0
 USUAL = (HOLD, RAMP)

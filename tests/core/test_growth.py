@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studio.core.body.character import Character
 from studio.core.body.growth import KeyedProportions, grown
 from studio.core.body.morphology import AnimatedMorphology, Proportions
 from studio.core.errors import StudioError
+from studio.core.mesh.character import Character
 from studio.core.solver.adapt import adapt
 from studio.core.solver.performers.performing import perform
 from studio.document.document import Document

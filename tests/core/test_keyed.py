@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studio.core.constraints.activation import EaseShape, ease
-from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn
+from studio.core.curves.activation import EaseShape, ease
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.rotations import angle_between, from_matrix, to_matrix
 from tests.core.motions import from_vectors
 

@@ -8,11 +8,12 @@ import pytest
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
 from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
-from studio.core.normalized.compose import Composite, compose
+from studio.core.normalized.compose import Composite, compose_pieces
 from studio.core.normalized.layers import PlayedLayer, columns_of, layered
 from studio.core.normalized.pieces import MotionPiece
 from studio.core.normalized.resample import Resampled
-from studio.core.quality.metrics import QUIET_PEAK, contact_quality
+from studio.core.normalized.transition import QUIET_PEAK
+from studio.core.quality.metrics import contact_quality
 from studio.core.solver.adapt import hold
 from studio.core.stage.clip import Clip
 from studio.core.stage.layer import Layer, Region
@@ -48,7 +49,7 @@ def test_regions_have_every_column_once_between_them() -> None:
 @every_region
 @pytest.mark.parametrize("additive", [False, True])
 def test_a_layer_without_weight_changes_no_bit(region: Region, additive: bool) -> None:
-    plain = compose((example("walk_turn"),))
+    plain = compose_pieces((example("walk_turn"),))
     composite = row_with(over(part("straight_punch", 100, 260, 1.0), region, weight=0.0, additive=additive))
     assert composite.motion is plain.motion
     assert composite.contacts == plain.contacts
@@ -57,7 +58,7 @@ def test_a_layer_without_weight_changes_no_bit(region: Region, additive: bool) -
 @every_region
 def test_the_same_clip_over_itself_changes_nothing(region: Region) -> None:
     whole = example("walk_turn")
-    plain, composite = compose((whole,)), row_with(over(cut(whole, first=60, last=300, start=1.0), region))
+    plain, composite = compose_pieces((whole,)), row_with(over(cut(whole, first=60, last=300, start=1.0), region))
     np.testing.assert_allclose(composite.motion.channels, plain.motion.channels, atol=1e-9)
     assert sorted(composite.contacts, key=str) == sorted(plain.contacts, key=str)
 
@@ -109,7 +110,7 @@ def test_a_layer_is_mirrored_repeated_and_faster_as_clips_are() -> None:
     piece = part("straight_punch", 150, 210, 1.0)
     twice = tuple(cut(piece, start=1.0 + 0.5 * place, speed=2.0, mirrored=True) for place in range(2))
     composite = row_with(replace(over(piece, Region.ARMS), pieces=twice, fades=(0.1, 0.1)))
-    own = compose(twice, blends=True)
+    own = compose_pieces(twice, blends=True)
     arms = columns_of(Region.ARMS, composite.motion.channels.shape[1])
     np.testing.assert_allclose(
         composite.motion.channels[70:110][:, arms], own.motion.channels[10:50][:, arms], atol=1e-9

@@ -9,11 +9,11 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from studio.core.body.canonical import BodyPart
-from studio.core.body.character import Character
 from studio.core.body.morphology import Proportions
 from studio.core.body.rest_pose import rest_pose
 from studio.core.mannequin.physiques import BUNDLED
 from studio.core.mannequin.sculpt import make_mannequin
+from studio.core.mesh.character import Character
 from studio.core.mesh.hand_shapes import FIST_GRIP, HALF_CLOSED_GRIP, OPEN_GRIP, RELAXED_GRIP
 from studio.core.mesh.skin import fit_skin, gripping
 from studio.io.project.character_file import bundled_characters, read_character, write_character

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.curves.activation import ActivationCurve
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.asking.area_rows import nearest_allowed_position

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from studio.core.body.kinematics import joint_world, rest_poses
-from studio.core.body.reference_pose import find_reference_pose
-from studio.core.body.zero_pose import with_zero_pose
 from studio.core.captures.capture import Capture
-from studio.core.normalized.alignment import find_alignments, level_soles
+from studio.core.captures.reference_pose import find_reference_pose
+from studio.core.normalized.alignment import align_soles, find_alignments
 from studio.core.normalized.landmarks import find_landmarks
+from studio.core.rigs.zero_pose import with_zero_pose
 from studio.core.rotations import angle_between, from_matrix, multiply
 from tests.core.motions import about, swaying
 
@@ -93,7 +93,7 @@ def test_a_heel_that_is_raised_all_the_time_is_no_sole() -> None:
     assert take.body_map is not None
     marks = find_landmarks(take, take.body_map)
     alignments = find_alignments(marks)
-    level_soles(marks, alignments, np.ones((len(marks.points), 2), dtype=bool))
+    align_soles(marks, alignments, np.ones((len(marks.points), 2), dtype=bool))
     left, right = (marks.layout.spine_count + 12 + 4 * side for side in (0, 1))
     assert np.degrees(angle_between(*from_matrix(alignments[[left, right]]))) < WITHIN
 
@@ -115,7 +115,7 @@ def test_a_raised_heel_tells_nothing_of_the_sole_of_a_skeleton_without_human_zer
         marks = find_landmarks(replace(odd, reference_rotations=reference.rotations), odd.body_map)
         alignments = find_alignments(marks)
         frames = np.arange(len(marks.points))[:, None]
-        level_soles(marks, alignments, frames < np.array(standing) * len(frames))
+        align_soles(marks, alignments, frames < np.array(standing) * len(frames))
         feet.append(from_matrix(alignments[marks.layout.spine_count + 16]))
     assert np.degrees(angle_between(*feet)) < WITHIN
 

@@ -5,7 +5,6 @@ from dataclasses import replace
 import pytest
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.balance import BalanceConstraint, Support
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
@@ -14,6 +13,7 @@ from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.objections import objection, objections
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.curves.activation import ActivationCurve
 
 LEFT, RIGHT, HEAD = BodyPoint(BodyPart.LEFT_HAND), BodyPoint(BodyPart.RIGHT_HAND), BodyPoint(BodyPart.HEAD)
 NOW = ActivationCurve(0.0, 0.5, 1.0, 1.5)

@@ -6,14 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.core.constraints.activation import ActivationCurve
-from studio.core.constraints.keyed import KeyedPlace
+from studio.core.curves.activation import ActivationCurve
+from studio.core.curves.keyed import KeyedPlace
 from studio.core.errors import StudioError
 from studio.core.grounds import HeightMap, SurfaceMesh
 from studio.core.grounds.ground import Ground
 from studio.core.mesh.triangle_mesh import TriangleMesh
-from studio.core.project import Performer
 from studio.core.stage.clip import Clip
+from studio.core.stage.project import Performer
 from studio.io.importing import ImportOptions, load_capture
 from tests.builders import make_capture, make_morphology
 from tests.io.bvh_text import bvh_text

@@ -6,11 +6,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.carried_over import Carry, carried_over
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.procedural import CirclePlace, NoisePlace, PendulumPlace, ProceduralPlace
+from studio.core.curves.activation import ActivationCurve
 from studio.core.solver.adapt import place_of
 from studio.core.solver.performers.prop_tracks import stage_track
 from studio.core.stage.prop import Prop

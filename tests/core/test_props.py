@@ -9,8 +9,7 @@ from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Proportions
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowBody, FollowProp
-from studio.core.constraints.keyed import KeyedNumber, KeyedPlace
-from studio.core.project import Project
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace
 from studio.core.rotations import to_matrix
 from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.performers.performing import Staged, perform
@@ -18,6 +17,7 @@ from studio.core.solver.performers.prop_tracks import Holder, handing_time, stag
 from studio.core.solver.performers.stage import asked_of
 from studio.core.stage.holding import grips
 from studio.core.stage.placement import Placement
+from studio.core.stage.project import Project
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.jobs.performances import prepared
 from studio.library.scenes import carrying
@@ -44,7 +44,7 @@ def performed(project: Project) -> Staged:
 
 
 def on_side(prop: Prop, side: float, *, turned: float = 1.0, lower: float = 0.0) -> np.ndarray:
-    """Where a wrist is on the left side (1) or the right one (-1), in the axes of the prop, its palm on the middle."""
+    """Place of a wrist on the left side (1) or the right one (-1), in the axes of the prop, its palm on the middle."""
     return np.array([-0.08 * turned, side * prop.size[1] / 2, -lower])
 
 
@@ -266,6 +266,30 @@ def test_a_stick_is_held_by_one_hand_above_the_other_with_both_palms_on_it() -> 
         wrists = Placement.of(project.performers[key]).to_stage(place_of(wrist, made.adapted))
         assert np.linalg.norm(wrists - held, axis=1).max() < 2e-3
     assert np.nanmax(made.adapted.residuals) < np.radians(10.0)
+
+
+@pytest.mark.parametrize(
+    ("ahead", "up", "elevation"), [(0.35, 1.25, 0.7), (0.15, 1.3, 0.9), (0.42, 0.36, 0.7), (0.6, -0.8, -0.7)]
+)
+def test_palms_lie_on_a_box_overhead_or_on_the_floor_with_fingers_raised_along_the_arms(
+    carry: Project, ahead: float, up: float, elevation: float
+) -> None:
+    """Fingers that point ahead are 81 degrees short on a box at (0.35, 0, 1.25) leg lengths, and 116 at (0.15, 0, 1.3);
+    raised fingers still hold it when it is brought down to the waist.
+    """
+    props = [
+        (key, replace(box, held=replace(box.held, offset=(ahead, 0.0, up))), None) for key, box in carry.props.items()
+    ]
+    project = replace(carry.with_entities("props", props), constraints={})
+    for key, _ in _players(project):
+        asked = grips("walk", key, f"box {key}", project.props[f"box {key}"], (0.0, 20.0), 0, elevation=elevation)
+        rows = [(f"grip {key} {place}", each, None) for place, each in enumerate(asked)]
+        project = project.with_entities("constraints", rows)
+    for each in performed(project).performances.values():
+        rows = zip(each.adapted.residuals, each.request.constraints, strict=True)
+        angles = [row for row, one in rows if one.unit == "rad"]
+        assert len(angles) == 2
+        assert np.nanmax(angles) < np.radians(10.0)
 
 
 def test_a_prop_is_not_put_down_before_it_is_picked_up() -> None:

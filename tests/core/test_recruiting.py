@@ -13,12 +13,12 @@ from studio.core.body.joint_limits import limits_of
 from studio.core.body.morphology import Morphology
 from studio.core.body.pose import PoseSequence
 from studio.core.captures.contacts import ContactInterval, ContactPoint, contact_mask
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.balance import BalanceConstraint, Support
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.limbs.reach import aim_at
 from studio.core.kernels.records import HAND_CONTACT, FrameBody, FrameProblem, LegTargets, Pose

@@ -9,15 +9,14 @@ from benchmarks.scenes import scene
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import contact_quality
-from studio.core.solver.adapt import adapt, hold, place_of
-from studio.core.solver.report import (
+from studio.core.quality.report import (
     BLOCKED_BY_CLEARANCE,
     BLOCKED_BY_CONTACTS,
     BLOCKED_BY_LIMITS,
@@ -31,6 +30,7 @@ from studio.core.solver.report import (
     samples,
     winners,
 )
+from studio.core.solver.adapt import adapt, hold, place_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.solved_window import Bound
 from studio.core.solver.standing.stand import standing_of

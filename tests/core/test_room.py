@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
+from studio.core.curves.activation import ActivationCurve
 from studio.core.normalized.normalize import detected_contacts, normalize
 from studio.core.solver.adapt import hold, place_of
 from studio.core.solver.request import AdaptRequest

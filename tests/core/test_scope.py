@@ -6,10 +6,10 @@ import pytest
 
 from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.objections import objection
-from studio.core.project import Project
+from studio.core.constraints.scope import EVERYONE, Scope
 from studio.core.solver.performers.stage import asked_of
 from studio.core.stage.clip import Clip
-from studio.core.stage.scope import EVERYONE, Scope
+from studio.core.stage.project import Project
 from tests.builders import make_constraint, make_contact, make_project
 
 FIRST, SECOND = (Scope(performer_id=f"performer {k}") for k in range(2))

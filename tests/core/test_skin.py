@@ -7,9 +7,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from studio.core.body.canonical import BodyPart
-from studio.core.body.character import Character
 from studio.core.body.morphology import Proportions
 from studio.core.body.rest_pose import rest_pose
+from studio.core.mesh.character import Character
 from studio.core.mesh.skin import fit_skin, segment_scales, skin_vertices
 from studio.io.project.character_file import bundled_characters
 

@@ -15,7 +15,8 @@ from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
-from studio.core.quality.metrics import QUIET_PEAK, angular_acceleration
+from studio.core.normalized.transition import QUIET_PEAK
+from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import hold, place_of
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.request import AdaptedMotion

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from studio.core.body.pose import PoseSequence
-from studio.core.project import Performer
+from studio.core.stage.project import Performer
 from studio.core.stage.staging import SPACING, is_unarranged, lined_up, travel_heading
 from tests.builders import make_capture
 

@@ -9,7 +9,7 @@ import pytest
 from studio.core.body.morphology import Morphology, sole_rows
 from studio.core.captures.contacts import ContactInterval
 from studio.core.grounds.ground import Ground
-from studio.core.normalized.compose import Composite, compose
+from studio.core.normalized.compose import Composite, compose_pieces
 from studio.core.normalized.normalize import capture_contacts, normalize
 from studio.core.normalized.pieces import MotionPiece
 from studio.core.quality.metrics import contact_quality
@@ -73,7 +73,7 @@ def seen(row: Composite, pieces: tuple[MotionPiece, MotionPiece], body: Morpholo
 
 @cache
 def by_chance() -> list[Seen]:
-    return [seen(compose(pair), pair, BODY) for pair in picked()]
+    return [seen(compose_pieces(pair), pair, BODY) for pair in picked()]
 
 
 def test_no_foot_skates_where_clips_take_over_at_any_frame() -> None:
@@ -114,7 +114,7 @@ def test_a_foot_in_the_air_at_the_end_of_a_captured_walk_or_fight_steps_into_a_s
     before = cut(before, last=last)
     after, _ = captured(second)
     pair = before, cut(after, first=begin, last=min(begin + 120, after.last), start=before.end)
-    row = compose(pair)
+    row = compose_pieces(pair)
     found = seen(row, pair, body)
     adapted = hold(stand(row.motion, body, row.contacts, Ground()), ())
     assert contact_quality(adapted, adapted.contacts, Ground()).slide < 2e-3

@@ -10,11 +10,11 @@ from scipy.spatial.transform import Rotation
 
 from studio.core.body.growth import KeyedProportions
 from studio.core.body.morphology import Proportions
-from studio.core.constraints.activation import ActivationCurve, EaseShape, ease
 from studio.core.constraints.carried_over import MIRROR, mirrored_constraint
-from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.constraints.orientation import OrientationConstraint
-from studio.core.constraints.tangents import Beyond, Tangent, TangentMode, Tangents, tangents_of
+from studio.core.curves.activation import ActivationCurve, EaseShape, ease
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn
+from studio.core.curves.tangents import Beyond, Tangent, TangentMode, Tangents, tangents_of
 from studio.core.rotations import to_matrix
 from tests.builders import make_constraint
 from tests.core.test_keyed import gaps, keyed_places, keyed_turns, numbers

@@ -12,18 +12,18 @@ from scipy.spatial.transform import Rotation
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactInterval, ContactPoint
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.balance import BalanceConstraint, Support
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.follow import FollowBody, FollowPerformer, FollowProp, FollowTracked
-from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.procedural import CirclePlace
+from studio.core.curves.activation import ActivationCurve
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.normalize import normalize
@@ -37,7 +37,7 @@ from studio.core.solver.performers.prop_tracks import seen_from, stage_track
 from studio.core.solver.performers.stage import concerning
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import stand
-from studio.core.solver.standing.support import outlines, smoothed, standing_points, support_margins
+from studio.core.solver.standing.support import averaged_outlines, outlines, standing_mask, support_margins
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Prop
 from studio.io.project.character_file import bundled_characters
@@ -400,8 +400,8 @@ def test_over_the_support_the_centre_of_mass_is_within_the_soles_that_stand(body
     asked = ask(BalanceConstraint, BodyPoint(BodyPart.PELVIS), Chain(0, 0, 0, 1, 1), place=Support(margin))
     standing = stand(WALK, body, CONTACTS, Ground())
     before, adapted = hold(standing, ()), hold(standing, (asked,))
-    stands = standing_points(CONTACTS, WALK.frame_count)
-    areas, presence = smoothed(outlines(before.positions, before.rotations, stands, body), RATE)
+    stands = standing_mask(CONTACTS, WALK.frame_count)
+    areas, presence = averaged_outlines(outlines(before.positions, before.rotations, stands, body), RATE)
     held = (presence > 1.0 - 1e-9) & (adapted.residuals[0] < 1e-3)
     held[: round(0.1 * RATE)] = False  # the motion begins within a step, whose foot is landing
     margins = [support_margins(areas, centre_of_mass(each)[:, :2]) for each in (before, adapted)]
@@ -417,7 +417,7 @@ def test_who_stands_on_hands_and_knees_is_supported_between_them(body: Morpholog
     standing = stand(WALK, body, CONTACTS, Ground())
     points = [ContactPoint.LEFT_HAND, ContactPoint.RIGHT_HAND, ContactPoint.LEFT_KNEE, ContactPoint.SEAT]
     contacts = [ContactInterval("walk", point, 10, 20) for point in points]
-    areas = outlines(standing.positions, standing.rotations, standing_points(contacts, WALK.frame_count), body)
+    areas = outlines(standing.positions, standing.rotations, standing_mask(contacts, WALK.frame_count), body)
     assert (
         np.isfinite(areas).all(axis=1) == ((np.arange(WALK.frame_count) >= 10) & (np.arange(WALK.frame_count) <= 20))
     ).all()

@@ -10,15 +10,15 @@ import pytest
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
-from studio.core.captures.touching import find_touches, hands_together_or_holding
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
+from studio.core.curves.activation import ActivationCurve
 from studio.core.normalized.mirror import mirrored_contacts
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import detected_contacts, normalize
 from studio.core.normalized.realize import realize
+from studio.core.normalized.touching import find_touches, hands_together_or_holding
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import adapt
 from studio.core.solver.asking.chains import point_masses

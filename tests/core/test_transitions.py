@@ -9,9 +9,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from studio.core.grounds.ground import Ground
-from studio.core.normalized.compose import Composite, MotionPiece, compose
+from studio.core.normalized.compose import Composite, MotionPiece, compose_pieces
 from studio.core.normalized.realize import realize
-from studio.core.quality.metrics import QUIET_PEAK, contact_quality, swing_depths
+from studio.core.normalized.transition import QUIET_PEAK
+from studio.core.quality.metrics import contact_quality, swing_depths
 from studio.core.solver.adapt import hold
 from studio.core.solver.standing.held_foot import FootPath, HeldFoot
 from studio.core.solver.standing.inertialisation import Stance, led_from
@@ -48,7 +49,7 @@ class Transition(NamedTuple):
 
 def lowest(piece: MotionPiece) -> float:
     """Metres over the ground that hips come down to in a clip alone."""
-    alone = compose((replace(piece, start=0.0),))
+    alone = compose_pieces((replace(piece, start=0.0),))
     return float(standing(alone).positions[piece.first : piece.last + 1, 0, 2].min())
 
 
@@ -57,7 +58,7 @@ def by_chance() -> list[Transition]:
     """Figures of each of the ``picked``."""
     found = []
     for before, after in picked():
-        row = compose((before, after))
+        row = compose_pieces((before, after))
         stands = standing(row)
         names = [each.motion.name for each in (before, after)]
         usual = np.maximum(np.maximum(*(peaks(name) for name in names)), QUIET_PEAK)
@@ -93,7 +94,7 @@ def test_nobody_crouches_where_clips_take_over_at_any_frame() -> None:
 def test_no_body_is_turned_round_for_a_foot_to_stand_where_it_stood() -> None:
     """Of 90 walks, kicks and punches 10 were, by more than a quarter turn: in another stride hips lie behind a foot."""
     for before, after in picked():
-        row = compose((before, after))
+        row = compose_pieces((before, after))
         _, rotations = realize(row.motion, BODY)
         ahead = rotations[:, 0, :2, 0]
         for change in row.motion.changes:
@@ -101,8 +102,8 @@ def test_no_body_is_turned_round_for_a_foot_to_stand_where_it_stood() -> None:
 
 
 def test_who_goes_on_the_other_way_round_turns_there_in_one_way() -> None:
-    """Where the shorter way changed between the two frames that were seen, the body spun by half a turn a frame."""
-    stands, first = standing(compose((example("walk_turn"),))), 60
+    """The shorter way once changed between the two frames that were seen, the body spun by half a turn a frame."""
+    stands, first = standing(compose_pieces((example("walk_turn"),))), 60
     own = Stance.before(stands, first)
     around = turning_about(np.array([0.0, 0.0, 1.0]), np.array([np.pi - 0.01, np.pi + 0.01]))
     middle = own.positions[:, :1] * [1.0, 1.0, 0.0]
@@ -128,7 +129,7 @@ def feet_of(piece: MotionPiece, frame: int) -> set[str]:
 def test_of_an_overlap_no_frame_is_taken_in_which_other_feet_stand_than_at_its_ends(name: str) -> None:
     walk, other = example("walk_turn"), example(name)
     before = cut(walk, last=190)
-    row = compose((before, cut(other, first=90, last=300, start=before.end - 1.0)))
+    row = compose_pieces((before, cut(other, first=90, last=300, start=before.end - 1.0)))
     unlike = [len(feet_of(walk, frame) ^ feet_of(other, own_frame(row, frame))) for frame in range(130, 191)]
     assert unlike[row.motion.changes[0].first - 130] <= min(unlike[0], unlike[-1])
 
@@ -139,7 +140,7 @@ def own_frame(row: Composite, frame: int) -> int:
 
 def test_no_frame_of_the_later_clip_comes_at_another_time() -> None:
     before, after = example("front_kick"), example("straight_punch")
-    row = compose((before, cut(after, start=before.end - 0.9)))
+    row = compose_pieces((before, cut(after, start=before.end - 0.9)))
     first = row.motion.changes[0].first
     placed = row.played[1]
     frames = np.arange(first, placed.last + 1)
@@ -188,7 +189,7 @@ def test_a_step_is_as_fast_as_the_other_foot_stands_long() -> None:
 
 def test_a_foot_that_comes_down_in_the_last_frame_does_not_stand_yet() -> None:
     """Its heel slid by 65 mm as it turned on: what moves between the two frames that are seen does not stand."""
-    stands = standing(compose((example("walk_turn"),)))
+    stands = standing(compose_pieces((example("walk_turn"),)))
     lands = [int(np.flatnonzero(np.diff((states != 0).astype(int)) > 0)[0]) + 1 for states in stands.footing.states]
     for side, frame in enumerate(lands):
         assert stands.footing.states[side, frame] != 0

@@ -14,8 +14,8 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.upright import UprightConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import contact_quality
+from studio.core.quality.report import report_of
 from studio.core.solver.adapt import adapt, place_of
-from studio.core.solver.report import report_of
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.standing.stand import standing_of
 from tests.core.test_constraint_kinds import ALL, BODIES, CONTACTS, HEAD, RIGHT, WALK, ask, solved

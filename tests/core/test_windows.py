@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from studio.core.windows import highest, lowest, smoothed
+from studio.core.windows import bell_average, highest, lowest
 
 
 @pytest.mark.parametrize("frames", [1, 2, 7, 300])
@@ -12,8 +12,8 @@ from studio.core.windows import highest, lowest, smoothed
 def test_a_track_is_smoothed_as_scipy_does_with_its_ends_held(frames: int, sigma: float) -> None:
     track = np.random.default_rng(frames).normal(size=(frames, 3))
     expected = ndimage.gaussian_filter1d(track, sigma, axis=0, mode="nearest") if sigma else track
-    np.testing.assert_allclose(smoothed(track, sigma), expected, atol=1e-14)
-    np.testing.assert_allclose(smoothed(track[:, 0], sigma), expected[:, 0], atol=1e-14)
+    np.testing.assert_allclose(bell_average(track, sigma), expected, atol=1e-14)
+    np.testing.assert_allclose(bell_average(track[:, 0], sigma), expected[:, 0], atol=1e-14)
 
 
 @pytest.mark.parametrize("frames", [1, 5, 200])

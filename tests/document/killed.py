@@ -14,7 +14,7 @@ from random import Random
 
 from PySide6.QtCore import QCoreApplication
 
-from studio.core.project import Project
+from studio.core.stage.project import Project
 from studio.core.stage.prop import Prop
 from studio.document.document import Document
 from studio.document.recovery import recover, recoverable_sessions

@@ -7,12 +7,12 @@ import pytest
 
 from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactPoint
-from studio.core.constraints.keyed import KeyedPlace
-from studio.core.constraints.tangents import Tangent, TangentMode, Tangents
+from studio.core.constraints.scope import Scope
+from studio.core.curves.keyed import KeyedPlace
+from studio.core.curves.tangents import Tangent, TangentMode, Tangents
 from studio.core.errors import StudioError
 from studio.core.stage.correction import PoseOffsets, new_correction
 from studio.core.stage.prop import Prop
-from studio.core.stage.scope import Scope
 from studio.document.clipboard import copied, paste
 from studio.document.document import Document
 from studio.document.keyed_fields import KeyedField, KeyRef

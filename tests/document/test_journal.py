@@ -16,8 +16,8 @@ from typing import Any
 import pytest
 
 from studio.core.errors import StudioError
-from studio.core.project import Motion, Project
 from studio.core.stage.clip import Clip
+from studio.core.stage.project import Motion, Project
 from studio.core.stage.prop import Prop
 from studio.document.document import Document
 from studio.document.recovery import recover, recoverable_sessions, tidy

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from studio.core.constraints.keyed import KeyedPlace
-from studio.core.constraints.tangents import Beyond, TangentMode
+from studio.core.curves.keyed import KeyedPlace
+from studio.core.curves.tangents import Beyond, TangentMode
 from studio.document.channels import with_mode
 from studio.document.document import Document
 from studio.document.key_edits import KeyDrag, delete_keys, edit_selected, nudge_keys, replace_fields, set_beyond

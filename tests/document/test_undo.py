@@ -14,15 +14,15 @@ from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.constraints.base import BodyPoint, Constraint
 from studio.core.constraints.follow import FollowPerformer, FollowProp, FollowTracked
-from studio.core.constraints.keyed import KeyedPlace
+from studio.core.curves.keyed import KeyedPlace
 from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
-from studio.core.project import GROUND_ID, Motion
 from studio.core.stage.behaviour import Behaviour, Role, State, Transition
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import DistanceCondition
 from studio.core.stage.correction import PoseOffsets, new_correction
 from studio.core.stage.manners import KeepDistance
+from studio.core.stage.project import GROUND_ID, Motion
 from studio.core.stage.prop import Prop
 from studio.core.stage.saved_camera import CAMERA_SLOTS, CameraPlacement
 from studio.core.stage.sound_track import SoundTrack
@@ -171,7 +171,7 @@ def test_a_drag_is_one_undo_step(qapp: Any) -> None:
 
 
 def test_what_a_thing_was_in_the_middle_of_a_drag_is_not_kept(qapp: Any) -> None:
-    """Of each move one command stayed for ever, with the values it had: a drag of a minute kept thousands."""
+    """One command of each move stayed for ever, with the values it had: a drag of a minute kept thousands."""
     document, gesture = Document(PROJECT), 7
     passed = [replace(PROJECT.constraints["constraint 0"], weight=0.1 + 0.1 * step) for step in range(5)]
     alive = [weakref.ref(each) for each in passed]

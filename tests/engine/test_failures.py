@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from studio.core.project import Performer
 from studio.core.stage.clip import Clip
+from studio.core.stage.project import Performer
 from studio.document.document import Document
 from studio.engine.live_adaptation import LiveAdaptation
 from tests.builders import make_capture, make_project

@@ -10,12 +10,12 @@ from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.follow import FollowBody, FollowPerformer, FollowProp, FollowTracked
 from studio.core.constraints.position import PositionConstraint
-from studio.core.project import Motion, Project
+from studio.core.constraints.scope import Scope
 from studio.core.solver.adapt import place_of
 from studio.core.solver.performers.stage import asked_of, in_order, leaders_of
 from studio.core.stage.placement import Placement
+from studio.core.stage.project import Motion, Project
 from studio.core.stage.prop import Prop
-from studio.core.stage.scope import Scope
 from studio.document.document import Document
 from studio.engine.live_adaptation import LiveAdaptation, normalised
 from tests.builders import make_constraint, make_project
@@ -71,7 +71,7 @@ def on_stage(document: Document, live: LiveAdaptation, performer_id: str, point:
 
 
 def seen(document: Document, live: LiveAdaptation, performer_id: str) -> np.ndarray:
-    """Where the wrist of a performer is seen, on the stage."""
+    """Place at which the wrist of a performer is seen, on the stage."""
     shown = live.shown(performer_id)
     assert shown is not None
     return Placement.of(document.project.performers[performer_id]).to_stage(place_of(RIGHT, shown))[0]

@@ -15,10 +15,10 @@ from PySide6.QtWidgets import QApplication, QWidget
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowPerformer
-from studio.core.project import GROUND_ID
+from studio.core.constraints.scope import Scope
 from studio.core.solver.adapt import adapt
 from studio.core.solver.performers.performing import perform
-from studio.core.stage.scope import Scope
+from studio.core.stage.project import GROUND_ID
 from studio.document.document import Document
 from studio.engine.frames import LONG_SECONDS, PIECE_FRAMES
 from studio.engine.live_adaptation import LiveAdaptation, normalised

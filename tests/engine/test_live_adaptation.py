@@ -16,13 +16,13 @@ from PySide6.QtCore import QTimer
 
 from studio.core.body.morphology import Morphology
 from studio.core.captures.capture import Capture
+from studio.core.constraints.scope import Scope
 from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
 from studio.core.mesh.volume import BodyVolume, fitted_volume
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.project import GROUND_ID
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.stage.scope import Scope
+from studio.core.stage.project import GROUND_ID
 from studio.document.document import Document
 from studio.engine.live_adaptation import LiveAdaptation
 from studio.engine.residuals import unsolved_words
@@ -408,7 +408,7 @@ def test_what_is_known_is_shown_until_the_kernels_are_there(qapp: Any) -> None:
 
 
 def test_bodies_stand_while_the_kernels_of_constraints_are_still_compiled(qapp: Any) -> None:
-    """Whoever has a constraint, and whoever gets one, waits for them, and the words say so."""
+    """Bodies with a constraint, or that get one, wait for them, and the words say so."""
     solver, document = Solver(), Document(make_project(constraints=0))
     solver.hold.set()
     kernels = SimpleNamespace(grounded=True, ready=False, stop=lambda _patience: None)

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from studio.core.project import Project
+from studio.core.stage.project import Project
 from studio.engine.live_play import STAGE_STEP, UNSEEN_STEP, _Worker
 from tests.patience import SECONDS
 

@@ -8,8 +8,8 @@ import pytest
 
 from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactPoint
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint
+from studio.core.curves.activation import ActivationCurve
 from studio.core.solver.performers.rows import composite_of
 from studio.core.solver.request import AdaptedMotion
 from studio.engine.live_adaptation import normalised

@@ -5,7 +5,7 @@ from PySide6.QtGui import QMouseEvent, QWheelEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
-from studio.core.constraints.activation import ActivationCurve
+from studio.core.curves.activation import ActivationCurve
 
 RATE = 60.0
 LEFT = Qt.MouseButton.LeftButton

@@ -8,9 +8,9 @@ from studio.app.application import make_application, make_window
 from studio.app.settings import Settings
 from studio.app.verbs.constraining import put_area_mesh
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.curves.activation import ActivationCurve
 from studio.core.errors import StudioError
 from studio.document.document import Document
 from tests.builders import make_project

@@ -6,10 +6,10 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
 from studio.core.captures.reaching import farthest_frame
-from studio.core.project import Motion
 from studio.core.stage.behaviour import advance, begun
 from studio.core.stage.conditions import Senses
 from studio.core.stage.manners import KeepDistance, LeanAway, Meet
+from studio.core.stage.project import Motion
 from studio.document.behaviour_commands import state_key
 
 FIRST, SECOND = "performer 0", "performer 1"

@@ -13,8 +13,8 @@ from studio.app.casting import put_character
 from studio.core.body.canonical import BodyPart
 from studio.core.mesh.appearance import Material
 from studio.core.mesh.skin import Blending, bound_pose
-from studio.core.project import Performer
 from studio.core.solver.request import AdaptedMotion
+from studio.core.stage.project import Performer
 from studio.document.commands.replace import same_value
 from studio.engine.performance import Placement, Posed
 from studio.io.importing import load_character

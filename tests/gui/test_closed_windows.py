@@ -12,7 +12,7 @@ from studio.app.application import import_views, make_application, make_window, 
 from studio.app.sample import read_sample
 from studio.app.settings import Settings
 from studio.core.mesh.skin import gripping
-from studio.core.project import COLLECTIONS, Project
+from studio.core.stage.project import COLLECTIONS, Project
 from studio.document.document import Document
 from studio.io.project.character_file import bundled_characters
 from tests.gui.window_use import wait_until_idle

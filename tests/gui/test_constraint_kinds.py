@@ -13,8 +13,8 @@ from studio.core.constraints.area import AreaShape
 from studio.core.constraints.balance import Support
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowProp
-from studio.core.constraints.keyed import KeyedPlace
 from studio.core.constraints.kinds import CONSTRAINT_KINDS
+from studio.core.curves.keyed import KeyedPlace
 from studio.core.quality.metrics import centre_of_mass
 from studio.core.stage.prop import Prop
 from studio.document.document import Document
@@ -270,7 +270,7 @@ def test_a_place_that_is_written_is_read_again_and_what_has_none_stays_as_it_is(
 
 
 def fixed(studio, constraint):
-    """Where it is held now."""
+    """Place at which it is held now."""
     viewport, document, _ = studio
     return handle_place(
         TargetContext(document.project, viewport.posed, viewport.posed["performer 0"]).fixed(constraint)

@@ -7,8 +7,8 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
-from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn
-from studio.core.constraints.tangents import Beyond, TangentMode
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn
+from studio.core.curves.tangents import Beyond, TangentMode
 from studio.core.rotations import from_euler
 from studio.core.stage.prop import Prop
 from studio.document.channels import (
@@ -37,7 +37,7 @@ KEYS = KeyedPlace(
 
 
 class Editor:
-    """Where things of the curve editor are, and what they are."""
+    """Things of the curve editor and their places."""
 
     def __init__(self, document, timeline):
         self.document, self.timeline = document, timeline

@@ -8,7 +8,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
-from studio.core.constraints.keyed import KeyedPlace
+from studio.core.curves.keyed import KeyedPlace
 from studio.document.document import Document
 from studio.document.keyed_fields import KeyedField
 from studio.timeline import picture

@@ -11,6 +11,9 @@ from PySide6.QtWidgets import QApplication
 from studio.app.action_set import with_mnemonics
 from studio.app.actions import MENUS
 from studio.app.application import import_views, show_views
+from studio.core.captures.contacts import ContactInterval, Touch
+from studio.core.stage.prop import Prop
+from studio.panels.message_strip import Lifetime
 from tests.gui.viewport_use import LEFT, NONE, joint_pixel
 from tests.gui.window_use import drop, wait_until_idle
 
@@ -78,8 +81,52 @@ def test_the_hint_to_click_a_joint_goes_when_one_is_constrained(window, qtbot):
     QTest.keyClick(window, Qt.Key.Key_C)
     assert window.strip.text.startswith("Click a joint")
     QTest.mouseClick(viewport, LEFT, NONE, joint_pixel(viewport, "performer 0", "right wrist"))
+    assert window.strip.text == ""
     QTest.keyClick(window, Qt.Key.Key_C)
     assert window.bench.document.selection.of("constraints")
+    assert window.strip.text == ""
+
+
+def test_what_an_action_needs_first_is_no_longer_said_once_something_is_selected_or_edited(window):
+    document = window.bench.document
+    prop_id = document.add("props", Prop("Box", position=(0.6, 0.0, 0.2)), "Add box")
+    for go_on in (
+        lambda: document.selection.set(("performers", "performer 1")),
+        lambda: document.remove("props", prop_id, "Delete"),
+    ):
+        window.bench.say("Select a prop.", until=Lifetime.SELECTED)
+        assert window.strip.text == "Select a prop."
+        go_on()
+        assert window.strip.text == ""
+
+
+def test_where_a_new_box_is_picked_up_is_said_until_it_is(window, qtbot):
+    import_views()
+    show_views(window)
+    document, by_id = window.bench.document, window.actions_by_id.by_id
+    assert window.bench.live.wait(300.0)
+    qtbot.waitUntil(lambda: len(window.bench.viewport.posed) == 2, timeout=20000)
+    clip = document.project.performers["performer 0"].clips[0]
+    document.add("contacts", ContactInterval(clip.motion_id, Touch.HANDS_ON_THING, 10, clip.last), "Add")
+    document.selection.set(("performers", "performer 0"))
+    by_id["add_box"].trigger()
+    assert "Pick it up" in window.strip.text
+    [prop_id] = document.project.props
+    document.selection.set(("performers", "performer 0"), ("props", prop_id))
+    document.playhead.set_frame(10)
+    assert "Pick it up" in window.strip.text
+    by_id["pick_up_prop"].trigger()
+    assert document.project.props[prop_id].held is not None
+    assert window.strip.text == ""
+
+
+def test_what_a_scene_shows_is_said_until_another_project_is_open(window):
+    document = window.bench.document
+    window.bench.say("The box is heavy.", until=Lifetime.PROJECT_OPENED)
+    document.selection.set(("performers", "performer 1"))
+    document.add("props", Prop("Box", position=(0.6, 0.0, 0.2)), "Add box")
+    assert window.strip.text == "The box is heavy."
+    document.new(document.project)
     assert window.strip.text == ""
 
 

@@ -9,7 +9,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
 from studio.app.application import show_timeline, show_viewport
-from studio.core.project import Motion
+from studio.core.stage.project import Motion
 from tests.builders import make_capture, make_project
 from tests.gui.hand import LEFT, NONE
 

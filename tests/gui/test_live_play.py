@@ -8,11 +8,11 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
 from studio.app.application import import_views, show_views
-from studio.core.constraints.keyed import KeyedPlace
-from studio.core.project import Project
+from studio.core.curves.keyed import KeyedPlace
 from studio.core.solver.adapt import place_of
 from studio.core.stage.behaviour import Behaviour, Role, State, Transition
 from studio.core.stage.conditions import KeyCondition
+from studio.core.stage.project import Project
 from tests.live.test_live_stage import WRIST, clip_of, reaching, staged
 from tests.patience import PATIENCE
 

@@ -8,11 +8,11 @@ from PySide6.QtTest import QTest
 
 from studio.app.application import import_views, show_views
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.follow import FollowPerformer
 from studio.core.constraints.look_at import EYES, LookAtConstraint
-from studio.core.stage.scope import Scope
+from studio.core.constraints.scope import Scope
+from studio.core.curves.activation import ActivationCurve
 from studio.document.document import Document
 from studio.viewport.opening import CHIPS
 from studio.viewport.overlay import Overlay

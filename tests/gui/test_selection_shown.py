@@ -6,8 +6,8 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
-from studio.core.project import Motion
 from studio.core.stage.clip import Clip
+from studio.core.stage.project import Motion
 from studio.document.document import Document
 from studio.panels.inspector import Inspector
 from studio.panels.library_panel import LibraryPanel

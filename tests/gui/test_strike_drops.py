@@ -9,7 +9,7 @@ from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QWidget
 
 from studio.app.strike_target import StrikeTarget
-from studio.core.constraints.keyed import KeyedPlace
+from studio.core.curves.keyed import KeyedPlace
 from studio.core.stage.prop import Prop
 from studio.document.dragging import carried_strike
 from studio.library.clip_labels import Limb

@@ -9,9 +9,9 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu
 
 from studio.core.captures.contacts import ContactPoint
-from studio.core.project import Motion
+from studio.core.constraints.scope import Scope
 from studio.core.stage.clip import Clip
-from studio.core.stage.scope import Scope
+from studio.core.stage.project import Motion
 from studio.document import clip_edits
 from studio.document.document import Document
 from studio.document.dragging import carried_capture

@@ -1,11 +1,11 @@
-"""When a prop is held, on the timeline and from the menu: picked up, put down, dragged."""
+"""Holds of a prop, on the timeline and from the menu: picked up, put down, dragged."""
 
 from dataclasses import replace
 
 import pytest
 from PySide6.QtCore import QPoint, QPointF
 
-from studio.core.constraints.activation import ActivationCurve
+from studio.core.curves.activation import ActivationCurve
 from studio.core.stage.prop import Carried, Prop
 from studio.timeline.hover import hover_text
 from tests.gui.hand import RATE, pixels

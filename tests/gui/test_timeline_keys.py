@@ -9,7 +9,7 @@ from PySide6.QtTest import QTest
 
 from studio.core.body.growth import KeyedProportions
 from studio.core.body.morphology import Proportions
-from studio.core.constraints.keyed import KeyedNumber, KeyedPlace
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace
 from studio.core.stage.prop import Prop
 from studio.document.key_edits import set_keys
 from studio.document.keyed_fields import KeyedField

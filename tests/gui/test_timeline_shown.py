@@ -9,8 +9,8 @@ from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 
 from studio.core.body.pose import PoseSequence
-from studio.core.project import Project
-from studio.core.stage.scope import Scope
+from studio.core.constraints.scope import Scope
+from studio.core.stage.project import Project
 from studio.document import colours
 from studio.engine.empty_stage import HIDDEN
 from studio.timeline.curves import Quantity

@@ -7,7 +7,7 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
-from studio.core.project import Motion
+from studio.core.stage.project import Motion
 from studio.core.stage.prop import Prop
 from studio.viewport.follow_camera import FollowCamera
 from tests.builders import make_project

@@ -5,7 +5,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 
-from studio.core.project import Project
+from studio.core.stage.project import Project
 from studio.document.colours import SELECTED_HANDLE
 from tests.gui.viewport_use import (
     LEFT,

@@ -10,10 +10,10 @@ from PySide6.QtTest import QTest
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import BodyPoint, Chain
-from studio.core.constraints.keyed import KeyedTurn
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.upright import UprightConstraint
+from studio.core.curves.keyed import KeyedTurn
 from studio.core.rotations import from_euler, to_matrix
 from studio.core.stage.prop import Prop
 from studio.document.obstacles import set_obstacle

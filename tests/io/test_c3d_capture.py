@@ -8,15 +8,15 @@ import pytest
 
 from studio.core.body.canonical import BodyPart
 from studio.core.body.kinematics import joint_positions, joint_world
+from studio.core.captures.virtual_markers import virtual_trial
 from studio.core.errors import StudioError
 from studio.core.markers.cleaning import LowPass
 from studio.core.markers.marker_map import MarkerMap
 from studio.core.markers.take import centre_errors
 from studio.core.markers.trial import METRES, ForcePlate
-from studio.core.markers.virtual import virtual_trial
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.round_trip import round_trip
-from studio.core.project import Project
+from studio.core.stage.project import Project
 from studio.io.c3d.reader import read_c3d
 from studio.io.c3d.writer import write_c3d
 from studio.io.export import take_of_capture, write_take

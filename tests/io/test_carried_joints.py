@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 
 from benchmarks.read_back import gltf_motion
-from studio.core.body.carried_joints import carried_joints
-from studio.core.body.character import Character
-from studio.core.body.character_skeleton import joint_segments, t_pose_rotations
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_world
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture
+from studio.core.mesh.character import Character
 from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.normalize import normalize
+from studio.core.rigs.carried_joints import carried_joints
+from studio.core.rigs.character_skeleton import joint_segments, t_pose_rotations
 from studio.core.rotations import angle_between, from_matrix
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.core.body.character import Character
 from studio.core.body.morphology import Proportions
 from studio.core.errors import StudioError
+from studio.core.mesh.character import Character
 from studio.io.project.character_file import (
     bundled_characters,
     mesh_bytes,

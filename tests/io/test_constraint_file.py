@@ -6,7 +6,7 @@ import pytest
 
 from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactInterval, ContactPoint
-from studio.core.constraints.activation import EaseShape
+from studio.core.curves.activation import EaseShape
 from studio.core.errors import StudioError
 from studio.io.project.constraint_file import constraint_record, read_constraints
 from studio.io.project.entity_json import entity_record

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from studio.core.body.character_skeleton import joint_points
 from studio.core.body.humanoid import BodyPart
 from studio.core.body.kinematics import joint_world
 from studio.core.captures.contacts import ContactInterval
 from studio.core.errors import StudioError
 from studio.core.normalized.normalize import capture_contacts, normalize
+from studio.core.rigs.character_skeleton import joint_points
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.bvh.reader import read_bvh

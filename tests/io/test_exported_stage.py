@@ -14,12 +14,12 @@ from studio.cli.render import performances
 from studio.core.body.canonical import BodyPart
 from studio.core.body.kinematics import joint_world
 from studio.core.constraints.base import BodyPoint
-from studio.core.constraints.keyed import KeyedNumber, KeyedPlace
-from studio.core.mesh.prop_shapes import prop_surface
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.rotations import to_matrix
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import InHand, Prop, PropShape
+from studio.core.stage.prop_shapes import prop_surface
 from studio.core.stage.saved_camera import VIEW_ANGLE, CameraPlacement, SavedCamera
 from studio.io.export_options import ExportOptions
 from studio.io.gltf.accessors import Accessors

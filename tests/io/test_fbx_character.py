@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from studio.core.body.canonical import BodyPart
-from studio.core.body.embodiment import measured
 from studio.core.errors import StudioError
+from studio.core.rigs.embodiment import measured
 from studio.io.importing import load_capture, load_character, read_file
 from studio.io.registry import ReadCapture, ReadCharacter
 from tests.io.fbx_skin import skinned_fbx

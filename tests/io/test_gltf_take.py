@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from benchmarks.read_back import gltf_motion
-from studio.core.body.character_skeleton import joint_points
 from studio.core.body.kinematics import joint_world
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.contacts import ContactInterval
 from studio.core.mesh.appearance import Appearance, Material
-from studio.core.mesh.joint_skin import bone_skin, character_skin
 from studio.core.mesh.skin import skin_vertices
 from studio.core.normalized.normalize import capture_contacts, normalize
+from studio.core.rigs.character_skeleton import joint_points
+from studio.core.rigs.joint_skin import bone_skin, character_skin
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.io.export import take_of_adapted, take_of_capture, write_take

@@ -8,7 +8,7 @@ import pytest
 
 from studio.core.grounds import Bumps, HeightMap, Slope, Steps, SurfaceMesh
 from studio.core.grounds.ground import Ground
-from studio.core.project import GROUND_ID, Project
+from studio.core.stage.project import GROUND_ID, Project
 from studio.io.project.entity_json import entity_of, entity_record, project_json, project_of
 from studio.io.project.project_file import read_project, write_project
 

@@ -9,10 +9,10 @@ import pytest
 from studio.core.body.kinematics import joint_world, rest_poses
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
-from studio.core.body.zero_pose import with_zero_pose
 from studio.core.mesh.rig import NO_SEGMENT
 from studio.core.mesh.skin import skin_vertices
 from studio.core.normalized.normalize import normalize
+from studio.core.rigs.zero_pose import with_zero_pose
 from studio.core.rotations import normalized, to_matrix
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest

@@ -6,7 +6,7 @@ from typing import Any
 
 from studio.core.errors import StudioError
 from studio.core.grounds import Bumps, HeightMap, Slope, Steps
-from studio.core.project import COLLECTIONS, Entity
+from studio.core.stage.project import COLLECTIONS, Entity
 from studio.io.project.entity_json import entity_of, entity_record
 from studio.library.scenes import SCENES
 from tests.builders import make_project

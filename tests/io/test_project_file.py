@@ -11,10 +11,10 @@ from random import Random
 
 import pytest
 
+from studio.core.constraints.scope import EVERYONE
 from studio.core.errors import StudioError
-from studio.core.project import Project
+from studio.core.stage.project import Project
 from studio.core.stage.prop import Prop
-from studio.core.stage.scope import EVERYONE
 from studio.io.project.archive import stamp
 from studio.io.project.entity_json import project_json
 from studio.io.project.project_file import ChangedOnDisk, FolderNotWritable, read_project, write_project

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from studio.core.body.kinematics import joint_positions
+from studio.core.captures.virtual_markers import virtual_trial
 from studio.core.errors import StudioError
 from studio.core.markers.trial import Trial
-from studio.core.markers.virtual import virtual_trial
 from studio.io.c3d.writer import write_c3d
 from studio.io.importing import load_capture
 from studio.io.trc.reader import read_trc

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studio.core.body.character_skeleton import joint_points
 from studio.core.body.kinematics import joint_world
 from studio.core.errors import StudioError
-from studio.core.mesh.joint_skin import character_skin
 from studio.core.mesh.skin import skin_vertices
 from studio.core.normalized.normalize import normalize
+from studio.core.rigs.character_skeleton import joint_points
+from studio.core.rigs.joint_skin import character_skin
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.io.export import take_of_adapted, take_of_capture, write_take
@@ -91,7 +91,7 @@ def test_joints_with_names_that_usd_does_not_allow_keep_them_beside_their_paths(
 
 
 def surfaces(stage):
-    """Of each bound material: the triangles it covers, its surface, and the shader that gives its colour, if any."""
+    """Bound materials: the triangles it covers, its surface, and the shader that gives its colour, if any."""
     for prim in stage.Traverse():
         if prim.IsA(UsdGeom.Subset):
             material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()

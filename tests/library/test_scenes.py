@@ -10,11 +10,11 @@ from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowPerformer
 from studio.core.grounds.ground import Ground
-from studio.core.project import Project
 from studio.core.quality.metrics import acceleration_ratio, contact_quality
 from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.performers.performing import Performance, Prepare, Staged, perform
 from studio.core.stage.placement import Placement
+from studio.core.stage.project import Project
 from studio.jobs.performances import prepared
 from studio.library.scenes import SCENES, acrobatics, changing, choosing, fight, papers
 

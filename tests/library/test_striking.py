@@ -9,7 +9,7 @@ import pytest
 from studio.cli.live import guard_of
 from studio.core.body.morphology import Proportions
 from studio.core.captures.contacts import standing_at
-from studio.core.constraints.keyed import KeyedPlace
+from studio.core.curves.keyed import KeyedPlace
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.pieces import MotionPiece
 from studio.core.normalized.realize import realize

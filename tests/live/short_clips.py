@@ -7,11 +7,11 @@ import numpy as np
 
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import ContactInterval, ContactPoint
-from studio.core.project import Performer, Project
 from studio.core.solver.adapt import adapt
 from studio.core.solver.performers.performing import perform
 from studio.core.stage.clip import FASTEST_CLIP, SLOWEST_CLIP, Clip
 from studio.core.stage.layer import Layer, Region
+from studio.core.stage.project import Performer, Project
 from studio.jobs.performances import prepared
 from studio.library.scenes.stagehand import bodies, material
 from studio.live.playing_stage import LiveStage

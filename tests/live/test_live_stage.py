@@ -9,13 +9,14 @@ import pytest
 from studio.core.body.canonical import BodyPart
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import touching_points
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.follow import FollowPerformer, FollowProp
 from studio.core.constraints.position import PositionConstraint
+from studio.core.constraints.scope import Scope
+from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.slope import Slope
-from studio.core.project import GROUND_ID, Performer, Project
-from studio.core.quality.metrics import QUIET_PEAK, angular_acceleration
+from studio.core.normalized.transition import QUIET_PEAK
+from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.performers.performing import perform
 from studio.core.stage.behaviour import Behaviour, Role, State, Transition
@@ -30,8 +31,8 @@ from studio.core.stage.conditions import (
 from studio.core.stage.correction import PoseOffsets, new_correction
 from studio.core.stage.manners import Meet
 from studio.core.stage.placement import Placement
+from studio.core.stage.project import GROUND_ID, Performer, Project
 from studio.core.stage.prop import Prop
-from studio.core.stage.scope import Scope
 from studio.core.stage.whom import FollowPartner
 from studio.jobs.performances import prepared
 from studio.library.scenes.stagehand import bodies, material

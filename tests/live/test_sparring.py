@@ -9,11 +9,11 @@ import pytest
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import touching_points
 from studio.core.captures.reaching import farthest_frame
-from studio.core.project import Project
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import place_of
 from studio.core.stage.manners import ARM_POINT, FIST_POINT, HEAD_POINT, KeepDistance, LeanAway
 from studio.core.stage.placement import Placement
+from studio.core.stage.project import Project
 from studio.core.stage.whom import PELVIS_POINT
 from studio.jobs.performances import prepared
 from studio.library.scenes import fight

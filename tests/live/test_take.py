@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studio.core.constraints.keyed import KeyedPlace
-from studio.core.project import Project, new_id
+from studio.core.constraints.scope import Scope
+from studio.core.curves.keyed import KeyedPlace
 from studio.core.quality.metrics import contact_quality
 from studio.core.solver.adapt import adapt
 from studio.core.solver.performers.performing import motion_of, perform
-from studio.core.stage.scope import Scope
+from studio.core.stage.project import Project, new_id
 from studio.library.scenes.sparring import PUNCH_KEYS
 from studio.live.playing_stage import LiveStage
 from studio.live.recorded_take import StageTake, edits_of

@@ -9,12 +9,12 @@ import pytest
 from studio.core.body.morphology import sole_rows
 from studio.core.grounds.slope import Slope
 from studio.core.kernels.support.sole import HEEL_STANDS, TOE_STANDS
-from studio.core.project import GROUND_ID
-from studio.core.quality.metrics import QUIET_PEAK
+from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.runs import runs_of
 from studio.core.solver.standing.stepping import flights_of
 from studio.core.solver.standing.swing_foot_path import Sole
 from studio.core.stage.clip import Clip
+from studio.core.stage.project import GROUND_ID
 from studio.library.scenes.stagehand import material
 from studio.live.playing import own_row
 from studio.live.playing_stage import LiveStage

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QSlider
 
 from studio.core.grounds import Bumps, HeightMap, Slope, Steps
 from studio.core.grounds.ground import Ground
-from studio.core.project import GROUND_ID
+from studio.core.stage.project import GROUND_ID
 from studio.document.document import Document
 from studio.panels.fields import Choice, NumberField
 from studio.panels.ground_editor import GROUND_CHOICES, MADE_HERE, GroundEditor

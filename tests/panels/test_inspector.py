@@ -10,8 +10,8 @@ from PySide6.QtWidgets import QAbstractButton, QAbstractSpinBox, QCheckBox, QCom
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
-from studio.core.project import Performer
 from studio.core.solver.request import AdaptedMotion
+from studio.core.stage.project import Performer
 from studio.document.document import Document
 from studio.io.project.character_file import bundled_characters
 from studio.panels.constraint_editors.body_figure import SCALE, SEGMENT_SHAPES, BodyFigure
@@ -44,7 +44,7 @@ class FakeLive(QObject):
 
 
 def segment_place(part):
-    """Where a segment of the figure is clicked."""
+    """Place at which a segment of the figure is clicked."""
     return (SCALE * SEGMENT_SHAPES[part].center()).toPoint()
 
 

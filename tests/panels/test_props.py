@@ -9,8 +9,8 @@ from PySide6.QtWidgets import QCheckBox, QComboBox, QPushButton
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowProp
-from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.constraints.procedural import PendulumPlace
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.solver.performers.stage import asked_of
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape

@@ -6,7 +6,7 @@ import pytest
 from PySide6.QtWidgets import QComboBox
 
 from studio.core.captures.contacts import ContactPoint
-from studio.core.stage.scope import EVERYONE, Scope
+from studio.core.constraints.scope import EVERYONE, Scope
 from studio.document.document import Document
 from studio.panels.inspector import Inspector
 from tests.builders import make_constraint, make_contact, make_project

@@ -7,8 +7,8 @@ import pytest
 
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import Chain
+from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import acceleration_ratio, contact_quality, swing_depths
 from studio.core.solver.adapt import adapt

@@ -9,9 +9,9 @@ import pytest
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import AnimatedMorphology
 from studio.core.captures.contacts import BODY_POINTS, ContactPoint
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.follow import FollowTracked
+from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds import Bumps, Slope
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import acceleration_ratio, contact_quality, swing_depths

@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.position import PositionConstraint
+from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.limits.arm_clearance import MAX_INHERITED_CLEARANCE
-from studio.core.quality.metrics import QUIET_PEAK, angular_acceleration
+from studio.core.normalized.transition import QUIET_PEAK
+from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import hold
 from studio.core.solver.asking.clearance import rooms
 from studio.core.solver.request import AdaptedMotion

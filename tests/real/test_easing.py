@@ -10,7 +10,8 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
-from studio.core.quality.metrics import QUIET_PEAK, angular_acceleration, contact_quality
+from studio.core.normalized.transition import QUIET_PEAK
+from studio.core.quality.metrics import angular_acceleration, contact_quality
 from studio.core.solver.adapt import hold, place_of
 from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.request import AdaptedMotion

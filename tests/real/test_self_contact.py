@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
+from studio.core.curves.activation import ActivationCurve
 from studio.core.normalized.normalize import detected_contacts
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.quality.motion_quality import rises

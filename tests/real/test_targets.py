@@ -7,14 +7,14 @@ from studio.core.body.canonical import BodyPart
 from studio.core.constraints.balance import BalanceConstraint, Support
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.follow import FollowBody, FollowTracked
-from studio.core.constraints.keyed import KeyedPlace
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.curves.keyed import KeyedPlace
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import acceleration_ratio, centre_of_mass, contact_quality
+from studio.core.quality.report import report_of
 from studio.core.solver.adapt import adapt, hold, place_of
 from studio.core.solver.performers.followed_tracks import tracked_track
-from studio.core.solver.report import report_of
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.source import source_motion
 from studio.core.solver.standing.stand import stand, standing_of

@@ -11,13 +11,13 @@ import numpy as np
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import AnimatedMorphology
 from studio.core.captures.contacts import ContactInterval, ContactPoint
-from studio.core.constraints.activation import ActivationCurve, EaseShape
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.follow import FollowBody
-from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.curves.activation import ActivationCurve, EaseShape
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.grounds import Bumps, HeightMap, Slope, Steps, SurfaceMesh
 from studio.core.grounds.ground import Ground
 from studio.core.mesh.skin import Blending, skin_vertices
@@ -25,8 +25,8 @@ from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.normalized.normalize import detected_contacts, normalize
 from studio.core.normalized.realize import realize
 from studio.core.normalized.round_trip import round_trip
+from studio.core.quality.report import report_of
 from studio.core.solver.adapt import adapt
-from studio.core.solver.report import report_of
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.standing.stand import standing_of
 from studio.io.importing import load_capture

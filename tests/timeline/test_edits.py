@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studio.core.constraints.activation import ActivationCurve
+from studio.core.curves.activation import ActivationCurve
 from studio.timeline.axis import TimeAxis
 from studio.timeline.curves import foot_speed
 from studio.timeline.gestures.activation import time_of, with_time

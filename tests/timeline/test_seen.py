@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from PySide6.QtGui import QFontMetrics
 from PySide6.QtWidgets import QApplication
 
-from studio.core.project import Motion
 from studio.core.stage.clip import Clip
+from studio.core.stage.project import Motion
 from studio.timeline.axis import TimeAxis
 from studio.timeline.curves import Curve, seen_curve
 from studio.timeline.shown import RowContext

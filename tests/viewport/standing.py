@@ -8,8 +8,8 @@ from PySide6.QtCore import QObject, Signal
 from studio.core.body.rest_pose import rest_pose
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion, Unasked
+from studio.core.stage.project import Project
 from studio.engine.live_play import LivePlay
 from studio.viewport.body_points import point_path
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from studio.core.project import Project
+from studio.core.stage.project import Project
 from studio.core.stage.prop import Prop
 from studio.engine.prop_places import props_at
 from studio.viewport.camera import OrbitCamera

@@ -5,7 +5,7 @@ import pytest
 
 from studio.core.grounds import Bumps, HeightMap, Slope, Steps, SurfaceMesh
 from studio.core.grounds.ground import Ground
-from studio.core.project import GROUND_ID
+from studio.core.stage.project import GROUND_ID
 from studio.io.project.character_file import bundled_characters
 from studio.viewport.ground_visual import GroundVisual, lines_of, surface_of
 from studio.viewport.offscreen import render_frame

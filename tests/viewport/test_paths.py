@@ -3,7 +3,7 @@ import pytest
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
-from studio.core.constraints.keyed import KeyedPlace
+from studio.core.curves.keyed import KeyedPlace
 from studio.core.grounds.steps import Steps
 from studio.engine.performance import posed_performers
 from studio.viewport.opening import CHIPS, opening_camera

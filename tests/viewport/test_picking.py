@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -30,6 +32,22 @@ def test_a_click_on_any_joint_of_a_body_finds_that_joint(posed):
             assert found.performer_id == performer_id
             away = camera.project(pose.points[found.joint.index], SIZE)[0][0] - pixel
             assert found.joint == joint or np.hypot(*away) < 8, joint.name
+
+
+def test_a_click_on_a_joint_of_a_body_far_away_finds_it_and_not_a_nearer_body_above_or_below_it():
+    project = make_project(characters=2)
+    far = replace(project.performers["performer 1"], position=(-5.0, 0.0))
+    near = replace(project.performers["performer 0"], position=(1.0, 0.0))
+    project = project.with_entity("performers", "performer 1", far).with_entity("performers", "performer 0", near)
+    posed = posed_performers(project, results_of(project).get, 0.0)
+    camera = OrbitCamera(azimuth=0.0, target=(-2.0, 0.0, 0.9), distance=25.0)
+    for performer_id, pose in posed.items():
+        joints = body_joints(pose.motion.morphology.layout)
+        pixels = camera.project(pose.points[[joint.index for joint in joints]], SIZE)[0]
+        for joint, pixel in zip(joints, pixels, strict=True):
+            found = joint_at(posed, camera, SIZE, *pixel)
+            at = camera.project(posed[found.performer_id].points[found.joint.index], SIZE)[0][0]
+            assert np.hypot(*(at - pixel)) <= 2.0, (performer_id, joint.name, found)
 
 
 def test_a_click_beside_every_joint_finds_none_but_may_find_the_body(posed):

@@ -6,13 +6,13 @@ from functools import partial
 
 from studio.app.workbench import Workbench
 from studio.core.captures.reaching import farthest_frame
-from studio.core.constraints.activation import ActivationCurve, EaseShape
+from studio.core.curves.activation import ActivationCurve, EaseShape
 from studio.core.errors import StudioError
-from studio.core.project import Project, new_id
 from studio.core.stage import ready_made
 from studio.core.stage.behaviour import Behaviour
 from studio.core.stage.clip import Clip
 from studio.core.stage.manners import WHOLE_CLIP
+from studio.core.stage.project import Project, new_id
 from studio.document.behaviour_commands import add_behaviour, edit_behaviour, let_play, state_key
 
 STRIKE_KEY = "X"
@@ -139,7 +139,7 @@ def _with_motion(bench: Workbench, title: str, names: tuple[str, ...], make: Cal
 
 
 def _when_hit(bench: Workbench, clip: Clip) -> ActivationCurve:
-    """When, in seconds of the motion of a clip that begins as the partner strikes, the blow hits; else all the time."""
+    """Seconds, in the motion of a clip that begins as the partner strikes, at which the blow hits; else all of it."""
     project = bench.document.project
     _, partner_id = _pair(bench)
     behaviour = project.behaviours.get(project.behaviour_of(partner_id) or "")

@@ -21,8 +21,6 @@ def adder(kind: str) -> Callable[[Workbench], None]:
     def add(bench: Workbench) -> None:
         if bench.viewport.add_constraint_at_pick(kind) is None:
             raise StudioError(NO_JOINT)
-        if bench.window.strip.text == NO_JOINT:
-            bench.clear_message()
 
     return add
 

@@ -10,9 +10,9 @@ from studio.app.workbench import Workbench
 from studio.core.captures.contacts import ContactInterval
 from studio.core.errors import StudioError
 from studio.core.names import free_name
-from studio.core.project import GROUND_ID
 from studio.core.stage.behaviour import Transition
 from studio.core.stage.clip import Clip
+from studio.core.stage.project import GROUND_ID
 from studio.core.stage.staging import lined_up, travel_heading
 from studio.document.behaviour_commands import duplicate_states, remove_parts
 from studio.document.clip_edits import name_of, remove_clips

@@ -11,25 +11,27 @@ from studio.app.file_dialogs import ask_file
 from studio.app.workbench import Workbench
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowProp
-from studio.core.constraints.keyed import KeyedPlace
 from studio.core.constraints.target import follows_of
+from studio.core.curves.keyed import KeyedPlace
 from studio.core.errors import StudioError
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.names import free_name
-from studio.core.project import Performer, Project
 from studio.core.stage.holding import HAND_REACH_SECONDS, THIN, grips, quarters, reaching_time
+from studio.core.stage.project import Performer, Project
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.document.document import Document
 from studio.engine.grasps import Grasp, captured_grasp, chest_heading, grasp_at, grasp_near
 from studio.engine.performance import Posed, motion_time, posed_performers
 from studio.engine.prop_places import (
     between_hands,
+    elevation_of_hands,
     heading_of,
     prop_at,
     takes_lower,
     wrists_from,
 )
 from studio.io.meshes.mesh_file import SUFFIXES, MeshFile, read_mesh
+from studio.panels.message_strip import Lifetime
 
 NEW_PROP_DISTANCE = 0.6
 """Metres from a body's root to a new prop."""
@@ -82,10 +84,12 @@ def _add(bench: Workbench, prop: Prop) -> None:
         prop = _ahead(document, prop, bench.viewport.posed.get(performer_id))
     else:
         prop = _grasped(_as_broad(prop, grasp.holder), grasp)
-        frame = round(grasp.seconds * document.playhead.frame_rate)
-        bench.say(f"The motion holds a thing at frame {frame}: {prop.name} is there. Pick it up at that frame.")
     name = free_name(prop.name, {each.name for each in document.project.props.values()})
     document.selection.set(("props", document.add("props", replace(prop, name=name), f"Add {name}")))
+    if grasp is not None:
+        frame = round(grasp.seconds * document.playhead.frame_rate)
+        hint = f"The motion holds a thing at frame {frame}: {name} is there. Pick it up at that frame."
+        bench.say(hint, until=Lifetime.EDITED)
 
 
 def _ahead(document: Document, prop: Prop, pose: Posed | None) -> Prop:
@@ -214,19 +218,22 @@ def _holding(bench: Workbench) -> tuple[Document, str, str]:
 def _hold(bench: Workbench, begin: float | None) -> None:
     """Both hands hold the prop from ``begin`` on."""
     document, prop_id, performer_id = _holding(bench)
-    prop, performer = document.project.props[prop_id], document.project.performers[performer_id]
+    prop, performer, moved = document.project.props[prop_id], document.project.performers[performer_id], ""
     posed = posed_performers(document.project, bench.live.result, document.playhead.time)
     holder, giver = posed.get(performer_id), prop.held_at(begin) if begin is not None else None
-    hold, reaching, lower = Carried(performer_id), HAND_REACH_SECONDS, False
+    hold, reaching, lower, elevation = Carried(performer_id), HAND_REACH_SECONDS, False, 0.0
     if holder is not None:
         grasp = grasp_at(document.project, bench.live.result, performer_id, begin) if begin is not None else None
         heading = None
         if begin is not None:
             if giver is None:
-                prop = _in_reach(bench, prop, holder, begin, grasp)
+                prop, moved = _in_reach(bench, prop, holder, begin, grasp)
             pose = prop_at(document.project.with_entity("props", prop_id, prop), posed, prop_id, begin)
             heading, reaching = heading_of(pose), reaching_time(wrists_from(pose, holder))
         hold = between_hands(prop, performer_id, holder, heading=heading, lift=grasp.lift(prop) if grasp else None)
+        held = prop.with_holds([hold]) if begin is None else prop.taken(hold, begin)
+        taken = prop_at(document.project.with_entity("props", prop_id, held), posed, prop_id, document.playhead.time)
+        elevation = elevation_of_hands(taken, holder)
         lower = isinstance(giver, Carried) and takes_lower(prop, giver, hold)
     text = f"{performer.name} {'holds' if begin is None else 'picks up'} {prop.name}"
     with document.group(text):
@@ -245,28 +252,31 @@ def _hold(bench: Workbench, begin: float | None) -> None:
             last = max((each.priority for each in others.values()), default=-1) + 1
             made = grips(
                 motion_id, performer_id, prop_id, prop, seconds, last,
-                turned=quarters(hold.heading), lower=lower, reaching=reaching,
+                turned=quarters(hold.heading), lower=lower, reaching=reaching, elevation=elevation,
             )  # fmt: skip
             document.add_all("constraints", made, text)
+    if moved:
+        bench.say(moved, until=Lifetime.EDITED)
 
 
-def _in_reach(bench: Workbench, prop: Prop, holder: Posed, begin: float, grasp: Grasp | None) -> Prop:
-    """The prop where the motion holds a thing, or, where it lies beyond the arms' reach, ahead of the body."""
+def _in_reach(bench: Workbench, prop: Prop, holder: Posed, begin: float, grasp: Grasp | None) -> tuple[Prop, str]:
+    """The prop where the motion holds a thing, or, where it lies beyond the arms' reach, ahead of the body; what the
+    user is told of that, empty where nothing was moved.
+    """
     document, lies = bench.document, isinstance(prop.position, tuple) and not prop.holds
     if lies and grasp is not None:
-        return _grasped(prop, grasp)
+        return _grasped(prop, grasp), ""
     pose = prop_at(document.project, {}, selected_prop(bench) or "", begin)
     beyond = float(np.linalg.norm(pose.place[:2] - holder.points[0, :2])) - max(prop.size[:2]) / 2
     if prop.holds or beyond <= PROP_REACH * holder.motion.body.leg_length:
-        return prop
+        return prop, ""
     nearer = _ahead(document, prop, holder)
     if isinstance(prop.position, KeyedPlace) and isinstance(nearer.position, tuple):
         nearer = replace(prop, position=prop.position.with_key(begin, nearer.position))
     elif not lies:
-        bench.say(f"{prop.name} is {beyond:.1f} m away: the hands do not reach it. Move it closer.")
-        return prop
-    bench.say(f"{prop.name} was {beyond:.1f} m away, beyond reach: it was moved ahead of {holder.performer.name}.")
-    return nearer
+        return prop, f"{prop.name} is {beyond:.1f} m away: the hands do not reach it. Move it closer."
+    words = f"{prop.name} was {beyond:.1f} m away, beyond reach: it was moved ahead of {holder.performer.name}."
+    return nearer, words
 
 
 def _stretches(project: Project, performer: Performer, begin: float | None) -> dict[str, tuple[float, float]]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from studio.core.body.morphology import AnimatedMorphology, Morphology, Proportions
-from studio.core.constraints.keyed import Line
+from studio.core.curves.keyed import Line
 from studio.core.project_cache import project_cache
 
 FloatArray = NDArray[np.float64]

@@ -42,7 +42,7 @@ def _computed(morphology: Morphology) -> tuple[FloatArray, FloatArray]:
     return positions, rotations
 
 
-def turned(frame: FloatArray, flexion: float) -> FloatArray:
+def flexed(frame: FloatArray, flexion: float) -> FloatArray:
     """``frame`` turned by ``flexion`` radians about its own x axis, the hinge."""
     c, s = np.cos(flexion), np.sin(flexion)
     return np.asarray(frame @ np.array([[1, 0, 0], [0, c, -s], [0, s, c]]))
@@ -53,7 +53,7 @@ def _hang_arm(morphology: Morphology, side: int, positions: FloatArray, rotation
     clavicle = frame_along(morphology.clavicle_rest[side], REST_FORWARD)
     bone = UPPER_ARM * outward
     upper = frame_along(bone, cross(bone, REST_FORWARD))
-    forearm = turned(upper, ELBOW_FLEXION)
+    forearm = flexed(upper, ELBOW_FLEXION)
     lengths = (morphology.clavicle[side], *morphology.arm[side])
     first = morphology.layout.collar(side)
     segment = morphology.layout.segment(BodyPart.RIGHT_CLAVICLE if side else BodyPart.LEFT_CLAVICLE)
@@ -74,7 +74,7 @@ def _stand_leg(morphology: Morphology, side: int, positions: FloatArray, rotatio
     forward = np.arccos(np.clip((height**2 + thigh**2 - shank**2) / (2 * height * thigh), -1, 1))
     back = np.arccos(np.clip((height**2 + shank**2 - thigh**2) / (2 * height * shank), -1, 1))
     segment = morphology.layout.segment(BodyPart.RIGHT_THIGH if side else BodyPart.LEFT_THIGH)
-    rotations[segment : segment + 2] = turned(straight, -forward), turned(straight, back)
+    rotations[segment : segment + 2] = flexed(straight, -forward), flexed(straight, back)
     positions[hip + 1] = positions[hip] + rotations[segment][:, 2] * thigh
     positions[hip + 2] = positions[hip + 1] + rotations[segment + 1][:, 2] * shank
     positions[hip + 3] = positions[hip + 2] + morphology.foot[side]

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyLayout
+from studio.core.constraints.scope import EVERYONE, Scope
 from studio.core.runs import runs_of
-from studio.core.stage.scope import EVERYONE, Scope
-from studio.core.windows import lowest, smoothed
+from studio.core.windows import bell_average, lowest
 
 FloatArray = NDArray[np.float64]
 Span = tuple[int, int]
@@ -361,7 +361,7 @@ def detect_body_contacts(
     for knee in (ContactPoint.LEFT_KNEE, ContactPoint.RIGHT_KNEE):
         seats, room = found[ContactPoint.SEAT], round(SEAT_TO_KNEES_SECONDS * frame_rate)
         seated = contact_mask([(max(first - room, 0), last + room) for first, last in seats], len(tracks[knee]))
-        found[knee] = without(found[knee], seated, round(2 * SHORTEST_CONTACT * frame_rate))
+        found[knee] = spans_without(found[knee], seated, round(2 * SHORTEST_CONTACT * frame_rate))
     return found
 
 
@@ -443,7 +443,7 @@ def point_speeds(track: FloatArray, near: NDArray[np.bool_], frame_rate: float) 
     So the first and the last frame of a rest are still, however fast the frames beside it. They are as many frames
     apart as the noise of the track asks for while it is ``near`` the ground (F,).
     """
-    smooth = smoothed(track, SMOOTHING * frame_rate)
+    smooth = bell_average(track, SMOOTHING * frame_rate)
     noise = np.sqrt(2.0) * _noise(track, near) * min(1.0, (3.5 * SMOOTHING * frame_rate) ** -0.5)
     apart = int(np.clip(np.ceil(noise * frame_rate / NOISE_SPEED), 1, max(1, round(LONGEST_SPEED_STEP * frame_rate))))
     if len(track) <= apart:
@@ -473,7 +473,7 @@ def contact_mask(spans: Iterable[Span], frame_count: int) -> NDArray[np.bool_]:
     return mask
 
 
-def without(spans: list[Span], mask: NDArray[np.bool_], shortest: int) -> list[Span]:
+def spans_without(spans: list[Span], mask: NDArray[np.bool_], shortest: int) -> list[Span]:
     """Parts of ``spans`` outside ``mask`` (F,) and longer than ``shortest`` frames; all if no span meets the mask."""
     if not any(mask[first : last + 1].any() for first, last in spans):
         return spans

@@ -13,7 +13,7 @@ from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.rotations import normalized, sign_continuous
 from studio.core.runs import runs_of
-from studio.core.windows import smoothed
+from studio.core.windows import bell_average
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -219,7 +219,7 @@ def _calmed(track: FloatArray, noise: float, frame_rate: float) -> FloatArray:
     """The ``track`` (F, N) smoothed by the widest window that takes off no more than three axes of ``noise``."""
     calm = track
     for seconds in SMOOTHINGS:
-        smooth = smoothed(track, seconds * frame_rate)
+        smooth = bell_average(track, seconds * frame_rate)
         if np.sqrt(np.mean(np.sum((track - smooth) ** 2, axis=1))) > np.sqrt(3.0) * noise:
             break
         calm = smooth

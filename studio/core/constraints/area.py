@@ -7,8 +7,8 @@ from typing import Any, ClassVar
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint, Chain, Constraint, KindInfo, Vector, finite_vector
-from studio.core.constraints.keyed import KeyedNumber
 from studio.core.constraints.target import Place, checked_place
+from studio.core.curves.keyed import KeyedNumber
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.plausible import TURN_RANGE
 

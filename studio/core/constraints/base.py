@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.scope import EVERYONE, Scope
+from studio.core.curves.activation import ActivationCurve
 from studio.core.plausible import PLACE_RANGE, WEIGHT
-from studio.core.stage.scope import EVERYONE, Scope
 
 if TYPE_CHECKING:
     from studio.core.constraints.carried_over import Carry

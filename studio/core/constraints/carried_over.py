@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.clear import Arms
 from studio.core.constraints.follow import FOLLOWS, FollowBody, FollowPerformer, FollowProp
-from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys, Quaternion
 from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.procedural import CirclePlace, NoisePlace, PendulumPlace
+from studio.core.curves.activation import ActivationCurve
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys, Quaternion
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.rotations import multiply
 

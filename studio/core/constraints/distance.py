@@ -6,8 +6,8 @@ from typing import ClassVar
 
 from studio.core.constraints.base import BodyPoint, Constraint, KindInfo
 from studio.core.constraints.follow import FollowBody
-from studio.core.constraints.keyed import KeyedNumber
 from studio.core.constraints.target import Place, checked_place
+from studio.core.curves.keyed import KeyedNumber
 from studio.core.plausible import PLACE_RANGE
 
 

@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.constraints.activation import ActivationCurve, EaseShape, ease, weighted_progress
+from studio.core.curves.activation import ActivationCurve, EaseShape, ease, weighted_progress
 
 FloatArray = NDArray[np.float64]
 

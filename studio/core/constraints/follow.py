@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from studio.core.constraints.base import BodyPoint, Vector, finite_vector
-from studio.core.constraints.keyed import Quaternion, unit_quaternion
+from studio.core.curves.keyed import Quaternion, unit_quaternion
 
 UNTURNED: Quaternion = (0.0, 0.0, 0.0, 1.0)
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from studio.core.constraints.base import Vector, finite_vector
 from studio.core.constraints.own_place import OwnPlace
-from studio.core.constraints.tangents import SPARSE
+from studio.core.curves.tangents import SPARSE
 from studio.core.plausible import PLACE_RANGE, ROUND, TIME_RANGE, TURN_RANGE
 
 FloatArray = NDArray[np.float64]

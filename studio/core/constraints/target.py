@@ -1,12 +1,12 @@
-"""Where a target may be: fixed (plain numbers), keyed, moving by a rule, each body's own, or following what moves."""
+"""Targets of constraints: fixed (plain numbers), keyed, moving by a rule, each body's own, or following what moves."""
 
 from dataclasses import replace
 
 from studio.core.constraints.base import Constraint, Vector, finite_vector
 from studio.core.constraints.follow import FOLLOWS, Follow, FollowBody
-from studio.core.constraints.keyed import KeyedPlace, KeyedTurn, Keys, Quaternion, unit_quaternion
 from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.procedural import ProceduralPlace
+from studio.core.curves.keyed import KeyedPlace, KeyedTurn, Keys, Quaternion, unit_quaternion
 
 Place = Vector | KeyedPlace | KeyedOwnPlace | ProceduralPlace | OwnPlace | Follow
 """Position in the motion's space, in metres (before a performer's placement)."""

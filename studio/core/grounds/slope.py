@@ -33,12 +33,12 @@ class Slope(Ground):
 
     def slope_at(self, xy: FloatArray) -> FloatArray:
         on = (self._beyond(xy) >= 0.0).astype(np.float64)
-        return math.tan(self.angle) * on[..., None] * heading(self.direction)
+        return math.tan(self.angle) * on[..., None] * direction_vector(self.direction)
 
     def _beyond(self, xy: FloatArray) -> FloatArray:
-        return np.asarray((xy - np.array(self.foot)) @ heading(self.direction))
+        return np.asarray((xy - np.array(self.foot)) @ direction_vector(self.direction))
 
 
-def heading(direction: float) -> FloatArray:
+def direction_vector(direction: float) -> FloatArray:
     """(2,) the way that ``direction`` radians point."""
     return np.array([math.cos(direction), math.sin(direction)])

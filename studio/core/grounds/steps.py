@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from studio.core.grounds.ground import FloatArray, Ground
-from studio.core.grounds.slope import heading
+from studio.core.grounds.slope import direction_vector
 
 GREATEST_NUDGE = 0.06
 """Greatest displacement of a foot, in metres, to stand on one tread."""
@@ -47,12 +47,12 @@ class Steps(Ground):
         ways = self._beyond(soles)
         line = soles[:, 2] - soles[:, 0]
         length = np.maximum(np.linalg.norm(line, axis=1), 1e-9)
-        across = heading(self.direction + math.pi / 2)
+        across = direction_vector(self.direction + math.pi / 2)
         ways = np.column_stack([ways, ways.mean(axis=1)])
         room = HALF_WIDTH * np.abs(line @ across) / length + EDGE_ROOM
         weight = min(abs(self.rise) / FULL_NUDGE_RISE, 1.0)
         shifts = np.array([self._best(way, margin) for way, margin in zip(ways, room, strict=True)])
-        return weight * shifts.reshape(-1, 1) * heading(self.direction)
+        return weight * shifts.reshape(-1, 1) * direction_vector(self.direction)
 
     def _best(self, way: FloatArray, room: float) -> float:
         """The shift of one sole at the places ``way`` (heel, ball, tip, middle) that costs least of all near treads."""
@@ -82,4 +82,4 @@ class Steps(Ground):
         return np.clip(np.floor(way / self.tread) + 1.0, 0.0, self.count)
 
     def _beyond(self, xy: FloatArray) -> FloatArray:
-        return np.asarray((xy - np.array(self.start)) @ heading(self.direction))
+        return np.asarray((xy - np.array(self.start)) @ direction_vector(self.direction))

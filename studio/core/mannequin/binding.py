@@ -12,7 +12,7 @@ from studio.core.mannequin.surface import vertex_links
 from studio.core.mesh.skin import INFLUENCES
 
 
-def segment_weights(form: Form, vertices: FloatArray) -> FloatArray:
+def weights_by_joints(form: Form, vertices: FloatArray) -> FloatArray:
     """(V, K+18) share of each segment in each vertex.
 
     At every joint a smooth step says how much of a vertex lies beyond it; a segment owns what lies beyond its
@@ -102,7 +102,7 @@ def diffused(weights: FloatArray, triangles: NDArray[np.int64], rounds: int) -> 
     return weights
 
 
-def strongest(weights: FloatArray) -> tuple[NDArray[np.int64], FloatArray]:
+def four_strongest(weights: FloatArray) -> tuple[NDArray[np.int64], FloatArray]:
     """(V, 4) segments and weights of the four strongest influences, heaviest first, summing to 1."""
     segments = np.argsort(-weights, axis=1, kind="stable")[:, :INFLUENCES]
     chosen = np.take_along_axis(weights, segments, axis=1)

@@ -32,17 +32,17 @@ def make_mannequin(physique: Physique) -> SkinnedMesh:
         lambda points: surface.project(form.distance, points, GRID_CELL * h, 2),
         SCULPT_ROUNDS,
     )
-    vertices, triangles = surface.mirrored(half, half_triangles)
+    vertices, triangles = surface.whole_surface(half, half_triangles)
     vertices = surface.softened(vertices, triangles, SOFTENINGS)
-    weights = binding.diffused(binding.segment_weights(form, vertices), triangles, 4)
-    tubes, tube_triangles = surface.mirrored(*form.fingers())
+    weights = binding.diffused(binding.weights_by_joints(form, vertices), triangles, 4)
+    tubes, tube_triangles = surface.whole_surface(*form.fingers())
     held = np.zeros((len(tubes), weights.shape[1]))
     layout = physique.morphology().layout
     for part, side in ((BodyPart.LEFT_HAND, tubes[:, 1] > 0), (BodyPart.RIGHT_HAND, tubes[:, 1] < 0)):
         held[side, layout.segment(part)] = 1.0
     triangles = np.concatenate([triangles, tube_triangles + len(vertices)])
     vertices, weights = np.concatenate([vertices, tubes]), np.concatenate([weights, held])
-    segments, chosen = binding.strongest(weights)
+    segments, chosen = binding.four_strongest(weights)
     return SkinnedMesh(
         vertices=_rounded(vertices, 16),
         normals=_rounded(surface.vertex_normals(vertices, triangles), 14),
@@ -56,7 +56,7 @@ def make_mannequin(physique: Physique) -> SkinnedMesh:
 
 def _hand_shapes(form: Form) -> HandShapes:
     """Thumbs and fingers, the last vertices of the mesh, in their other shapes."""
-    shapes = [surface.mirrored(*form.fingers(grip)) for grip in STORED_GRIPS]
+    shapes = [surface.whole_surface(*form.fingers(grip)) for grip in STORED_GRIPS]
     vertices = np.stack([places for places, _ in shapes])
     normals = np.stack([surface.vertex_normals(places, triangles) for places, triangles in shapes])
     return HandShapes(_rounded(vertices, 16), _rounded(normals, 14))

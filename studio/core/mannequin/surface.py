@@ -28,7 +28,7 @@ def left_half_surface(field: Field, low: FloatArray, high: FloatArray, cell: flo
     return vertices, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
 
 
-def mirrored(vertices: FloatArray, triangles: Triangles) -> tuple[FloatArray, Triangles]:
+def whole_surface(vertices: FloatArray, triangles: Triangles) -> tuple[FloatArray, Triangles]:
     """The closed surface: the half and its mirror image, joined along y = 0."""
     on_plane = vertices[:, 1] == 0
     twin = np.where(on_plane, np.arange(len(vertices)), len(vertices) + np.cumsum(~on_plane) - 1)

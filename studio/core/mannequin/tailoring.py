@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from studio.core.body.character import Character
-from studio.core.body.embodiment import strongest
 from studio.core.body.morphology import FloatArray, Morphology
 from studio.core.body.rest_pose import rest_pose
+from studio.core.mesh.character import Character
 from studio.core.mesh.skin import SkinnedMesh, fit_skin
+from studio.core.rigs.embodiment import strongest
 
 _STEP = 0.045
 """Half the height over which one vertebra hands over to the next, as a fraction of stature."""

@@ -108,7 +108,7 @@ _TOKENS = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+")
 
 
 @lru_cache(maxsize=4096)
-def part_of(label: str) -> tuple[str, str] | None:
+def side_and_part(label: str) -> tuple[str, str] | None:
     """(side, part) that a label says, side empty in the middle; None where it says nothing known."""
     return _said(label) or _said(_NUMBERED.sub("", label))
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.markers.label_words import initials_of, part_of
+from studio.core.markers.label_words import initials_of, side_and_part
 from studio.core.markers.marker_map import MarkerMap, seen_labels
 from studio.core.markers.roles import ROLE, SIDE_WORDS
 from studio.core.markers.subjects import shared_beginning
@@ -20,7 +20,7 @@ _ACROSS = 0.7
 _ALONG = 0.5
 """Cosine of the angle from straight along an arm beyond which they are not."""
 _WELL_SEEN = 0.8
-"""Of the markers that the best frame shows, the part that a frame must show."""
+"""Fraction of the markers of the best frame that a frame must show."""
 _MOST_FRAMES = 600
 """Frames that are enough to know where markers lie on a body."""
 _LOW = 0.1
@@ -86,7 +86,7 @@ def _by_words(trial: Trial, subject: str) -> _Found:
     open_markers: dict[str, _Marker] = {}
     for place, bare in enumerate(labels.values()):
         own, marker = bare.removeprefix(beginning), _Marker(bare, trial.metres * points[frames, place])
-        said = part_of(own)
+        said = side_and_part(own)
         if said is not None:
             found.setdefault(said, []).append(marker)
         else:

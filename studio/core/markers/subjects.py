@@ -3,7 +3,7 @@
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
-from studio.core.markers.label_words import part_of
+from studio.core.markers.label_words import side_and_part
 
 _SIGN = re.compile(r"[\W_]+")
 _FEWEST = 4
@@ -71,7 +71,7 @@ def _bodies(labels: Sequence[str], found: _Owned) -> _Owned:
 
 def _places(labels: Iterable[str]) -> set[tuple[str, str]]:
     """Places that the labels say, where a set has one marker each."""
-    return {said for label in labels if (said := part_of(label)) is not None and said[1] not in _CLUSTERS}
+    return {said for label in labels if (said := side_and_part(label)) is not None and said[1] not in _CLUSTERS}
 
 
 def _is_like_another(name: str, found: _Owned, share: float) -> bool:

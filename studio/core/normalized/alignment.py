@@ -96,7 +96,7 @@ def limb_hinge(marks: Landmarks, upper: int, is_leg: bool, body: FloatArray) -> 
     return body[:, 1] if is_leg else normalized(np.cross(reference, body[:, 0]))
 
 
-def level_soles(marks: Landmarks, alignments: FloatArray, standing: BoolArray) -> None:
+def align_soles(marks: Landmarks, alignments: FloatArray, standing: BoolArray) -> None:
     """Turn the alignments of feet and toes in place so that soles are level, on average, while they stand.
 
     The reference pose of many files stands on tiptoe or heel; the frames (F, 2) of ``standing``, left and right, in

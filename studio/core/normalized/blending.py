@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.captures.contacts import spans_of
-from studio.core.constraints.activation import EaseShape, ease
+from studio.core.curves.activation import EaseShape, ease
 from studio.core.kernels import layout as at
 from studio.core.normalized.differences import blended, difference, moved
 from studio.core.normalized.joining import FootStep, Join
@@ -111,7 +111,7 @@ class BlendedRow(AssembledRow):
     def _go_on(self, channels: FloatArray, stands: Mask, first: int, blending: int, found: Join) -> None:
         """Write ``channels`` and the contacts ``stands`` from ``first`` on; ``blending`` of the frames are a blend."""
         old_until, new_from = first + int(OLD_UNTIL * blending), first + int(np.ceil(NEW_FROM * blending))
-        flights = flights_of(found.steps, min(old_until, self.end - 1), new_from)
+        flights = planned_steps(found.steps, min(old_until, self.end - 1), new_from)
         raise_feet(channels, flights, first)
         self._merge(stands, first, old_until, new_from, flights)
         last = first + len(channels) - 1
@@ -154,7 +154,7 @@ class Flight:
     lands: int
 
 
-def flights_of(steps: Sequence[FootStep], first: int, last: int) -> list[Flight]:
+def planned_steps(steps: Sequence[FootStep], first: int, last: int) -> list[Flight]:
     """Steps between two frames, one after the other, all as long."""
     ends = np.rint(np.linspace(first, last, len(steps) + 1)).astype(int).tolist()
     return [Flight(step, *between) for step, *between in zip(steps, ends, ends[1:], strict=False)]

@@ -58,7 +58,7 @@ class Composite:
 
 
 @project_cache(maxsize=64)
-def compose(pieces: tuple[MotionPiece, ...], blends: bool = False) -> Composite:
+def compose_pieces(pieces: tuple[MotionPiece, ...], blends: bool = False) -> Composite:
     """One motion out of pieces, in the order of their start; the same pieces give the same value.
 
     A single piece that plays a motion as it is gives that motion itself, whole. The frame rate is the highest. One that
@@ -115,7 +115,7 @@ def _filled(row: AssembledRow, pieces: Sequence[MotionPiece]) -> Composite:
 
 
 def timing_of_pieces(pieces: Sequence[MotionPiece]) -> Timing:
-    """When a row plays, at the highest frame rate among its pieces; StudioError where that is far too long."""
+    """Timing of a row, at the highest frame rate among its pieces; StudioError where that is far too long."""
     rate = max(piece.motion.frame_rate for piece in pieces)
     begin, end = min(piece.start for piece in pieces), max(piece.end for piece in pieces)
     last = round((end - begin) * rate)

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch, spans_of
-from studio.core.constraints.activation import EaseShape, ease
+from studio.core.curves.activation import EaseShape, ease
 from studio.core.kernels import layout as at
-from studio.core.normalized.blending import Flight, flights_of, raise_feet, step_seconds
-from studio.core.normalized.compose import Composite, compose
+from studio.core.normalized.blending import Flight, planned_steps, raise_feet, step_seconds
+from studio.core.normalized.compose import Composite, compose_pieces
 from studio.core.normalized.differences import blended, difference, moved
 from studio.core.normalized.joining import Join, Planar, join, stepping_there
 from studio.core.normalized.mirror import mirrored
@@ -49,7 +49,7 @@ class PlayedLayer:
 @project_cache(maxsize=64)
 def layered(pieces: tuple[MotionPiece, ...], overlays: tuple[PlayedLayer, ...]) -> Composite:
     """A row as ``compose`` has it, layers over it, the later over the earlier; the same ones give the same value."""
-    row = compose(pieces, blends=any(piece.is_carried for overlay in overlays for piece in overlay.pieces))
+    row = compose_pieces(pieces, blends=any(piece.is_carried for overlay in overlays for piece in overlay.pieces))
     for overlay in overlays:
         if overlay.weight > 0.0:
             row = _Over(row, overlay).composite()
@@ -61,7 +61,7 @@ class _Over:
 
     def __init__(self, row: Composite, overlay: PlayedLayer) -> None:
         self._row, self._overlay = row, overlay
-        self._own = compose(overlay.pieces, blends=True)
+        self._own = compose_pieces(overlay.pieces, blends=True)
         self._places = row.motion.spine_places
         self._columns = columns_of(overlay.region, row.motion.channels.shape[1])
         timing = row.timing
@@ -127,7 +127,7 @@ class _Over:
             flight
             for join, fading in ends
             if len(fading)
-            for flight in flights_of(join.steps, first + fading[0], first + fading[-1])
+            for flight in planned_steps(join.steps, first + fading[0], first + fading[-1])
         ]
 
     def _shares(self, below: FloatArray, own: FloatArray, coming: float, going: float) -> FloatArray:

@@ -54,10 +54,10 @@ def mirrored(motion: NormalizedMotion) -> NormalizedMotion:
 
 def mirrored_contacts(contacts: Sequence[ContactInterval]) -> tuple[ContactInterval, ...]:
     """The contacts of the other side; the seat's stay, and those of both hands."""
-    return tuple(replace(each, point=other_side(each.point)) for each in contacts)
+    return tuple(replace(each, point=mirrored_point(each.point)) for each in contacts)
 
 
-def other_side(point: ContactPoint | Touch) -> ContactPoint | Touch:
+def mirrored_point(point: ContactPoint | Touch) -> ContactPoint | Touch:
     """The same of the other side."""
     swaps = {"left": "right", "right": "left"}
     side, _, member = point.value.partition("_")

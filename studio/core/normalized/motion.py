@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from studio.core.frozen_array import unwritten
 from studio.core.kernels import layout
 from studio.core.rotations import multiply, rotate
-from studio.core.windows import smoothed
+from studio.core.windows import bell_average
 
 FloatArray = NDArray[np.float64]
 
@@ -25,7 +25,7 @@ class Girdle:
     """
 
     length: float
-    """Of the clavicles in parts of half the breadth of the shoulders, as ``realize.girdles`` has it."""
+    """Reach of the clavicles in parts of half the breadth of the shoulders, as ``realize.girdles`` has it."""
     rest: FloatArray
     """(2, 3) direction of each clavicle at rest, thorax axes."""
     hips: float
@@ -68,7 +68,7 @@ class NormalizedMotion:
     """The actor's: where other clavicles are longer they turn by less, so that shoulders go as far, and they come no
     nearer to each other than the actor's do; wider hips turn by less. None where it is not known: all turn alike."""
     changes: tuple[Change, ...] = ()
-    """Where channels jump as one clip of a row takes over from another: each stands by itself, led on from the last."""
+    """Jumps of channels as one clip of a row takes over from another: each stands by itself, led on from the last."""
 
     def __post_init__(self) -> None:
         for name in ("channels", "spine_places"):
@@ -97,7 +97,7 @@ class NormalizedMotion:
         feet = self.channels[:, layout.FOOT : layout.FOOT + 8].reshape(-1, 2, 4)
         x, y, _ = rotate(multiply(pelvis[:, None], feet), np.array([0.0, 1.0, 0.0])).sum(axis=1).T
         level = np.column_stack([np.cos(yaw) * x - np.sin(yaw) * y, np.sin(yaw) * x + np.cos(yaw) * y])
-        return unwritten(smoothed(level, HEADING_SMOOTHING * self.frame_rate))
+        return unwritten(bell_average(level, HEADING_SMOOTHING * self.frame_rate))
 
     @property
     def parts(self) -> tuple[slice, ...]:

@@ -22,11 +22,11 @@ from studio.core.captures.contacts import (
     detect_contacts,
     faces_down,
     lying,
+    spans_without,
     through_still_gaps,
     tipped_over,
     touching_points,
     trailed,
-    without,
 )
 from studio.core.captures.floor_slope import FloorSlope, find_floor_slope
 from studio.core.captures.plate_steps import fit_to_plates
@@ -35,7 +35,7 @@ from studio.core.errors import StudioError
 from studio.core.kernels import layout as at
 from studio.core.kernels.body.encode_channels import encode_frames, unwrap_channels
 from studio.core.normalized.actor import SourceRig
-from studio.core.normalized.alignment import find_alignments, level_soles
+from studio.core.normalized.alignment import align_soles, find_alignments
 from studio.core.normalized.encode import actor_sizes
 from studio.core.normalized.landmarks import Landmarks, find_landmarks, spread
 from studio.core.normalized.measure import measure_actor
@@ -45,7 +45,7 @@ from studio.core.normalized.soles import sole_points
 from studio.core.rotations import from_matrix, sign_continuous
 from studio.core.sharing import Shared
 from studio.core.threads import do_over_frames
-from studio.core.windows import smoothed
+from studio.core.windows import bell_average
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -81,7 +81,7 @@ def _normalize(capture: Capture, progress: Callable[[float], object]) -> tuple[N
     contacts = found.contacts
     progress(0.6)
     alignments = find_alignments(marks)
-    level_soles(marks, alignments, _standing_feet(contacts, len(marks.points)))
+    align_soles(marks, alignments, _standing_feet(contacts, len(marks.points)))
     rotations = marks.aligned(alignments)
     progress(0.8)
     origin = np.array([*marks.points[capture.first_frame, 0, :2], capture.floor])
@@ -123,7 +123,7 @@ def sole_heights(capture: Capture) -> list[list[float]]:
 
 def detected_contacts(capture: Capture, motion_id: str) -> tuple[ContactInterval, ...]:
     """``capture_contacts`` as those of a motion, and what its hands touch (``touching``)."""
-    from studio.core.captures.touching import find_touches  # it needs a body, which is measured here
+    from studio.core.normalized.touching import find_touches  # it needs a body, which is measured here
 
     if capture.body_map is None:
         return ()
@@ -205,7 +205,7 @@ def _contacts_of(marks: Landmarks, capture: Capture) -> tuple[Contacts, FloorSlo
         hip_track, knee_track, ankle, _ = np.moveaxis(points[:, hips[side] : hips[side] + 4], 1, 0)
         raised = (knee_track[:, 2] < ankle[:, 2]) | tipped_over(hip_track, ankle, toes[:, side])
         flat = contact_mask(feet[toe], len(points)) & lying(knee_track, ankle)
-        feet[heel] = [(a, b) for a, b in without(feet[heel], raised, shortest) if flat[a : b + 1].mean() < 0.5]
+        feet[heel] = [(a, b) for a, b in spans_without(feet[heel], raised, shortest) if flat[a : b + 1].mean() < 0.5]
     risen = _risen(marks, [contact_mask(feet[heel], len(points)) for heel in HEELS], float(leg))
     tracks = {point: points[:, touching_points(point, layout)].mean(axis=1) for point in BODY_POINTS}
     for point, track in tracks.items():
@@ -214,11 +214,11 @@ def _contacts_of(marks: Landmarks, capture: Capture) -> tuple[Contacts, FloorSlo
     for side, name in enumerate(("left", "right")):
         heel, toe, knee = (ContactPoint(f"{name}_{member}") for member in ("heel", "toe", "knee"))
         # A heel does not stand while its knee does; who lies or kneels may trail its toes.
-        feet[heel] = without(feet[heel], contact_mask(bodies[knee], len(points)), shortest)
+        feet[heel] = spans_without(feet[heel], contact_mask(bodies[knee], len(points)), shortest)
         rising = rising_heels(
             feet[heel], contact_mask(feet[toe], len(points)), points[:, layout.ankle(side), 2], float(leg)
         )
-        feet[heel] = without(feet[heel], rising, shortest)
+        feet[heel] = spans_without(feet[heel], rising, shortest)
         low = tracks[knee][:, 2] < LOW_KNEE * leg
         down = low | contact_mask(bodies[ContactPoint.SEAT], len(points))
         middle = soles[:, side, :2].mean(axis=1)
@@ -227,7 +227,7 @@ def _contacts_of(marks: Landmarks, capture: Capture) -> tuple[Contacts, FloorSlo
     # Low hips say what knees and toes do; but of who crawls they are carried, until it lies flat.
     prone = faces_down(points[:, hips], points[:, [layout.collar(0) + 1, layout.collar(1) + 1]])
     flat = tracks[ContactPoint.SEAT][:, 2] < LYING_HIP_HEIGHT * leg
-    bodies[ContactPoint.SEAT] = without(bodies[ContactPoint.SEAT], prone & ~flat, shortest)
+    bodies[ContactPoint.SEAT] = spans_without(bodies[ContactPoint.SEAT], prone & ~flat, shortest)
     return fit_to_plates(feet, soles, capture.plate_loads, rate) | bodies, slope
 
 
@@ -258,4 +258,4 @@ def heading(pelvis: FloatArray, frame_rate: float) -> FloatArray:
     """Low-passed, unwrapped heading (F,) in radians of pelvis rotations (F, 3, 3): their twist about Z."""
     quaternions = sign_continuous(from_matrix(pelvis))
     turn = np.unwrap(2.0 * np.arctan2(quaternions[:, 2], quaternions[:, 3]))
-    return smoothed(turn, HEADING_SMOOTHING * frame_rate)
+    return bell_average(turn, HEADING_SMOOTHING * frame_rate)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.captures.contacts import FOOT_POINTS, ContactInterval, spans_of
-from studio.core.constraints.activation import EaseShape, ease
+from studio.core.curves.activation import EaseShape, ease
 from studio.core.kernels import layout as at
 from studio.core.normalized.differences import difference
 from studio.core.normalized.joining import FOOT_STEP_LIMIT, Join, Planar, join, stepping_there

@@ -21,8 +21,10 @@ ADDED = 0.25
 """Acceleration that the decaying offset and the decaying speed may each add to a joint, as a fraction of its greatest
 acceleration in either motion.
 """
-QUIET_ACCELERATION = 20.0
-"""Least acceleration peak of a joint, in radians a second squared; lower peaks count as this."""
+QUIET_PEAK = 20.0
+"""Least acceleration peak of a joint, in radians a second squared; lower peaks count as this, or ratios to a still
+source would divide by nothing.
+"""
 _PLACE_PEAK, _SPEED_PEAK = 5.78, 3.96
 """Greatest second derivatives of the two decay polynomials below, over one second."""
 
@@ -63,13 +65,13 @@ class Inertialisation:
 
 def seconds_of(places: FloatArray, peaks: FloatArray) -> float:
     """Seconds in which offsets ``places`` (N,) decay within ``ADDED`` of the joints' acceleration ``peaks`` (N,)."""
-    needed = np.sqrt(_PLACE_PEAK * places / (ADDED * np.maximum(peaks, QUIET_ACCELERATION))).max()
+    needed = np.sqrt(_PLACE_PEAK * places / (ADDED * np.maximum(peaks, QUIET_PEAK))).max()
     return float(np.clip(needed, LEAST_TRANSITION, MOST_TRANSITION))
 
 
 def halts_of(speeds: FloatArray, peaks: FloatArray, seconds: float) -> FloatArray:
     """Seconds, (N,), in which ``speeds`` (N,) decay within the same limit, at most ``seconds``."""
-    return np.clip(_SPEED_PEAK * speeds / (ADDED * np.maximum(peaks, QUIET_ACCELERATION)), min(0.1, seconds), seconds)
+    return np.clip(_SPEED_PEAK * speeds / (ADDED * np.maximum(peaks, QUIET_PEAK)), min(0.1, seconds), seconds)
 
 
 def place_left(times: FloatArray, seconds: float) -> FloatArray:

@@ -13,6 +13,7 @@ from studio.core.body.morphology import at_frames, sole_rows
 from studio.core.captures.contacts import ContactInterval
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.time.acceleration_peaks import segment_peaks
+from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.contact_tracks import contact_tracks
 from studio.core.runs import runs_of
 from studio.core.solver.request import AdaptedMotion
@@ -22,8 +23,6 @@ from studio.core.solver.standing.swing_foot_path import Sole, worn_height
 
 FloatArray = NDArray[np.float64]
 
-QUIET_PEAK = 20.0
-"""Radians a second squared: a source peak below it counts as this, or a still source would divide by nothing."""
 SLOW = 1.0
 """Radians a second: the same of how fast a joint turns."""
 NEAR_GROUND, SKATING_SPEED = 0.005, 0.7

@@ -15,7 +15,8 @@ from studio.core.captures.contacts import ContactInterval
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.support.sole import SOLE_STANDS
 from studio.core.mesh.volume import usual_volume
-from studio.core.quality.metrics import QUIET_PEAK, angular_acceleration
+from studio.core.normalized.transition import QUIET_PEAK
+from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.asking.clearance import rest_rooms, rooms
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.footing import foot_states

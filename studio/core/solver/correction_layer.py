@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.body.morphology import AnimatedMorphology, at_frames
-from studio.core.constraints.activation import FULLY_ACTIVE
+from studio.core.curves.activation import FULLY_ACTIVE
 from studio.core.kernels import layout as at
 from studio.core.kernels.limbs.legs import required_root_lowering
 from studio.core.kernels.solve_clip import place_frames
@@ -111,7 +111,7 @@ def segment_turns(layout: BodyLayout, turns: Mapping[BodyPart, FloatArray]) -> T
     return found
 
 
-def turned(
+def with_segments_turned(
     layout: BodyLayout, positions: FloatArray, rotations: FloatArray, turns: Turns, shift: FloatArray | None = None
 ) -> tuple[FloatArray, FloatArray]:
     """Positions (N, P, 3) and rotations (N, S, 3, 3) with segments turned in their own axes and the root moved by
@@ -159,7 +159,7 @@ def _posed(
         shift = None
         if each.keys.moves_hips:
             shift = standing.morphology.leg_length * fractions * along_heading(each.keys.hips_at(times), heading)
-        positions, rotations = turned(layout, positions, rotations, segment_turns(layout, vectors), shift)
+        positions, rotations = with_segments_turned(layout, positions, rotations, segment_turns(layout, vectors), shift)
     return positions, rotations
 
 

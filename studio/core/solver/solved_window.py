@@ -43,7 +43,7 @@ from studio.core.solver.smoothing.limb_coordinates import LimbCoordinates
 from studio.core.solver.smoothing.root_reach import RootReach
 from studio.core.solver.smoothing.target_motion import target_accelerations
 from studio.core.solver.standing.stand import Standing
-from studio.core.solver.standing.support import mass_path, standing_points, support_path
+from studio.core.solver.standing.support import mass_path, standing_mask, support_path
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -350,7 +350,7 @@ def targets_of(standing: Standing, constraints: Sequence[Constraint], window: sl
                 raise StudioError(f"'{constraint.name}' follows something that is not there. Choose what it follows.")
         if isinstance(constraint, BalanceConstraint) and isinstance(constraint.place, Support):
             path = support_path(
-                standing.positions, standing.rotations, standing_points(standing.contacts, motion.frame_count), body,
+                standing.positions, standing.rotations, standing_mask(standing.contacts, motion.frame_count), body,
                 motion.frame_rate, constraint.place.margin, window,
             )  # fmt: skip
             known[constraint.place] = Track(path, np.broadcast_to(np.eye(3), (1, 3, 3)))

@@ -7,11 +7,11 @@ from studio.core.body.joint_limits import limits_of
 from studio.core.body.morphology import Morphology
 from studio.core.body.rest_pose import rest_pose
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
 from studio.core.grounds.surface_mesh import SurfaceMesh
 from studio.core.kernels import layout as at

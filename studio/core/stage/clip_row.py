@@ -6,8 +6,8 @@ A clip of one id is one clip on all who play it, as one motion is: an edit is of
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
-from studio.core.project import Performer, Project
 from studio.core.stage.clip import Clip
+from studio.core.stage.project import Performer, Project
 
 ClipEdit = Callable[[Clip], Sequence[Clip]]
 """Function that returns the replacement of a clip: no clip, a changed clip, or several."""
@@ -26,10 +26,10 @@ def edited(performer: Performer, clip_id: str, edit: ClipEdit) -> Performer:
         for layer in performer.layers
         for new in (edit(layer.clip) if layer.clip.id == clip_id else (layer.clip,))
     ]
-    return in_order(replace(performer, layers=tuple(layers)), row)
+    return with_row(replace(performer, layers=tuple(layers)), row)
 
 
-def in_order(performer: Performer, row: Sequence[Clip]) -> Performer:
+def with_row(performer: Performer, row: Sequence[Clip]) -> Performer:
     """Copy of a performer that plays ``row``."""
     return replace(performer, clips=tuple(sorted(row, key=lambda clip: clip.start)))
 

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import Vector, finite_vector
 from studio.core.constraints.carried_over import MIRROR, other_side, swapped_sides
-from studio.core.constraints.keyed import KeyedPlace, KeyedTurn, Keys
+from studio.core.curves.activation import ActivationCurve
+from studio.core.curves.keyed import KeyedPlace, KeyedTurn, Keys
 from studio.core.rotations import from_matrix, from_rotation_vector, to_rotation_vector
 
 FloatArray = NDArray[np.float64]

@@ -6,16 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import EASE_PEAK, ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain, Constraint, Vector
 from studio.core.constraints.follow import FollowProp
-from studio.core.constraints.keyed import Quaternion
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.constraints.scope import Scope
+from studio.core.curves.activation import EASE_PEAK, ActivationCurve
+from studio.core.curves.keyed import Quaternion
 from studio.core.mesh.hand_shapes import HALF_CLOSED_GRIP, OPEN_GRIP
 from studio.core.rotations import from_euler, multiply, to_matrix
 from studio.core.stage.prop import Carried, InHand, Prop
-from studio.core.stage.scope import Scope
 
 FloatArray = NDArray[np.float64]
 
@@ -64,24 +64,27 @@ def grips(
     turned: int = 0,
     lower: bool = False,
     reaching: float = HAND_REACH_SECONDS,
+    elevation: float = 0.0,
 ) -> tuple[Constraint, ...]:
     """Both wrists of a performer at the sides of a prop, palms on their middle, over a span of seconds of the motion.
 
     They come there within ``reaching`` seconds before, and leave after. The prop is ``turned`` by quarters about Z from
-    where the performer faces; ``lower`` is for hands that find the middle taken. How the hands are turned comes after
-    where they are.
+    where the performer faces; ``lower`` is for hands that find the middle taken. Fingers point ahead, raised by
+    ``elevation`` radians as the arms are to a prop overhead, where wrists do not bend so far as to point ahead. How the
+    hands are turned comes after where they are.
     """
     begin, end = seconds
     curve = ActivationCurve(begin - reaching, begin, end, end + HAND_REACH_SECONDS)
     scope, words = Scope(performer_id=performer_id), prop.name.lower()
     facing = from_euler("Z", np.array([-turned * math.pi / 2]))
-    palm: Quaternion = tuple(multiply(facing, np.array(FLAT_HAND)).tolist())
+    fingers = multiply(facing, from_euler("Y", np.array([-elevation])))
+    palm: Quaternion = tuple(multiply(fingers, np.array(FLAT_HAND)).tolist())
     asked: list[Constraint] = []
     for side, sign in (("Left", 1.0), ("Right", -1.0)):
         part = side.lower()
         on_side = PositionConstraint(
             motion_id, f"{side} hand on {words}", BodyPoint(BodyPart(f"{part}_forearm"), at_end=True), HOLDING,
-            priority, curve, target=_wrist_on(prop_id, prop, sign, facing, lower), scope=scope,
+            priority, curve, target=_wrist_on(prop_id, prop, sign, fingers, lower), scope=scope,
         )  # fmt: skip
         flat = OrientationConstraint(
             motion_id, f"{side} palm on {words}", BodyPoint(BodyPart(f"{part}_hand")), TURNING, priority + 1, curve,
@@ -91,9 +94,11 @@ def grips(
     return tuple(asked)
 
 
-def _wrist_on(prop_id: str, prop: Prop, sign: float, facing: FloatArray, lower: bool) -> FollowProp:
-    """Place of the left wrist (1) or the right one (-1) on a prop, for who faces so (4,) in its axes."""
-    axes = to_matrix(facing)
+def _wrist_on(prop_id: str, prop: Prop, sign: float, fingers: FloatArray, lower: bool) -> FollowProp:
+    """Place of the left wrist (1) or the right one (-1) on a prop, for hands whose fingers point along x and whose
+    palms look along y after the rotation ``fingers`` (4,) in its axes.
+    """
+    axes = to_matrix(fingers)
     breadth, height = float(np.abs(axes[:, 1]) @ prop.size), prop.size[2]
     share, offset = np.zeros(3), PALM_OFFSET * axes[:, 0]
     if breadth >= THIN:

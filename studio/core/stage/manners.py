@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.curves.activation import ActivationCurve
 from studio.core.plausible import PLACE_RANGE
 from studio.core.stage.whom import DistanceMeasure, FollowPartner, Whom, followed_by
 

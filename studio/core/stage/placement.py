@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from studio.core.project import Performer
+from studio.core.stage.project import Performer
 
 FloatArray = NDArray[np.float64]
 

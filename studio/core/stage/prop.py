@@ -8,9 +8,9 @@ from typing import ClassVar
 
 from studio.core.constraints.base import BodyPoint, Vector, finite_vector
 from studio.core.constraints.follow import UNTURNED
-from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Quaternion, unit_quaternion
 from studio.core.constraints.procedural import ProceduralPlace
-from studio.core.constraints.tangents import SPARSE
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Quaternion, unit_quaternion
+from studio.core.curves.tangents import SPARSE
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.plausible import TIME_RANGE, TURN_RANGE
 

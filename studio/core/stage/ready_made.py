@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from studio.core.constraints.activation import ActivationCurve
+from studio.core.curves.activation import ActivationCurve
 from studio.core.stage import behaviour_edits as edits
 from studio.core.stage.behaviour import Behaviour, State, Transition
 from studio.core.stage.clip import Clip

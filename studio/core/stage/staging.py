@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from studio.core.body.character import Character
 from studio.core.body.kinematics import joint_world
 from studio.core.body.pose import PoseSequence
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import ContactInterval
-from studio.core.project import Motion, Performer, Project
+from studio.core.mesh.character import Character
 from studio.core.stage.clip import Clip
+from studio.core.stage.project import Motion, Performer, Project
 
 SPACING = 1.15
 """Metres from one performer to the next."""

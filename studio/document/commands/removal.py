@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from studio.core.project import Performer, Project
 from studio.core.stage.behaviour import Behaviour, without
+from studio.core.stage.project import Performer, Project
 from studio.core.stage.prop import Prop
 from studio.document.commands.replace import Edit, applied
 

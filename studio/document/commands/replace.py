@@ -10,7 +10,7 @@ from weakref import WeakMethod
 import numpy as np
 from PySide6.QtGui import QUndoCommand
 
-from studio.core.project import Entity, Project
+from studio.core.stage.project import Entity, Project
 
 GESTURE_COMMANDS = 1
 

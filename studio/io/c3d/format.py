@@ -30,7 +30,7 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
 
     Z is up and -Y the front, as the reader has it: a body that is read back faces where it did.
     """
-    from studio.core.markers.virtual import virtual_trial
+    from studio.core.captures.virtual_markers import virtual_trial
     from studio.io.c3d.writer import write_c3d
 
     trial = virtual_trial(

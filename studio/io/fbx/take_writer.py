@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.mesh.appearance import Material
-from studio.core.mesh.joint_skin import JointSkin
+from studio.core.rigs.joint_skin import JointSkin
 from studio.core.rotations import IDENTITY_QUATERNION
 from studio.io.export import Take, plain_material, skin_of
 from studio.io.fbx.binary import FbxElement, Long, block, element, encode_document

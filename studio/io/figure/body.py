@@ -9,8 +9,18 @@ from numpy.typing import NDArray
 
 from studio.core.body.body_shape import body_by_shape
 from studio.core.body.canonical import BodyLayout, BodyPart
-from studio.core.body.character import Character
-from studio.core.body.embodiment import (
+from studio.core.body.humanoid import LIMB_PARTS, BodyMap
+from studio.core.body.rehanging import Rehanging, rehang
+from studio.core.body.skeleton import Skeleton
+from studio.core.body.standing import standing_points
+from studio.core.captures.capture import Guess
+from studio.core.captures.confidence import Confidence
+from studio.core.captures.reference_pose import faults
+from studio.core.errors import StudioError
+from studio.core.mesh.appearance import Appearance, Material
+from studio.core.mesh.character import Character
+from studio.core.mesh.rig import NO_SEGMENT, Rig
+from studio.core.rigs.embodiment import (
     bound_mesh,
     measured,
     measured_by_mesh,
@@ -18,16 +28,6 @@ from studio.core.body.embodiment import (
     segment_weights,
     segments_of_joints,
 )
-from studio.core.body.humanoid import LIMB_PARTS, BodyMap
-from studio.core.body.reference_pose import faults
-from studio.core.body.rehanging import Rehanging, rehang
-from studio.core.body.skeleton import Skeleton
-from studio.core.body.standing import standing_points
-from studio.core.captures.capture import Guess
-from studio.core.captures.confidence import Confidence
-from studio.core.errors import StudioError
-from studio.core.mesh.appearance import Appearance, Material
-from studio.core.mesh.rig import NO_SEGMENT, Rig
 from studio.io.figure.body_maps import find_body, loose_feet, loose_hands, named_sides, similar_joints
 from studio.io.figure.figure import NO_SKELETON, Figure, MeshPiece
 from studio.io.guessing import find_unit, said_unit

@@ -15,7 +15,7 @@ from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
 from studio.core.markers.body_axes import HEAD_MARKERS
 from studio.core.markers.force_plates import plate_loads, plates_height
-from studio.core.markers.label_words import part_of
+from studio.core.markers.label_words import side_and_part
 from studio.core.markers.marker_map import MarkerMap, seen_labels
 from studio.core.markers.roles import ROLE, SIDE_WORDS
 from studio.core.markers.sides import exchanged_places
@@ -276,7 +276,7 @@ def _side_guesses(take: MarkerTake) -> list[Guess]:
         label
         for role, own in take.marker_map.markers.items()
         for label in own
-        if (said := part_of(label)) is not None and said[0] and not role.startswith(said[0])
+        if (said := side_and_part(label)) is not None and said[0] and not role.startswith(said[0])
     )
     if not labels:
         return []

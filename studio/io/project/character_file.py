@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.character import Character
 from studio.core.body.growth import KeyedProportions
 from studio.core.body.morphology import Morphology, Proportions
 from studio.core.errors import StudioError
 from studio.core.mannequin.tailoring import tailored
 from studio.core.mesh.appearance import Appearance, Material
+from studio.core.mesh.character import Character
 from studio.core.mesh.hand_shapes import HandShapes
 from studio.core.mesh.rig import Rig
 from studio.core.mesh.skin import Blending, SkinnedMesh

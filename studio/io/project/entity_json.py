@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from studio.core.body.character import Character
 from studio.core.body.morphology import Proportions
 from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.constraints.base import Constraint
@@ -21,7 +20,8 @@ from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.errors import StudioError
 from studio.core.grounds import GROUND_KINDS
 from studio.core.grounds.ground import Ground
-from studio.core.project import CLASSES, COLLECTIONS, Entity, Project
+from studio.core.mesh.character import Character
+from studio.core.stage.project import CLASSES, COLLECTIONS, Entity, Project
 from studio.core.stage.prop import Carried, InHand, Prop
 from studio.io.json_text import json_of
 from studio.io.project.value_json import Array, Json, MemberCodec, UnknownKind, from_json, to_json, unknown_fields

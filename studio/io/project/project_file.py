@@ -13,7 +13,7 @@ from pathlib import Path
 
 from studio.core.constraints.objections import objections
 from studio.core.errors import StudioError
-from studio.core.project import Project
+from studio.core.stage.project import Project
 from studio.io.npy import array_of
 from studio.io.project.archive import Archive, Stamp, read_archive, stamp, write_archive
 from studio.io.project.entity_json import (

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Material
-from studio.core.mesh.prop_shapes import PROP_COLOUR, Surface, prop_surface
-from studio.core.project import Project
 from studio.core.rotations import from_matrix, sign_continuous
 from studio.core.solver.performers.performing import Performance
 from studio.core.stage.placement import Placement
+from studio.core.stage.project import Project
 from studio.core.stage.prop import Prop
+from studio.core.stage.prop_shapes import PROP_COLOUR, Surface, prop_surface
 from studio.core.stage.saved_camera import SavedCamera
 from studio.io.export import Take, format_for
 from studio.io.export_options import ExportOptions
@@ -61,7 +61,7 @@ class ExportedStage:
 
     @property
     def names(self) -> list[str]:
-        """Of all performers, then of all props, then of all cameras."""
+        """Names of all performers, then of all props, then of all cameras."""
         return (
             [each.name for each in self.takes]
             + [each.name for each in self.props]

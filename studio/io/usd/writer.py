@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
-from studio.core.mesh.joint_skin import JointSkin
+from studio.core.rigs.joint_skin import JointSkin
 from studio.core.rotations import to_matrix
 from studio.core.stage.saved_camera import CAMERA_ASPECT, FARTHEST_SEEN, NEAREST_SEEN, VIEW_ANGLE, SavedCamera
 from studio.io.export import Take, plain_material, skin_of

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from importlib import import_module
 
-from studio.core.project import Project
+from studio.core.stage.project import Project
 
 
 @dataclass(frozen=True)

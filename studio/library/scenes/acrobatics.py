@@ -5,8 +5,8 @@ length.
 from dataclasses import replace
 
 from studio.core.mesh import hand_shapes
-from studio.core.project import Performer, Project
 from studio.core.stage.clip import Clip
+from studio.core.stage.project import Performer, Project
 from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, bodies, material
 
 WHEEL_SPACING = 2.2

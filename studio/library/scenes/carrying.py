@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 from studio.core.constraints.base import Constraint
-from studio.core.project import Project
 from studio.core.stage.holding import grips
+from studio.core.stage.project import Project
 from studio.core.stage.prop import Carried, Prop
 from studio.library.scenes.papers import row
 from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, material

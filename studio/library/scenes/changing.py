@@ -5,13 +5,13 @@ from dataclasses import replace
 from studio.core.body.canonical import BodyPart
 from studio.core.body.growth import KeyedProportions
 from studio.core.body.morphology import Proportions
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.distance import DistanceConstraint
-from studio.core.constraints.keyed import KeyedNumber
+from studio.core.curves.activation import ActivationCurve
+from studio.core.curves.keyed import KeyedNumber
 from studio.core.grounds.steps import Steps
-from studio.core.project import GROUND_ID, Project
 from studio.core.stage.clip import Clip
+from studio.core.stage.project import GROUND_ID, Project
 from studio.library.scenes.papers import row
 from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, material
 

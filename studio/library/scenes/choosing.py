@@ -7,15 +7,15 @@ from pathlib import Path
 
 import numpy as np
 
-from studio.core.body.character import Character
 from studio.core.body.morphology import Morphology
 from studio.core.constraints.follow import FollowProp
 from studio.core.mesh import hand_shapes
+from studio.core.mesh.character import Character
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import detected_contacts, normalize
 from studio.core.normalized.realize import realize
-from studio.core.project import Motion, Performer, Project
 from studio.core.stage.clip import Clip
+from studio.core.stage.project import Motion, Performer, Project
 from studio.core.stage.prop import Prop, PropShape
 from studio.io.importing import load_capture
 from studio.library.indexing import bundled_library

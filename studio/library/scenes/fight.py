@@ -5,14 +5,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from studio.core.body.canonical import BodyPart
-from studio.core.body.character import Character
 from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.follow import FollowPerformer
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.position import PositionConstraint
+from studio.core.constraints.scope import Scope
 from studio.core.mesh import hand_shapes
-from studio.core.project import Performer, Project
+from studio.core.mesh.character import Character
 from studio.core.stage.behaviour import Behaviour, Role, State, Transition
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import (
@@ -23,7 +23,7 @@ from studio.core.stage.conditions import (
     TimeCondition,
 )
 from studio.core.stage.manners import KeepDistance
-from studio.core.stage.scope import Scope
+from studio.core.stage.project import Performer, Project
 from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, around, bodies, hit_at, material
 
 KICK_FRAME, PUNCH_FRAME = 152, 181

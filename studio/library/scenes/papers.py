@@ -3,18 +3,18 @@
 from dataclasses import replace
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.follow import FollowProp
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.position import PositionConstraint
+from studio.core.constraints.scope import Scope
+from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.slope import Slope
-from studio.core.project import GROUND_ID, Performer, Project
 from studio.core.stage.clip import Clip
+from studio.core.stage.project import GROUND_ID, Performer, Project
 from studio.core.stage.prop import Prop, PropShape
-from studio.core.stage.scope import Scope
 from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, SourceMotions, around, bodies, material
 
 WHOLE_TAKE = ActivationCurve(-1.0, 0.0, 60.0, 61.0)

@@ -9,12 +9,12 @@ from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.mesh import hand_shapes
-from studio.core.project import Performer, Project
 from studio.core.stage import behaviour_edits as edits
 from studio.core.stage.behaviour import Behaviour, Role, State, Transition
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import ClipEndCondition, Condition, DistanceCondition, EventCondition, KeyCondition
 from studio.core.stage.manners import ARM_POINT, FIST_POINT, HEAD_POINT, KeepDistance, LeanAway, Meet
+from studio.core.stage.project import Performer, Project
 from studio.core.stage.whom import FollowPartner
 from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, bodies, hit_at, material
 

@@ -4,14 +4,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from studio.core.body.canonical import BodyPart
-from studio.core.body.character import Character
 from studio.core.body.morphology import Proportions
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import ContactInterval
-from studio.core.constraints.activation import ActivationCurve, EaseShape
 from studio.core.constraints.base import BodyPoint
+from studio.core.curves.activation import ActivationCurve, EaseShape
+from studio.core.mesh.character import Character
 from studio.core.normalized.normalize import detected_contacts
-from studio.core.project import Motion
+from studio.core.stage.project import Motion
 from studio.io.importing import load_capture
 from studio.io.project.character_file import bundled_characters
 from studio.resources_folder import example_captures_folder

@@ -8,7 +8,6 @@ from PySide6.QtWidgets import QLineEdit
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
-from studio.core.project import Project
 from studio.core.stage.conditions import (
     ClipEndCondition,
     Condition,
@@ -17,6 +16,7 @@ from studio.core.stage.conditions import (
     KeyCondition,
     TimeCondition,
 )
+from studio.core.stage.project import Project
 from studio.core.stage.whom import PELVIS_POINT, Whom
 from studio.panels.behaviour.part_editor import PartEditor, PointChoice, WhomRows
 from studio.panels.fields import Choice, NumberField, Section, press_button

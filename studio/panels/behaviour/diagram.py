@@ -8,9 +8,9 @@ from PySide6.QtGui import QColor, QContextMenuEvent, QKeyEvent, QMouseEvent, QPa
 from PySide6.QtWidgets import QFrame, QGraphicsScene, QGraphicsView, QLineEdit, QMenu
 
 from studio.core.errors import StudioError
-from studio.core.project import Project
 from studio.core.stage import behaviour_edits as edits
 from studio.core.stage.behaviour import Behaviour, State
+from studio.core.stage.project import Project
 from studio.document import colours
 from studio.document.behaviour_commands import BehaviourEdit, edit_behaviour, state_key, transition_key
 from studio.document.document import Document

@@ -8,9 +8,9 @@ from typing import Any
 from PySide6.QtCore import QSignalBlocker
 from PySide6.QtWidgets import QCheckBox
 
-from studio.core.constraints.activation import ActivationCurve
-from studio.core.project import Project
+from studio.core.curves.activation import ActivationCurve
 from studio.core.stage.manners import WHOLE_CLIP, KeepDistance, LeanAway, Manner, Meet
+from studio.core.stage.project import Project
 from studio.core.stage.whom import Whom
 from studio.panels.behaviour.condition_section import DISTANCE_UNITS
 from studio.panels.behaviour.part_editor import PartEditor, PointChoice, WhomRows

@@ -6,8 +6,8 @@ from typing import Any
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowPerformer, FollowProp
 from studio.core.errors import StudioError
-from studio.core.project import Project
 from studio.core.stage.behaviour import Behaviour
+from studio.core.stage.project import Project
 from studio.core.stage.whom import PELVIS_POINT, FollowPartner, Whom
 from studio.document.behaviour_commands import BehaviourEdit, behaviour_with, edit_behaviour
 from studio.panels.behaviour.words import point_choices, point_name

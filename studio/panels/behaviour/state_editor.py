@@ -7,12 +7,12 @@ from typing import Any
 from PySide6.QtCore import QSignalBlocker
 from PySide6.QtWidgets import QCheckBox, QLineEdit, QVBoxLayout, QWidget
 
-from studio.core.project import new_id
 from studio.core.stage import behaviour_edits as edits
 from studio.core.stage.behaviour import State
 from studio.core.stage.clip import FASTEST_CLIP, SLOWEST_CLIP, Clip
 from studio.core.stage.clip_row import players_of
 from studio.core.stage.manners import KeepDistance, LeanAway, Manner, Meet
+from studio.core.stage.project import new_id
 from studio.document.behaviour_commands import state_key
 from studio.document.document import Document
 from studio.engine.live_interface import Live

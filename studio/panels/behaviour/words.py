@@ -5,7 +5,6 @@ import math
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowPerformer
-from studio.core.project import Project
 from studio.core.stage.behaviour import State
 from studio.core.stage.conditions import (
     Condition,
@@ -15,6 +14,7 @@ from studio.core.stage.conditions import (
     TimeCondition,
 )
 from studio.core.stage.manners import ARM_POINT, FIST_POINT, HEAD_POINT, KeepDistance, LeanAway, Manner
+from studio.core.stage.project import Project
 from studio.core.stage.whom import FollowPartner, Whom
 from studio.engine.point_names import POINT_NAMES, point_words
 

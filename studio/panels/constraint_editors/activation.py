@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from studio.core.constraints.activation import EaseShape
+from studio.core.curves.activation import EaseShape
 from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section, Segments
 

@@ -7,8 +7,8 @@ from PySide6.QtWidgets import QCheckBox, QLineEdit
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
+from studio.core.constraints.scope import Scope
 from studio.core.constraints.target import is_moving
-from studio.core.stage.scope import Scope
 from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.engine.point_names import POINT_NAMES, point_words

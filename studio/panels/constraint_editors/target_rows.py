@@ -11,10 +11,10 @@ from studio.core.body.canonical import BodyPart
 from studio.core.captures.capture import Capture
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import Follow, FollowBody, FollowPerformer, FollowProp, FollowTracked
-from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
 from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.constraints.target import own_place_of, with_own_place
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
 from studio.engine.moments import TargetContext
 from studio.engine.performance import motion_time, stage_time
 from studio.engine.point_names import POINT_NAMES, point_words

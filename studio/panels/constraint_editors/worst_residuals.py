@@ -6,7 +6,7 @@ from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
-from studio.core.project import Project
+from studio.core.stage.project import Project
 from studio.document import colours
 from studio.engine.live_interface import Live
 from studio.engine.residuals import Residual, missed_by, unsolved_words, worst_residual

@@ -5,9 +5,9 @@ from typing import Any
 
 from PySide6.QtCore import QPointF
 
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import Constraint
-from studio.core.constraints.keyed import Keys
+from studio.core.curves.activation import ActivationCurve
+from studio.core.curves.keyed import Keys
 from studio.document.keyed_fields import with_times
 from studio.timeline.gestures.gesture import DragHint, EditGesture
 from studio.timeline.shown import HANDLES, ItemPart, RowContext

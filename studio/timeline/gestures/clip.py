@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 from PySide6.QtCore import QPointF
 
-from studio.core.project import Performer
 from studio.core.stage.clip import FASTEST_CLIP, SLOWEST_CLIP, Clip
 from studio.core.stage.clip_row import ClipEdit, begun_at, edited, ended_at, frame_at, players_of
+from studio.core.stage.project import Performer
 from studio.document.clip_edits import name_of
 from studio.timeline.gestures.gesture import DragHint, EditGesture
 from studio.timeline.shown import ItemPart, RowContext

@@ -6,7 +6,7 @@ from dataclasses import replace
 from PySide6.QtCore import QPointF
 
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
-from studio.core.stage.scope import EVERYONE
+from studio.core.constraints.scope import EVERYONE
 from studio.timeline.gestures.gesture import DragHint, EditGesture
 from studio.timeline.shown import ItemPart, RowContext
 from studio.timeline.snapping import Snapped

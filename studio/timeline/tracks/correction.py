@@ -4,7 +4,7 @@ import numpy as np
 from PySide6.QtCore import QPointF, QRect, Qt
 from PySide6.QtGui import QPainter, QPainterPath, QPolygonF
 
-from studio.core.constraints.activation import ActivationCurve
+from studio.core.curves.activation import ActivationCurve
 from studio.document import colours
 from studio.timeline.shown import HANDLES, Hit, ItemPart, RowContext, label_area, within
 from studio.timeline.tracks.brush import hairline, paint_dot, paint_label, translucent

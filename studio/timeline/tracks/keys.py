@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRect, QRectF
 from PySide6.QtGui import QColor, QPainter
 
-from studio.core.constraints.activation import ActivationCurve
-from studio.core.constraints.keyed import Keys
+from studio.core.curves.activation import ActivationCurve
+from studio.core.curves.keyed import Keys
 from studio.document import colours
 from studio.document.keyed_fields import Keyed, KeyedField, KeyRef, fields_of, keyed_value, selected_fields
 from studio.timeline.shown import RowContext, TimelineRow, label_area

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from studio.core.markers.label_words import part_of
+from studio.core.markers.label_words import side_and_part
 from studio.core.markers.proposing import propose_map
 from studio.core.markers.trial import Trial
 from studio.io.c3d.reader import read_c3d
@@ -34,7 +34,7 @@ from tests.core.markers.made import made_trial
     ],
 )
 def test_words_in_labels_say_side_and_part(label: str, said: tuple[str, str] | None) -> None:
-    assert part_of(label) == said
+    assert side_and_part(label) == said
 
 
 def _renamed(names: dict[str, str]) -> Trial:
@@ -54,7 +54,7 @@ LOWER = {
 
 
 def test_of_two_markers_at_a_knee_the_outer_one_is_told_by_where_it_is() -> None:
-    """Whatever number they have: on the right the second one is outside here."""
+    """Numbers do not matter: on the right the second one is outside here."""
     proposed = propose_map(_renamed(LOWER))
     assert proposed.markers["left_knee"] == ("LKNE",)
     assert proposed.markers["right_knee"] == ("RKNE_2",)

@@ -3,17 +3,17 @@
 import numpy as np
 import pytest
 
-from studio.core.markers.label_words import part_of
+from studio.core.markers.label_words import side_and_part
 from studio.core.markers.told_centres import told_centres
 
 PELVIS = {"L asis": 0.125, "R asis": -0.125}
-"""Where points lie to the left, in metres."""
+"""Places of points to the left, in metres."""
 
 
 def _told(places: dict[str, float], pelvis: dict[str, float] = PELVIS) -> dict[str, str]:
     labels: dict[tuple[str, str], list[str]] = {}
     for label in pelvis | places:
-        side, part = part_of(label)
+        side, part = side_and_part(label)
         labels.setdefault((side, part), []).append(label)
     heights = {label: {"hip": 0.9, "ankle": 0.1}.get(label.partition(" ")[2], 0.5) for label in pelvis | places}
     tracks = {label: np.tile([0.0, y, heights[label]], (10, 1)) for label, y in (pelvis | places).items()}
@@ -76,4 +76,4 @@ def test_points_that_an_image_shows_at_each_joint_are_centres_where_hips_are_too
     ],
 )  # fmt: skip
 def test_labels_of_known_sets_say_where_their_marker_is(label: str, place: tuple[str, str]) -> None:
-    assert part_of(label) == place
+    assert side_and_part(label) == place

@@ -61,7 +61,9 @@ def has_own_goal(row):
 @small_kernel
 def limb_follows(row):
     """True if a limb of the task follows a point or a segment of its own body."""
-    return (row.kind == POSITION_TASK or row.kind == ORIENTATION_TASK) and row.points[1] >= 0 and row.limbs[0] >= 0
+    kind = row.kind
+    follows = kind == POSITION_TASK or kind == ORIENTATION_TASK or kind == UPRIGHT_TASK
+    return follows and row.points[1] >= 0 and row.limbs[0] >= 0
 
 
 @small_kernel
@@ -72,8 +74,8 @@ def links_two_points(row):
 
 @small_kernel
 def follows_own_body(row):
-    """True if the goal moves with a point or a segment of its own body."""
-    return row.kind != DISTANCE_TASK and row.points[1] >= 0
+    """True if a stored goal moves with a point or a segment of its own body."""
+    return row.kind != DISTANCE_TASK and row.kind != UPRIGHT_TASK and row.points[1] >= 0
 
 
 @small_kernel

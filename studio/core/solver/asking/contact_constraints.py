@@ -10,10 +10,10 @@ from scipy.spatial.transform import Rotation
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import AnyMorphology, at_frames
 from studio.core.captures.contacts import ContactPoint
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.curves.activation import ActivationCurve
 from studio.core.kernels import layout as at
 from studio.core.kernels import records
 from studio.core.kernels.support.body_settling import place_arms

@@ -13,7 +13,6 @@ from scipy.ndimage import convolve1d, maximum_filter1d
 
 from studio.core.body.morphology import AnyMorphology, Morphology
 from studio.core.captures.contacts import ContactInterval, Touch, contact_mask
-from studio.core.captures.touching import Spots, spots
 from studio.core.kernels import layout as at
 from studio.core.kernels.limits import arm_clearance as clearing
 from studio.core.kernels.limits.arm_clearance import ARM_STEP_SIZE, ELBOW_SWIVEL, HAND_ROTATION
@@ -28,6 +27,7 @@ from studio.core.kernels.records import HAND_CONTACT, ActorClearance
 from studio.core.mesh.volume import CAPSULES_OF, BodyVolume, usual_volume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
+from studio.core.normalized.touching import Spots, spots
 from studio.core.project_cache import project_cache
 from studio.core.solver.asking.clearance import actor_rooms, packed, rest_rooms, rooms_of
 from studio.core.solver.standing.blends import LET_GO, SLOWLY_LET_GO, hann_window, release_weight

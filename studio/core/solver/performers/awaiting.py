@@ -5,10 +5,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowPerformer
 from studio.core.constraints.target import follows_of
+from studio.core.curves.activation import ActivationCurve
 from studio.core.solver.asking.tracks import Track, Tracks
 
 FloatArray = NDArray[np.float64]

@@ -12,8 +12,8 @@ from studio.core.body.pose import PoseSequence
 from studio.core.captures.capture import Capture
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowTracked
-from studio.core.constraints.keyed import Quaternion
 from studio.core.constraints.own_place import OwnPlace
+from studio.core.curves.keyed import Quaternion
 from studio.core.normalized.compose import Composite
 from studio.core.rotations import to_matrix
 from studio.core.solver.asking.points import point_indices

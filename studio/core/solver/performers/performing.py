@@ -8,13 +8,13 @@ from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.normalized.compose import Composite
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.project import Project
 from studio.core.solver.performers.awaiting import awaited
 from studio.core.solver.performers.circles import Player, solve_cycle
 from studio.core.solver.performers.rows import ClipConstraint, composite_of, constraints_in, corrections_in
-from studio.core.solver.performers.stage import asked_of, followed_by, in_order, tracks_of
+from studio.core.solver.performers.stage import asked_of, in_order, tracks_followed_by, tracks_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.placement import Placement
+from studio.core.stage.project import Project
 
 Prepare = Callable[[Capture], tuple[NormalizedMotion, Morphology]]
 """Normalise a capture and measure its actor; StudioError without a body map."""
@@ -112,7 +112,7 @@ def player_of(
     composite = composite_of(project, performer_id, lambda motion_id: motion_of(project, motion_id, prepare))
     request = unasked_request(project, performer_id, composite, prepare)
     constraints = constraints_in(asked_of(project, performer_id), composite, request.morphology.leg_length)
-    followed = followed_by(project, performer_id, result_of, circle) or ()
+    followed = tracks_followed_by(project, performer_id, result_of, circle) or ()
     request = replace(
         request,
         constraints=constraints,

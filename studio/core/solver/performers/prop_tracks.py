@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import AnyMorphology
-from studio.core.constraints.activation import EASE_PEAK, EaseShape, ease
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowProp
-from studio.core.constraints.keyed import KeyedNumber, KeyedTurn
+from studio.core.curves.activation import EASE_PEAK, EaseShape, ease
+from studio.core.curves.keyed import KeyedNumber, KeyedTurn
 from studio.core.rotations import to_matrix
 from studio.core.solver.asking.points import point_indices
 from studio.core.solver.asking.tracks import Track

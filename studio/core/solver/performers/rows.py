@@ -12,9 +12,9 @@ from studio.core.normalized.joining import Planar
 from studio.core.normalized.layers import PlayedLayer, layered
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import MotionPiece, Played
-from studio.core.project import Performer, Project
 from studio.core.stage.clip import Clip
 from studio.core.stage.correction import Correction
+from studio.core.stage.project import Performer, Project
 from studio.core.stage.timing import Timing
 
 MotionOf = Callable[[str], NormalizedMotion]

@@ -11,16 +11,16 @@ from studio.core.body.morphology import AnyMorphology
 from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import Follow, FollowBody, FollowPerformer, FollowProp, FollowTracked
-from studio.core.constraints.keyed import Keys
 from studio.core.constraints.objections import objection
 from studio.core.constraints.target import follows_of, own_place_of, with_own_place
+from studio.core.curves.keyed import Keys
 from studio.core.normalized.compose import Composite
-from studio.core.project import Performer, Project
 from studio.core.rotations import multiply, to_matrix
 from studio.core.solver.asking.tracks import OwnPath, Track, Tracks
 from studio.core.solver.performers.rows import ClipConstraint, timing_of
 from studio.core.solver.request import AdaptedMotion, Unasked
 from studio.core.stage.placement import Placement
+from studio.core.stage.project import Performer, Project
 from studio.core.stage.prop import InHand, Prop
 from studio.core.stage.timing import Timing
 
@@ -130,7 +130,7 @@ def _circles(keys: list[str], leaders: dict[str, set[str]]) -> dict[str, tuple[s
     return {key: tuple(other for other in keys if labels[row[other]] == labels[row[key]]) for key in keys}
 
 
-def followed_by(
+def tracks_followed_by(
     project: Project,
     performer_id: str,
     result_of: Callable[[str], AdaptedMotion | None],

@@ -21,7 +21,7 @@ from studio.core.kernels.records import SMOOTHED_LEVEL, HigherLevelPoses
 from studio.core.kernels.search.joints import ROOT_TRANSLATION
 from studio.core.kernels.time.acceleration_peaks import ADDED_PEAK, TOTAL_PEAK, write_smoothed_peaks
 from studio.core.kernels.time.smoothed_frames import SMOOTHING_VIOLATION
-from studio.core.quality.metrics import QUIET_PEAK
+from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.runs import runs_of
 from studio.core.solver.smoothing.limb_coordinates import LimbCoordinates
 from studio.core.solver.smoothing.root_reach import RootReach

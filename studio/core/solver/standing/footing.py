@@ -26,7 +26,7 @@ from studio.core.solver.standing.blends import AVERAGED, GOES_ALONG, LET_GO, ave
 from studio.core.solver.standing.footprints import find_footprints, project_to_terrain
 from studio.core.solver.standing.obliquity import dip_pelvis
 from studio.core.solver.standing.swing_foot_path import Sole, clear_swing_foot
-from studio.core.windows import smoothed
+from studio.core.windows import bell_average
 
 FloatArray = NDArray[np.float64]
 
@@ -155,7 +155,7 @@ def _draped_footing(
     feet_share = np.ones(motion.frame_count) if carried is None else carried
     ankles, feet, toes = _stacked([each.foot for each in draped])
     climb = np.mean([each.heights for each in draped], axis=0)
-    climb = feet_share * smoothed(climb, CLIMB_SMOOTHING * motion.frame_rate)
+    climb = feet_share * bell_average(climb, CLIMB_SMOOTHING * motion.frame_rate)
     soft_thresholds, runs = leg_extensions(motion, states)  # draping has put down heels that would hang
     relative = ankles - positions[:, 0]
     relative[..., 2] -= climb
@@ -305,7 +305,7 @@ def root_follow(
     weights = averaged(np.column_stack([fraction, *(states == SOLE_STANDS)]), AVERAGED, frame_rate)
     displacement = off[1] + weights[:, :1] * (off[0] - off[1])
     keep_leg_lengths(off, weights, (body.layout.hip(0), body.layout.hip(1)), positions, displacement)
-    return smoothed(displacement, FOLLOW_SMOOTHING * frame_rate)
+    return bell_average(displacement, FOLLOW_SMOOTHING * frame_rate)
 
 
 def leg_extensions(motion: NormalizedMotion, states: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:

@@ -13,7 +13,7 @@ from studio.core.kernels.support.gap_interpolation import interpolate_gaps
 from studio.core.kernels.support.sole import SOLE_STANDS
 from studio.core.solver.standing.blends import release_weight
 from studio.core.solver.standing.footing import foot_states
-from studio.core.windows import smoothed
+from studio.core.windows import bell_average
 
 FloatArray = NDArray[np.float64]
 
@@ -40,7 +40,7 @@ def shown_floor(
     floors -= np.median(floors - floors.mean(axis=0), axis=1, keepdims=True)
     weights = np.array([1.0 - release_weight(flat[side], frame_rate) for side in sides]) + SWING_FOOT_WEIGHT
     floor = np.average(floors, axis=0, weights=weights)
-    return smoothed(floor, FLOOR_SMOOTHING * frame_rate)
+    return bell_average(floor, FLOOR_SMOOTHING * frame_rate)
 
 
 def _passed_on(heights: FloatArray, known: NDArray[np.bool_]) -> FloatArray:

@@ -38,7 +38,7 @@ def mass_path(positions: FloatArray, body: Morphology) -> FloatArray:
     return np.asarray(point_masses(body.layout) @ positions)
 
 
-def standing_points(contacts: Sequence[ContactInterval], frame_count: int) -> NDArray[np.bool_]:
+def standing_mask(contacts: Sequence[ContactInterval], frame_count: int) -> NDArray[np.bool_]:
     """True (9, F) where each ``ContactPoint`` stands."""
     spans = [[(each.first, each.last) for each in contacts if each.point is point] for point in ContactPoint]
     return np.array([contact_mask(each, frame_count) for each in spans])
@@ -61,7 +61,7 @@ def outlines(
     return np.where(np.isfinite(found), found, np.nan)
 
 
-def smoothed(areas: FloatArray, frame_rate: float) -> tuple[FloatArray, FloatArray]:
+def averaged_outlines(areas: FloatArray, frame_rate: float) -> tuple[FloatArray, FloatArray]:
     """Outlines (F, N) averaged over time, and weight (F,) in [0, 1] of the contacts around each frame."""
     stands = np.isfinite(areas[:, :1]).astype(np.float64)
     weight = _around(stands, OUTLINE_SMOOTHING, frame_rate)
@@ -85,7 +85,8 @@ def support_path(
     first, stop, _ = window.indices(len(positions))
     reach = _half(OUTLINE_SMOOTHING, frame_rate) + _half(MASS_PATH_SMOOTHING, frame_rate)
     wide = slice(max(first - reach, 0), min(stop + reach, len(positions)))
-    areas, presence = smoothed(outlines(positions[wide], rotations[wide], standing[:, wide], body, margin), frame_rate)
+    lines = outlines(positions[wide], rotations[wide], standing[:, wide], body, margin)
+    areas, presence = averaged_outlines(lines, frame_rate)
     masses = mass_path(positions[wide], body)
     displacement = presence[:, None] * np.nan_to_num(nearest_within(areas, masses[:, :2]) - masses[:, :2])
     masses[:, :2] += _around(displacement, MASS_PATH_SMOOTHING, frame_rate) / _around(

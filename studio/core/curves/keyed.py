@@ -18,8 +18,8 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from studio.core.constraints.activation import EaseShape, ease, weighted_progress
-from studio.core.constraints.tangents import SPARSE, Beyond, Tangents, rates_of
+from studio.core.curves.activation import EaseShape, ease, weighted_progress
+from studio.core.curves.tangents import SPARSE, Beyond, Tangents, rates_of
 from studio.core.plausible import PLACE_RANGE, TIME_RANGE
 from studio.core.rotations import from_matrix
 

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.character_skeleton import joint_segments, t_pose_rotations
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_world
 from studio.core.body.morphology import Morphology
@@ -18,6 +17,7 @@ from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.realize import trunk_places
+from studio.core.rigs.character_skeleton import joint_segments, t_pose_rotations
 from studio.core.rotations import from_matrix, inverse, multiply, to_matrix
 from studio.core.solver.request import AdaptedMotion
 

@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.character import Character
-from studio.core.body.character_skeleton import joint_points, joint_segments, t_pose_rotations
 from studio.core.body.kinematics import joint_world
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.mesh.appearance import Appearance
+from studio.core.mesh.character import Character
 from studio.core.mesh.skin import INFLUENCES, bound_pose, fit_skin
+from studio.core.rigs.character_skeleton import joint_points, joint_segments, t_pose_rotations
 from studio.core.rotations import IDENTITY_QUATERNION, frame_along
 
 FloatArray = NDArray[np.float64]

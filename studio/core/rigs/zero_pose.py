@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.character_skeleton import t_pose_rotations
 from studio.core.body.pose import PoseSequence
 from studio.core.captures.capture import Capture
 from studio.core.normalized.normalize import normalize
+from studio.core.rigs.character_skeleton import t_pose_rotations
 from studio.core.rotations import from_matrix, inverse, multiply, to_matrix
 
 FloatArray = NDArray[np.float64]

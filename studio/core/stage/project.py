@@ -12,14 +12,15 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import Any, Self
 
-from studio.core.body.character import Character
 from studio.core.captures.annotations import Label
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import Follow, FollowPerformer, FollowProp
+from studio.core.constraints.scope import Scope, meant_for, narrowest
 from studio.core.constraints.target import follows_of
 from studio.core.grounds.ground import Ground
+from studio.core.mesh.character import Character
 from studio.core.plausible import PLACE_RANGE, TURN_RANGE
 from studio.core.stage.behaviour import Behaviour, State, Transition
 from studio.core.stage.clip import Clip
@@ -27,7 +28,6 @@ from studio.core.stage.correction import Correction
 from studio.core.stage.layer import Layer
 from studio.core.stage.prop import Prop
 from studio.core.stage.saved_camera import SavedCamera
-from studio.core.stage.scope import Scope, meant_for, narrowest
 from studio.core.stage.sound_track import SoundTrack
 
 GROUND_ID = "ground"

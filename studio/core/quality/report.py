@@ -15,8 +15,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.constraints.activation import FULLY_ACTIVE
 from studio.core.constraints.base import Constraint
+from studio.core.curves.activation import FULLY_ACTIVE
 from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 from studio.core.quality.contact_tracks import contact_tracks
 from studio.core.quality.metrics import body_heights, centre_of_mass, knee_speeds, skate_distances
@@ -27,7 +27,7 @@ from studio.core.solver.asking.tracks import Tracks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.solved_window import BOUND, Bound, SolvedWindow, targets_of
 from studio.core.solver.standing.stand import Standing
-from studio.core.solver.standing.support import outlines, standing_points, support_margins
+from studio.core.solver.standing.support import outlines, standing_mask, support_margins
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -74,7 +74,7 @@ class Report:
 def report_of(standing: Standing, request: AdaptRequest, adapted: AdaptedMotion) -> Report:
     """Report of ``adapted``, the answer to ``request`` on its grounded motion, in any window."""
     window = _window_of(adapted)
-    stands = standing_points(standing.contacts, request.motion.frame_count)[:, window]
+    stands = standing_mask(standing.contacts, request.motion.frame_count)[:, window]
     areas = outlines(adapted.positions[:], adapted.rotations[:], stands, adapted.morphology)
     slides, heights = contact_tracks(adapted, standing.contacts, request.ground)
     problem = _Problem(standing, request.constraints, request.tracks)
@@ -235,7 +235,7 @@ class _BlockerSearch:
         self._best[here] = np.where(better, gain, self._best[here])
 
     def _weigh_together(self, row: int) -> None:
-        """Where nothing helps alone, name the first that helps when it goes too: other constraints, contacts, limits.
+        """Name, if nothing helps alone, the first that helps when it goes too: other constraints, contacts, limits.
 
         Where a free body misses the target as well, its reach is named.
         """

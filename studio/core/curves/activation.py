@@ -7,7 +7,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from studio.core.constraints.tangents import HEAVIEST, LIGHTEST, SPARSE
+from studio.core.curves.tangents import HEAVIEST, LIGHTEST, SPARSE
 from studio.core.plausible import TIME_RANGE
 
 

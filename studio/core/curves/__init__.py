@@ -1,0 +1,1 @@
+"""Curves over time: keys, their tangents, and the activation of constraints."""
