@@ -12,15 +12,15 @@ from scipy.spatial.transform import Rotation
 from studio import api
 from studio.app.application import show_views
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.distance import DistanceConstraint
-from studio.core.constraints.keyed import KeyedPlace
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.constraints.scope import Scope
+from studio.core.curves.activation import ActivationCurve
+from studio.core.curves.keyed import KeyedPlace
 from studio.core.quality.contact_tracks import contact_tracks
 from studio.core.solver.adapt import place_of
-from studio.core.stage.scope import Scope
 from studio.core.stage.sound_track import SoundTrack
 from studio.document.channels import Side
 from studio.engine.residuals import worst_residual
