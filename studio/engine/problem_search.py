@@ -29,7 +29,8 @@ class ProblemSearch(QObject):
         self._document, self._live = document, live
         self.rows: tuple[SummaryRow, ...] = ()
         self.problems: tuple[FoundProblem, ...] = ()
-        self._number, self._is_fresh, self._wanted, self._lacks_source = 0, False, False, False
+        self._number, self._is_fresh, self._lacks_source = 0, False, False
+        self._wanted, self._asked = False, False
         self._pool = QThreadPool(self)
         self._pool.setMaxThreadCount(1)
         self._rest = QTimer(self, singleShot=True, interval=REST_MS)
@@ -47,7 +48,8 @@ class ProblemSearch(QObject):
 
     def ask(self) -> bool:
         """Measure once if anything has changed; True if the summary is up to date already."""
-        if not self._is_fresh and not self._rest.isActive():
+        self._asked = not self._is_fresh
+        if self._asked and not self._rest.isActive():
             self._rest.start(0)
         return self._is_fresh
 
@@ -60,7 +62,7 @@ class ProblemSearch(QObject):
     def _changed(self) -> None:
         self._is_fresh = False
         self._number += 1
-        if self._wanted:
+        if self._wanted or self._asked:
             self._rest.start()
 
     def _source_came(self, _: str) -> None:
@@ -91,7 +93,7 @@ class ProblemSearch(QObject):
     def _take(self, number: int, result: Any) -> None:
         if number != self._number:
             return
-        self._is_fresh = True
+        self._is_fresh, self._asked = True, False
         if isinstance(result, Exception):
             self.failed.emit(f"The summary of problems failed (internal error: {result}). Nothing was changed.")
             return

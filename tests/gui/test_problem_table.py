@@ -143,3 +143,22 @@ def test_a_stage_that_cannot_be_measured_is_told_in_a_sentence(stage, qtbot, mon
         tour.go(1)
     assert "internal error: no" in caught.args[0]
     assert search.rows == ()
+
+
+def test_a_stage_that_changes_while_it_is_measured_is_measured_again_for_the_key_that_was_pressed(
+    stage, qtbot, monkeypatch
+):
+    document, live, search, _, tour, _ = stage
+    measured = []
+
+    def changing(*arguments):
+        measured.append(arguments)
+        if len(measured) == 1:
+            live.told_changed.emit()
+        return summary_of(*arguments)
+
+    monkeypatch.setattr("studio.engine.problem_search.summary_of", changing)
+    with qtbot.waitSignal(search.found, timeout=5000):
+        tour.go(1)
+    assert len(measured) == 2
+    assert document.playhead.time == pytest.approx(search.problems[0].finding.time, abs=0.5 / 60.0)
