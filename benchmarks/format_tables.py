@@ -26,20 +26,22 @@ from studio.core.rotations import angle_between, from_matrix  # noqa: E402
 from studio.core.solver.adapt import adapt  # noqa: E402
 from studio.core.solver.request import AdaptRequest  # noqa: E402
 from studio.io.export import Take, take_of_actor, take_of_capture, write_take  # noqa: E402
+from studio.io.gltf.vrma_writer import humanoid_capture  # noqa: E402
 from studio.io.importing import load_capture  # noqa: E402
 from studio.jobs.adaptation import ReadyCapture, made_ready  # noqa: E402
 
 CAPTURES = ROOT.parent / "shared" / "captures" / "bvh"
 DOCS = ROOT / "docs"
-SUFFIXES = (".bvh", ".s4d", ".glb", ".usd", ".c3d", ".csv", ".npz")
+SUFFIXES = (".bvh", ".fbx", ".s4d", ".glb", ".vrma", ".usd", ".c3d", ".csv", ".npz")
 
 TEXT = """# Round trip of every format
 
 A capture is adapted to its own actor's body with its contacts, written, and read again. The table has the greatest
-distance in millimetres, over every joint and every frame, between what was written and what was read; the aim is
-0.1 mm. USD is read by usd-core, CSV and NPZ as a spreadsheet or NumPy would. The last columns are about the capture
-itself, not adapted, as S4D: greatest turn of any joint in degrees (aim 0.01), and size of the file over that of the BVH
-(aim below 0.5). Written by `benchmarks/format_tables.py`.
+distance in millimetres, over every joint and every frame, between what was written and what was read; the aim is 0.1
+mm. FBX is read by ufbx, USD by usd-core, CSV and NPZ as a spreadsheet or NumPy would. A VRM animation (VRMA) has the
+joints of a humanoid alone, with bones of constant length: it is compared with these. The last columns are about the
+capture itself, not adapted, as S4D: greatest turn of any joint in degrees (aim 0.01), and size of the file over that
+of the BVH (aim below 0.5). Written by `benchmarks/format_tables.py`.
 
 """
 
@@ -93,12 +95,14 @@ def row_of(file: Path, ready: ReadyCapture) -> Row:
 def lost_millimetres(take: Take, path: Path) -> float:
     """Greatest distance between a joint as it was written to ``path`` and as it is read from there."""
     write_take(take, path)
-    there, back = joint_world(take.skeleton, take.poses)[0], places_in(path)
-    joints = [joint for joint, name in enumerate(take.skeleton.names) if name in back]
-    moving = np.count_nonzero(~take.skeleton.end_sites)
+    capture = humanoid_capture(take)[0] if path.suffix == ".vrma" else take.capture
+    skeleton = capture.skeleton
+    there, back = joint_world(skeleton, capture.poses)[0], places_in(path)
+    joints = [joint for joint, name in enumerate(skeleton.names) if name in back]
+    moving = np.count_nonzero(~skeleton.end_sites)
     if len(joints) < moving:
         raise SystemExit(f"{path.name}: {moving - len(joints)} joints of {take.name} are not in it.")
-    distances = [np.linalg.norm(back[take.skeleton.names[joint]] - there[:, joint], axis=1).max() for joint in joints]
+    distances = [np.linalg.norm(back[skeleton.names[joint]] - there[:, joint], axis=1).max() for joint in joints]
     return 1000.0 * float(max(distances))
 
 

@@ -49,7 +49,7 @@ class Growth:
     costs: list[float]
     least: list[float]
     most: list[float]
-    """Of all orders; the costs are their means."""
+    """Number of orders; the costs are their means."""
     fixed: float
     slope: float
     fit: float

@@ -22,7 +22,7 @@ Places = Mapping[str, FloatArray]
 
 
 def places_in(path: Path) -> Places:
-    """Where the joints in a written file are."""
+    """Places of the joints in a written file."""
     return _READERS[path.suffix](path)
 
 
@@ -100,7 +100,8 @@ _READERS: Mapping[str, Callable[[Path], Places]] = {
     ".s4d": _of_capture,
     ".glb": _of_gltf,
     ".gltf": _of_gltf,
-    ".usd": _of_usd,
+    ".vrma": _of_gltf,
+    **dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), _of_usd),
     ".c3d": _of_c3d,
     ".csv": _of_csv,
     ".npz": _of_npz,

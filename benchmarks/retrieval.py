@@ -42,7 +42,7 @@ Written by `make bench`; nothing here is written by hand. [method.md](method.md)
 """
 
 PROBED, TRAINED = 32, 40
-"""Of the cells of faiss's inverted file one of so many is looked into; poses a cell from which it is made."""
+"""Cells of faiss's inverted file to one that is looked into; poses a cell from which it is made."""
 ALIKE = 1e-4
 """Metres by which an answer in single precision may lie beside one in double."""
 

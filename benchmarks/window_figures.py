@@ -51,7 +51,7 @@ AIMS = "aims: median under 33 ms, 95 % under 100 ms, strips within 250 ms of rel
 
 @dataclass(frozen=True)
 class Picture:
-    """When one was painted, when that was asked which each body answers, and where the points of bodies are.
+    """Times at which one was painted and at which its answers were asked for, and places of the points of bodies.
 
     ``waited`` as ``Move`` has it.
     """
@@ -73,7 +73,7 @@ class Watch:
         self._last: object = None
         self._kept: list[QPixmap] = []
         self.hand = QPointF()
-        """Where the mouse is on the window."""
+        """Place of the mouse on the window."""
         self._asked_at: dict[str, float | None] = {}
         viewport, tracks = window.bench.viewport, window.bench.timeline.tracks
         self._bring, self._paint_over, self._paint_rows = (
@@ -133,7 +133,7 @@ class Result:
     ready: list[float]
     """The same without the time in which the window's thread waited for a processor after it took the move."""
     oldest: list[float]
-    """Of the body that is furthest behind, in every picture."""
+    """Age of the body that is furthest behind, in every picture."""
     pictures_a_second: float
     silence: float
     rows_after: float

@@ -20,7 +20,7 @@ LEFT, NONE = Qt.MouseButton.LeftButton, Qt.MouseButton.NoButton
 
 @dataclass(frozen=True)
 class Move:
-    """Where the mouse was at which time (``time.monotonic``), and when the window took notice.
+    """Places of the mouse, their times (``time.monotonic``), and those at which the window took notice.
 
     ``waited``: seconds until then for which the window's thread was ready and had no processor.
     """

@@ -27,8 +27,8 @@ from studio.startup.process import prepare_process
 
 COUNT, COUNTS = 100_000, {".fbx": 5_000, "catalogue": 5_000, "clips": 5_000}  # these take longer
 SECONDS, STILL, START = 5.0, 60.0, 600.0
-"""Of the processor for a file; by the clock, however busy the machine is; and by the clock for the first, for which
-kernels may have to be compiled."""
+"""Seconds of the processor for a file; by the clock, however busy the machine is; and by the clock for the first, for
+which kernels may have to be compiled."""
 TELLS = 30.0
 """Seconds between two lines that say how far a kind of file is."""
 MEMORY = 500 << 20

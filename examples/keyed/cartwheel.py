@@ -13,12 +13,12 @@ FACING = -90.0
 STEP, LUNGE = 0.55, 0.95
 RIGHT_UP, LEFT_UP, RIGHT_LANDS, LEFT_LANDS = 1.18, 1.46, 2.28, 2.68
 HANDS = ((1.12, 1.36, 1.98), (1.46, 1.72, 2.30))
-"""Of the left hand and the right one: where it stands, from when and until when."""
+"""Left hand and right one: place on the ground, begin and end."""
 MIDDLE, UPRIGHT = 1.85, 3.15
 """Upside down, and on both feet."""
 PALM = 0.055
 FAR, NEAR = 2.17, 2.72
-"""Where the right foot comes down, and the left one beyond it."""
+"""Places at which the right foot comes down, and the left one beyond it."""
 
 
 def cartwheel(frame_rate: float = FRAME_RATE) -> Targets:

@@ -42,7 +42,7 @@ class Walk:
         return stands
 
     def carried(self, times: FloatArray, over_stance: float = 0.30) -> FloatArray:
-        """Where the weight is, x, y and heading in degrees (F, 3): between both feet, then towards the standing one.
+        """Place of the weight, x, y and heading in degrees (F, 3): between both feet, then towards the standing one.
 
         ``over_stance`` is how far it goes from the middle of the track to the foot that stands alone.
         """

@@ -39,7 +39,7 @@ def get_up(frame_rate: float = FRAME_RATE) -> Targets:
 
 
 def _kneeling_foot(side: int) -> tuple[float, float]:
-    """Where the ankle would be over a flat sole that stands on the toes of a foot behind its knee."""
+    """Place of the ankle over a flat sole that stands on the toes of a foot behind its knee."""
     behind, pitch = float(BODY.leg[side, 1]), np.radians(TOES_UP)
     high = np.cos(pitch) * BODY.ankle_height[side] + np.sin(pitch) * BODY.foot[side, 0]
     ankle = -np.sqrt(behind**2 - (high - KNEE) ** 2)

@@ -14,7 +14,7 @@ DOWN, SWING, PUSH, UP = 1.85, 1.70, 2.10, 2.75
 LEAVE, FIRST, OFF, SECOND, STOOD = 4.15, 5.05, 5.10, 5.45, 6.2
 """Legs begin to come back, the front foot lands, hands off, the rear foot lands, upright again."""
 HANDS, WIDE = 1.16, 0.21
-"""Where the hands stand: ahead of where the feet began, and aside."""
+"""Places of the hands: ahead of where the feet began, and aside."""
 PALM = 0.055
 """Height of a wrist over its palm."""
 FRONT, BACK = (0.52, 0.09), (0.02, -0.09)

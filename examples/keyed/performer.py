@@ -60,7 +60,7 @@ def bones() -> FloatArray:
 
 
 def joint_places() -> FloatArray:
-    """Where each segment's joint lies (S, 3), in the axes of the segment that carries it."""
+    """Places of each segment's joint (S, 3), in the axes of the segment that carries it."""
     places = bones()[list(LAYOUT.parent_segments())]
     places[0] = 0.0, 0.0, STANDING
     for side in (0, 1):

@@ -9,7 +9,7 @@ from .targets import ArmTargets, Targets, frame_times
 
 DURATION = 8.4
 HIGH, LOW = (0.72, -0.42, 1.35), (0.50, 0.38, 0.80)
-"""Where the thing stands on the shelf, and where it is put down."""
+"""Places of the thing on the shelf, and as it is put down."""
 GRASP, CARRY, PLACE, RELEASE, REST = 1.95, 2.45, 4.85, 5.15, 6.5
 """Hand at the thing, off with it, down with it, hand off it, hand back at the side."""
 

@@ -60,7 +60,7 @@ class _Body:
         return self.root + self.world[:, 0] @ BODY.hip_offset[side]
 
     def sink_pelvis(self) -> None:
-        """Lower the root where a planted leg or arm would not reach: widest need nearby, evened out (METHOD 4)."""
+        """Lower the root where a planted leg or arm would not reach: widest need nearby, evened out (METHOD 5)."""
         need = np.zeros(len(self.root))
         for side, foot in enumerate(self.targets.feet):
             away = foot.ankle - self.hip(side)

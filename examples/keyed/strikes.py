@@ -171,7 +171,7 @@ class Kick:
         return np.stack([curve(times, self._keys(keys), soft=0.04) for keys in keyed], axis=1)
 
     def _lean(self, times: FloatArray) -> FloatArray:
-        """Of the pelvis away from the blow: the higher, the farther."""
+        """Lean of the pelvis away from the blow: the higher, the farther."""
         back = curve(times, self._keys({-0.5: 0.0, -0.2: 0.5, 0.0: 1.0, 0.28: 0.45, 0.6: 0.0}), soft=0.04)
         return np.outer(back, [0.0, -0.2 * self.thigh, 0.0])
 

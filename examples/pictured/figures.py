@@ -1,4 +1,4 @@
-"""The figures of docs/method.md: drawn from what the kernels and the solver answer, not from memory."""
+"""Figures of docs/method: drawn from what the kernels and the solver answer, not from memory."""
 
 from pathlib import Path
 
@@ -6,6 +6,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from scipy.spatial.transform import Rotation
 
 from pictured.session import example
 from studio.core.body.canonical import BodyPart
@@ -15,18 +16,24 @@ from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.grounds.steps import Steps
+from studio.core.kernels.algebra.smooth_steps import smooth_penetration
 from studio.core.kernels.limbs.legs import required_root_lowering
 from studio.core.kernels.limbs.limb import SOFT_IK_THRESHOLD, SOLE_SOFT_IK_THRESHOLD, place_limb, soft_extension
+from studio.core.kernels.limits.limb_joint_limits import soft_clamp_above
 from studio.core.kernels.records import LimbShape, Pose
+from studio.core.kernels.search.reachability import soft_reachable_distance
+from studio.core.normalized.transition import pace_left, place_left
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import hold
 from studio.core.solver.standing.stand import stand
+from studio.core.solver.standing.support import corners, mass_path, outlines, standing_points
+from studio.core.windows import highest
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
 from studio.jobs.adaptation import ADAPTED_MOTION_ID, ReadyCapture, ready_capture
 
 BLUE, RED, GREEN, GREY, INK = "#2F6FB3", "#C8553D", "#4B8B3B", "#9AA4AE", "#22272E"
-mpl.rcParams.update({"svg.hashsalt": "morpho-studio", "font.size": 9, "svg.fonttype": "path"})
+mpl.rcParams.update({"svg.hashsalt": "morpho-studio", "font.size": 9, "svg.fonttype": "none"})
 
 
 def limb_frame() -> Figure:
@@ -104,6 +111,144 @@ def activation() -> Figure:
     curvatures.set(xlabel="share of the ramp", ylabel="second derivative", ylim=(-12, 12))
     peaks.set(xlabel="ramp, s", ylabel="peak of the arm, rad/s²", yscale="log")
     shapes.legend(frameon=False)
+    return _tidied(figure)
+
+
+def canonical_body() -> Figure:
+    """Segments of the canonical body, standing, from the front."""
+    ready, body = _walk()
+    standing = stand(ready.motion, body, ready.contacts, Ground())
+    points, layout = standing.positions[0] - standing.positions[0, 0], body.layout
+    figure = Figure(figsize=(9.0, 5.0), layout="constrained")
+    axes = figure.subplots()
+    heading = Rotation.from_euler("z", -float(ready.motion.channels[0, 3]))
+    flat = heading.apply(points)[:, 1:]  # left and up
+
+    def chain(first: int, count: int, colour: str) -> None:
+        axes.plot(*flat[first : first + count].T, color=colour, linewidth=3, marker="o", markersize=4)
+
+    chain(0, layout.neck_base + 1, INK)
+    chain(layout.neck_base, 3, GREEN)
+    for side, colour in ((0, BLUE), (1, RED)):
+        chain(layout.collar(side), 5, colour)
+        chain(layout.hip(side), 5, colour)
+    for name, first, aside in (
+        ("clavicle", layout.collar(0), (8, 10)),
+        ("upper arm", layout.collar(0) + 1, (12, 0)),
+        ("forearm", layout.collar(0) + 2, (12, 0)),
+        ("hand", layout.collar(0) + 3, (12, 0)),
+        ("thigh", layout.hip(0), (12, -14)),
+        ("shank", layout.hip(0) + 1, (12, 0)),
+        ("foot and toe", layout.hip(0) + 2, (14, -10)),
+    ):
+        middle = flat[first : first + 2].mean(axis=0)
+        _say(axes, (float(middle[0]), float(middle[1])), name, aside, BLUE)
+    for name, place in (
+        ("pelvis", 0),
+        ("thorax", layout.neck_base - 1),
+        ("neck", layout.neck_base),
+        ("head", layout.head_joint),
+    ):
+        middle = flat[place : place + 2].mean(axis=0)
+        _say(axes, (float(middle[0]), float(middle[1])), name, (6, -14 if name == "thorax" else -3), INK)
+    _say(axes, (float(flat[:, 0].max()), float(flat[:, 1].max())), "side 0, left", (20, 0), BLUE)
+    _say(axes, (float(flat[:, 0].min()), float(flat[:, 1].max())), "side 1, right", (-60, 0), RED)
+    axes.set_aspect("equal")
+    axes.margins(x=0.6)
+    axes.axis("off")
+    return figure
+
+
+def offset_decay() -> Figure:
+    """Way in which an offset and a speed die away in a transition of 0.4 s."""
+    times, figure = np.linspace(0.0, 0.5, 300), Figure(figsize=(9.0, 2.8), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    left.plot(times, place_left(times, 0.4), color=BLUE)
+    left.set(xlabel="time, s", ylabel="part of the offset that is left")
+    right.plot(times, pace_left(times, 0.4), color=RED)
+    right.set(xlabel="time, s", ylabel="offset by a speed of 1 a second")
+    return _tidied(figure)
+
+
+def foot_clearance() -> Figure:
+    """Lift of a foot by its height over the ground, for a room of 2 cm."""
+    heights, margin = np.linspace(-0.04, 0.04, 300), 0.02
+    lifts = np.array([smooth_penetration(each, margin) for each in heights])
+    figure = Figure(figsize=(9.0, 2.8), layout="constrained")
+    axes = figure.subplots()
+    axes.plot(100 * heights, 100 * heights, color=GREY, linestyle="--", label="height in the motion")
+    axes.plot(100 * heights, 100 * (heights + lifts), color=BLUE, label="height as shown")
+    axes.fill_between(100 * heights, -4, 0, color=GREY, alpha=0.2)
+    axes.set(xlabel="height of the foot in the motion, cm", ylabel="cm")
+    axes.legend(frameon=False)
+    return _tidied(figure)
+
+
+def soft_limit() -> Figure:
+    """Joint angle after its limit: where the motion stays within, and where it goes beyond by itself."""
+    asked = np.linspace(0.0, 2.0, 300)
+    figure = Figure(figsize=(9.0, 2.8), layout="constrained")
+    axes = figure.subplots()
+    axes.plot(asked, asked, color=GREY, linestyle="--", label="asked for")
+    for own, colour in ((0.5, BLUE), (1.2, RED)):
+        shown = [soft_clamp_above(each, own, 0.95, 1.0) for each in asked]
+        axes.plot(asked, shown, color=colour, label=f"the motion itself is at {own:g} of the limit")
+    axes.set(xlabel="angle asked for, parts of the limit", ylabel="angle taken", ylim=(0, 1.6))
+    axes.legend(frameon=False, loc="upper left")
+    return _tidied(figure)
+
+
+def reachability() -> Figure:
+    """Distance asked of joints that together reach half a metre."""
+    asked = np.linspace(0.0, 1.0, 200)
+    figure = Figure(figsize=(9.0, 2.8), layout="constrained")
+    axes = figure.subplots()
+    axes.plot(asked, asked, color=GREY, linestyle="--", label="way to the target")
+    axes.plot(
+        asked, [soft_reachable_distance(each, 0.5) for each in asked], color=BLUE, label="way asked of the joints"
+    )
+    axes.axhline(0.5, color=RED, linewidth=1, label="E, as far as they reach")
+    axes.set(xlabel="distance from the target, m", ylabel="m")
+    axes.legend(frameon=False, loc="upper left")
+    return _tidied(figure)
+
+
+def balance() -> Figure:
+    """Centre of mass of a walk from above, and the outlines of the standing soles it is held over."""
+    ready, body = _walk()
+    standing = stand(ready.motion, body, ready.contacts, Ground())
+    positions, rotations = np.array(standing.positions), np.array(standing.rotations)
+    frames = slice(60, 260)
+    masses = mass_path(positions, body)[frames]
+    areas = corners(outlines(positions, rotations, standing_points(ready.contacts, len(positions)), body))[frames]
+    figure = Figure(figsize=(9.0, 3.0), layout="constrained")
+    axes = figure.subplots()
+    for outline in areas[::20]:
+        axes.fill(*outline.T, color=BLUE, alpha=0.12)
+    axes.plot(masses[:, 0], masses[:, 1], color=RED, label="centre of mass")
+    axes.fill([], [], color=BLUE, alpha=0.3, label="support of the soles, every 20th frame")
+    axes.set(xlabel="x, m", ylabel="y, m", aspect="equal")
+    axes.legend(frameon=False, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
+    return _tidied(figure)
+
+
+def smoothing() -> Figure:
+    """Averaging by a bump around a peak: a step of one frame, how far each frame is averaged, and what is left."""
+    rate, width = 60.0, 0.2
+    times = np.arange(-36, 37) / rate
+    track = np.where(times < 0.0, 0.0, 1.0)
+    half = round(width * rate)
+    hann = np.hanning(2 * half + 3)[1:-1] / np.hanning(2 * half + 3).sum()
+    peak = highest(np.abs(times) < 0.5 / rate, half).astype(np.float64)
+    bump = np.convolve(np.pad(peak, half), hann, mode="valid")
+    mean = np.convolve(np.pad(track, half, mode="edge"), hann, mode="valid")
+    figure = Figure(figsize=(9.0, 2.8), layout="constrained")
+    axes = figure.subplots()
+    axes.plot(times, track, color=GREY, linestyle="--", label="solved frame by frame")
+    axes.plot(times, bump, color=GREEN, label="bump b around the peak")
+    axes.plot(times, track + bump * (mean - track), color=BLUE, label="averaged by b")
+    axes.set(xlabel="time, s")
+    axes.legend(frameon=False, loc="upper left")
     return _tidied(figure)
 
 
@@ -192,6 +337,13 @@ def write_figure(path: Path, figure: Figure) -> None:
 
 
 FIGURES = {
+    "method_canonical_body": canonical_body,
+    "method_offset_decay": offset_decay,
+    "method_foot_clearance": foot_clearance,
+    "method_soft_limit": soft_limit,
+    "method_reachability": reachability,
+    "method_balance": balance,
+    "method_smoothing": smoothing,
     "method_limb_frame": limb_frame,
     "method_reach_sharing": reach_sharing,
     "method_activation": activation,

@@ -30,7 +30,9 @@ from studio.core.constraints.kinds import ConstraintKind
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
+from studio.core.constraints.parallel import ParallelConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.constraints.rail import RailConstraint
 from studio.core.constraints.upright import UprightConstraint
 from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
@@ -90,11 +92,13 @@ __all__ = [
     "OrientationConstraint",
     "OwnPlace",
     "Panel",
+    "ParallelConstraint",
     "Performer",
     "PoseOffsets",
     "PositionConstraint",
     "Project",
     "Prop",
+    "RailConstraint",
     "Result",
     "Scene",
     "Scope",

@@ -13,7 +13,7 @@ from studio.app.file_dialogs import ask_folder, ask_new_file
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.core.names import safe_name
-from studio.io.export_choices import REST_POSES, ROOTS, SKELETAL
+from studio.io.export_choices import REST_POSES, RESTING, ROOTS, SKELETAL
 from studio.io.export_options import ExportOptions
 from studio.io.joint_names import joint_namings
 from studio.io.registry import known_formats
@@ -53,6 +53,7 @@ HINTS = {
     ".s4d": "The motion as it was captured, with its contacts and constraints, for any body.",
     ".glb": "Joints, skin, materials and animation in one file.",
     ".gltf": "The same as GLB, as text.",
+    ".vrma": "The motion of a body, for any VRM avatar; without its skin.",
     ".usd": "Joints, skin and animation for USD pipelines; textures as pictures beside it.",
     ".usdz": "The same with its textures in one file.",
     ".c3d": "Joints and the markers the body would wear, for laboratories.",
@@ -159,7 +160,7 @@ class ExportDialog(QDialog):
         is_cut = self.range.value == "timeline"
         return ExportOptions(
             joint_names=str(self.names.value),
-            rest_pose=str(self.rest.value) if chosen.suffix in SKELETAL else "",
+            rest_pose=str(self.rest.value) if chosen.suffix in RESTING else "",
             body_only=self.others.value == "leave",
             begin=begin if is_cut else None,
             end=end if is_cut else None,
@@ -252,7 +253,7 @@ class ExportDialog(QDialog):
             self.range: kind.what in WITH_BODIES,
             self.frame_rate: kind.what in WITH_BODIES,
             self.names: kind.what in WITH_BODIES,
-            self.rest: kind.what in WITH_BODIES and kind.suffix in SKELETAL,
+            self.rest: kind.what in WITH_BODIES and kind.suffix in RESTING,
             self.root: kind.what in WITH_BODIES and kind.suffix != ".s4d",
             self.position: kind.what is What.ADAPTED,
             self.others: kind.what in WITH_BODIES and kind.suffix in SKELETAL and bool(self._carried),

@@ -79,7 +79,7 @@ class LiveControl:
         """Sources by the performers that they drive."""
         self.tracked: Tracked | None = None
         self.head_from: FloatArray | None = None
-        """Where the head was when the camera began to go with it; None while the camera does not."""
+        """Place of the head when the camera began to go with it; None while the camera does not."""
         self.recorder: Recorder | None = None
         self.broadcast: Broadcast | None = None
         self._out_port, self._seen, self._told_at = OUT_PORT, 0, time.monotonic()

@@ -11,7 +11,7 @@ from studio.app.settings import Settings
 from studio.document.document import Document
 from studio.engine.live_adaptation import LiveAdaptation
 from studio.engine.tasks import TaskRunner
-from studio.panels.message_strip import Answer, Lifetime, Message
+from studio.panels.message_strip import Answer, Lifetime, UserMessage
 
 # Both views load what a window can be shown without; the window loads this module.
 if TYPE_CHECKING:
@@ -26,8 +26,8 @@ class Workbench(QObject):
     window: "MainWindow"
     """The one window, which enters itself when it is made."""
 
-    said = Signal(Message)
-    """What the window tells the user, whoever says it; an empty one takes the last away."""
+    said = Signal(UserMessage)
+    """UserMessage that the window shows, whoever it comes from; an empty one takes the last away."""
     views_changed = Signal()
 
     def __init__(self, document: Document, live: LiveAdaptation, runner: TaskRunner, settings: Settings) -> None:
@@ -50,11 +50,11 @@ class Workbench(QObject):
 
     def say(self, sentence: str, *answers: Answer, until: Lifetime = Lifetime.CLOSED) -> None:
         """Tell the user a sentence, with buttons for the answers to it; it goes by itself at the event ``until``."""
-        self.said.emit(Message(sentence, answers, until))
+        self.said.emit(UserMessage(sentence, answers, until))
 
     def clear_message(self) -> None:
         """Take away what was said last."""
-        self.said.emit(Message("", ()))
+        self.said.emit(UserMessage("", ()))
 
     @property
     def has_viewport(self) -> bool:

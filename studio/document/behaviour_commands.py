@@ -23,7 +23,7 @@ def state_key(behaviour_id: str, name: str) -> str:
 
 
 def transition_key(behaviour_id: str, place: int) -> str:
-    """By which a transition is selected."""
+    """Key by which a transition is selected."""
     return f"{behaviour_id}/{place}"
 
 

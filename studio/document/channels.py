@@ -20,7 +20,7 @@ from studio.document.keyed_fields import Keyed, KeyedField
 FloatArray = NDArray[np.float64]
 
 SHOWN_EULER_ORDER = "ZYX"
-"""In which the angles of a rotation are shown: heading, then pitch, then roll."""
+"""Order in which the angles of a rotation are shown: heading, then pitch, then roll."""
 ANGLE_NAMES = ("heading", "pitch", "roll")
 AXIS_NAMES = ("x", "y", "z")
 DEGREES_PER_RADIAN = 180.0 / np.pi

@@ -141,7 +141,7 @@ def make_own(document: EditedProject, performer_id: str, clip_id: str) -> str:
 
 
 def name_of(project: Project, clip: Clip) -> str:
-    """By which a clip goes: its motion's."""
+    """Name of a clip: its motion's."""
     return project.motions[clip.motion_id].name
 
 

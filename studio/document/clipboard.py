@@ -207,7 +207,7 @@ def _later(seconds: float) -> Carry:
 
 
 def _scope(project: Project, scope: Scope, body: str) -> Scope:
-    """Of the body on which it is pasted; else as it was, where that body or clip is there."""
+    """Performer on which it is pasted; else as it was, if that body or clip is there."""
     if body:
         return Scope(performer_id=body)
     there = scope.performer_id in ("", *project.performers) and scope.clip_id in ("", *project.clips)

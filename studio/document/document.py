@@ -40,7 +40,7 @@ class Saving:
     expected: Stamp | None
     thumbnail: bytes | None = None
     locks: Path | None = None
-    """Where it shows whether the file that is to be replaced is open in another window; None not to ask."""
+    """Folder of locks, by which a file that is open in another window is seen; None not to look."""
 
     def write(self, report: Callable[[float, str], None] = lambda _share, _text: None) -> Stamp:
         """Write the file; raises as ``write_project``, and ChangedOnDisk where another window has it open."""

@@ -45,7 +45,7 @@ class Session:
     damage: str = ""
     """Reason why nothing of it can be read; empty where something can."""
     stamp: Stamp | None = None
-    """Of the project's file as the session knew it: who saves is told when it was changed since."""
+    """Digest of the project's file as the session knew it: who saves is told if it was changed since."""
 
 
 @dataclass(frozen=True, eq=False)

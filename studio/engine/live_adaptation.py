@@ -187,7 +187,7 @@ class LiveAdaptation(QObject):
             self._beside.request(_FRAMES, self._document.revision, left)
 
     def _by_need(self, project: Project) -> tuple[list[Circle], list[Circle]]:
-        """Those who are worked on and whom these follow, then all others; leaders before who follows."""
+        """Performers who are worked on and whom these follow, then all others; leaders before who follows."""
         circles = [circle for circle in _circles_of(project) if self._kernels.can_solve(project, circle)]
         playing = [key for circle in circles for key in circle]
         active = [key for key in playing if key == self._document.active_performer_id]
@@ -195,7 +195,7 @@ class LiveAdaptation(QObject):
         return [each for each in first if each in circles], [each for each in circles if each not in first]
 
     def _selected(self, performer_ids: Iterable[str]) -> list[str]:
-        """Those who are worked on: the selected ones, else the one that is active."""
+        """Performers who are worked on: the selected ones, else the one that is active."""
         selected = {*self._document.selection.of("performers")} or {self._document.active_performer_id or ""}
         return [key for key in performer_ids if key in selected]
 

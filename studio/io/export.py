@@ -60,7 +60,7 @@ class Take:
 
     @property
     def name(self) -> str:
-        """Of the motion, or of who performs it."""
+        """Name of the motion, or of who performs it."""
         return self.capture.name
 
     @property

@@ -1,12 +1,15 @@
 """Names of the choices for a file that is written, without what they compute with."""
 
 REST_POSES = {"t": "T-pose", "own": "Bind pose"}
-"""In which pose every angle of a file is zero, by key."""
+"""Poses in which every angle of a file is zero, by key."""
 ROOTS = {"": "Hips travel", "floor": "Root joint on floor", "in-place": "In place"}
-"""Where the travel of a body is kept, by key."""
+"""Joints that keep the travel of a body, by key."""
 
-SKELETAL = (".bvh", ".fbx", ".glb", ".gltf", ".usd", ".usda", ".usdc", ".usdz")
-"""Kinds of files that hold a skeleton: a character carries the capture's fingers, props and other joints along in them,
-and they have a zero pose."""
-JOINTED = (*SKELETAL, ".csv", ".npz")
+RESTING = (".bvh", ".fbx", ".glb", ".gltf", ".usd", ".usda", ".usdc", ".usdz")
+"""Kinds of files whose skeleton rests in a pose that can be chosen."""
+SKELETAL = (*RESTING, ".vrma")
+"""Kinds of files that hold a skeleton: a character carries the capture's fingers, props and other joints along."""
+JOINTED = (*RESTING, ".csv", ".npz")
 """Kinds of files that hold any joints; the others hold a body or its markers."""
+ROOTLESS = (".vrma",)
+"""Kinds of files in which nothing but the hips travels."""

@@ -15,7 +15,7 @@ from studio.core.errors import StudioError
 from studio.core.rotations import IDENTITY_QUATERNION, from_matrix, multiply
 from studio.core.stage.placement import Placement
 from studio.io.export import Take, skin_of
-from studio.io.export_choices import JOINTED, REST_POSES, ROOTS, SKELETAL
+from studio.io.export_choices import JOINTED, REST_POSES, RESTING, ROOTLESS, ROOTS, SKELETAL
 from studio.io.joint_names import with_joint_names
 from studio.io.takes.own_rig import has_own_rig, on_own_rig
 
@@ -55,11 +55,14 @@ class ExportOptions:
 
     def check(self, path: Path) -> None:
         """Raise StudioError where a choice does not fit the kind of file that ``path`` is."""
-        if self.rest_pose and path.suffix.lower() not in SKELETAL:
-            raise StudioError(f"{path.name} has no rest pose to choose. Skeletons have: {', '.join(SKELETAL)}.")
+        suffix = path.suffix.lower()
+        if self.rest_pose and suffix not in RESTING:
+            raise StudioError(f"{path.name} has no rest pose to choose. Skeletons have: {', '.join(RESTING)}.")
         for name, value, known in (("rest pose", self.rest_pose, REST_POSES), ("root", self.root, ROOTS)):
             if value and value not in known:
                 raise StudioError(f"There is no {name} '{value}'. Choose {', '.join(filter(None, known))}.")
+        if self.root == "floor" and suffix in ROOTLESS:
+            raise StudioError(f"{path.name} has no root joint: its hips travel. Choose in-place or none.")
         if self.begin is not None and self.end is not None and self.begin > self.end:
             raise StudioError(f"A range runs from a second to a later one, not from {self.begin:g} to {self.end:g}.")
 
@@ -71,6 +74,7 @@ class ExportOptions:
                 f"{path.name}: the constraints of '{take.name}' count from its first frame. Write all of it at its own"
                 " frame rate, or another kind of file."
             )
+        take = self._on_joints(take, path)
         return self._shaped(self._timed(take) if self._is_timed(take) else take, path)
 
     def applied_over(self, take: Take, seconds: FloatArray, frame_rate: float, path: Path) -> Take:
@@ -78,12 +82,16 @@ class ExportOptions:
         holds still.
         """
         self.check(path)
-        return self._shaped(sampled(take, seconds - take.begin, frame_rate), path)
+        return self._shaped(sampled(self._on_joints(take, path), seconds - take.begin, frame_rate), path)
+
+    def _on_joints(self, take: Take, path: Path) -> Take:
+        """The take on the joints that are chosen, frame by frame as it was adapted."""
+        if not self.joint_names and path.suffix.lower() in JOINTED and has_own_rig(take):
+            return on_own_rig(take, path.suffix.lower())
+        return take
 
     def _shaped(self, take: Take, path: Path) -> Take:
-        """The take in its place, with the joints, the zero pose and the names that are chosen."""
-        if not self.joint_names and path.suffix.lower() in JOINTED and has_own_rig(take):
-            take = on_own_rig(take, path.suffix.lower())
+        """The take in its place, with the zero pose, the root and the names that are chosen."""
         if not self.at_origin:
             take = placed(take)
         take = self._from_rest_pose(take, path)

@@ -45,7 +45,7 @@ _SAME_UNIT = 1e-4
 _USUAL_RATE = 30.0
 _FOOT_HEIGHT = 0.08
 """Ankle above the ground where a skeleton has nothing below it."""
-_SOLE = 0.02
+SOLE_THICKNESS = 0.02
 """Metres of foot usual below its lowest joint."""
 _CALIBRATED = 0.035
 """Up to this height the lowest joints of the feet speak for a floor at zero: they lie inside the foot."""
@@ -221,8 +221,8 @@ def guess_floor(skeleton: Skeleton, positions: FloatArray, body_map: BodyMap, fr
         reason = f"The lowest joints of the feet come to {height:.3f} m, which fits a floor at zero."
         height = 0.0
     elif toes and not -_CALIBRATED <= height < 0.0:
-        reason = f"The lowest joints of the feet come to {height:.3f} m; the sole is usually {_SOLE} m below."
-        height -= _SOLE
+        reason = f"The lowest joints of the feet come to {height:.3f} m; the sole is usually {SOLE_THICKNESS} m below."
+        height -= SOLE_THICKNESS
     if len(levels) > 1:
         over = ", ".join(f"{level - levels[0]:.2f}" for level in levels[1 : _SHOWN + 1])
         reason += (

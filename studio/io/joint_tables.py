@@ -1,4 +1,4 @@
-"""Where every joint is at every frame, as a table (CSV) and as arrays (NPZ), for other programs to compute with.
+"""Places of all joints in all frames, as a table (CSV) and as arrays (NPZ), for other programs to compute with.
 
 Metres and world axes, Z up; rotations as quaternions x, y, z, w.
 """

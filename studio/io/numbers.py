@@ -19,7 +19,7 @@ _MISSING = re.compile(
 )
 """Words for a value that a program did not have."""
 _GLUED = re.compile(r"(?<=[\d.])(?=[-+][\d.])", re.ASCII)
-"""Where a number ends and a signed one begins without a blank: ``0.0-7.5``, not ``1e-5``."""
+"""Seam of a number and a signed one without a blank: ``0.0-7.5``, not ``1e-5``."""
 _ALLOWED = b"0123456789+-.eE \t\r\n\f\v"
 _ABSURD = 1e12
 _PIECE = 1 << 18

@@ -371,6 +371,9 @@ class Catalogue:
             raise StudioError(f"'{file}' is no ordinary file. Remove it, or choose another library.")
         database = _connected(file, "mode=rwc")
         try:
+            (state,) = database.execute("PRAGMA integrity_check(1)").fetchone()
+            if state != "ok":
+                raise _damaged(str(state).splitlines()[-1])
             (version,) = database.execute("PRAGMA user_version").fetchone()
             if version > CATALOGUE_VERSION:
                 self._only_read(
@@ -382,9 +385,8 @@ class Catalogue:
                 _make_tables(database)
             elif version != CATALOGUE_VERSION:
                 raise _damaged(f"it is of version {version}")
-            (state,) = database.execute("PRAGMA integrity_check(1)").fetchone()
-            if state != "ok":
-                raise _damaged(str(state).splitlines()[-1])
+            elif not _is_schema_whole(database):
+                raise _damaged("its tables are not those of this version")
             for table, columns in _COLUMNS.items():
                 database.execute(f"SELECT {columns} FROM {table} LIMIT 0")
         except UnicodeDecodeError as error:  # a name of a table or column, or a message with it
@@ -473,6 +475,14 @@ def _make_tables(database: sqlite3.Connection) -> None:
         if not database.execute("SELECT 1 FROM sqlite_master").fetchone():  # unless another process has just made them
             for statement in _TABLES:
                 database.execute(statement)
+
+
+def _is_schema_whole(database: sqlite3.Connection) -> bool:
+    """True if every table and index is declared as this version declares it."""
+    schema = "SELECT type, name, tbl_name, sql FROM sqlite_master"
+    with closing(sqlite3.connect(":memory:")) as whole:
+        _make_tables(whole)
+        return set(whole.execute(schema)) <= set(database.execute(schema))
 
 
 def _rescued(aside: Path) -> Labels:

@@ -1,4 +1,4 @@
-"""Contacts of one foot of a live body, decided from past frames alone (METHOD 4).
+"""Contacts of one foot of a live body, decided from past frames alone (METHOD 6).
 
 Heel or ball begin to stand when they are low and slow, and stop when they are clearly higher or faster. They stand
 where they were last shown; the difference at such a change decays, so that nothing jumps.

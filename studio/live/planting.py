@@ -1,4 +1,4 @@
-"""Grounding of a live body, one pose at a time, without knowledge of later poses (METHOD 4)."""
+"""Grounding of a live body, one pose at a time, without knowledge of later poses (METHOD 6)."""
 
 import math
 

@@ -27,7 +27,7 @@ class Lifetime(IntEnum):
 
 
 @dataclass(frozen=True)
-class Message:
+class UserMessage:
     """Sentence for the user, the buttons beside it, and how long it holds."""
 
     sentence: str
@@ -77,7 +77,7 @@ class MessageStrip(QWidget):
         self.setAccessibleName(sentence)
         self.show()
 
-    def show_message(self, message: Message) -> None:
+    def show_message(self, message: UserMessage) -> None:
         """Show a message; an empty one takes the last away."""
         if message.sentence:
             self.say(message.sentence, *message.answers)

@@ -9,7 +9,7 @@ from studio.engine.residuals import unsolved_words
 from studio.timeline.gestures.activation import time_of
 from studio.timeline.gestures.begin import name_of
 from studio.timeline.sheet import Sheet
-from studio.timeline.shown import HANDLES, ROW_LABEL_WIDTH, Hit, ItemPart
+from studio.timeline.shown import EDGES, HANDLES, ROW_LABEL_WIDTH, Hit, ItemPart
 from studio.timeline.strips import StripState
 from studio.timeline.time_words import moment
 from studio.timeline.tracks import clip, constraint, keys, remarks
@@ -107,6 +107,8 @@ def _clip_text(sheet: Sheet, hit: Hit) -> str:
     players = len(players_of(shown.project, hit.id))
     shared = f", shared by {players} bodies" if players > 1 else ""
     text = f"{clip.clip_text(shown, entity)}: frames {entity.first} to {entity.last}, {length:.3f} s{shared}"
+    if hit.part in EDGES:
+        text += "\nDrag to trim, with Shift to change the speed; later clips move along"
     comes = take_over(shown, hit.performer_id, entity)
     return f"{text}\n{comes.words(entity)}" if comes else text
 

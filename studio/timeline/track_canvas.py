@@ -281,7 +281,7 @@ class TrackCanvas(TrackView):
             and self.sheet.viewport.contains(press.toPoint())
         ):
             return BoxSelect(self.sheet, press, add)
-        return gesture_at(hit, shown, press)
+        return gesture_at(hit, shown, press, bool(modifiers & Modifier.ShiftModifier))
 
     def _scroll_rows(self, pixels: float) -> None:
         self.scroll_bar.setValue(round(self.scroll_bar.value() + pixels))

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from studio.viewport.stills import Still
 
 SMOOTHING_MILLISECONDS = 160
-"""When nothing has moved for so long, the picture is made smooth."""
+"""Seconds without a move after which the picture is made smooth."""
 GATHER_MILLISECONDS = 5
 
 

@@ -15,11 +15,11 @@ from studio.viewport.camera import OrbitCamera
 Pixels = NDArray[np.uint8]
 
 EYE_SEPARATION = 1 / 30
-"""Of the distance to the screen, by which eyes are apart: more than that tires."""
+"""Distance of the eyes, in parts of that to the screen: more than that tires."""
 SCREEN = 0.34
 """Metres of a usual screen's height: as the head moves before it, so does the eye before the stage's window."""
 NEAREST = 0.3
-"""Of the camera's distance, to which a head may come."""
+"""Least distance of a head, in parts of the camera's."""
 _GREY = np.array([0.299, 0.587, 0.114])
 
 

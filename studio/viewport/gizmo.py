@@ -46,7 +46,7 @@ class GizmoFrame:
     camera: OrbitCamera
     size: tuple[float, float]
     pixels: float = ARROW_PIXELS
-    """Of an arrow."""
+    """Length of an arrow."""
 
     @cached_property
     def length(self) -> float:

@@ -16,6 +16,7 @@ from studio.core.constraints.kinds import ADDED_KINDS
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.own_place import KeyedOwnPlace
+from studio.core.constraints.parallel import AXIS_DRAWN, ParallelConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.constraints.target import own_place_of
@@ -119,6 +120,17 @@ def _orientation(constraint: OrientationConstraint, pose: Posed, floor: float) -
     return HandleShape(lines=lines, missed=float(np.arccos(cosine)) > measure_of(constraint).held_below)
 
 
+def _parallel(constraint: ParallelConstraint, pose: Posed, floor: float) -> HandleShape:
+    """Both axes, each at its segment."""
+    turn, other = _turn(pose, constraint.point), _turn(pose, constraint.other)
+    lines = (
+        *constraint.sketch(_point(pose, constraint.point), turn),
+        _point(pose, constraint.other) + AXIS_DRAWN * np.stack([np.zeros(3), other @ np.array(constraint.other_axis)]),
+    )
+    lean = float(constraint.lean(turn[None], other[None])[0])
+    return HandleShape(lines=lines, missed=lean > measure_of(constraint).held_below)
+
+
 def _balance(constraint: BalanceConstraint, pose: Posed, floor: float) -> HandleShape:
     x, y, _ = _mass(pose)
     below = np.array([x, y, floor])
@@ -196,6 +208,7 @@ _FIGURES: dict[type[Constraint], Callable[[Any, Posed, float], HandleShape]] = {
     OrientationConstraint: _orientation,
     LookAtConstraint: _look_at,
     DistanceConstraint: _distance,
+    ParallelConstraint: _parallel,
     BalanceConstraint: _balance,
     AreaConstraint: _area,
     ClearConstraint: _clear,

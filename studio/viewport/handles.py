@@ -26,7 +26,7 @@ class Handle:
     figure: HandleShape
     activation: float
     main: bool
-    """Of the active performer: drawn in full."""
+    """Handles of the active performer: drawn in full."""
 
     @property
     def missed(self) -> bool:

@@ -198,7 +198,7 @@ class PlacedProp(Movable):
         self._put(replace(self._begin, size=(x, y, z)), "Resize", gesture, obstacles)
 
     def put_back(self, gesture: int) -> None:
-        """Where it was."""
+        """Former place."""
         self._put(self._begin, "Move", gesture, self._obstacles)
 
     def _put(
@@ -244,7 +244,7 @@ class PlacedPerformer(Movable):
         self._put(turned, "Turn", gesture)
 
     def put_back(self, gesture: int) -> None:
-        """Where it was."""
+        """Former place."""
         self._put(self._begin, "Move", gesture)
 
     def _put(self, performer: Performer, verb: str, gesture: int) -> None:

@@ -15,14 +15,16 @@ from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint, Vector
-from studio.core.constraints.carried_over import mirrored_constraint
+from studio.core.constraints.carried_over import mirrored_constraint, other_side
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.fitted_activation import LONGEST, fitted_activation
 from studio.core.constraints.kinds import ADDED_KINDS
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
+from studio.core.constraints.parallel import ParallelConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.constraints.rail import RailConstraint
 from studio.core.constraints.upright import UprightConstraint
 from studio.core.names import free_name
 from studio.core.normalized.mirror import mirrored_contacts
@@ -41,6 +43,8 @@ UPRIGHT_TOLERANCE = math.radians(5.0)
 NEW_TABLE_SIZE = (0.8, 0.8)
 """Metres of a new table's top; it stands on the ground and reaches up to the point."""
 LEAST_TABLE = 0.1
+LEAST_PATH = 0.01
+"""Metres of a path below which a new rail points forward."""
 TURNED_BY = {
     "clavicle": "upper_arm", "upper_arm": "forearm", "forearm": "hand",
     "thigh": "shank", "shank": "foot", "thorax": "neck", "neck": "head",
@@ -224,6 +228,20 @@ def _upright(here: Here) -> Constraint:
     return UprightConstraint(**common, axis=_vector(here.turn(part)[2]), cone=UPRIGHT_TOLERANCE)
 
 
+def _parallel(here: Here) -> Constraint:
+    """Keep the segment as it is to that of the other side; a segment in the middle to the pelvis, which the thorax
+    carries on.
+    """
+    part = turned_part(here.picked.point)
+    other = other_side(part)
+    if other is part:
+        other = BodyPart.PELVIS if part is not BodyPart.PELVIS else BodyPart.THORAX
+    chain = _HEAD if part in (BodyPart.HEAD, BodyPart.NECK) else replace(here.picked.chain, end_segment=1.0)
+    axis = _vector(here.turn(part).T @ here.turn(other)[:, 0])
+    common = here.common(f"{part.label.capitalize()} parallel", BodyPoint(part), chain)
+    return ParallelConstraint(**common, axis=axis, other=BodyPoint(other))
+
+
 def _distance(here: Here) -> Constraint:
     joint = here.picked
     begin, other = here.place(joint.point), opposite_hand(joint.point)
@@ -253,6 +271,16 @@ def _area(here: Here) -> Constraint:
     )
 
 
+def _rail(here: Here) -> Constraint:
+    """A line through the joint along the way that it takes about the playhead."""
+    joint = here.picked
+    path = here.points(joint.point)
+    moved = path[-1] - path[0] if len(path) else np.zeros(3)
+    direction = moved if float(np.linalg.norm(moved)) > LEAST_PATH else np.eye(3)[0]
+    common = here.common(f"{joint.name.capitalize()} on rail", joint.point, joint.chain)
+    return RailConstraint(**common, centre=_vector(here.place(joint.point)), direction=_vector(direction))
+
+
 def _clear(here: Here) -> Constraint:
     return ClearConstraint(**here.common("Clear of body", BodyPoint(BodyPart.THORAX), Chain()))
 
@@ -262,9 +290,11 @@ _MAKERS: dict[str, Callable[[Here], Constraint]] = {
     "orientation": _orientation,
     "look_at": _look_at,
     "upright": _upright,
+    "parallel": _parallel,
     "distance": _distance,
     "balance": _balance,
     "area": _area,
+    "rail": _rail,
     "clear": _clear,
 }
 

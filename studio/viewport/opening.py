@@ -1,4 +1,4 @@
-"""Where the camera stands at first: three-quarter, low, every performer in sight and apart."""
+"""First place of the camera: three-quarter, low, every performer in sight and apart."""
 
 import math
 from collections.abc import Mapping

@@ -27,7 +27,7 @@ TRAIL_KEY_PX = 5.0
 GAZE = 0.6
 """Least strength of the line from eyes to what they look at, whoever's they are."""
 JOINT_COLOUR = QColor(colours.STAGE_SELECTED_HANDLE)
-"""Of the dots at joints that can be picked."""
+"""Radius of the dots at joints that can be picked."""
 
 
 class Overlay:

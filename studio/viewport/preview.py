@@ -11,7 +11,7 @@ from studio.viewport.overlay import Overlay
 PREVIEW_MILLISECONDS = 33
 """Milliseconds a picture."""
 PREVIEW_PICTURES, PREVIEW_HELD_PICTURES = 24, 18
-"""Of the way there, and those for which the end is held."""
+"""Seconds of the way there, and those for which the end is held."""
 
 
 class Preview:

@@ -14,6 +14,7 @@ from studio.core.constraints.keyed import KeyedTurn
 from studio.core.constraints.kinds import ADDED_KINDS
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
+from studio.core.constraints.rail import RailConstraint
 from studio.core.constraints.upright import UprightConstraint
 from studio.core.rotations import frame_along, from_matrix, to_matrix
 from studio.document.document import Document
@@ -120,6 +121,32 @@ class RotatedDirection(RotatedTarget):
         self._put(replace(self._begin, direction=(x, y, z)), f"Turn direction of {self._begin.name}", gesture)
 
 
+class RotatedRail(RotatedTarget):
+    """A rail, rotated about its centre."""
+
+    @property
+    def pivot(self) -> FloatArray:
+        """(3,) stage position of the centre."""
+        return self.placement.to_stage(self.place)
+
+    @property
+    def own_axes(self) -> FloatArray:
+        """(3, 3) axes of which the last is the direction."""
+        now = self._moment.fixed(self._constraint)
+        assert isinstance(now, RailConstraint)
+        return np.asarray(self.placement.rotation @ frame_along(np.array(now.direction), np.array([1.0, 0.0, 0.0])))
+
+    def rotate(self, rotation: FloatArray, gesture: int) -> None:
+        """Rotate the direction as it is at the playhead."""
+        fixed = self._fixed
+        assert isinstance(fixed, RailConstraint)
+        assert isinstance(self._begin, RailConstraint)
+        turn = self._here(rotation)
+        now = np.array(fixed.direction)
+        x, y, z = (tilt_of(self._moment, self._begin, "direction").T @ turn @ now).tolist()
+        self._put(replace(self._begin, direction=(x, y, z)), f"Turn direction of {self._begin.name}", gesture)
+
+
 class LookedAt(RotatedTarget):
     """A place that is looked at: it goes round the eyes when rotated."""
 
@@ -196,6 +223,7 @@ ROTATED_TARGETS: Mapping[type[Constraint], type[Target]] = MappingProxyType(
     {
         OrientationConstraint: RotatedSegment,
         UprightConstraint: RotatedDirection,
+        RailConstraint: RotatedRail,
         LookAtConstraint: LookedAt,
         AreaConstraint: RotatedArea,
     }

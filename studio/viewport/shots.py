@@ -20,7 +20,7 @@ class View:
 
     camera: OrbitCamera
     height: float
-    """Of the viewport in logical pixels, by which painted lines get as thick as there."""
+    """Height of the viewport in logical pixels: painted lines get as thick as there."""
     bones: bool = False
     trail: BodyPoint | None = None
     ghost_of: str | None = None

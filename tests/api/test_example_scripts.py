@@ -75,6 +75,16 @@ def test_joined_clips_are_saved_and_opened_again(tmp_path: Path, capsys: pytest.
     run("render_a_scene", tmp_path / "row.png", tmp_path / "row.studio", "1.0")
 
 
+def test_a_hand_slides_along_a_banister_while_feet_stay_aligned(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run("rail_and_parallel", tmp_path / "slide.bvh")
+    words = capsys.readouterr().out.split()
+    assert float(words[3]) <= 0.2
+    assert float(words[10]) <= 0.1
+    assert (tmp_path / "slide.bvh").exists()
+
+
 def test_swapped_priorities_change_which_constraint_is_met(capsys: pytest.CaptureFixture[str]) -> None:
     run("compare_residuals")
     first, second = capsys.readouterr().out.splitlines()

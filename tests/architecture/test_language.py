@@ -22,7 +22,8 @@ SAME_CONSTANT = dict.fromkeys(
 """Constants that mean the same in every file that has them, with the reason."""
 RIDDLES = (
     "what", "who", "whom", "whose", "whether", "how", "why", "that which", "by how much", "by what", "as of", "of a",
-    "which",
+    "which", "where", "when", "whoever", "whatever", "as which", "as who", "of all", "of the", "of its", "of each",
+    "of what", "in which", "by which", "to which", "those who",
 )  # fmt: skip
 """Beginnings of docstrings that name neither the returned thing nor an action."""
 

@@ -2,22 +2,36 @@
 
 import re
 
+import pytest
+
 from tests.architecture.sources import ROOT, place_of, product_files
 
-METHOD = (ROOT / "docs" / "method.md").read_text(encoding="utf-8")
-SECTIONS = set(re.findall(r"^## (\d)\.", METHOD, re.MULTILINE))
+PAGES = {file: file.read_text(encoding="utf-8") for file in sorted((ROOT / "docs" / "method").glob("*.md"))}
+METHOD = "\n".join(PAGES.values())
+SECTIONS = set(re.findall(r"^# (\d+)\.", METHOD, re.MULTILINE))
 EQUATIONS = set(re.findall(r"  \((\d+a?)\)$", METHOD, re.MULTILINE))
 
 
-def test_equations_are_numbered_without_a_gap():
+def test_equations_and_pages_are_numbered_without_a_gap():
     assert {*map(str, range(1, 41)), "5a", "17a"} == EQUATIONS
+    assert {*map(str, range(1, len(PAGES) + 1))} == SECTIONS
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_every_page_has_an_equation_and_a_figure_and_is_in_the_index(page):
+    index = (ROOT / "docs" / "method.md").read_text(encoding="utf-8")
+    assert re.search(r"  \(\d+a?\)$", PAGES[page], re.MULTILINE)
+    assert f"(method/{page.name})" in index
+    figures = re.findall(r"!\[.+\]\((.+)\)", PAGES[page])
+    assert figures
+    assert all((page.parent / figure).is_file() for figure in figures)
 
 
 def test_every_section_and_equation_that_is_cited_is_there():
     lost = []
     for file in [*product_files(), *(ROOT / "tests").rglob("*.py")]:
         text = re.sub(r"\s+", " ", file.read_text(encoding="utf-8"))
-        for section, equation in re.findall(r"METHOD(?:,)? (?:(\d)(?:\.\d)?|\((\d+a?)\))", text):
+        for section, equation in re.findall(r"METHOD(?:,)? (?:(\d+)(?:\.\d)?|\((\d+a?)\))", text):
             if (section and section not in SECTIONS) or (equation and equation not in EQUATIONS):
                 lost.append(f"{place_of(file)} cites {section or equation}")
     assert lost == []

@@ -8,7 +8,7 @@ from tests.architecture.sources import ROOT
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 GUIDE = (ROOT / "docs" / "guide.md").read_text(encoding="utf-8")
-PAGES = sorted([ROOT / "README.md", ROOT / "CHANGELOG.md", *(ROOT / "docs").glob("*.md")])
+PAGES = sorted([ROOT / "README.md", ROOT / "CHANGELOG.md", *(ROOT / "docs").rglob("*.md")])
 CODE = re.compile(r"```[^`]*```|`[^`\n]+`|^ {4}[^\n]+", re.MULTILINE)
 COMMANDS = re.sub(r"#[^\n]*", "", "\n".join(CODE.findall(README)))
 PICTURES = 6_000_000

@@ -21,6 +21,7 @@ from studio.core.solver.asking.points import limb_of, point_indices
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.project.character_file import bundled_characters
 from tests.builders import make_constraint, make_morphology
+from tests.core.grounding import adapt_again
 from tests.core.motions import ALWAYS, RATE, local_rotations, target, walk
 from tests.core.twins.body import bone_lengths
 
@@ -36,7 +37,7 @@ seeds = st.integers(0, 2**32 - 1)
 def _adapted(
     *constraints: PositionConstraint, body: Morphology = WOMAN, frames: tuple[int, int | None] = (0, None)
 ) -> AdaptedMotion:
-    return adapt(AdaptRequest(WALK, body, CONTACTS, constraints), *frames)
+    return adapt_again(AdaptRequest(WALK, body, CONTACTS, constraints), *frames)
 
 
 def _reaches(body: Morphology = WOMAN) -> tuple[PositionConstraint, ...]:
@@ -95,6 +96,13 @@ def test_a_window_gives_the_same_poses_as_the_whole_clip_bit_for_bit(first: int,
     assert np.array_equal(window.positions, whole.positions[frames])
     assert np.array_equal(window.rotations, whole.rotations[frames])
     assert np.array_equal(window.residuals, whole.residuals[:, frames], equal_nan=True)
+
+
+def test_solving_leaves_the_grounded_motion_as_it_was() -> None:
+    _adapted(*_reaches())
+    again, anew = _adapted(), adapt(AdaptRequest(WALK, WOMAN, CONTACTS))
+    assert np.array_equal(again.positions, anew.positions)
+    assert np.array_equal(again.rotations, anew.rotations)
 
 
 @given(st.floats(0.4, 2.5))

@@ -1,4 +1,4 @@
-"""Where a constraint begins or ends, what is solved is blended: every joint is on its way, and what holds, holds."""
+"""Edges of constraints, at which what is solved is blended: every joint is on its way, and what holds, holds."""
 
 from dataclasses import replace
 
@@ -99,7 +99,7 @@ def test_what_is_out_of_reach_stays_as_far_off_whatever_acts_below(acts: str, li
 
 
 def test_a_moment_more_of_an_edge_changes_little() -> None:
-    """Where an edge begins or ends, and where two change places as to which acts more."""
+    """Frames in which an edge begins or ends, and in which two change places as to which acts more."""
     left = target(BodyPart.LEFT_FOREARM, FAR + np.array([0.0, 0.6, 0.0]), WHOLE, 1, activation=EDGES)
     for begin in (EDGES, LATER):
         right = target(BodyPart.RIGHT_FOREARM, FAR, WHOLE, 0, activation=begin)

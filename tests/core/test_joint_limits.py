@@ -13,12 +13,12 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.position import PositionConstraint
 from studio.core.quality.metrics import angular_acceleration
-from studio.core.solver.adapt import adapt
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.report import BLOCKED_BY_LIMITS, winners
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import standing_of
 from studio.io.project.character_file import bundled_characters
+from tests.core.grounding import adapt_again
 from tests.core.motions import ALWAYS, RATE, local_rotations, target, walk
 from tests.core.reachable import Mannequin
 from tests.core.scenes import Scene
@@ -79,17 +79,17 @@ def _asked(constraints: tuple[Constraint, ...]) -> set[int]:
 
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def test_no_set_of_constraints_brings_a_limb_beyond_its_limits_or_the_motion(body: Morphology) -> None:
-    before = adapt(AdaptRequest(WALK, body, CONTACTS))
+    before = adapt_again(AdaptRequest(WALK, body, CONTACTS))
     kinds = ("position", "orientation", "distance", "area", "position", "look_at", "balance")
     for seed in range(12):
         scene = Scene(before, seed, tuple(np.random.default_rng(seed).choice(kinds, size=1 + seed % 4)))
         request = AdaptRequest(WALK, body, CONTACTS, scene.constraints, tracks=scene.tracks)
-        assert _beyond(adapt(request), before, _asked(scene.constraints)) < 1e-6
+        assert _beyond(adapt_again(request), before, _asked(scene.constraints)) < 1e-6
 
 
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def test_targets_all_about_the_shoulders_and_hips_keep_limbs_within(body: Morphology) -> None:
-    random, before = np.random.default_rng(7), adapt(AdaptRequest(WALK, body))
+    random, before = np.random.default_rng(7), adapt_again(AdaptRequest(WALK, body))
     for part in ("left_forearm", "right_hand", "left_upper_arm", "right_shank", "left_foot"):
         points = body.layout.proximal_points()
         root = points[
@@ -98,44 +98,48 @@ def test_targets_all_about_the_shoulders_and_hips_keep_limbs_within(body: Morpho
         for _ in range(6):
             place = before.positions[30, root] + random.normal(size=3) * 0.25 * body.stature
             wish = target(part, place, random.choice([ARM, Chain(trunk=1.0)]))
-            assert _beyond(adapt(AdaptRequest(WALK, body, (), (wish,))), before, _asked((wish,))) < 1e-6
+            assert _beyond(adapt_again(AdaptRequest(WALK, body, (), (wish,))), before, _asked((wish,))) < 1e-6
 
 
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def test_what_is_well_within_is_as_without_limits_to_the_bit(body: Morphology) -> None:
-    standing = adapt(AdaptRequest(WALK, body, CONTACTS))
-    assert np.array_equal(standing.rotations, adapt(AdaptRequest(WALK, body, CONTACTS, limited=False)).rotations)
+    standing = adapt_again(AdaptRequest(WALK, body, CONTACTS))
+    assert np.array_equal(standing.rotations, adapt_again(AdaptRequest(WALK, body, CONTACTS, limited=False)).rotations)
     place = standing.positions[30, body.layout.collar(0) + 1] + body.stature * np.array([0.2, 0.02, -0.05])
     request = AdaptRequest(WALK, body, CONTACTS, (target("left_forearm", place, ARM),))
     free = replace(request, limited=False)
-    assert np.array_equal(adapt(request, 30, 30).rotations, adapt(free, 30, 30).rotations)
+    assert np.array_equal(adapt_again(request, 30, 30).rotations, adapt_again(free, 30, 30).rotations)
 
 
 def test_what_a_person_cannot_reach_is_missed_unless_the_trunk_helps_and_the_limits_are_named() -> None:
-    before = adapt(AdaptRequest(WALK, WOMAN, CONTACTS), 30, 30)
+    before = adapt_again(AdaptRequest(WALK, WOMAN, CONTACTS), 30, 30)
     place = before.positions[0, WOMAN.layout.collar(0) + 1] + [0.1, -0.5, 0.2]
     alone = AdaptRequest(WALK, WOMAN, CONTACTS, (target("left_forearm", place, ARM),))
-    adapted = adapt(alone, 30, 30)
+    adapted = adapt_again(alone, 30, 30)
     assert adapted.residuals[0, 0] > 0.1
-    assert adapt(replace(alone, limited=False), 30, 30).residuals[0, 0] < 0.05
+    assert adapt_again(replace(alone, limited=False), 30, 30).residuals[0, 0] < 0.05
     assert winners(standing_of(alone), alone.constraints, {}, adapted)[0, 0] == BLOCKED_BY_LIMITS
     helped = replace(alone, constraints=(target("left_forearm", place, Chain(trunk=1.0, root=1.0)),))
-    assert adapt(helped, 30, 30).residuals[0, 0] < 1e-3
+    assert adapt_again(helped, 30, 30).residuals[0, 0] < 1e-3
 
 
 def test_a_limb_swivels_back_before_it_gives_up_its_target() -> None:
-    before = adapt(AdaptRequest(WALK, WOMAN, CONTACTS), 30, 30)
+    before = adapt_again(AdaptRequest(WALK, WOMAN, CONTACTS), 30, 30)
     shoulder = before.positions[0, WOMAN.layout.collar(0) + 1]
     for aside in ([-0.15, 0.26, -0.18], [-0.04, -0.33, -0.09], [0.08, -0.22, 0.31], [-0.32, 0.29, 0.16]):
         request = AdaptRequest(WALK, WOMAN, CONTACTS, (target("left_forearm", shoulder + aside, ARM),))
-        free, limited = adapt(replace(request, limited=False), 30, 30), adapt(request, 30, 30)
+        free, limited = adapt_again(replace(request, limited=False), 30, 30), adapt_again(request, 30, 30)
         assert _beyond(free, before, {0}) > -0.05
         assert limited.residuals[0, 0] < 2e-4
 
 
 def _beyond_the_arm(body: Morphology, random: np.random.Generator) -> np.ndarray:
     """A place of the left wrist for an arm well within its limits on a trunk that has turned a little."""
-    before, k, row = adapt(AdaptRequest(WALK, body, CONTACTS), 30, 30), body.layout.spine_count, limits_of(body)[0]
+    before, k, row = (
+        adapt_again(AdaptRequest(WALK, body, CONTACTS), 30, 30),
+        body.layout.spine_count,
+        limits_of(body)[0],
+    )
     doll = Mannequin(before, 0, random)
     for vertebra in range(1, k):
         doll.jiggle(vertebra, 0.12)
@@ -158,17 +162,17 @@ def test_the_trunk_brings_a_limited_arm_to_what_they_can_reach_together(body: Mo
     while len(misses) < 24:
         place = _beyond_the_arm(body, random)
         request = AdaptRequest(WALK, body, CONTACTS, (target("left_forearm", place, ARM),))
-        if adapt(request, 30, 30).residuals[0, 0] > 5e-3:
+        if adapt_again(request, 30, 30).residuals[0, 0] > 5e-3:
             for chain in (Chain(trunk=1.0), Chain(trunk=1.0, root=1.0)):
                 wish = target("left_forearm", place, chain)
-                misses.append(adapt(replace(request, constraints=(wish,)), 30, 30).residuals[0, 0])
+                misses.append(adapt_again(replace(request, constraints=(wish,)), 30, 30).residuals[0, 0])
     assert np.mean(np.array(misses) < 2e-4) > 0.9
     assert max(misses) < 2e-3
 
 
 def _circling(axis: int) -> tuple[FollowTracked, Track]:
     """A place that goes all about the left shoulder in three seconds, 0.4 m away."""
-    before = adapt(AdaptRequest(LONG, WOMAN, LONG_CONTACTS))
+    before = adapt_again(AdaptRequest(LONG, WOMAN, LONG_CONTACTS))
     angles = 2 * np.pi * np.arange(before.frame_count) / (3 * RATE)
     circle = np.insert(np.stack([np.cos(angles), np.sin(angles)], axis=1), axis, 0.25, axis=1)
     places = before.positions[:, WOMAN.layout.collar(0) + 1] + 0.4 * circle
@@ -183,10 +187,10 @@ def test_a_target_that_goes_smoothly_through_all_limits_moves_no_joint_with_a_je
     follow, track = _circling(axis)
     wish = PositionConstraint("motion", "Wrist", BodyPoint(BodyPart.LEFT_FOREARM, at_end=True), ARM, 0, ALWAYS, follow)
     request = AdaptRequest(LONG, WOMAN, LONG_CONTACTS, (wish,), tracks={follow: track})
-    adapted, arm = adapt(request), slice(WOMAN.layout.spine_count + 2, WOMAN.layout.spine_count + 6)
-    assert _beyond(adapted, adapt(AdaptRequest(LONG, WOMAN, LONG_CONTACTS)), {0}) < 1e-6
+    adapted, arm = adapt_again(request), slice(WOMAN.layout.spine_count + 2, WOMAN.layout.spine_count + 6)
+    assert _beyond(adapted, adapt_again(AdaptRequest(LONG, WOMAN, LONG_CONTACTS)), {0}) < 1e-6
     assert angular_acceleration(local_rotations(adapted)[:, arm], RATE).max() < 1500.0
-    part = adapt(request, 60, 70)
+    part = adapt_again(request, 60, 70)
     assert np.array_equal(part.rotations, adapted.rotations[60:71])
 
 
@@ -234,8 +238,8 @@ def test_what_nobody_can_lies_beyond(ball: BallLimit, start: np.ndarray, turns: 
 
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def test_an_elbow_folds_as_far_as_an_elbow_does(body: Morphology) -> None:
-    before = adapt(AdaptRequest(WALK, body), 30, 30)
+    before = adapt_again(AdaptRequest(WALK, body), 30, 30)
     k, place = body.layout.spine_count, before.positions[0, body.layout.collar(0) + 1] + [0.02, 0.0, 0.0]
-    adapted = adapt(AdaptRequest(WALK, body, (), (target("left_forearm", place, ARM),)), 30, 30)
+    adapted = adapt_again(AdaptRequest(WALK, body, (), (target("left_forearm", place, ARM),)), 30, 30)
     bend = np.degrees(_bends(adapted.rotations[:, k + 3], adapted.rotations[:, k + 4])[0])
     assert 140.0 < bend < 150.0

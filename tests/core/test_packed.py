@@ -57,7 +57,7 @@ class Pair(NamedTuple):
 
 @kernel
 def between(pair, out_point):
-    """Where two places meet, by their weights; by names."""
+    """Point between two places, by their weights; by names."""
     whole = pair.here.weight + pair.there.weight
     for axis in range(3):
         share = pair.here.weight * pair.here.point[axis] + pair.there.weight * pair.there.point[axis]

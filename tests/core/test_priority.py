@@ -12,10 +12,11 @@ from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
-from studio.core.solver.adapt import adapt, hold, place_of
+from studio.core.solver.adapt import hold, place_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import stand
 from studio.io.project.character_file import bundled_characters
+from tests.core.grounding import adapt_again
 from tests.core.motions import ALWAYS, target, walk
 from tests.core.reachable import reachable_target
 from tests.core.scenes import KINDS, Scene
@@ -31,7 +32,7 @@ BENT = 0.114
 
 
 def _solved(body: Morphology, *constraints: Constraint) -> AdaptedMotion:
-    return adapt(AdaptRequest(WALK, body, CONTACTS, constraints), 30, 30)
+    return adapt_again(AdaptRequest(WALK, body, CONTACTS, constraints), 30, 30)
 
 
 def _higher(body: Morphology, chain: Chain, random: np.random.Generator) -> PositionConstraint:
@@ -58,7 +59,7 @@ def test_a_lower_constraint_does_not_change_what_a_higher_misses(body: Morpholog
 
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def test_a_wrist_before_its_elbow_meets_both_where_the_elbow_before_it_does(body: Morphology) -> None:
-    """Where the arm is bent enough for its swivel to be exact, METHOD (17)."""
+    """Frames in which the arm is bent enough for its swivel to be exact, METHOD (17)."""
     before, tried = _solved(body), 0
     elbow, wrist = (place_of(point, before)[0] for point in (BodyPoint(BodyPart.LEFT_UPPER_ARM, at_end=True), WRIST))
     for seed in range(24):
@@ -172,7 +173,7 @@ def test_whatever_is_added_below_changes_nothing_of_wishes_of_any_kind(body: Mor
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 @pytest.mark.parametrize("eased", [False, True])
 def test_what_does_not_act_changes_nothing(eased: bool, body: Morphology) -> None:
-    """Whatever it may move, whatever it weighs, and whatever its priority, be it over or, eased, still to come."""
+    """Any constraint, of any chain, weight and priority, be it over or, eased, still to come."""
     motion, contacts = walk(60)
     standing = stand(motion, body, contacts, Ground())
     past = ActivationCurve(5.0, 5.0, 6.0, 6.0) if eased else ActivationCurve(0.0, 0.0, 0.1, 0.2)

@@ -44,7 +44,7 @@ def performed(project: Project) -> Staged:
 
 
 def on_side(prop: Prop, side: float, *, turned: float = 1.0, lower: float = 0.0) -> np.ndarray:
-    """Where a wrist is on the left side (1) or the right one (-1), in the axes of the prop, its palm on the middle."""
+    """Place of a wrist on the left side (1) or the right one (-1), in the axes of the prop, its palm on the middle."""
     return np.array([-0.08 * turned, side * prop.size[1] / 2, -lower])
 
 

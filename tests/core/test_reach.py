@@ -43,7 +43,7 @@ class _Reach:
 
     @property
     def moved(self) -> np.ndarray:
-        """Where the point is now."""
+        """Present place of the point."""
         return self.positions[self.root + 1] + self.rotations[self.upper + 1] @ self.offset
 
     def bend(self, distance: float) -> None:
@@ -60,11 +60,11 @@ def test_bending_brings_the_point_to_the_distance_or_as_near_as_can_be(seed: int
     reach = _Reach(seed, limb)
     wanted = np.random.default_rng(seed + 1).uniform(0.0, 1.0)
 
-    def miss(angle: float) -> float:
-        there = twin.turned(reach.point, reach.elbow, reach.hinge, angle)
-        return abs(float(np.linalg.norm(there - reach.shoulder)) - wanted)
+    def miss(angles: np.ndarray) -> np.ndarray:
+        there = twin.turned(reach.point, reach.elbow, reach.hinge, angles)
+        return np.abs(np.linalg.norm(there - reach.shoulder, axis=1) - wanted)
 
-    best = miss(twin.best_angle(miss))
+    [best] = miss(np.array([twin.best_angle(miss)]))
     reach.bend(wanted)
     found = abs(np.linalg.norm(reach.moved - reach.shoulder) - wanted)
     assert found == pytest.approx(best, abs=1e-7)
@@ -138,14 +138,14 @@ def test_a_swivel_is_the_best_turn_that_leaves_the_held_point_alone(seed: int, l
     axis = (held - reach.shoulder) / np.linalg.norm(held - reach.shoulder)
     reach.offset, reach.point = np.zeros(3), reach.elbow
 
-    def miss(angle: float) -> float:
-        return float(np.linalg.norm(twin.turned(reach.elbow, reach.shoulder, axis, angle) - reach.target))
+    def miss(angles: np.ndarray) -> np.ndarray:
+        return np.linalg.norm(twin.turned(reach.elbow, reach.shoulder, axis, angles) - reach.target, axis=1)
 
     def off_axis(point: np.ndarray) -> float:
         return float(np.linalg.norm(np.cross(point - reach.shoulder, axis)))
 
     angle = twin.best_angle(miss)
-    lever, best, start = off_axis(reach.elbow) * off_axis(reach.target), miss(angle), miss(0.0)
+    lever, (best, start) = off_axis(reach.elbow) * off_axis(reach.target), miss(np.array([angle, 0.0]))
     kernel.swivel_to(reach.target, reach.point, held, reach.upper, K, reach.shoulder, reach.positions, reach.rotations)
     found = float(np.linalg.norm(reach.moved - reach.target))
     assert np.allclose(reach.positions[reach.root + 2], held, atol=1e-9)

@@ -8,9 +8,9 @@ from studio.core.body.morphology import Morphology
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import contact_quality
-from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.io.project.character_file import bundled_characters
+from tests.core.grounding import adapt_again
 from tests.core.motions import target, walk
 from tests.core.reachable import reachable_target
 
@@ -57,13 +57,13 @@ def test_it_is_met(part: BodyPart, chain: Chain, ends: tuple[bool, ...]) -> None
     for body in BODIES.values():
         free = not part.endswith(("thigh", "shank", "foot", "toe"))
         contacts = tuple(one for one in CONTACTS if free or one.point.side != (0 if part.startswith("left") else 1))
-        before = adapt(AdaptRequest(WALK, body, contacts), FRAME, FRAME)
+        before = adapt_again(AdaptRequest(WALK, body, contacts), FRAME, FRAME)
         for at_end in ends:
             for offset in ((0.0, 0.0, 0.0), (0.02, 0.03, -0.04)):
                 for _ in range(4):
                     place = reachable_target(before, 0, BodyPoint(part, offset, at_end), chain, random)
                     asked = target(part, place, chain, offset=offset, at_end=at_end)
-                    after = adapt(AdaptRequest(WALK, body, contacts, (asked,), limited=free), FRAME, FRAME)
+                    after = adapt_again(AdaptRequest(WALK, body, contacts, (asked,), limited=free), FRAME, FRAME)
                     assert after.residuals[0, 0] < MET
                     assert contact_quality(after, contacts, Ground()).penetration < 2e-3
 
@@ -71,14 +71,14 @@ def test_it_is_met(part: BodyPart, chain: Chain, ends: tuple[bool, ...]) -> None
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def test_both_hands_meet_their_targets_at_once(body: Morphology) -> None:
     random = np.random.default_rng(2)
-    before = adapt(AdaptRequest(WALK, body, CONTACTS), FRAME, FRAME)
+    before = adapt_again(AdaptRequest(WALK, body, CONTACTS), FRAME, FRAME)
     for chain in (ARM, ALL):
         for _ in range(5):
             asked = tuple(
                 target(part, reachable_target(before, 0, BodyPoint(part, at_end=True), chain, random), chain)
                 for part in (BodyPart.LEFT_FOREARM, BodyPart.RIGHT_FOREARM)
             )
-            after = adapt(AdaptRequest(WALK, body, CONTACTS, asked), FRAME, FRAME)
+            after = adapt_again(AdaptRequest(WALK, body, CONTACTS, asked), FRAME, FRAME)
             assert after.residuals.max() < MET
 
 
@@ -86,9 +86,9 @@ def test_both_hands_meet_their_targets_at_once(body: Morphology) -> None:
 def test_a_hand_is_met_over_the_whole_clip(body: Morphology) -> None:
     """The body walks past its target: it is met in every frame in which the arm is long enough."""
     layout = body.layout
-    before = adapt(AdaptRequest(WALK, body, CONTACTS))
+    before = adapt_again(AdaptRequest(WALK, body, CONTACTS))
     place = before.positions[60, layout.collar(1) + 1] + 0.75 * body.arm[1].sum() * np.array([0.6, -0.3, -0.74])
     near = np.linalg.norm(before.positions[:, layout.collar(1) + 1] - place, axis=1) < 0.95 * body.arm[1].sum()
-    after = adapt(AdaptRequest(WALK, body, CONTACTS, (target("right_forearm", place, ARM),)))
+    after = adapt_again(AdaptRequest(WALK, body, CONTACTS, (target("right_forearm", place, ARM),)))
     assert near.sum() > 20
     assert after.residuals[0, near].max() < MET

@@ -101,7 +101,7 @@ def test_no_body_is_turned_round_for_a_foot_to_stand_where_it_stood() -> None:
 
 
 def test_who_goes_on_the_other_way_round_turns_there_in_one_way() -> None:
-    """Where the shorter way changed between the two frames that were seen, the body spun by half a turn a frame."""
+    """The shorter way once changed between the two frames that were seen, the body spun by half a turn a frame."""
     stands, first = standing(compose((example("walk_turn"),))), 60
     own = Stance.before(stands, first)
     around = turning_about(np.array([0.0, 0.0, 1.0]), np.array([np.pi - 0.01, np.pi + 0.01]))

@@ -18,10 +18,10 @@ from studio.core.grounds.ground import Ground
 from studio.core.normalized.normalize import normalize
 from studio.core.quality.metrics import contact_quality
 from studio.core.rotations import angle_between, from_matrix
-from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.project.character_file import bundled_characters
 from tests.builders import make_capture, make_skeleton
+from tests.core.grounding import adapt_again
 from tests.core.motions import local_rotations, target, walk
 
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}
@@ -42,7 +42,7 @@ STILL = _still()
 
 
 def _walking(body: Morphology, *constraints: PositionConstraint) -> AdaptedMotion:
-    return adapt(AdaptRequest(WALK, body, CONTACTS, constraints), 30, 30)
+    return adapt_again(AdaptRequest(WALK, body, CONTACTS, constraints), 30, 30)
 
 
 def _reach(body: Morphology, chain: Chain, **changes: Any) -> PositionConstraint:
@@ -57,12 +57,12 @@ def _angle(first: np.ndarray, second: np.ndarray) -> float:
 
 def _misses(body: Morphology, chain: Chain, left: float, right: float, apart: float = 0.3) -> np.ndarray:
     """(2,) metres by which both wrists, pulled apart by ``apart`` beyond their reach, are missed."""
-    wrists = adapt(AdaptRequest(STILL, body), 0, 0).positions[0, [body.layout.wrist(0), body.layout.wrist(1)]]
+    wrists = adapt_again(AdaptRequest(STILL, body), 0, 0).positions[0, [body.layout.wrist(0), body.layout.wrist(1)]]
     wishes = [
         target(f"{side}_forearm", wrist + np.array([0.3, sign * apart, -0.1]), chain, weight=weight)
         for side, wrist, sign, weight in zip(("left", "right"), wrists, (1.0, -1.0), (left, right), strict=True)
     ]
-    return adapt(AdaptRequest(STILL, body, (), tuple(wishes)), 0, 0).residuals[:, 0]
+    return adapt_again(AdaptRequest(STILL, body, (), tuple(wishes)), 0, 0).residuals[:, 0]
 
 
 @pytest.mark.parametrize("chain", [TRUNK, ALL], ids=["trunk", "all"])
@@ -134,7 +134,7 @@ def test_a_pelvis_with_a_weight_turns_and_the_feet_stay(body: Morphology) -> Non
     assert _angle(turned.rotations[0, 0], before.rotations[0, 0]) > 0.02
     assert turned.residuals.max() < MET
     for chain in (freed, replace(freed, root=0.0)):
-        walked = adapt(AdaptRequest(WALK, body, CONTACTS, (_reach(body, chain),)))
+        walked = adapt_again(AdaptRequest(WALK, body, CONTACTS, (_reach(body, chain),)))
         assert contact_quality(walked, CONTACTS, Ground()).slide < 1.2e-3
 
 

@@ -171,7 +171,7 @@ def test_a_drag_is_one_undo_step(qapp: Any) -> None:
 
 
 def test_what_a_thing_was_in_the_middle_of_a_drag_is_not_kept(qapp: Any) -> None:
-    """Of each move one command stayed for ever, with the values it had: a drag of a minute kept thousands."""
+    """One command of each move stayed for ever, with the values it had: a drag of a minute kept thousands."""
     document, gesture = Document(PROJECT), 7
     passed = [replace(PROJECT.constraints["constraint 0"], weight=0.1 + 0.1 * step) for step in range(5)]
     alive = [weakref.ref(each) for each in passed]

@@ -71,7 +71,7 @@ def on_stage(document: Document, live: LiveAdaptation, performer_id: str, point:
 
 
 def seen(document: Document, live: LiveAdaptation, performer_id: str) -> np.ndarray:
-    """Where the wrist of a performer is seen, on the stage."""
+    """Place at which the wrist of a performer is seen, on the stage."""
     shown = live.shown(performer_id)
     assert shown is not None
     return Placement.of(document.project.performers[performer_id]).to_stage(place_of(RIGHT, shown))[0]

@@ -408,7 +408,7 @@ def test_what_is_known_is_shown_until_the_kernels_are_there(qapp: Any) -> None:
 
 
 def test_bodies_stand_while_the_kernels_of_constraints_are_still_compiled(qapp: Any) -> None:
-    """Whoever has a constraint, and whoever gets one, waits for them, and the words say so."""
+    """Bodies with a constraint, or that get one, wait for them, and the words say so."""
     solver, document = Solver(), Document(make_project(constraints=0))
     solver.hold.set()
     kernels = SimpleNamespace(grounded=True, ready=False, stop=lambda _patience: None)

@@ -188,7 +188,7 @@ def test_nothing_ever_stands_quite_still(example):
 
 
 def test_hardly_a_frame_rests_as_in_real_captures(example):
-    """Whoever is alive turns some joint faster than 2 degrees a second; real captures rest in 0 to 1 % of frames."""
+    """A living body turns some joint faster than 2 degrees a second; real captures rest in 0 to 1 % of frames."""
     turns = np.swapaxes(example.rotations[:-1], -1, -2) @ example.rotations[1:]
     cosine = np.clip((np.trace(turns, axis1=-2, axis2=-1) - 1.0) / 2.0, -1.0, 1.0)
     speed = np.degrees(np.arccos(cosine)).max(axis=1) * example.capture.frame_rate

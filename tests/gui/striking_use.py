@@ -9,7 +9,7 @@ from studio.engine.performance import row_at
 
 
 def struck_place(window, key):
-    """Where on the stage the body's hit point is when it hits, and when that is."""
+    """Place on the stage of the body's hit point as it hits, and the time of it."""
     document = window.bench.document
     made = list(document.project.constraints.values())[-1]
     assert isinstance(made, PositionConstraint)

@@ -298,7 +298,7 @@ def test_a_place_that_is_written_is_read_again_and_what_has_none_stays_as_it_is(
 
 
 def fixed(studio, constraint):
-    """Where it is held now."""
+    """Place at which it is held now."""
     viewport, document, _ = studio
     return handle_place(
         TargetContext(document.project, viewport.posed, viewport.posed["performer 0"]).fixed(constraint)

@@ -37,7 +37,7 @@ KEYS = KeyedPlace(
 
 
 class Editor:
-    """Where things of the curve editor are, and what they are."""
+    """Things of the curve editor and their places."""
 
     def __init__(self, document, timeline):
         self.document, self.timeline = document, timeline

@@ -1,4 +1,4 @@
-"""Where one clip of a row takes over from another, as it is seen and told on the real widget."""
+"""Change from one clip of a row to the next, as it is seen and told on the real widget."""
 
 from dataclasses import replace
 

@@ -22,6 +22,7 @@ from tests.builders import make_capture, make_constraint, make_contact, make_pro
 from tests.gui.hand import LEFT, NONE, RATE, pixels
 
 FIRST, SECOND = "performer 0", "performer 1"
+SHIFT = Qt.KeyboardModifier.ShiftModifier
 
 
 @pytest.fixture
@@ -321,3 +322,30 @@ def test_who_cannot_be_adapted_is_shown_as_such_and_the_others_as_ever(document,
     assert after.pixelColor(points[SECOND]) != before.pixelColor(points[SECOND])
     said = hover_text(timeline.tracks.sheet, timeline.tracks.picture.plot, QPointF(place(timeline, SECOND, 120)))
     assert "who could not be adapted" in said
+
+
+@pytest.mark.parametrize(("stretched", "speed", "later"), [(60, 0.5, 60), (-30, 2.0, -30), (-59.9, 10.0, -54)])
+def test_an_end_that_is_dragged_with_shift_changes_the_speed_and_later_clips_move_along(
+    document, timeline, hand, stretched, speed, later
+):
+    document.replace(
+        "performers",
+        FIRST,
+        replace(document.project.performers[FIRST], clips=(Clip("motion", 0, 60, 0.0, "walk"),
+                Clip("other", 0, 90, 1.0, "punch"))),
+        "Row",
+    )  # fmt: skip
+    document.undo_stack.clear()
+    before = document.project
+    hand.press(place(timeline, FIRST, 60) - QPoint(4, 0))
+    hand.move(pixels(timeline, stretched), SHIFT)
+    hand.release()
+    walk = clip(document, "walk")
+    assert walk.speed == pytest.approx(speed, rel=0.02)
+    assert (walk.first, walk.last, walk.start) == (0, 60, 0.0)
+    assert clip(document, "punch").start * RATE == pytest.approx(60 + later, abs=1.0)
+    assert clip(document, "walk", SECOND).speed == walk.speed
+    assert clip(document, "kick", SECOND).start * RATE == pytest.approx(80 + later, abs=1.0)
+    assert document.undo_stack.count() == 1
+    document.undo_stack.undo()
+    assert document.project == before

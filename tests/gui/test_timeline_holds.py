@@ -1,4 +1,4 @@
-"""When a prop is held, on the timeline and from the menu: picked up, put down, dragged."""
+"""Holds of a prop, on the timeline and from the menu: picked up, put down, dragged."""
 
 from dataclasses import replace
 

@@ -82,7 +82,7 @@ def on_ring(viewport, part, degrees):
 
 
 def wrists(viewport):
-    """Where each performer has the right wrist on the stage."""
+    """Place of each performer's right wrist on the stage."""
     return {key: pose.points[pose.motion.morphology.layout.wrist(1)] for key, pose in viewport.posed.items()}
 
 

@@ -13,7 +13,7 @@ RATE = 30
 WORLD_TO_FILE = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
 """Y up, Z forward."""
 BESIDE, ARMATURE, ROOT, ATTRIBUTE, TRAVEL, TURNS = 100, 999, 1000, 2000, 9000, 10_000
-"""Where the numbers of each kind of object begin."""
+"""First number of each kind of object."""
 
 HEAD = """; FBX 7.4.0 project file
 FBXHeaderExtension: { FBXHeaderVersion: 1003

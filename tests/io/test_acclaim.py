@@ -17,7 +17,7 @@ from tests.io.acclaim_text import BONES, FRAMES, amc_text, asf_text, axis_of, mo
 
 
 def expected(frame: dict[str, list[float]], name: str) -> np.ndarray:
-    """Where the bone ``name`` begins: up the hierarchy by the format's rule, C M C^-1, in matrices of scipy."""
+    """Place at which the bone ``name`` begins: up the hierarchy by the rule C M C^-1, in matrices of scipy."""
     chain = [name]
     while chain[-1] != "root":
         chain.append(BONES[chain[-1]][0])

@@ -305,7 +305,7 @@ FUZZED = (
     "made", "sample15_FP1_metres", "sample06_MACsample", "sample01_Eb015vr", "btk_shd01_prefix", "sample09_PlugInC3D",
 )  # fmt: skip
 MUTATIONS = 600
-"""Of the reader; a tenth of them go on to the body."""
+"""Files for the reader; a tenth of them go on to the body."""
 
 
 @pytest.mark.parametrize("name", FUZZED)

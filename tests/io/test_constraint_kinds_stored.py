@@ -20,8 +20,10 @@ from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.own_place import OwnPlace
+from studio.core.constraints.parallel import ParallelConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.procedural import CirclePlace, NoisePlace, PendulumPlace
+from studio.core.constraints.rail import RailConstraint
 from studio.core.constraints.upright import UprightConstraint
 from studio.core.errors import StudioError
 from studio.core.mesh.triangle_mesh import TriangleMesh
@@ -42,6 +44,9 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     UprightConstraint("motion", "Tray", BodyPoint(BodyPart.LEFT_HAND), *COMMON, axis=(0.0, 0.6, 0.8), cone=0.2),
     DistanceConstraint("motion", "Clap", WRIST, *COMMON, other=BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)),
     DistanceConstraint("motion", "Rod", WRIST, *COMMON, other=(0.5, 0.0, 1.0), distance=0.4),
+    ParallelConstraint("motion", "Soles", BodyPoint(BodyPart.LEFT_FOOT), *COMMON, other=BodyPoint(BodyPart.RIGHT_FOOT)),
+    RailConstraint("motion", "Banister", WRIST, *COMMON, centre=(0.4, 0.0, 0.7), direction=(0.6, 0.0, 0.8), length=3.0),
+    RailConstraint("motion", "Wall", WRIST, *COMMON, shape="plane", direction=(0.0, 1.0, 0.0)),
     BalanceConstraint("motion", "Balance", BodyPoint(BodyPart.PELVIS), *COMMON),
     BalanceConstraint("motion", "Lean", BodyPoint(BodyPart.PELVIS), *COMMON, place=(0.1, -0.1)),
     AreaConstraint("motion", "Table", WRIST, *COMMON, centre=(0.4, 0.0, 0.7), size=(1.0, 1.5, 0.1), heading=0.3),
@@ -90,6 +95,7 @@ TARGETS: tuple[Constraint, ...] = (
     BalanceConstraint("motion", "Path", HAND, *COMMON, place=KEYED, vertical=True),
     BalanceConstraint("motion", "Support", HAND, *COMMON, place=Support(0.01)),
     AreaConstraint("motion", "Tray", WRIST, *COMMON, centre=FollowProp("box"), heading=KeyedNumber((0.0,), (0.5,))),
+    RailConstraint("motion", "Pole", WRIST, *COMMON, centre=FollowProp("box"), direction=(0.0, 0.6, 0.8)),
     PositionConstraint("motion", "Own keys", WRIST, *COMMON, target=OwnPlace(WRIST, 0.4, own=APART).keyed(0.5)),
     PositionConstraint(
         "motion", "Own circle", WRIST, *COMMON, target=CirclePlace(origin=OwnPlace(WRIST, 0.4, (0.0, 0.1, 0.2), APART))

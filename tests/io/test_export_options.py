@@ -13,6 +13,7 @@ from studio.core.body.pose import PoseSequence
 from studio.core.body.zero_pose import t_pose, with_zero_pose
 from studio.core.captures.annotations import Annotations, Label
 from studio.core.captures.contacts import ContactInterval, ContactPoint
+from studio.core.errors import StudioError
 from studio.core.mesh.joint_skin import character_skin
 from studio.core.normalized.normalize import normalize
 from studio.core.rotations import multiply
@@ -20,10 +21,12 @@ from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.core.stage.placement import Placement
 from studio.io.export import skin_of, take_of_adapted, take_of_capture, write_take
+from studio.io.export_choices import ROOTLESS
 from studio.io.export_options import ExportOptions
 from studio.io.importing import load_capture
 from studio.io.joint_names import joint_namings, with_joint_names
 from studio.io.project.character_file import bundled_characters
+from studio.io.registry import OWN_FORMATS
 from tests.builders import make_capture, make_character
 
 NO_TURN = np.array([0.0, 0.0, 0.0, 1.0])
@@ -175,7 +178,11 @@ def test_in_place_the_hips_stay_where_they_begin_and_nothing_else_changes():
     assert np.abs(after[:, 0, 2] - before[:, 0, 2]).max() == 0.0
 
 
-@pytest.mark.parametrize("suffix", [".bvh", ".fbx", ".glb", ".usd", ".csv", ".npz", ".c3d", ".s4d"])
+MOTION_SUFFIXES = [suffix for each in OWN_FORMATS if each.motion_writer for suffix in each.suffixes]
+"""Every kind of file that the studio itself writes a motion to."""
+
+
+@pytest.mark.parametrize("suffix", MOTION_SUFFIXES)
 def test_a_range_is_written_frame_by_frame_as_it_was(tmp_path, suffix):
     take = take_on(make_character(), make_capture(frames=60))
     options = ExportOptions(begin=0.25, end=0.5)
@@ -185,6 +192,42 @@ def test_a_range_is_written_frame_by_frame_as_it_was(tmp_path, suffix):
     assert chosen.begin == pytest.approx(0.25)
     back = places_in(tmp_path / f"out{suffix}")
     assert len(back["Hips"]) == 16
+
+
+OPTIONS = {
+    "another rate": ExportOptions(frame_rate=24.0),
+    "a range at another rate": ExportOptions(begin=0.25, end=0.75, frame_rate=90.0),
+    "in place": ExportOptions(root="in-place"),
+    "a root on the floor": ExportOptions(root="floor"),
+    "everything": ExportOptions(root="floor", begin=0.2, end=0.8, frame_rate=48.0),
+}
+
+
+@pytest.mark.parametrize("options", OPTIONS)
+@pytest.mark.parametrize("suffix", MOTION_SUFFIXES)
+def test_every_writer_has_every_option(tmp_path, suffix, options):
+    if suffix.startswith(".usd"):
+        pytest.importorskip("pxr", reason="usd-core is not installed")
+    take = take_on(make_character(), heading_away(make_capture(frames=60), np.linspace(0.0, 3.0, 60)))
+    path, chosen = tmp_path / f"out{suffix}", OPTIONS[options]
+    if chosen.root == "floor" and suffix in ROOTLESS:
+        with pytest.raises(StudioError, match="its hips travel"):
+            chosen.applied_to(take, path)
+        return
+    shaped = chosen.applied_to(take, path)
+    write_take(shaped, path)
+    back, expected = places_in(path), world(shaped.capture)
+    assert len(back["Hips"]) == shaped.poses.frame_count
+    names, ends = shaped.skeleton.names, shaped.skeleton.end_sites
+    moving = [name for name, is_end in zip(names, ends, strict=True) if not is_end]
+    assert len(set(moving) & set(back)) == len(moving)
+    for joint, name in enumerate(names):
+        if name in back:
+            assert np.abs(back[name] - expected[:, joint]).max() < 1e-4, name
+    if chosen.root == "in-place":
+        assert np.ptp(back["Hips"][:, :2], axis=0).max() < 1e-4
+    if chosen.root == "floor":
+        assert np.abs(back["root"][:, :2] - back["Hips"][:, :2]).max() < 1e-4
 
 
 @pytest.mark.parametrize(("rate", "count"), [(30.0, 30), (25.0, 25), (120.0, 119), (59.94, 59)])

@@ -9,9 +9,9 @@ import pytest
 
 from studio.core.body.kinematics import joint_world
 from studio.core.errors import StudioError
-from studio.io.fbx import reading
-from studio.io.fbx.capture import fbx_file
 from studio.io.importing import ImportOptions, load_capture
+from studio.io.scene import scene_reader
+from studio.io.scene.capture import scene_joints
 from tests.builders import BODY_MAP
 from tests.io.fbx_text import ORDERS, body, fbx_text
 
@@ -118,7 +118,7 @@ def test_a_reader_that_crashes_costs_the_import_alone(tmp_path: Path, monkeypatc
 
 def test_a_reader_that_never_ends_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "take.fbx").write_text(fbx_text())
-    monkeypatch.setattr(reading, "_PATIENCE", 0.5)
+    monkeypatch.setattr(scene_reader, "_PATIENCE", 0.5)
     instead_of_the_reader(monkeypatch, "while True: pass")
     with pytest.raises(StudioError, match="takes longer than"):
         load_capture(tmp_path / "take.fbx")
@@ -141,7 +141,7 @@ def test_a_reader_that_is_cancelled_leaves_nothing_open(tmp_path: Path, monkeypa
 
 def test_without_its_package_the_sentence_says_what_to_export(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "take.fbx").write_text(fbx_text())
-    monkeypatch.setattr(reading, "find_spec", lambda _name: None)
+    monkeypatch.setattr(scene_reader, "find_spec", lambda _name: None)
     with pytest.raises(StudioError, match=rf"read with the package 'ufbx'.*{INSTEAD}"):
         load_capture(tmp_path / "take.fbx")
 
@@ -153,12 +153,12 @@ def test_a_scale_that_mirrors_or_flattens_a_joint_for_a_while_is_repaired_and_to
     frames[2:5, 1, 7] = scale
     about = {"names": list("abcd"), "parents": [-1, 0, 1, 2], "frame_rate": 30.0, "unit_metres": 1.0, "up_axis": "Z"}
     arrays = {"frames": frames, "rest": rest, "about": np.frombuffer(json.dumps(about).encode(), dtype=np.uint8)}
-    file = fbx_file(arrays, Path("take.fbx"))
+    file = scene_joints(arrays, Path("take.fbx"))
     assert np.isfinite(file.local_rotations).all()
     [repair] = file.repairs
     assert repair.startswith("In 3 frames scales mirror or flatten b, c, d")
     rest[1:, 7] = frames[:, 1:, 7] = -1.0
-    assert fbx_file({**arrays, "frames": frames, "rest": rest}, Path("take.fbx")).repairs == ()
+    assert scene_joints({**arrays, "frames": frames, "rest": rest}, Path("take.fbx")).repairs == ()
 
 
 def test_joints_beyond_all_numbers_are_refused_in_a_sentence() -> None:
@@ -166,4 +166,4 @@ def test_joints_beyond_all_numbers_are_refused_in_a_sentence() -> None:
     about = {"names": list("abcd"), "parents": [-1, 0, 1, 2], "frame_rate": 30.0, "unit_metres": 1.0, "up_axis": "Z"}
     arrays = {"frames": frames, "rest": frames[0], "about": np.frombuffer(json.dumps(about).encode(), dtype=np.uint8)}
     with pytest.raises(StudioError, match="farther away"):
-        fbx_file(arrays, Path("take.fbx"))
+        scene_joints(arrays, Path("take.fbx"))

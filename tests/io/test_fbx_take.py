@@ -18,7 +18,7 @@ from studio.core.solver.request import AdaptRequest
 from studio.io.export import skin_of, take_of_adapted, take_of_capture, write_take
 from studio.io.export_options import ExportOptions
 from studio.io.fbx.euler import FBX_ORDERS, euler_curves
-from studio.io.fbx.reading import read_arrays
+from studio.io.fbx.reading import FBX_READER
 from studio.io.gltf.materials import hex_colour
 from studio.io.importing import load_capture, load_character
 from studio.io.joint_names import joint_namings
@@ -105,7 +105,7 @@ def test_the_skin_is_bound_as_it_was(tmp_path):
     take = take_on(character, make_capture())
     write_take(take, tmp_path / "out.fbx")
     skin = skin_of(take)
-    read = read_arrays(tmp_path / "out.fbx", "figure", lambda share, text: None)
+    read = FBX_READER.read(tmp_path / "out.fbx", "figure", lambda share, text: None)
     assert np.abs(read["0 vertices"][:, [2, 0, 1]] / 100.0 - skin.vertices).max() < 1e-9
     back = load_character(tmp_path / "out.fbx")
     assert back.repairs == ()
@@ -132,7 +132,7 @@ def test_materials_and_pictures_are_in_the_file(tmp_path):
     places = np.random.default_rng(0).uniform(size=(len(mesh.vertices), 2)).astype(np.float32)
     look = Appearance((Material("cloth", "#FFFFFF", picture), Material("skin", "#00FF80")), kinds, places)
     write_take(take_on(replace(character, skin=replace(mesh, appearance=look)), make_capture()), tmp_path / "out.fbx")
-    read = read_arrays(tmp_path / "out.fbx", "figure", lambda share, text: None)
+    read = FBX_READER.read(tmp_path / "out.fbx", "figure", lambda share, text: None)
     told = json.loads(read["about"].tobytes())["meshes"][0]["materials"]
     assert [hex_colour(np.array(each["colour"])) for each in told] == ["#FFFFFF", "#00FF80"]
     assert read["0 0 picture"].tobytes() == picture.tobytes()

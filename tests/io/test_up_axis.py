@@ -1,4 +1,4 @@
-"""Whatever axis of a file is up, the body stands; a camera's tilt is taken back, and doubt is told."""
+"""Any axis of a file may be up, and the body stands; a camera's tilt is taken back, and doubt is told."""
 
 from dataclasses import replace
 from pathlib import Path

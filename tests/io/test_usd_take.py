@@ -91,7 +91,7 @@ def test_joints_with_names_that_usd_does_not_allow_keep_them_beside_their_paths(
 
 
 def surfaces(stage):
-    """Of each bound material: the triangles it covers, its surface, and the shader that gives its colour, if any."""
+    """Bound materials: the triangles it covers, its surface, and the shader that gives its colour, if any."""
     for prim in stage.Traverse():
         if prim.IsA(UsdGeom.Subset):
             material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()

@@ -92,6 +92,31 @@ def test_a_name_in_the_file_that_is_no_text_is_damage(folder: Path, label: ClipL
     use(folder, label)
 
 
+@pytest.mark.parametrize(
+    "word", [b"REFERENCES files", b"(path) ON", b"bones TEXT UNIQUE", b"CASCADE", b"PRIMARY KEY, take"]
+)
+@pytest.mark.parametrize("letter", [b"K", b"\xa6"])
+def test_a_table_that_is_declared_otherwise_is_damage(
+    folder: Path, label: ClipLabel, word: bytes, letter: bytes
+) -> None:
+    """It could be read, but not written: references to other tables are looked up in each insertion."""
+    put(folder, "UPDATE files SET size = size + 1")  # they are read again
+    database = folder / "catalogue" / DATABASE
+    content = database.read_bytes()
+    assert word in content
+    database.write_bytes(content.replace(word, word[:-1] + letter))
+    use(folder, label)
+
+
+def test_a_damaged_catalogue_that_seems_to_be_of_a_newer_version_is_made_anew(folder: Path, label: ClipLabel) -> None:
+    put(folder, f"PRAGMA user_version = {CATALOGUE_VERSION + 1}")
+    database = folder / "catalogue" / DATABASE
+    content = database.read_bytes()
+    database.write_bytes(content[:100] + bytes(100) + content[200:])
+    assert "a new one is made" in use(folder, label)
+    assert list((folder / "catalogue").glob("*.damaged*"))
+
+
 @pytest.mark.parametrize("version", [CATALOGUE_VERSION + 1, CATALOGUE_VERSION + 98, 2**31 - 1])
 def test_a_catalogue_of_a_newer_version_is_searched_and_never_changed(
     folder: Path, label: ClipLabel, version: int

@@ -26,7 +26,7 @@ from tests.monkey.events import Monkey
 from tests.monkey.report import GAP, Clock, Report, resident
 
 if TYPE_CHECKING:
-    from studio.panels.message_strip import Message
+    from studio.panels.message_strip import UserMessage
 
 EVENTS, ROUND = 100_000, 1000
 BEAT, PATIENCE = 20, 0.3
@@ -78,7 +78,7 @@ class Soak:
         if "plugin does not support" not in text:
             self.fault(f"{text}\n{''.join(traceback.format_stack())}")
 
-    def said(self, message: "Message") -> None:
+    def said(self, message: "UserMessage") -> None:
         """Only what is no sentence for the user: that was logged, with its stack, or comes from a task."""
         if FAULT in message.sentence:
             self.fault(message.sentence)

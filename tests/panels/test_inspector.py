@@ -44,7 +44,7 @@ class FakeLive(QObject):
 
 
 def segment_place(part):
-    """Where a segment of the figure is clicked."""
+    """Place at which a segment of the figure is clicked."""
     return (SCALE * SEGMENT_SHAPES[part].center()).toPoint()
 
 

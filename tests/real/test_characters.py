@@ -160,7 +160,7 @@ WALKERS = "cesium_man", "joe_hanim_kick", "jin_hanim_loa4", "openhrp_sample1_hum
 @pytest.mark.parametrize("path", [param for param in FILES if param.values[0].stem in WALKERS])
 @pytest.mark.parametrize("stem", WALKS)
 def test_it_walks_with_knees_as_straight_as_the_actors_and_arms_beside_its_body(stem: str, path: Path):
-    """Whatever its ankles, feet and hips are like: twice what is asked of the bundled bodies."""
+    """Bound for all ankles, feet and hips: twice what is asked of the bundled bodies."""
     capture, motion, actor = taken(named(stem))
     contacts, character, own = contacts_of(capture), read(path).character, actor.morphology
     request = AdaptRequest(motion, character.morphology, contacts, actor=own, clears=True, volume=character.volume)

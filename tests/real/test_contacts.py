@@ -104,7 +104,7 @@ def test_the_steps_of_a_run_are_found(stem: str, side: int, first: int, last: in
 
 @pytest.mark.parametrize("stem", ["walk", "walk_on_sinking_floor", "turn", "run", "get_up", "dance", "cartwheel"])
 def test_feet_of_a_recording_stand_where_they_were_keyed(stem: str) -> None:
-    """Whatever noise, tilted and sinking floors and skipped frames do to it."""
+    """Contacts are kept under noise, tilted and sinking floors and skipped frames."""
     recording, stances = RECORDINGS[stem], _stances(stem)
     targets = recording.motion(recording.frame_rate)
     kept = recording.kept(len(targets.times))

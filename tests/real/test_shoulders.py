@@ -12,7 +12,7 @@ from tests.captures import outside
 from tests.real.taken import contacts_of, named, taken
 
 NEARER, FARTHER = -0.02, 0.15
-"""Of the distance at rest: what clavicles of other shares may add to it is more than what they may take."""
+"""Fraction of the distance at rest: what clavicles of other shares may add to it is more than what they may take."""
 
 
 @pytest.mark.parametrize(

@@ -31,7 +31,7 @@ else in any.
 RUNNING = "accad_female1_C03_Run", 0.035
 """Runs up a flight of steps, three at a time, and how much they brush."""
 MOST_ACCELERATION = {"stairs up": 5.0, "stairs down": 4.0}
-"""Of its source's: who walks on the level climbs two or three steps within the time of one swing; 3 elsewhere."""
+"""Ratio to its source's: who walks on the level climbs two or three steps within the time of one swing; 3 elsewhere."""
 TILT = math.radians(15.0)
 
 

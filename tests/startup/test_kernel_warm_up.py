@@ -202,7 +202,7 @@ def test_both_halves_compile_exactly_what_the_whole_needs():
 
 
 def test_nothing_is_compiled_after_the_warm_up():
-    """Whatever is asked then: every kind of constraint, by itself and with others, still and growing bodies, files."""
+    """Requests of all kinds: every kind of constraint, by itself and with others, still and growing bodies, files."""
     process = (sys.executable, "-m", "tests.startup.late_kernels")
     done = subprocess.run(process, cwd=Path(__file__).parents[2], capture_output=True, text=True, check=False)
     assert (done.stdout.strip(), done.returncode) == ("", 0), done.stderr

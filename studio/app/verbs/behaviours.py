@@ -139,7 +139,7 @@ def _with_motion(bench: Workbench, title: str, names: tuple[str, ...], make: Cal
 
 
 def _when_hit(bench: Workbench, clip: Clip) -> ActivationCurve:
-    """When, in seconds of the motion of a clip that begins as the partner strikes, the blow hits; else all the time."""
+    """Seconds, in the motion of a clip that begins as the partner strikes, at which the blow hits; else all of it."""
     project = bench.document.project
     _, partner_id = _pair(bench)
     behaviour = project.behaviours.get(project.behaviour_of(partner_id) or "")

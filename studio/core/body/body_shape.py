@@ -152,7 +152,7 @@ def _sorted_by_side(points: FloatArray, pair: _Pair, forward: FloatArray, sides:
 
 
 def _longest(points: FloatArray, chain: list[int]) -> int:
-    """Where in a chain its two longest bones in a row begin."""
+    """Place in a chain at which its two longest bones in a row begin."""
     bones = [float(np.linalg.norm(points[b] - points[a])) for a, b in pairwise(chain)]
     return int(np.argmax([a + b for a, b in pairwise(bones)]))
 

@@ -10,7 +10,7 @@ FloatArray = NDArray[np.float64]
 SHORTEST_HAND = 0.01
 """Distance in metres from the wrist within which an end belongs to a bone without length."""
 LONGEST_HAND, USUAL_HAND = 1.0, 0.4
-"""Of the forearm: 0.1 to 0.75 in captures of people, from wrist to knuckles or finger tips."""
+"""Fraction of the forearm: 0.1 to 0.75 in captures of people, from wrist to knuckles or finger tips."""
 
 
 def hand_reach(skeleton: Skeleton, wrist: int, positions: FloatArray) -> FloatArray:

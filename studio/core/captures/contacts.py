@@ -231,7 +231,7 @@ FLATTEST_SHANK = np.radians(15.0)
 
 
 def detect_contacts(soles: FloatArray, frame_rate: float, first_frame: int = 0) -> dict[ContactPoint, list[Span]]:
-    """Frames (first, last) in which each foot point stands, from its height and its speed (METHOD 4).
+    """Frames (first, last) in which each foot point stands, from its height and its speed (METHOD 5).
 
     ``soles`` (F, 2, 3, 3) metres, left and right, heel, ball and tip of the toes, Z up; frames before ``first_frame``
     are not looked at. The toes stand while either of their ends does: the ball is first to land, the tip last to leave.

@@ -173,7 +173,7 @@ def _speed_of(track: FloatArray, rate: float) -> FloatArray:
 
 
 def _nearest(parts: dict[str, tuple[Mask, FloatArray]]) -> dict[str, Mask]:
-    """Where a hand rests on each part: through one rest it is on the part that is nearest to it all in all."""
+    """Resting places of a hand on each part: through one rest it is on the part that is nearest to it all in all."""
     anywhere = np.any([mask for mask, _ in parts.values()], axis=0)
     found = {part: np.zeros_like(anywhere) for part in parts}
     for first, last in spans_of(anywhere):

@@ -11,7 +11,9 @@ from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
+from studio.core.constraints.parallel import ParallelConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.constraints.rail import RailConstraint
 from studio.core.constraints.upright import UprightConstraint
 
 CONSTRAINT_KINDS: dict[str, type[Constraint]] = {
@@ -21,9 +23,11 @@ CONSTRAINT_KINDS: dict[str, type[Constraint]] = {
         OrientationConstraint,
         LookAtConstraint,
         UprightConstraint,
+        ParallelConstraint,
         DistanceConstraint,
         BalanceConstraint,
         AreaConstraint,
+        RailConstraint,
         ClearConstraint,
     )
 }

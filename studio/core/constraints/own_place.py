@@ -11,7 +11,7 @@ from studio.core.plausible import TIME_RANGE
 
 @dataclass(frozen=True)
 class OwnPlace:
-    """Where ``point`` of the body itself is at ``time`` (seconds of the motion), on the ground and without constraints.
+    """Place of ``point`` of the body itself at ``time`` (seconds of the motion), on the ground and without constraints.
 
     A body that goes farther in its steps has it farther on. ``offset`` from there is counted in leg lengths of the
     body (thigh and shank), as its travel is; ``own`` are the further offsets of single performers, by id.

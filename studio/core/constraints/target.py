@@ -1,4 +1,4 @@
-"""Where a target may be: fixed (plain numbers), keyed, moving by a rule, each body's own, or following what moves."""
+"""Targets of constraints: fixed (plain numbers), keyed, moving by a rule, each body's own, or following what moves."""
 
 from dataclasses import replace
 

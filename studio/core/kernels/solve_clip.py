@@ -55,7 +55,7 @@ def place_frames(measures, drops, legs, positions, rotations):
 
 @allocating_kernel
 def solve_frames(request, body, motion, clearance, easing, out_residuals):
-    """Solve the tasks of every frame, in place (METHOD 5 and 6).
+    """Solve the tasks of every frame, in place (METHOD 7 to 9).
 
     Records as in ``kernels.records``. Self-collision constraints act on the unsolved poses of ``motion``, in place, and
     again after the tasks; its solved poses begin as copies of the unsolved ones. ``out_residuals`` (C, F): residual of

@@ -133,7 +133,7 @@ def _spread_out(places: FloatArray, stiff: list[int]) -> list[int]:
 
 
 def _carried(source: FloatArray, marker: FloatArray, targets: FloatArray, trust: FloatArray) -> FloatArray:
-    """Where ``marker`` (3,) goes when ``source`` (n, 3) moves rigidly onto each of ``targets`` (F, n, 3).
+    """Way of ``marker`` (3,) when ``source`` (n, 3) moves rigidly onto each of ``targets`` (F, n, 3).
 
     ``trust`` (n,) are weights that sum to one.
     """

@@ -1,4 +1,4 @@
-"""Joint centres from markers: by the equations of Plug-in-Gait (METHOD 1), or midway between the two sides of a joint.
+"""Joint centres from markers: by the equations of Plug-in-Gait, or midway between the two sides of a joint.
 
 All lengths are metres, all places (F, 3) in axes that are fixed in space; NaN where a marker was not seen.
 """

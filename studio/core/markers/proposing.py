@@ -20,7 +20,7 @@ _ACROSS = 0.7
 _ALONG = 0.5
 """Cosine of the angle from straight along an arm beyond which they are not."""
 _WELL_SEEN = 0.8
-"""Of the markers that the best frame shows, the part that a frame must show."""
+"""Fraction of the markers of the best frame that a frame must show."""
 _MOST_FRAMES = 600
 """Frames that are enough to know where markers lie on a body."""
 _LOW = 0.1

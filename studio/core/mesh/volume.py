@@ -23,7 +23,7 @@ from studio.core.project_cache import project_cache
 LEVELS = (0.03, 0.30, 0.58, 0.80)
 """Heights at which the trunk is measured, parts of the way from the hips to the neck base."""
 PROBES = ((0, 0.0), (0, 0.5), (0, 1.0), (1, 0.45), (1, 0.85))
-"""Where the spheres of an arm lie: bone (0 forearm, 1 hand) and part of its length."""
+"""Places of the spheres of an arm: bone (0 forearm, 1 hand) and part of its length."""
 PALM_SURFACE_PROBE = PROBES[3][1]
 """The same of the palm."""
 CAPSULES_OF = {"hips": (0, 1), "trunk": (2, 3, 4, 5), "head": (6,), "thigh": (7, 8)}
@@ -36,7 +36,7 @@ _HEAD_LEVELS, _LOWEST_HEAD = (0.25, 0.5), -0.6
 """Heights at which the head is measured, and its lowest, parts of its length: brims and long hair do not count."""
 _THIGH = (0.2, 0.9)
 _ARM_BANDS = ((0.0, 0.15), (0.4, 0.6), (0.85, 1.0), (0.3, 0.6), (0.7, 1.0))
-"""Where each of ``PROBES`` is measured, parts of its bone's length."""
+"""Places at which ``PROBES`` are measured, in parts of its bone's length."""
 _ARM_SHARES = (0.5, 0.5, 0.5, 0.25, 0.25)
 """Fraction of the vertices in each band that lie within the measured radius (a quantile)."""
 _SECTIONS = ((0.123, 0.071, -0.096), (0.100, 0.069, -0.060), (0.118, 0.095, -0.057), (0.122, 0.090, -0.051))

@@ -115,7 +115,7 @@ def _filled(row: AssembledRow, pieces: Sequence[MotionPiece]) -> Composite:
 
 
 def timing_of_pieces(pieces: Sequence[MotionPiece]) -> Timing:
-    """When a row plays, at the highest frame rate among its pieces; StudioError where that is far too long."""
+    """Timing of a row, at the highest frame rate among its pieces; StudioError where that is far too long."""
     rate = max(piece.motion.frame_rate for piece in pieces)
     begin, end = min(piece.start for piece in pieces), max(piece.end for piece in pieces)
     last = round((end - begin) * rate)

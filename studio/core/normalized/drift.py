@@ -1,4 +1,4 @@
-"""Floor drift of a capture, measured from its footprints: reported, because adaptation removes it (METHOD 4)."""
+"""Floor drift of a capture, measured from its footprints: reported, because adaptation removes it (METHOD 5)."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Where a motion has to stand so that it goes on where another one is (Kovar et al. 2002, equation 1)."""
+"""Place of a motion at which it goes on where another one is (Kovar et al. 2002, equation 1)."""
 
 from dataclasses import dataclass
 from functools import cache

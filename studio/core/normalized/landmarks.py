@@ -1,4 +1,4 @@
-"""Where the canonical points lie in a capture's own skeleton, in its reference pose and in every frame."""
+"""Places of the canonical points in a capture's own skeleton, in its reference pose and in every frame."""
 
 from collections.abc import Collection
 from dataclasses import dataclass

@@ -25,7 +25,7 @@ class Girdle:
     """
 
     length: float
-    """Of the clavicles in parts of half the breadth of the shoulders, as ``realize.girdles`` has it."""
+    """Reach of the clavicles in parts of half the breadth of the shoulders, as ``realize.girdles`` has it."""
     rest: FloatArray
     """(2, 3) direction of each clavicle at rest, thorax axes."""
     hips: float
@@ -68,7 +68,7 @@ class NormalizedMotion:
     """The actor's: where other clavicles are longer they turn by less, so that shoulders go as far, and they come no
     nearer to each other than the actor's do; wider hips turn by less. None where it is not known: all turn alike."""
     changes: tuple[Change, ...] = ()
-    """Where channels jump as one clip of a row takes over from another: each stands by itself, led on from the last."""
+    """Jumps of channels as one clip of a row takes over from another: each stands by itself, led on from the last."""
 
     def __post_init__(self) -> None:
         for name in ("channels", "spine_places"):

@@ -62,7 +62,7 @@ class MotionPiece:
 
 @dataclass(frozen=True)
 class Played:
-    """Where a piece is in the motion made of a row: frames ``first`` to ``last``, placed by ``placement``."""
+    """Place of a piece in the motion made of a row: frames ``first`` to ``last``, placed by ``placement``."""
 
     piece: MotionPiece
     first: int

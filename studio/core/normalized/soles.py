@@ -1,4 +1,4 @@
-"""Where heels, balls and tips of feet are, for their contacts: captures have an ankle and a ball, seldom a heel."""
+"""Places of heels, balls and tips of feet, for their contacts: captures have an ankle and a ball, seldom a heel."""
 
 import numpy as np
 from numpy.typing import NDArray

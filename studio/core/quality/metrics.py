@@ -62,7 +62,7 @@ def worst_of(slides: FloatArray, heights: FloatArray) -> ContactQuality:
 
 
 def centre_of_mass(adapted: AdaptedMotion) -> FloatArray:
-    """Centre of mass (F, 3) in metres, in the motion's space (de Leva 1996; METHOD 7)."""
+    """Centre of mass (F, 3) in metres, in the motion's space (de Leva 1996; METHOD 11)."""
     return mass_path(adapted.positions[:], adapted.morphology)
 
 

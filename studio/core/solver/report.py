@@ -235,7 +235,7 @@ class _BlockerSearch:
         self._best[here] = np.where(better, gain, self._best[here])
 
     def _weigh_together(self, row: int) -> None:
-        """Where nothing helps alone, name the first that helps when it goes too: other constraints, contacts, limits.
+        """Name, if nothing helps alone, the first that helps when it goes too: other constraints, contacts, limits.
 
         Where a free body misses the target as well, its reach is named.
         """

@@ -75,7 +75,7 @@ def without_transitions(behaviour: Behaviour, places: Collection[int]) -> Behavi
 
 
 def order_of(behaviour: Behaviour, place: int) -> tuple[int, int]:
-    """As which of its state's transitions one is tried, from 1, and how many that has."""
+    """Place of a transition in the order of its state, from 1, and the number of that state's transitions."""
     source = behaviour.transitions[place].source
     places = [k for k, each in enumerate(behaviour.transitions) if each.source == source]
     return places.index(place) + 1, len(places)

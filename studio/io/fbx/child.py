@@ -7,22 +7,16 @@ kept (``objects``), nothing is collected, and the process ends without taking le
 
 import gc
 import json
-import os
 import sys
-import traceback
-from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from studio.io.fbx.child_meshes import clustered, meshes_of
 from studio.io.fbx.objects import all_of, keep, matrix_of
+from studio.io.scene.child_run import MOST_VALUES, run_child
 
-MOST_VALUES = 1 << 27
 MOST_FBX_JOINTS = 4096
-MEMORY = 3 << 30
-"""Bytes of addresses beside twenty times the file: what Python and NumPy reserve, and half a gigabyte."""
 
 
 def main(source: str, target: str, what: str) -> None:
@@ -32,7 +26,6 @@ def main(source: str, target: str, what: str) -> None:
     """
     import ufbx
 
-    _limit_memory(Path(source).stat().st_size)
     gc.disable()
     drawn = what != "motion"
     scene = keep(
@@ -107,16 +100,6 @@ def _write_figure(target: str, scene: Any, everything: list[Any], nodes: list[An
     np.savez(target, about=np.frombuffer(json.dumps(about).encode(), dtype=np.uint8), **arrays)  # type: ignore[arg-type]
 
 
-def _limit_memory(size: int) -> None:
-    """So that a file that lies about its sizes takes only this process."""
-    try:
-        import resource
-    except ImportError:  # Windows has no such limit; time is limited there as here
-        return
-    with suppress(ValueError, OSError):  # macOS has the name, but keeps no such limit
-        resource.setrlimit(resource.RLIMIT_AS, (MEMORY + 20 * size,) * 2)
-
-
 def _nodes(scene: Any) -> list[tuple[Any, int]]:
     """All but the root, parents first, each with the id of the one above it, -1 where that is the root."""
     found: list[tuple[Any, int]] = []
@@ -148,19 +131,5 @@ def _values(transform: Any) -> tuple[float, ...]:
     return (place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w, scale.x, scale.y, scale.z)
 
 
-def _run() -> int:
-    try:
-        main(*sys.argv[1:])
-    except SystemExit as refusal:
-        print(refusal, file=sys.stderr)
-        return 1
-    except Exception:  # noqa: BLE001 - whatever it is, its last line is told
-        traceback.print_exc()
-        return 1
-    return 0
-
-
 if __name__ == "__main__":
-    code = _run()
-    sys.stderr.flush()
-    os._exit(code)
+    run_child(main)

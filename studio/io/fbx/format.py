@@ -2,24 +2,24 @@
 
 from pathlib import Path
 
-from studio.io.fbx.capture import capture_in
-from studio.io.fbx.character import character_in
-from studio.io.fbx.reading import read_arrays
+from studio.io.fbx.reading import FBX_READER
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress, ReadCapture, ReadCharacter
+from studio.io.scene.capture import capture_in
+from studio.io.scene.character import character_in
 
 
 def load_capture(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
     """The capture in the FBX file at ``path``: its longest animation. Raises StudioError with what to do."""
-    return capture_in(read_arrays(path, "motion", progress), path, options, progress)
+    return capture_in(FBX_READER.read(path, "motion", progress), path, options, progress)
 
 
 def load_character(path: Path, options: ImportOptions, progress: Progress) -> ReadCharacter:
     """Read joints, meshes and materials, and find the body. Raises StudioError with what to do."""
-    return character_in(read_arrays(path, "figure", progress), path, options, progress)
+    return character_in(FBX_READER.read(path, "figure", progress), path, options, progress)
 
 
 def load_either(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture | ReadCharacter:
     """The character of a file in which a skin hangs from joints, else the capture. Raises StudioError."""
-    arrays = read_arrays(path, "either", progress)
+    arrays = FBX_READER.read(path, "either", progress)
     return (capture_in if "frames" in arrays else character_in)(arrays, path, options, progress)

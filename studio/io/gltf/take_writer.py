@@ -35,9 +35,9 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
 
     Metres, Y up; one key a frame, interpolated linearly. Raises StudioError when the file cannot be written.
     """
-    scene = _Scene(take.name, take.frame_rate, take.poses.frame_count)
+    scene = GltfScene(take.name, take.frame_rate, take.poses.frame_count)
     scene.add_take(take, lambda share: progress(0.8 * share, f"Writing {path.name}"))
-    _write(path, scene, progress)
+    write_scene(path, scene, progress)
 
 
 def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
@@ -45,7 +45,7 @@ def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
 
     As ``write_take``. Raises StudioError when the file cannot be written.
     """
-    scene = _Scene(stage.name, stage.frame_rate, stage.frame_count)
+    scene = GltfScene(stage.name, stage.frame_rate, stage.frame_count)
     for number, take in enumerate(stage.takes):
 
         def reported(share: float, number: int = number) -> None:
@@ -56,14 +56,15 @@ def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
         scene.add_prop(prop)
     for camera in stage.cameras:
         scene.add_camera(camera)
-    _write(path, scene, progress)
+    write_scene(path, scene, progress)
 
 
-def _write(path: Path, scene: "_Scene", progress: Progress) -> None:
+def write_scene(path: Path, scene: "GltfScene", progress: Progress) -> None:
+    """Write a finished scene, as text where the suffix is ``.gltf``. Raises StudioError when it cannot be written."""
     content = scene.buffers.content
     content.extend(bytes(-len(content) % 4))
     root = scene.document() | {"buffers": [{"byteLength": len(content)}]}
-    parts = _glb if path.suffix.lower() == ".glb" else _gltf
+    parts = _gltf if path.suffix.lower() == ".gltf" else _glb
     write_pieces(path, _told(parts(root, content), len(content), path.name, progress))
     progress(1.0, f"Wrote {path.name}")
 
@@ -79,11 +80,13 @@ def _told(
         done += len(piece)
 
 
-class _Scene:
+class GltfScene:
     """A glTF document under construction: nodes, meshes, skins, materials, and one animation of all of them."""
 
     def __init__(self, name: str, frame_rate: float, frame_count: int) -> None:
         self.buffers = Buffers()
+        self.extensions: dict[str, Any] = {}
+        """Records of extensions by name, written at the root."""
         self._name = name
         self._seconds = np.arange(frame_count) / frame_rate
         self._times: int | None = None
@@ -103,6 +106,8 @@ class _Scene:
             **lists,
             "animations": [animation],
         }
+        if self.extensions:
+            root |= {"extensionsUsed": list(self.extensions), "extensions": self.extensions}
         if images := lists.get("images"):
             root["samplers"] = [{}]
             root["textures"] = [{"source": place, "sampler": 0} for place in range(len(images))]
@@ -111,10 +116,7 @@ class _Scene:
     def add_take(self, take: Take, progress: Any, *, group: bool = False) -> None:
         """Joints, skin and animation, the joints below a node of its name where they are a ``group``."""
         skin = skin_of(take)
-        first = len(self._lists["nodes"])
-        for node, children in zip(_joint_nodes(take), take.skeleton.children, strict=True):
-            self._add("nodes", node | {"children": [first + child for child in children]} if children else node)
-        joints = list(range(first, first + take.skeleton.joint_count))
+        joints = self._add_joints(take)
         top = self._add("nodes", {"name": take.name, "children": joints[:1]}) if group else joints[0]
         self._roots.append(top)
         if len(skin.triangles):
@@ -123,6 +125,12 @@ class _Scene:
             bound = {"joints": joints, "inverseBindMatrices": _inverse_binds(skin, self.buffers), "skeleton": joints[0]}
             shown = {"name": take.name, "mesh": self._add("meshes", mesh), "skin": self._add("skins", bound)}
             self._roots.append(self._add("nodes", shown))
+        self._animate_joints(take, joints, progress)
+
+    def add_motion(self, take: Take, progress: Any) -> None:
+        """Joints and animation, nothing to be seen."""
+        joints = self._add_joints(take)
+        self._roots.append(joints[0])
         self._animate_joints(take, joints, progress)
 
     def add_prop(self, prop: ExportedProp) -> None:
@@ -178,6 +186,12 @@ class _Scene:
             self._times = self.buffers.add(self._seconds, "f4", bounds=True)
         sampler = {"input": self._times, "interpolation": "LINEAR", "output": self.buffers.add(values, "f4")}
         self._add("channels", {"sampler": self._add("samplers", sampler), "target": {"node": node, "path": path}})
+
+    def _add_joints(self, take: Take) -> list[int]:
+        first = len(self._lists["nodes"])
+        for node, children in zip(_joint_nodes(take), take.skeleton.children, strict=True):
+            self._add("nodes", node | {"children": [first + child for child in children]} if children else node)
+        return list(range(first, first + take.skeleton.joint_count))
 
     def _animate_joints(self, take: Take, joints: list[int], progress: Any) -> None:
         """A key a frame for every joint that turns, and for every one that travels."""

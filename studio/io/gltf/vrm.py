@@ -1,5 +1,13 @@
 """The humanoid map of VRM 0 and 1 and of VRM animations: which node plays which part of the body."""
 
+from collections.abc import Container
+
+import numpy as np
+
+from studio.core.body.canonical import BodyPart
+from studio.core.body.finger_joints import Digit, find_fingers
+from studio.core.body.humanoid import BodyMap
+from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
 from studio.io.json_record import Record
 
@@ -21,6 +29,29 @@ _SPINE = ("spine", "chest", "upperChest")
 _NEEDED = ("hips", "spine", "head", *(f"{side}{bone}" for side in ("left", "right") for bone in _SIDED))
 
 
+_FINGER_BONES = ("Proximal", "Intermediate", "Distal")
+_THUMB_BONES = ("Metacarpal", "Proximal", "Distal")
+
+
+def humanoid_joints(skeleton: Skeleton, body: BodyMap) -> dict[str, int]:
+    """The joint of ``skeleton`` for each bone of VRM 1, parents first.
+
+    Of a spine with more than three joints above the pelvis the first, the middle and the last are bones. Raises
+    StudioError where a bone that every VRM has is missing.
+    """
+    named = {bone: body.parts[BodyPart(part)] for bone, part in _BONES.items() if BodyPart(part) in body.parts}
+    above = body.spine[1:]
+    places = np.linspace(0, len(above) - 1, min(len(above), len(_SPINE))).round().astype(int).tolist()
+    named |= {bone: above[place] for bone, place in zip(_SPINE, places, strict=False)}
+    for finger, joint in find_fingers(skeleton, body).items():
+        bones = _THUMB_BONES if finger.digit is Digit.THUMB else _FINGER_BONES
+        side = ("left", "right")[finger.side]
+        named[f"{side}{finger.digit.capitalize()}{bones[finger.place]}"] = joint
+    if missing := _missing(named):
+        raise StudioError(f"No joint plays {', '.join(missing)}. Choose one under Characters > Body map.")
+    return dict(sorted(named.items(), key=lambda item: item[1]))
+
+
 def vrm_bones(root: Record, node_count: int) -> dict[str, int]:
     """Nodes by part (``pelvis``, ``spine_1``, ``left_hand``); empty where the file is no VRM.
 
@@ -34,14 +65,17 @@ def vrm_bones(root: Record, node_count: int) -> dict[str, int]:
         named = _version_0(extensions.inner("VRM").inner("humanoid"), node_count)
     else:
         return {}
-    missing = [bone for bone in _NEEDED if bone not in named and not bone.endswith(("Shoulder", "Toes"))]
-    if missing:
+    if missing := _missing(named):
         raise StudioError(
             f"{root.where}: its humanoid has no {', '.join(missing[:4])}. Assign the bone in the program it comes from."
         )
     spine = [named[bone] for bone in _SPINE if bone in named]
     bones = {f"spine_{place}": node for place, node in enumerate(spine, 1)}
     return {_BONES[bone]: node for bone, node in named.items() if bone in _BONES} | bones
+
+
+def _missing(named: Container[str]) -> list[str]:
+    return [bone for bone in _NEEDED if bone not in named and not bone.endswith(("Shoulder", "Toes"))]
 
 
 def _version_1(bones: Record, node_count: int) -> dict[str, int]:

@@ -24,7 +24,7 @@ _LOCAL_HEADER = struct.Struct("<4s5H3I2H")
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 _SPARE_BYTES = 100_000_000
-"""To which a compressed archive may unpack beside twenty times its size: members are there twice for a moment."""
+"""Bytes to which a compressed archive may unpack beside twenty times its size: members are there twice for a moment."""
 _MOST_DAMAGED = 100  # a file made to keep the reader busy has many more
 
 Stamp = tuple[int, int, int]

@@ -24,7 +24,7 @@ class UnknownKind(ValueError):  # noqa: N818 - it names what is the matter
 
 @dataclass(frozen=True)
 class MemberCodec:
-    """Where large arrays go and come from: ``store`` names an array's member, ``load`` gives it back."""
+    """Members of large arrays: ``store`` names an array's member, ``load`` gives it back."""
 
     store: Callable[[Array], str]
     load: Callable[[str], Array]

@@ -61,7 +61,7 @@ class ExportedStage:
 
     @property
     def names(self) -> list[str]:
-        """Of all performers, then of all props, then of all cameras."""
+        """Names of all performers, then of all props, then of all cameras."""
         return (
             [each.name for each in self.takes]
             + [each.name for each in self.props]

@@ -10,7 +10,9 @@ from studio.panels.constraint_editors.common import ConstraintEditor
 from studio.panels.constraint_editors.distance import DistanceEditor
 from studio.panels.constraint_editors.look_at import LookAtEditor
 from studio.panels.constraint_editors.orientation import OrientationEditor
+from studio.panels.constraint_editors.parallel import ParallelEditor
 from studio.panels.constraint_editors.position import PositionEditor
+from studio.panels.constraint_editors.rail import RailEditor
 from studio.panels.constraint_editors.upright import UprightEditor
 
 CONSTRAINT_EDITORS: dict[str, type[ConstraintEditor]] = {
@@ -18,9 +20,11 @@ CONSTRAINT_EDITORS: dict[str, type[ConstraintEditor]] = {
     "orientation": OrientationEditor,
     "look_at": LookAtEditor,
     "upright": UprightEditor,
+    "parallel": ParallelEditor,
     "distance": DistanceEditor,
     "balance": BalanceEditor,
     "area": AreaEditor,
+    "rail": RailEditor,
     "clear": ClearEditor,
 }
 

@@ -4,7 +4,7 @@ from PySide6.QtCore import QPointF, Qt
 
 from studio.core.captures.contacts import ContactInterval
 from studio.timeline.gestures.activation import DragHandle, MoveActivation
-from studio.timeline.gestures.clip import MoveClips, TrimClip
+from studio.timeline.gestures.clip import MoveClips, StretchClip, TrimClip
 from studio.timeline.gestures.contact import DragContact
 from studio.timeline.gestures.correction import DragCorrectionRange, MoveCorrection
 from studio.timeline.gestures.gesture import TimelineGesture
@@ -17,8 +17,8 @@ from studio.timeline.shown import EDGES, HANDLES, Hit, ItemPart, RowContext
 Cursor = Qt.CursorShape
 
 
-def gesture_at(hit: Hit, shown: RowContext, press: QPointF) -> TimelineGesture | None:
-    """The drag of what was hit, or None where there is nothing to drag."""
+def gesture_at(hit: Hit, shown: RowContext, press: QPointF, stretch: bool = False) -> TimelineGesture | None:
+    """The drag of what was hit, or None where there is nothing to drag; ``stretch`` changes the speed of a clip."""
     if hit.part == ItemPart.TIME:
         return Scrub(shown.document.playhead, shown.axis)
     if hit.kind == "constraints" and hit.part in HANDLES:
@@ -30,9 +30,9 @@ def gesture_at(hit: Hit, shown: RowContext, press: QPointF) -> TimelineGesture |
     if hit.kind == "corrections" and hit.part == ItemPart.BODY:
         return MoveCorrection(shown, hit.id, press)
     if hit.kind == "clips":
-        return (
-            MoveClips(shown, hit.id, press) if hit.part == ItemPart.BODY else TrimClip(shown, hit.id, hit.part, press)
-        )
+        if hit.part == ItemPart.BODY:
+            return MoveClips(shown, hit.id, press)
+        return (StretchClip if stretch else TrimClip)(shown, hit.id, hit.part, press)
     if hit.kind == "props" and (hit.part == ItemPart.BODY or hit.part in EDGES):
         return DragHold(shown, hit.id, hit.part, press)
     if hit.kind == "sounds" and hit.part == ItemPart.BODY:

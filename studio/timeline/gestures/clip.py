@@ -1,18 +1,22 @@
-"""Drags on clips: all selected ones in time, or an end of one; wherever they are played, as one undo step."""
+"""Drags on clips: in time, an end of one, or its speed; wherever they are played, as one undo step."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
 from PySide6.QtCore import QPointF
 
 from studio.core.project import Performer
-from studio.core.stage.clip import Clip
+from studio.core.stage.clip import FASTEST_CLIP, SLOWEST_CLIP, Clip
 from studio.core.stage.clip_row import ClipEdit, begun_at, edited, ended_at, frame_at, players_of
 from studio.document.clip_edits import name_of
 from studio.timeline.gestures.gesture import DragHint, EditGesture
 from studio.timeline.shown import ItemPart, RowContext
 from studio.timeline.snapping import Snapped
 from studio.timeline.time_words import moment
+
+SHORTEST_STRETCH = 1e-6
+"""Seconds that a stretched clip lasts at least, before the range of speeds is applied."""
 
 
 class ClipGesture(EditGesture):
@@ -21,12 +25,16 @@ class ClipGesture(EditGesture):
     collection = "clips"
 
     def __init__(self, shown: RowContext, clip_id: str, press: QPointF) -> None:
-        selected = [key for key in shown.document.selection.of("clips") if key in shown.project.clips]
-        self.clip_ids: Sequence[str] = selected if clip_id in selected else (clip_id,)
+        self.clip_ids = self._dragged(shown, clip_id)
         super().__init__(shown, clip_id, press)
         self._performers = {
             key: each for clip in self.clip_ids for key, each in players_of(shown.project, clip).items()
         }
+
+    def _dragged(self, shown: RowContext, clip_id: str) -> Sequence[str]:
+        """Ids of the clips that are edited: all selected ones if the grabbed one is."""
+        selected = [key for key in shown.document.selection.of("clips") if key in shown.project.clips]
+        return selected if clip_id in selected else (clip_id,)
 
     @property
     def words(self) -> str:
@@ -124,6 +132,49 @@ class TrimClip(ClipGesture):
         count = project.captures[project.motions[clip.motion_id].capture_id].poses.frame_count
         way = round(seconds * rate * clip.speed / clip.repeats)
         return ended_at(clip, max(min(clip.last + way, count - 1), clip.first), count)
+
+
+class StretchClip(ClipGesture):
+    """Drag an end to change the speed: the same frames play in more or less time.
+
+    The other end stays where it is; clips of the same rows beyond the dragged end move along.
+    """
+
+    def __init__(self, shown: RowContext, clip_id: str, part: ItemPart, press: QPointF) -> None:
+        self.part = part
+        super().__init__(shown, clip_id, press)
+        self.text = f"Change speed of {name_of(shown.project, self.original)}"
+
+    def _dragged(self, shown: RowContext, clip_id: str) -> Sequence[str]:
+        rows = (performer.clips for performer in players_of(shown.project, clip_id).values())
+        start = shown.project.clips[clip_id].start
+        beyond = (
+            clip.id
+            for row in rows
+            for clip in row
+            if (clip.start < start if self.part == ItemPart.FIRST else clip.start > start)
+        )
+        return tuple(dict.fromkeys((clip_id, *beyond)))
+
+    def drag(self, position: QPointF, free: bool) -> None:
+        """The dragged end follows the mouse as far as the range of speeds allows."""
+        old, first = self.original, self.part == ItemPart.FIRST
+        end = end_of(self.shown, old)
+        grabbed = old.start if first else end
+        caught = self.snap(grabbed + self.moved(position), free)
+        wanted = end - caught.time if first else caught.time - old.start
+        length = end - old.start
+        speed = float(np.clip(old.speed * length / max(wanted, SHORTEST_STRETCH), SLOWEST_CLIP, FASTEST_CLIP))
+        change = length * old.speed / speed - length
+        shift = -change if first else change
+
+        def edit(clip: Clip) -> tuple[Clip, ...]:
+            if clip.id != self.entity_id:
+                return (replace(clip, start=clip.start + shift),)
+            return (replace(clip, speed=speed, start=clip.start + (shift if first else 0.0)),)
+
+        self.put_each(edit)
+        self.mark = DragHint(grabbed + shift, f"{speed:.3g} × as fast  {length + change:.3f} s", caught.caught)
 
 
 def end_of(shown: RowContext, clip: Clip) -> float:

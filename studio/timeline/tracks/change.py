@@ -1,4 +1,4 @@
-"""Where one clip of a row takes over from another: a mark on its bar, and what happens there in a sentence."""
+"""Change from one clip of a row to the next: a mark on its bar, and what happens there in a sentence."""
 
 from dataclasses import dataclass
 from itertools import pairwise

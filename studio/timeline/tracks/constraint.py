@@ -130,7 +130,7 @@ def constraint_hit(shown: RowContext, row: QRect, constraint_id: str, point: QPo
 
 
 def _nearest(near: dict[ItemPart, QPointF], point: QPointF) -> ItemPart:
-    """Where handles lie on one another, the one that the mouse comes from: earlier ones from the left."""
+    """Handle, of those that lie on one another, the one that the mouse comes from: earlier ones from the left."""
     return min(
         near,
         key=lambda part: (

@@ -1,4 +1,4 @@
-"""When props are held: a row for each that is picked up or put down, with a bar in its holder's colour."""
+"""Holds of props: a row for each that is picked up or put down, with a bar in its holder's colour."""
 
 from PySide6.QtCore import QPointF, QRect, QRectF
 from PySide6.QtGui import QPainter

@@ -14,7 +14,7 @@ from studio.timeline.tracks.clip import CURVE_STEPS, clip_bar, clip_text, paint_
 LAYER_ROW_HEIGHT = 22
 INDENT = 28
 LEAST_BAR_PART = 0.3
-"""Of the row: how high a bar is at least."""
+"""Least height of a bar, as a fraction of the row."""
 
 
 def rows_of(shown: RowContext, performer_id: str) -> list[tuple[str, str, int]]:

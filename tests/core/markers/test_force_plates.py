@@ -40,7 +40,7 @@ PUSHED_AT = np.array([0.4, 0.1, 0.0])
 
 
 def pressed(kind: int, sign: float) -> tuple[FloatArray, FloatArray]:
-    """Where and how the ground pushes when 700 N press on ``PUSHED_AT``, told by a plate of some kind.
+    """Place and force of the ground when 700 N press on ``PUSHED_AT``, told by a plate of some kind.
 
     Its x and y run along those of the file; the sensors of kinds 2 and 4 lie 4 cm below the surface.
     """

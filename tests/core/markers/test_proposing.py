@@ -54,7 +54,7 @@ LOWER = {
 
 
 def test_of_two_markers_at_a_knee_the_outer_one_is_told_by_where_it_is() -> None:
-    """Whatever number they have: on the right the second one is outside here."""
+    """Numbers do not matter: on the right the second one is outside here."""
     proposed = propose_map(_renamed(LOWER))
     assert proposed.markers["left_knee"] == ("LKNE",)
     assert proposed.markers["right_knee"] == ("RKNE_2",)

@@ -7,7 +7,7 @@ from studio.core.markers.label_words import part_of
 from studio.core.markers.told_centres import told_centres
 
 PELVIS = {"L asis": 0.125, "R asis": -0.125}
-"""Where points lie to the left, in metres."""
+"""Places of points to the left, in metres."""
 
 
 def _told(places: dict[str, float], pelvis: dict[str, float] = PELVIS) -> dict[str, str]:

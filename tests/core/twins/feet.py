@@ -129,7 +129,7 @@ def geometric_median(places: np.ndarray) -> np.ndarray:
 def _planted(
     ankles: np.ndarray, feet: np.ndarray, states: np.ndarray, sole: Sole, episode: range
 ) -> dict[int, np.ndarray]:
-    """Where on the ground the ankle is in every frame of one contact."""
+    """Place on the ground of the ankle in every frame of one contact."""
     to_toe = (feet @ sole.foot)[:, :2]
     to_heel = np.array([sole.heel_below_ankle(foot)[:2] for foot in feet])
     heels = [run for run in stretches(states & HEEL != 0) if run[0] in episode]

@@ -1,4 +1,4 @@
-"""Legs placed on the ankle targets of the ground (METHOD 4)."""
+"""Legs placed on the ankle targets of the ground (METHOD 5)."""
 
 import math
 
@@ -81,7 +81,7 @@ def smooth_lowering(drops, window, out_peaks, out_drops):
 
 @kernel
 def place_leg(side, measures, legs, pose):
-    """Place one leg of one frame: hip from the root, ankle at its target, foot and toe as given (METHOD 6, limb_to).
+    """Place one leg of one frame: hip from the root, ankle at its target, foot and toe as given (METHOD 8, limb_to).
 
     The knee always bends forward: captures hyperextend it by a few degrees, and it would snap. A target beyond the
     soft-IK threshold is approached by ``soft_extension``; the root has been lowered for standing feet. ``legs`` and

@@ -88,7 +88,7 @@ def bone_rotation(frame, x, y, z, twist):
 @kernel
 def soft_extension(needed, soft_threshold):
     """Extension of a limb, as a fraction of its length, for a target at ``needed``: linear up to the threshold a, then
-    a + (1 - a)(1 - exp(-(d - a)/(1 - a))), so that the middle joint never snaps straight (METHOD 6, (11)).
+    a + (1 - a)(1 - exp(-(d - a)/(1 - a))), so that the middle joint never snaps straight (METHOD 5, (11)).
     """
     if needed <= soft_threshold:
         return needed

@@ -1,6 +1,6 @@
 """A limb within its joint limits: clamped, then moved along its limits to the least residual of its primary task.
 
-METHOD 6, (25) to (28). Records are those of ``kernels.records``.
+METHOD 10, (25) to (28). Records are those of ``kernels.records``.
 """
 
 from studio.core.kernels.algebra.vectors import copy_point, distance

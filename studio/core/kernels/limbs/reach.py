@@ -151,7 +151,7 @@ def swivel_rotation(target, point, held, pivot):
 
     It is the second of two priorities on one limb (K05 figure 11): phi = atan2(a.(r x q), r.q), the exact optimum on
     the circle. It fades where point or target lies near the axis, and beyond a quarter turn, so that a target that
-    passes behind the axis does not whirl the limb round from one frame to the next (METHOD 6, (17)).
+    passes behind the axis does not whirl the limb round from one frame to the next (METHOD 8, (17)).
     """
     ax, ay, az = held[0] - pivot[0], held[1] - pivot[1], held[2] - pivot[2]
     length = math.sqrt(ax * ax + ay * ay + az * az)

@@ -1,4 +1,4 @@
-"""Root retreat for a leg whose target is too near for the flexion of hip and knee (METHOD 6).
+"""Root retreat for a leg whose target is too near for the flexion of hip and knee (METHOD 10).
 
 The reachable arc of such a leg curves round its target, so that the residual does not tell the root which way to move:
 to first order the root would move straight to the target, where a planted foot holds it.

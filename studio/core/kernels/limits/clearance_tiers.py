@@ -1,4 +1,4 @@
-"""Strict priorities with self-collision constraints above tasks: a frame is solved tier by tier (METHOD 6).
+"""Strict priorities with self-collision constraints above tasks: a frame is solved tier by tier (METHOD 10).
 
 Tier 0 has the highest self-collision constraints and all tasks above and beside them; every lower priority is a tier of
 its own. A frame is solved and cleared down to each tier with an active task, and the result is saved (``KeptTier``).

@@ -1,4 +1,4 @@
-"""Joint limits of limbs, and clamping of limbs to them (METHOD 6, (25) to (28)).
+"""Joint limits of limbs, and clamping of limbs to them (METHOD 10, (25) to (28)).
 
 ``limits`` (4,), a record of ``LIMB_LIMITS`` a limb, is empty where joints are free. For all frames, of shoulder or hip
 and of wrist or ankle:

@@ -1,4 +1,4 @@
-"""Steps of a limb along its joint limits to the least residual of its point (METHOD 6, (28)).
+"""Steps of a limb along its joint limits to the least residual of its point (METHOD 10, (28)).
 
 Each step of a clamped limb is a linear least-squares step of shoulder or hip and of elbow or knee, bounded by the
 margins of swing, twist and bend. It is a continuous function of the pose, and zero where the residual is zero.

@@ -1,4 +1,4 @@
-"""Limit of the root by the legs on planted feet (METHOD 7)."""
+"""Limit of the root by the legs on planted feet (METHOD 11)."""
 
 import math
 

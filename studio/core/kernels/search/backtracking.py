@@ -1,4 +1,4 @@
-"""Back-tracking along the step of a lower level until it violates no task above it (METHOD 6).
+"""Back-tracking along the step of a lower level until it violates no task above it (METHOD 9).
 
 A ``step_length`` names a pose between 0, the result of the levels above, and 1, the full step. The caller poses the
 body there and measures the violation, until one leaves ``BACKTRACKING_TARGET`` of the allowed violation:

@@ -1,4 +1,4 @@
-"""Poses of the whole body from the joints' state, and limbs solved on it (METHOD 6).
+"""Poses of the whole body from the joints' state, and limbs solved on it (METHOD 9).
 
 Records are those of ``kernels.records``.
 """

@@ -1,4 +1,4 @@
-"""Newton step in all joints at once, for residuals that steps along the rows' directions leave (METHOD 6).
+"""Newton step in all joints at once, for residuals that steps along the rows' directions leave (METHOD 9).
 
 It is used for levels with nothing to hold that leave the root where it is. Where a target is out of reach, every free
 joint comes to rest across from the gradient or at its limit, and one or two directions a row approach that rest ever

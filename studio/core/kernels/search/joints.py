@@ -1,4 +1,4 @@
-"""Joints of the search: their Jacobians, and the body posed from their state (METHOD 6).
+"""Joints of the search: their Jacobians, and the body posed from their state (METHOD 9).
 
 ``joints`` (N,) are records of ``SEARCH_JOINT``, one for each joint that any chain frees; ``joint_of_segment`` (S + 1,)
 is the joint of each segment, of the root last, -1 for none.

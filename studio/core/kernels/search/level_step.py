@@ -1,4 +1,4 @@
-"""One null-space step of a level (METHOD 6).
+"""One null-space step of a level (METHOD 9).
 
 Records are those of ``kernels.records``.
 """

@@ -387,7 +387,7 @@ def update_reach(c, end, own, problem):
     """Update the reaches of one end of a task; of a level's ``own`` from the limb's present root.
 
     Beyond its soft-IK threshold (or the extension of the motion) the limb extends softly, so that its extension is
-    smooth in time and the trunk does the rest without error (METHOD 6, "reach sharing").
+    smooth in time and the trunk does the rest without error (METHOD 8, "reach sharing").
     """
     body, start, row = problem.body, problem.start, problem.tasks[c]
     limb, origin = row.limbs[end], row.root_positions[end]

@@ -1,4 +1,4 @@
-"""Redundant arms and legs for a balance: their weights at a frame, and goals within their reach (METHOD 7).
+"""Redundant arms and legs for a balance: their weights at a frame, and goals within their reach (METHOD 11).
 
 Records are those of ``kernels.records``.
 """

@@ -1,4 +1,4 @@
-"""Ankles of standing feet, anchored through each contact (METHOD 4).
+"""Ankles of standing feet, anchored through each contact (METHOD 5).
 
 ``states`` (F,) and ``soles`` (F or 1, 6) as in ``kernels.support.sole``.
 """
@@ -18,7 +18,7 @@ SMALLEST_SIZE = 1.02
 
 @allocating_kernel
 def anchor_ankles(ankles, feet, states, soles, ground, pitches, reach, out_ankles):
-    """Write ankle targets (F, 3): anchored through every contact, with interpolated corrections in between (METHOD 4).
+    """Write ankle targets (F, 3): anchored through every contact, with interpolated corrections in between (METHOD 5).
 
     ``ankles`` (F, 3) as retargeted, ``feet`` (F, 3, 3) corrected; ``ground`` (F,) height under the foot; ``pitches``
     (F,) of toes that stand on their tips. Each contact has one anchor: the heel's median position in its longest run

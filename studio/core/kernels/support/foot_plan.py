@@ -1,4 +1,4 @@
-"""Motion of one foot on a level floor (METHOD 4)."""
+"""Motion of one foot on a level floor (METHOD 5)."""
 
 from typing import NamedTuple
 
@@ -26,7 +26,7 @@ class FootPlan(NamedTuple):
 
 @allocating_kernel
 def plan_foot(states, soles, height, rolls, reach, balls, plan):
-    """Ground one foot on a level floor (METHOD 4): ``plan`` (a ``FootPlan``) as retargeted becomes the grounded foot,
+    """Ground one foot on a level floor (METHOD 5): ``plan`` (a ``FootPlan``) as retargeted becomes the grounded foot,
     in place.
 
     ``states`` (F,); ``soles`` (F or 1, 6); ``height`` of the floor in metres; ``rolls`` if heels rise as captured;

@@ -1,4 +1,4 @@
-"""Rotations of standing feet: level soles with one heading, and toes on the ground (METHOD 4).
+"""Rotations of standing feet: level soles with one heading, and toes on the ground (METHOD 5).
 
 ``states`` (F,) and ``soles`` (F or 1, 6) as in ``kernels.support.sole``.
 """
@@ -42,7 +42,7 @@ from studio.core.kernels.support.sole import (
 def level_soles(rotations, states, reach, out_rotations):
     """Write foot rotations (F, 3, 3), level and of one heading through each run of flat frames.
 
-    The heading is the mean of the run; the correction is interpolated between runs (METHOD 4).
+    The heading is the mean of the run; the correction is interpolated between runs (METHOD 5).
     """
     count = states.shape[0]
     corrections = np.zeros((count, 3))

@@ -1,4 +1,4 @@
-"""Heels that rise as captured while the ball stands: the contact rolls over the ball (METHOD 4)."""
+"""Heels that rise as captured while the ball stands: the contact rolls over the ball (METHOD 5)."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Clearance of swing feet above a level floor: toes bend up, then the ankle rises (METHOD 4).
+"""Clearance of swing feet above a level floor: toes bend up, then the ankle rises (METHOD 5).
 
 Both are smooth functions of the sole's height; toes bend a little before they have to.
 """
@@ -37,7 +37,7 @@ MAX_TOE_BEND = math.radians(85.0)
 
 @allocating_kernel
 def raise_swing_foot(soles, states, ground, frame_rate, ankles, feet, toes):
-    """Raise a foot in the air and bend its toes up, in place, so that no part of it is below the floor (METHOD 4, (7)).
+    """Raise a foot in the air and bend its toes up, in place, so that no part of it is below the floor (METHOD 5, (7)).
 
     ``soles`` (F or 1, 6) as in ``morphology.sole_rows``, ``states`` (F,), ``ground`` a height; ``ankles`` (F, 3),
     ``feet``, ``toes`` (F, 3, 3). A foot that lies on its instep, sole up, stays.

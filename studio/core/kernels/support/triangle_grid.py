@@ -1,4 +1,4 @@
-"""Height of triangle meshes: the highest triangle over a position, by a grid of cells (METHOD 4)."""
+"""Height of triangle meshes: the highest triangle over a position, by a grid of cells (METHOD 5)."""
 
 import math
 from typing import NamedTuple

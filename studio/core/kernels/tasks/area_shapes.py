@@ -1,4 +1,4 @@
-"""Restricted areas: the nearest allowed position of a point (METHOD 5, "area")."""
+"""Restricted areas: the nearest allowed position of a point (METHOD 7, "area")."""
 
 import math
 
@@ -8,12 +8,14 @@ from studio.core.kernels.compiling import kernel
 from studio.core.kernels.tasks.goals import end_position, interpolate_point
 from studio.core.kernels.tasks.mesh_distance_field import nearest_allowed_in_field
 
-HALF_SPACE_SHAPE, BOX_SHAPE, SPHERE_SHAPE, CYLINDER_SHAPE, TABLE_SHAPE, MESH_SHAPE = 0, 1, 2, 3, 4, 5
+HALF_SPACE_SHAPE, BOX_SHAPE, SPHERE_SHAPE, CYLINDER_SHAPE, TABLE_SHAPE, MESH_SHAPE, LINE_SHAPE = range(7)
 """Shapes of an area."""
 OUTSIDE_AREA, INSIDE_AREA, ON_AREA_SURFACE = 0, 1, 2
 """Allowed side of the point."""
 AREA_SHAPE, AREA_SIDE, CENTRE_X, CENTRE_Y, CENTRE_Z, SIZE_X, SIZE_Y, SIZE_Z, AREA_COSINE, AREA_SINE = range(10)
-"""Columns of an area; a half-space has its normal for its size, cosine and sine are those of the heading."""
+"""Columns of an area; cosine and sine are those of the heading. The size of a half-space is its normal, that of a line
+half of its extent, both as vectors.
+"""
 AREA_NUMBERS = 10
 """Number of these columns; the field of a mesh follows (``kernels.tasks.mesh_distance_field``), in the area's own
 space.
@@ -68,19 +70,16 @@ def area_residual(row, area, pose):
 def place_area(area, centre, rotation):
     """Move an area (10,) to ``centre`` (3,) with the heading of ``rotation`` (3, 3); a centre of NaN leaves it.
 
-    The normal of a half-space is the first column of its rotation.
+    The normal of a half-space and the direction of a line are the first column of their rotation.
     """
     if math.isnan(centre[0]):
         return
     area[CENTRE_X], area[CENTRE_Y], area[CENTRE_Z] = centre[0], centre[1], centre[2]
-    if int(area[AREA_SHAPE]) == HALF_SPACE_SHAPE:
-        area[SIZE_X], area[SIZE_Y], area[SIZE_Z], area[AREA_COSINE], area[AREA_SINE] = (
-            rotation[0, 0],
-            rotation[1, 0],
-            rotation[2, 0],
-            1.0,
-            0.0,
-        )
+    if int(area[AREA_SHAPE]) == HALF_SPACE_SHAPE or int(area[AREA_SHAPE]) == LINE_SHAPE:
+        size = math.sqrt(area[SIZE_X] ** 2 + area[SIZE_Y] ** 2 + area[SIZE_Z] ** 2)
+        for axis in range(3):
+            area[SIZE_X + axis] = size * rotation[axis, 0]
+        area[AREA_COSINE], area[AREA_SINE] = 1.0, 0.0
     else:
         area[AREA_COSINE], area[AREA_SINE] = rotation[0, 0], rotation[1, 0]
 
@@ -108,6 +107,8 @@ def nearest_on_shape(area, x, y, z, inside):
     shape = int(area[AREA_SHAPE])
     if shape == HALF_SPACE_SHAPE:
         return nearest_on_half_space(area, x, y, z, inside)
+    if shape == LINE_SHAPE:
+        return nearest_on_line(x, y, z, area[SIZE_X], area[SIZE_Y], area[SIZE_Z])
     if shape == SPHERE_SHAPE:
         return nearest_on_sphere(x, y, z, 0.5 * area[SIZE_X], inside)
     if shape == CYLINDER_SHAPE:
@@ -128,6 +129,13 @@ def nearest_on_half_space(area, x, y, z, inside):
     if wrong:
         return x - height * nx, y - height * ny, z - height * nz
     return x, y, z
+
+
+@kernel
+def nearest_on_line(x, y, z, a, b, h):
+    """Nearest position on the line from (-a, -b, -h) to (a, b, h)."""
+    fraction = min(max((x * a + y * b + z * h) / (a * a + b * b + h * h), -1.0), 1.0)
+    return fraction * a, fraction * b, fraction * h
 
 
 @kernel

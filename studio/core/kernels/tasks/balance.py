@@ -1,4 +1,4 @@
-"""Balance: the centre of mass, its goal and its Jacobian (METHOD 7)."""
+"""Balance: the centre of mass, its goal and its Jacobian (METHOD 11)."""
 
 import math
 

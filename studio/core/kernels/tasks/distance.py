@@ -46,7 +46,7 @@ def write_end_goals(first, second, distance, fractions, out_goals):
     """Write goals (2, 3) of two points whose distance becomes ``distance``, displaced along their line by their
     fractions.
 
-    The form without a unit direction permits a zero distance (METHOD 5, (13)).
+    The form without a unit direction permits a zero distance (METHOD 7, (13)).
     """
     x, y, z = second[0] - first[0], second[1] - first[1], second[2] - first[2]
     now = math.sqrt(x * x + y * y + z * z)

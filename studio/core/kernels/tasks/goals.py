@@ -1,4 +1,4 @@
-"""Properties of the kinds of task, and positions of their ends (METHOD 5)."""
+"""Properties of the kinds of task, and positions of their ends (METHOD 7)."""
 
 from studio.core.kernels.body.parts import body_point_position
 from studio.core.kernels.compiling import small_kernel
@@ -61,7 +61,9 @@ def has_own_goal(row):
 @small_kernel
 def limb_follows(row):
     """True if a limb of the task follows a point or a segment of its own body."""
-    return (row.kind == POSITION_TASK or row.kind == ORIENTATION_TASK) and row.points[1] >= 0 and row.limbs[0] >= 0
+    kind = row.kind
+    follows = kind == POSITION_TASK or kind == ORIENTATION_TASK or kind == UPRIGHT_TASK
+    return follows and row.points[1] >= 0 and row.limbs[0] >= 0
 
 
 @small_kernel
@@ -72,8 +74,8 @@ def links_two_points(row):
 
 @small_kernel
 def follows_own_body(row):
-    """True if the goal moves with a point or a segment of its own body."""
-    return row.kind != DISTANCE_TASK and row.points[1] >= 0
+    """True if a stored goal moves with a point or a segment of its own body."""
+    return row.kind != DISTANCE_TASK and row.kind != UPRIGHT_TASK and row.points[1] >= 0
 
 
 @small_kernel
@@ -90,7 +92,7 @@ def end_position(row, end, pose):
 
 @small_kernel
 def interpolate_point(start, target, fraction):
-    """Point (x, y, z) at ``fraction`` of the way from ``start`` to ``target`` (METHOD 5, (12))."""
+    """Point (x, y, z) at ``fraction`` of the way from ``start`` to ``target`` (METHOD 7, (12))."""
     return (
         start[0] + fraction * (target[0] - start[0]),
         start[1] + fraction * (target[1] - start[1]),

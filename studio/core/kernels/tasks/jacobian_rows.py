@@ -1,4 +1,4 @@
-"""Jacobian rows of the tasks for ``kernels.search.null_space_step`` (METHOD 6).
+"""Jacobian rows of the tasks for ``kernels.search.null_space_step`` (METHOD 9).
 
 Records are those of ``kernels.records``.
 """

@@ -1,4 +1,4 @@
-"""Rows by which a limb's task moves the root of the limb to where the limb reaches (METHOD 6, "reach sharing").
+"""Rows by which a limb's task moves the root of the limb to where the limb reaches (METHOD 8, "reach sharing").
 
 Records are those of ``kernels.records``.
 """
@@ -66,7 +66,7 @@ def add_point_rows(point, segment, x, y, z, weight_row, count, problem):
 
 @kernel
 def add_reach_rows(c, row, end, weight_row, is_held, count, problem):
-    """Add the row of a limb as a link of variable length: its root nears the goal by the shortage (METHOD 6, (18)).
+    """Add the row of a limb as a link of variable length: its root nears the goal by the shortage (METHOD 8, (18)).
 
     Held, it is an inequality: the root may move wherever the limb still reaches; if the limb falls short, the root
     stays. A limb that its ``limits`` keep from its goal is moved rigidly along its residual (29). A thigh on a standing

@@ -1,4 +1,4 @@
-"""Signed distance field of a triangle mesh: measured on a grid, evaluated as a smooth spline (METHOD 5).
+"""Signed distance field of a triangle mesh: measured on a grid, evaluated as a smooth spline (METHOD 7).
 
 A *field* is one row of numbers: its origin (3), cell size, counts along x, y and z, then the coefficients of a cubic
 B-spline through the distances at the nodes, x slowest. The spline has continuous second derivatives, so that the

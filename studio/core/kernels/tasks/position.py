@@ -14,7 +14,7 @@ from studio.core.kernels.tasks.task import UNPINNED
 
 @kernel
 def set_position_goal(row, target, start):
-    """Set the goal between its point in ``start`` and its ``target``, by activation (METHOD 5, (12))."""
+    """Set the goal between its point in ``start`` and its ``target``, by activation (METHOD 7, (12))."""
     copy_point(interpolate_point(end_position(row, 0, start), target, row.activation), row.goal_positions[0])
 
 

@@ -1,4 +1,4 @@
-"""Second-order terms (Hessians) of the rows' errors (METHOD 6)."""
+"""Second-order terms (Hessians) of the rows' errors (METHOD 9)."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Goals of all tasks at a frame, and their weights (METHOD 5)."""
+"""Goals of all tasks at a frame, and their weights (METHOD 7)."""
 
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.tasks.task import ACTIVE, INACTIVE, UNPINNED

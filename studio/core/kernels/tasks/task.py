@@ -21,7 +21,7 @@ away, to its rotation.
 """
 
 PRIORITY_TOLERANCE = 2e-4
-"""Greatest change, in metres or radians, of a residual by all lower levels (METHOD 6, "The law"); the tolerances of
+"""Greatest change, in metres or radians, of a residual by all lower levels (METHOD 9, "The law"); the tolerances of
 tasks that are met, held or at rest are fractions of it.
 """
 
@@ -74,7 +74,7 @@ TASK_REACH = [
     ("root_positions", _REAL, (2, 3)),
     ("flexion_thresholds", _REAL, (2,)),
 ]
-"""Of each limb: greatest and least reach in metres; soft-IK threshold; the agreed reach, beyond which the chain moves,
+"""Reach of each limb: greatest and least in metres; soft-IK threshold; the agreed reach, beyond which the chain moves,
 less the slack; the position of its root; the distance in metres below which it folds softly.
 """
 TASK_STIFFNESS = [
@@ -84,7 +84,7 @@ TASK_STIFFNESS = [
     ("max_change", _REAL, (2, 2)),
     ("own_reach", _REAL, (2,)),
 ]
-"""Of its limbs' upper and lower segments, see ``kernels.limbs.stiffness``."""
+"""Stiffness of its limbs' upper and lower segments, see ``kernels.limbs.stiffness``."""
 TASK_TRANSITION = [("blended_residual", _REAL), ("residual_change", _REAL)]
 """In transitions (``kernels.time.activation_blend``): blended residual of both poses, and their difference."""
 TASK_RESULT = [

@@ -31,7 +31,7 @@ from studio.core.kernels.tasks.upright import follow_upright, pin_upright, set_u
 
 @kernel
 def set_goal(c, frame, targets, problem):
-    """Set the goal of a task at a frame: between the unsolved pose and its target, by activation (METHOD 5)."""
+    """Set the goal of a task at a frame: between the unsolved pose and its target, by activation (METHOD 7)."""
     row, area, start = problem.tasks[c], problem.areas[c], problem.start
     position = targets.positions[c, frame if targets.positions.shape[1] > 1 else 0]
     rotation = targets.rotations[c, frame if targets.rotations.shape[1] > 1 else 0]
@@ -57,7 +57,7 @@ def set_goal(c, frame, targets, problem):
 @kernel
 def update_goals(level, solved, problem):
     """Update goals that depend on the present pose: distances, areas, looks, and points that follow the own body
-    (METHOD 5).
+    (METHOD 7).
 
     Once limbs are ``solved``, those that depend on the limbs' poses.
     """

@@ -1,7 +1,9 @@
 """Keep-upright tasks: an axis of a segment within a cone about a direction; the rotation about the direction is free.
 
 A record of ``kernels.tasks.task`` has the axis, in the segment's own axes, in ``offsets[1]``, the direction in
-``goal_positions[1]`` and the greatest lean at this frame, in radians, in ``goal_distance`` (METHOD 5).
+``goal_positions[1]`` and the greatest lean at this frame, in radians, in ``goal_distance`` (METHOD 7). If it follows
+another segment of its own body, the direction is fixed to that segment: the first column of ``relative``. Then
+``end_fractions[1]`` is 1 if rows count the rotation of that segment too.
 """
 
 import math
@@ -27,9 +29,23 @@ LEAST_LEAN_SINE = 1e-9
 
 
 @kernel
+def upright_direction(row, pose):
+    """Direction (x, y, z) of the axis: a unit vector, fixed or that of another segment of the body."""
+    if row.points[1] < 0:
+        goal = row.goal_positions[1]
+        return goal[0], goal[1], goal[2]
+    rotation, own = pose.rotations[row.segments[1]], row.relative
+    return (
+        rotation[0, 0] * own[0, 0] + rotation[0, 1] * own[1, 0] + rotation[0, 2] * own[2, 0],
+        rotation[1, 0] * own[0, 0] + rotation[1, 1] * own[1, 0] + rotation[1, 2] * own[2, 0],
+        rotation[2, 0] * own[0, 0] + rotation[2, 1] * own[1, 0] + rotation[2, 2] * own[2, 0],
+    )
+
+
+@kernel
 def axis_lean(row, pose):
     """(radians, (x, y, z)) of the axis' lean from its direction, and the unit axis of the rotation back."""
-    rotation, own, goal = pose.rotations[row.segments[0]], row.offsets[1], row.goal_positions[1]
+    rotation, own, goal = pose.rotations[row.segments[0]], row.offsets[1], upright_direction(row, pose)
     ax = rotation[0, 0] * own[0] + rotation[0, 1] * own[1] + rotation[0, 2] * own[2]
     ay = rotation[1, 0] * own[0] + rotation[1, 1] * own[1] + rotation[1, 2] * own[2]
     az = rotation[2, 0] * own[0] + rotation[2, 1] * own[1] + rotation[2, 2] * own[2]
@@ -79,25 +95,30 @@ def add_upright_rows(row, weight_row, is_held, count, problem):
     beyond = lean - most
     if not is_held and beyond <= 0.0:
         return count
-    count = add_axis_row((x, y, z), beyond, row.segments[0], weight_row, count, problem)
+    count = add_axis_row((x, y, z), beyond, row, weight_row, count, problem)
     if is_held and most < NARROW_CONE:
-        goal = row.goal_positions[1]
+        goal = upright_direction(row, pose)
         across = y * goal[2] - z * goal[1], z * goal[0] - x * goal[2], x * goal[1] - y * goal[0]
         if beyond < 0.0:
             rows.errors[count - 1] = 0.0
-        return add_axis_row(across, 0.0, row.segments[0], weight_row, count, problem)
+        return add_axis_row(across, 0.0, row, weight_row, count, problem)
     if is_held and residual == 0.0:
         rows.roles[count - 1] = INEQUALITY_ROW
     return count
 
 
 @kernel
-def add_axis_row(axis, angle, segment, weight_row, count, problem):
-    """Add a row that rotates a segment about an ``axis`` (x, y, z) by an ``angle``."""
+def add_axis_row(axis, angle, row, weight_row, count, problem):
+    """Add a row that rotates the segment of a task about an ``axis`` (x, y, z) by an ``angle``, relative to the segment
+    that it follows.
+    """
     chain, rows = problem.chain, problem.search.rows
     begin_row(rows, count, weight_row, RADIAN_LENGTH * angle)
     for fraction in range(3):
-        add_rotation_jacobian(fraction, RADIAN_LENGTH * axis[fraction], segment, chain.joints, rows.jacobian[count])
+        arm, jacobian = RADIAN_LENGTH * axis[fraction], rows.jacobian[count]
+        add_rotation_jacobian(fraction, arm, row.segments[0], chain.joints, jacobian)
+        if row.points[1] >= 0 and row.end_fractions[1] > 0.0:
+            add_rotation_jacobian(fraction, -arm, row.segments[1], chain.joints, jacobian)
     return count + 1
 
 

@@ -19,7 +19,7 @@ FloatArray = NDArray[np.float64]
 ROOT_WEIGHT = 0.15
 """Weight of the root's translation relative to one vertebra's rotation (square metres)."""
 JOINT_WEIGHTS = {**dict.fromkeys(CLAVICLES, 4.0), **dict.fromkeys(UPPER_ARMS, 30.0), **dict.fromkeys(THIGHS, 5.0)}
-"""Weights of other joints than vertebrae (METHOD 6). Those of shoulders and hips are for the redundant arms and legs of
+"""Weights of other joints than vertebrae (METHOD 9). Those of shoulders and hips are for the redundant arms and legs of
 a balance, in proportion to their masses.
 """
 VERTEBRA_LIMIT, CLAVICLE_LIMIT, NECK_LIMIT = 0.5, 0.35, 0.7
@@ -114,7 +114,7 @@ def _weight(chain: Chain, part: BodyPart) -> float:
 
 @cache
 def segment_masses(layout: BodyLayout) -> FloatArray:
-    """Mass fraction and position of the centre of mass along each segment, (S, 2) (de Leva 1996, male; METHOD 7)."""
+    """Mass fraction and position of the centre of mass along each segment, (S, 2) (de Leva 1996, male; METHOD 11)."""
     masses = np.zeros((layout.segment_count, 2))
     k = layout.spine_count
     masses[:k] = [0.3229 / (k - 1), 0.5]

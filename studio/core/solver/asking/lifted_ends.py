@@ -1,4 +1,4 @@
-"""Feet and hands that constraints take into the ground rotate out of it about ankle and wrist (METHOD 6).
+"""Feet and hands that constraints take into the ground rotate out of it about ankle and wrist (METHOD 7).
 
 Ankle and wrist stay, so that targets there are still met. Frames are independent of each other.
 """

@@ -1,4 +1,4 @@
-"""Availability of redundant arms and legs to a balance, and their limits (METHOD 7)."""
+"""Availability of redundant arms and legs to a balance, and their limits (METHOD 11)."""
 
 from collections.abc import Sequence
 

@@ -15,6 +15,7 @@ from studio.core.constraints.follow import FOLLOWS, Follow, FollowProp, FollowTr
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Quaternion
 from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.procedural import ProceduralPlace
+from studio.core.constraints.rail import RailConstraint
 from studio.core.constraints.target import Place, Turn
 from studio.core.rotations import from_matrix, normalized, shortest_arc, to_matrix
 
@@ -124,6 +125,9 @@ def fixed_at(constraint: Constraint, targets: Targets) -> Constraint:
     if "centre" in changes and isinstance(constraint, AreaConstraint) and constraint.shape is AreaShape.HALF_SPACE:
         tilt = targets.tilts(constraint.heading, constraint.centre, constraint.size)[0]
         changes["size"], changes["heading"] = tuple(tilt[:, 0].tolist()), 0.0
+    elif "centre" in changes and isinstance(constraint, RailConstraint):
+        tilt = targets.tilts(0.0, constraint.centre, constraint.direction)[0]
+        changes["direction"] = tuple(tilt[:, 0].tolist())
     elif "centre" in changes and hasattr(constraint, "heading"):
         rotation = targets.headings(constraint.heading, getattr(constraint, "centre", (0.0, 0.0, 0.0)))[0]
         changes["heading"] = float(np.arctan2(rotation[1, 0], rotation[0, 0]))

@@ -1,4 +1,4 @@
-"""Blending between contact and free motion: smooth weights and averages over time (METHOD 4)."""
+"""Blending between contact and free motion: smooth weights and averages over time (METHOD 5)."""
 
 from functools import cache
 

@@ -1,4 +1,4 @@
-"""Support of a body by hands, knees and seat beside its feet, each at one position of the ground (METHOD 4).
+"""Support of a body by hands, knees and seat beside its feet, each at one position of the ground (METHOD 6).
 
 The root is normalised by the legs. While hands, knees or seat support it (a handstand, a crawl), it moves to where the
 chain from them to the root has it on this body, blended over time by their weights ([K05], closing remarks). Then it is

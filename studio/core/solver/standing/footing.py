@@ -1,4 +1,4 @@
-"""Ground adaptation of the legs: ankle targets, foot rotations, and root lowering (METHOD 4)."""
+"""Ground adaptation of the legs: ankle targets, foot rotations, and root lowering (METHOD 5)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -102,7 +102,7 @@ def find_footing(
 ) -> Footing:
     """Plan the feet of a whole clip from its retargeted pose, translated to the ground's own height.
 
-    The body follows its feet, and on uneven ground the low-passed mean height of the footprints (h1 of METHOD 4):
+    The body follows its feet, and on uneven ground the low-passed mean height of the footprints (h1 of METHOD 5):
     ``positions`` are moved in place, and ``drops`` include the heights. With hands, knees or seat in contact, it
     follows by the weight ``carried`` (F,) on the feet, and missing reach is left to the least move (10): the leg of a
     plank gains nothing by lower hips. Feet are planned from the ``upright`` positions and rotations where the body is

@@ -1,4 +1,4 @@
-"""Footprints: feet planned on a level floor, projected to uneven ground by one rigid move each (METHOD 4).
+"""Footprints: feet planned on a level floor, projected to uneven ground by one rigid move each (METHOD 5).
 
 The ground is sampled once a footprint, at its heel, ball and tip, never under a moving foot. The planned contact is
 moved as one rigid piece to the plane found there, so that a foot that stands on the level floor stands on the slope as

@@ -1,4 +1,4 @@
-"""Arms kept above the ground: longer ones would put hands and elbows into it (METHOD 4)."""
+"""Arms kept above the ground: longer ones would put hands and elbows into it (METHOD 6)."""
 
 from typing import NamedTuple
 

@@ -1,5 +1,5 @@
 """Floor of a captured motion, from its own footprints: captured floors are tilted, and drift by centimetres
-(METHOD 4).
+(METHOD 5).
 """
 
 from collections.abc import Sequence

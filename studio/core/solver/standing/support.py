@@ -34,7 +34,7 @@ _COSINE, _SINE = np.cos(_ANGLES[1]), np.sin(_ANGLES[1])
 
 
 def mass_path(positions: FloatArray, body: Morphology) -> FloatArray:
-    """Centre of mass (F, 3) in metres of posed bodies (F, P, 3) (de Leva 1996; METHOD 7)."""
+    """Centre of mass (F, 3) in metres of posed bodies (F, P, 3) (de Leva 1996; METHOD 11)."""
     return np.asarray(point_masses(body.layout) @ positions)
 
 

@@ -1,4 +1,4 @@
-"""Paths of swing feet over uneven ground: detours above and around obstacles (METHOD 4).
+"""Paths of swing feet over uneven ground: detours above and around obstacles (METHOD 5).
 
 A foot may be raised, held back or moved ahead along its flight, and pitched. For each flight with an obstacle the least
 detour is searched; the path of least second differences follows it, as closely as its acceleration allows.

@@ -1,4 +1,4 @@
-"""Feet moved out of the ground by the least amount: tipped about their free end (METHOD 4).
+"""Feet moved out of the ground by the least amount: tipped about their free end (METHOD 5).
 
 Contacts stay: a foot whose heel penetrates tips about its ball, and the other way round.
 """

@@ -1,4 +1,4 @@
-"""FBX files as captures: read by ufbx in a child process, made upright and rigid here."""
+"""Scenes as captures: read by a child process, made upright and rigid here."""
 
 import json
 from dataclasses import dataclass
@@ -13,10 +13,10 @@ from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.rotations import from_matrix, normalized, sign_continuous, to_matrix
 from studio.io.bvh.capture import capture_of
-from studio.io.fbx.reading import FBX_ADVICE, Arrays
 from studio.io.guessing import Scale, said_unit
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress, ReadCapture
+from studio.io.scene.scene_reader import SCENE_ADVICE, Arrays
 
 FloatArray = NDArray[np.float64]
 
@@ -32,7 +32,7 @@ _PARTS = slice(0, 3), _TURN, slice(7, 10)
 
 
 @dataclass(frozen=True)
-class FbxFile:
+class SceneJoints:
     """The joints of a file by their rest pose: with all rotations zero the body stands as it was bound."""
 
     skeleton: Skeleton
@@ -56,7 +56,7 @@ class FbxFile:
 
 def capture_in(arrays: Arrays, path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
     """The capture in what the child process has read of ``path``: its longest animation. Raises StudioError."""
-    file = fbx_file(arrays, path)
+    file = scene_joints(arrays, path)
     progress(0.4, f"Reading {path.name}")
 
     def interpret(options: ImportOptions, progress: Progress) -> Capture:
@@ -65,15 +65,15 @@ def capture_in(arrays: Arrays, path: Path, options: ImportOptions, progress: Pro
     return ReadCapture(interpret(options, progress), interpret=interpret)
 
 
-def fbx_file(arrays: Arrays, path: Path) -> FbxFile:
+def scene_joints(arrays: Arrays, path: Path) -> SceneJoints:
     """Names, joints and frames of the file, in its own units and axes. Raises StudioError."""
     try:
         frames, rest, about = arrays["frames"], arrays["rest"], json.loads(arrays["about"].tobytes())
     except (ValueError, KeyError) as error:
-        raise StudioError(f"{path.name} could not be read as FBX: {error}. {FBX_ADVICE}") from error
+        raise StudioError(f"{path.name} could not be read: {error}. {SCENE_ADVICE}") from error
     repairs = _fill(path.name, frames)
     if not (np.isfinite(frames).all() and np.isfinite(rest).all()):
-        raise StudioError(f"{path.name}: its joints lie at places that are not numbers. {FBX_ADVICE}")
+        raise StudioError(f"{path.name}: its joints lie at places that are not numbers. {SCENE_ADVICE}")
     return _rigid(about, frames, rest, path, repairs)
 
 
@@ -101,7 +101,7 @@ def _fill(name: str, frames: FloatArray) -> tuple[str, ...]:
 
 def _rigid(
     about: dict[str, object], frames: FloatArray, rest: FloatArray, path: Path, repairs: tuple[str, ...]
-) -> FbxFile:
+) -> SceneJoints:
     """Scales worked into the places, and turns counted from the rest pose."""
     names, parents = _one_root(list(about["names"]), list(about["parents"]))  # type: ignore[call-overload]
     added = len(names) - frames.shape[1]
@@ -112,7 +112,7 @@ def _rigid(
         rest_places, rest_turns = _world(parents, rest[None])
         places, turns = _world(parents, frames)
     if not all(np.isfinite(numbers).all() for numbers in (rest_places, rest_turns, places, turns)):
-        raise StudioError(f"{path.name}: its joints lie farther away than can be told. {FBX_ADVICE}")
+        raise StudioError(f"{path.name}: its joints lie farther away than can be told. {SCENE_ADVICE}")
     turns, mirrored = _upright(names, turns @ np.swapaxes(rest_turns, -1, -2))
     above = np.maximum(parents, 0)
     carrier = np.where((parents < 0)[:, None, None], np.eye(3), turns[:, above])
@@ -123,7 +123,7 @@ def _rigid(
     skeleton = Skeleton(tuple(names), parents, offsets, np.zeros(len(names), dtype=bool))
     poses = PoseSequence(local, translations)
     rate, metres = float(about["frame_rate"]), float(about["unit_metres"])  # type: ignore[arg-type]
-    return FbxFile(
+    return SceneJoints(
         skeleton,
         poses.local_rotations,
         poses.local_translations,

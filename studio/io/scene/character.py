@@ -1,4 +1,4 @@
-"""The character in an FBX file: its joints and its skin as they were bound."""
+"""The character in a scene: its joints and its skin as they were bound."""
 
 import json
 from pathlib import Path, PureWindowsPath
@@ -10,7 +10,6 @@ from scipy.spatial import cKDTree
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Material
 from studio.io.beside import content_of
-from studio.io.fbx.reading import Arrays
 from studio.io.figure.body import character_of
 from studio.io.figure.figure import MOST_VERTICES, Figure, FloatArray, IntArray, MeshPiece, rotations_of
 from studio.io.figure.textures import checked_picture
@@ -18,6 +17,7 @@ from studio.io.gltf.materials import hex_colour
 from studio.io.importing import ImportOptions
 from studio.io.meshes.shapes import smooth_normals, unit
 from studio.io.registry import Progress, ReadCharacter
+from studio.io.scene.scene_reader import Arrays
 
 MOST_SHARES = 8
 """Joints that a vertex hangs from."""

@@ -1,0 +1,69 @@
+"""Keep parallel: axes of two segments of a body point in the same direction, as feet that stay aligned."""
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.canonical import BodyPart
+from studio.core.constraints.base import BodyPoint, Constraint, KindInfo, Vector, finite_vector
+
+if TYPE_CHECKING:
+    from studio.core.constraints.carried_over import Carry
+
+AXIS_DRAWN = 0.25
+"""Length in metres of the drawn axis."""
+
+
+@dataclass(frozen=True)
+class ParallelConstraint(Constraint):
+    """``axis`` of the segment of ``point`` leans no further than ``cone`` radians from ``other_axis`` of the segment of
+    ``other``, each in the axes of its own segment.
+
+    The segment rotates freely about the axis. The residual is an angle. Raises ValueError for an axis without a length,
+    a segment with itself, and a cone below zero or of half a turn and more.
+    """
+
+    kind: ClassVar[str] = "parallel"
+    unit: ClassVar[str] = "rad"
+    shown: ClassVar[KindInfo] = KindInfo(
+        "Keep parallel", "Keep the segment at the picked joint parallel to that of the other side, or to the pelvis",
+        "#B6A0D8", picks=True,
+    )  # fmt: skip
+    axis: Vector = (1.0, 0.0, 0.0)
+    other: BodyPoint = BodyPoint(BodyPart.PELVIS)
+    other_axis: Vector = (1.0, 0.0, 0.0)
+    cone: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("axis", "other_axis"):
+            words = name.replace("_", " ")
+            numbers = np.array(finite_vector(getattr(self, name), f"'{self.name}': the {words}"))
+            length = float(np.linalg.norm(numbers))
+            if not length > 1e-6:
+                raise ValueError(f"'{self.name}': the {words} points nowhere. Give it a length.")
+            object.__setattr__(self, name, tuple((numbers / length).tolist()))
+        if self.other.part is self.point.part:
+            raise ValueError(f"'{self.name}': a segment is parallel to itself. Choose another one.")
+        if not (math.isfinite(self.cone) and 0.0 <= self.cone < math.pi):
+            raise ValueError(f"'{self.name}': a cone lies between 0 and half a turn, got {self.cone} radians.")
+
+    def carried(self, carry: "Carry") -> dict[str, Any]:
+        """Both axes, of the other sides' segments in a mirror."""
+        return {
+            "axis": carry.point(BodyPoint(self.point.part, self.axis)).offset,
+            "other_axis": carry.point(BodyPoint(self.other.part, self.other_axis)).offset,
+        }
+
+    def sketch(self, place: NDArray[np.float64], turn: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+        """The axis at its point."""
+        return (np.stack([place, place + AXIS_DRAWN * (turn @ np.array(self.axis))]),)
+
+    def lean(self, turns: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Angle (F,) in radians beyond the cone, for both segments' rotations (F, 3, 3)."""
+        axes, along = turns @ np.array(self.axis), others @ np.array(self.other_axis)
+        leans = np.arctan2(np.linalg.norm(np.cross(axes, along), axis=1), np.sum(axes * along, axis=1))
+        return np.asarray(np.maximum(leans - self.cone, 0.0))

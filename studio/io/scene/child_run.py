@@ -1,0 +1,40 @@
+"""Course of a child process that reads a scene: limited memory, one line on standard error where something is wrong."""
+
+import os
+import sys
+import traceback
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+
+MOST_VALUES = 1 << 27
+"""Numbers of all frames and joints together."""
+MEMORY = 3 << 30
+"""Bytes of addresses beside twenty times the file: what Python and NumPy reserve, and half a gigabyte."""
+
+
+def run_child(main: Callable[[str, str, str], None]) -> None:
+    """Call ``main`` with the arguments of the process, which ends then without taking leave of what it has loaded."""
+    code = 0
+    try:
+        source, target, what = sys.argv[1:]
+        _limit_memory(Path(source).stat().st_size)
+        main(source, target, what)
+    except SystemExit as refusal:
+        print(refusal, file=sys.stderr)
+        code = 1
+    except Exception:  # noqa: BLE001 - whatever it is, its last line is told
+        traceback.print_exc()
+        code = 1
+    sys.stderr.flush()
+    os._exit(code)
+
+
+def _limit_memory(size: int) -> None:
+    """So that a file that lies about its sizes takes only this process."""
+    try:
+        import resource
+    except ImportError:  # Windows has no such limit; time is limited there as here
+        return
+    with suppress(ValueError, OSError):  # macOS has the name, but keeps no such limit
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY + 20 * size,) * 2)

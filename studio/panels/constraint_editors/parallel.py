@@ -1,0 +1,62 @@
+"""Form of a parallel constraint: the other segment, both axes, and the largest angle between them."""
+
+import math
+
+from PySide6.QtWidgets import QPushButton
+
+from studio.core.body.canonical import BodyPart
+from studio.core.constraints.base import BodyPoint
+from studio.panels.constraint_editors.common import ConstraintEditor
+from studio.panels.constraint_editors.present import turn_now
+from studio.panels.constraint_editors.upright import MOST
+from studio.panels.constraint_editors.vector_row import VectorRow
+from studio.panels.fields import Choice, NumberField, Section, labelled
+
+
+class ParallelEditor(ConstraintEditor):
+    """A segment, an axis of each, and a cone in degrees."""
+
+    def add_kind_rows(self, section: Section) -> None:
+        """Add the rows, and a button that takes the other axis from the pose at the playhead."""
+        self._other = Choice("Parallel to", [(part, part.label.capitalize()) for part in BodyPart])
+        self._other.chosen.connect(self._set_other)
+        section.add_row("Parallel to", self._other)
+        self._cone = self.bind(NumberField("Cone", "°", 0.0, MOST, 1.0, 1), self._set_cone)
+        self._cone.setToolTip("Largest angle between both axes: 0 holds them parallel")
+        section.add_row("Cone", self._cone)
+        self._axis = VectorRow(self, section, "Axis", self._set_axis, unit="")
+        self._other_axis = VectorRow(self, section, "Other axis", self._set_other_axis, unit="")
+        self._take = QPushButton("Take axis from pose")
+        self._take.setToolTip("The other axis becomes what points along the axis at the playhead")
+        self._take.clicked.connect(self._take_axis)
+        section.add_wide(self._take)
+        section.add_wide(labelled("Each axis is in the axes of its own segment.", "hint"))
+
+    def refresh(self) -> None:
+        """Update all fields from the document."""
+        super().refresh()
+        if self.entity is not None:
+            self._other.show_value(self.entity.other.part)
+            self._cone.show_value(math.degrees(self.entity.cone))
+            self._axis.show_values(self.entity.axis)
+            self._other_axis.show_values(self.entity.other_axis)
+
+    def _set_other(self, part: BodyPart) -> None:
+        self.change(f"Choose other segment of {self.entity.name}", other=BodyPoint(part))
+
+    def _set_cone(self, degrees: float) -> None:
+        self.change(f"Change cone of {self.entity.name}", cone=math.radians(degrees))
+
+    def _set_axis(self, axis: tuple[float, ...]) -> None:
+        if any(axis):
+            self.change(f"Change axis of {self.entity.name}", axis=axis)
+
+    def _set_other_axis(self, axis: tuple[float, ...]) -> None:
+        if any(axis):
+            self.change(f"Change other axis of {self.entity.name}", other_axis=axis)
+
+    def _take_axis(self) -> None:
+        turn, other = (turn_now(self, point.part) for point in (self.entity.point, self.entity.other))
+        if turn is not None and other is not None:
+            axis = tuple((other.T @ turn @ self.entity.axis).tolist())
+            self.change(f"Take other axis of {self.entity.name} from its pose", other_axis=axis)
