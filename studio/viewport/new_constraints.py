@@ -6,8 +6,10 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyPart
+from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint, Vector
@@ -24,6 +26,7 @@ from studio.core.constraints.rail import RailConstraint
 from studio.core.constraints.upright import UprightConstraint
 from studio.core.curves.activation import ActivationCurve
 from studio.core.names import free_name
+from studio.core.normalized.mirror import mirrored_contacts
 from studio.core.rotations import from_matrix
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Project
@@ -101,6 +104,26 @@ class Here:
         rate = self.project.frame_rate_of(clip)
         return clip.first / rate, clip.last / rate
 
+    def between_stances(self, part: BodyPart, now: float) -> tuple[float, float]:
+        """Seconds of the motion from the end of the last stance of a limb, or of the clip, to the begin of the next.
+
+        What stands ``now`` counts as one with the motion before and after it: the target is where it stands. A limb
+        that stands elsewhere stays there whatever a constraint asks for: faded in meanwhile, it would jump once let go.
+        """
+        clip, project = self.pose.clip, self.project
+        assert clip is not None
+        rate = project.frame_rate_of(clip)
+        contacts = project.contacts_for(self.moment.performer_id, clip).values()
+        stands = np.zeros(clip.last + 1, dtype=bool)
+        for contact in mirrored_contacts(tuple(contacts)) if self.pose.mirrored else contacts:
+            if isinstance(contact.point, ContactPoint) and _is_on(part, contact.point):
+                stands[max(contact.first, 0) : contact.last + 1] = True
+        frame = min(round(now * rate), clip.last)
+        before, after = stands[clip.first : frame + 1][::-1], stands[frame:]
+        steps_back, steps_on = (_steps_to_next_stance(each) for each in (before, after))
+        begin, end = self.span
+        return max(begin, (frame - steps_back) / rate), min(end, (frame + steps_on) / rate)
+
     @cached_property
     def around(self) -> tuple[AdaptedMotion, slice, FloatArray]:
         """The motion over time, its rows around the playhead, and their seconds (F,) of the clip's motion."""
@@ -132,7 +155,7 @@ class Here:
         now = min(max(self.pose.seconds, begin), end)
         activation = ActivationCurve(begin, begin, end, end)
         if moving is not None and self.fits_activation:
-            activation = fitted_activation(self.around[2], moving, now, begin, end)
+            activation = fitted_activation(self.around[2], moving, now, *self.between_stances(point.part, now))
         return {
             "motion_id": motion_id,
             "name": free_name(name, {one.name for one in existing}),
@@ -141,6 +164,20 @@ class Here:
             "priority": max((one.priority for one in existing), default=-1) + 1,
             "activation": activation,
         }
+
+
+def _is_on(part: BodyPart, point: ContactPoint) -> bool:
+    """True if a contact keeps a segment where it is: a foot that of its leg, a hand that of its arm."""
+    segments = ("upper_arm", "forearm", "hand") if point.member == "hand" else ("thigh", "shank", "foot", "toe")
+    side = ("left", "right")[point.side] if point.limb >= 0 else ""
+    return part in {f"{side}_{segment}" for segment in segments}
+
+
+def _steps_to_next_stance(stands: NDArray[np.bool_]) -> int:
+    """Number of frames from the first one of ``stands`` (F,) to the next stance, past the one that is now."""
+    own = int(np.argmin(stands)) if not stands.all() else len(stands)
+    later = np.flatnonzero(stands[own:])
+    return own + int(later[0]) if len(later) else len(stands)
 
 
 def constraint_here(here: Here, kind: str) -> Constraint:

@@ -9,6 +9,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QApplication, QComboBox
 
 from studio.core.body.canonical import BodyPart
+from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.area import AreaShape
 from studio.core.constraints.balance import Support
 from studio.core.constraints.base import BodyPoint
@@ -25,7 +26,7 @@ from studio.panels.inspector import Inspector
 from studio.viewport.gizmo import GIZMO_AXES
 from studio.viewport.handle_places import handle_place
 from studio.viewport.widget import Viewport
-from tests.builders import make_project
+from tests.builders import make_contact, make_project
 from tests.gui.viewport_use import drag, joint_pixel, settle
 from tests.patience import PATIENCE
 from tests.viewport.standing import StandingLive
@@ -99,6 +100,33 @@ def choose(inspector, name, text):
     [box] = [each for each in inspector.editor.findChildren(QComboBox) if each.accessibleName() == name]
     box.setCurrentText(text)
     box.activated.emit(box.currentIndex())
+
+
+STANCES = ((0, 5), (8, 9), (20, 29))
+"""Frames, at 60 Hz, in which the left foot stands; the playhead is at frame 12."""
+
+
+@pytest.mark.parametrize("kind", ["position", "orientation"])
+def test_a_new_constraint_on_a_foot_acts_between_its_stances_and_one_on_the_other_is_free_of_them(studio, kind):
+    _, document, _ = studio
+    for first, last in STANCES:
+        heel = make_contact(point=ContactPoint.LEFT_HEEL, first=first, last=last)
+        document.add_all("contacts", [heel], "Add")
+    left = add(studio, kind, "left ankle").activation
+    document.undo_stack.undo()
+    right = add(studio, kind, "right ankle").activation
+    assert left.start == pytest.approx(9 / 60)
+    assert left.end == pytest.approx(20 / 60)
+    assert right.start == 0.0
+    assert right.end > 20 / 60
+
+
+def test_a_new_constraint_on_a_standing_foot_acts_through_its_stance(studio):
+    _, document, _ = studio
+    document.add("contacts", make_contact(point=ContactPoint.LEFT_TOE, first=8, last=20), "Add")
+    made = add(studio, "position", "left ankle").activation
+    assert made.start == 0.0
+    assert made.end > 20 / 60
 
 
 @pytest.mark.parametrize("kind", CONSTRAINT_KINDS)

@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QLineEdit
 
 from studio.app.application import import_views, make_application, make_window, show_views
 from studio.app.settings import Settings
+from studio.core.captures.contacts import ContactPoint
 from studio.document.clip_edits import edit_clip
 from studio.document.document import Document
 from studio.timeline.hover import hover_text
@@ -156,6 +157,14 @@ def test_a_joint_that_is_constrained_on_a_mirrored_clip_is_the_one_that_was_pick
     assert window.bench.document.undo_stack.undoText() == "Add 'Left ball of foot'"
     assert_all_is_of_the_left(window, constraint_id)
     assert miss(window, constraint_id, side=0) < 0.01
+    project = window.bench.document.project
+    right = [
+        each for each in project.contacts.values() if each.point in (ContactPoint.RIGHT_HEEL, ContactPoint.RIGHT_TOE)
+    ]
+    lifted = max(
+        each.last for each in right if each.last < KICK
+    )  # the captured right foot is the left one that is seen
+    assert project.constraints[constraint_id].activation.start >= lifted / 60.0
     constrain(window, "right wrist")
     window.actions_by_id.by_id["raise_priority"].trigger()
     assert window.bench.document.undo_stack.undoText() == "Reorder priority of Right wrist"
