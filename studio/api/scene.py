@@ -216,7 +216,7 @@ class Scene:
         project = self.project
         results = {key: each.performance.adapted for key, each in self.adapt().items()}
         if not results:
-            raise StudioError("Nobody on the stage plays anything: there is nothing to draw.")
+            raise StudioError("No performer of the stage has a motion: there is nothing to draw.")
         if time is None:
             time = max(timing_of(project, project.performers[key]).end for key in results) / 2
         write_png(Path(path), next(iter(found)).load()(project, results, time, size))

@@ -192,7 +192,7 @@ CLIP = (
     Action("mirror_clip", "Clip", "Mirror clip", clips.mirror, ("Ctrl+M",), "Swap left and right", _clip_chosen),
     Action("duplicate_clip", "Clip", "Duplicate clip", clips.duplicate, tooltip="A copy that plays after it",
            enabled=_clip_chosen),
-    Action("own_clip", "Clip", "Make clip the body's own", clips.make_own,
+    Action("own_clip", "Clip", "Make clip unique", clips.make_own,
            tooltip="Separate this body's clip from that of the others that play it", enabled=_clip_shared),
 )  # fmt: skip
 
@@ -307,7 +307,7 @@ VIEW = (
     Action("scale_tool", "View", "Scale tool", view.scale_tool, ("R",), "Resize areas and props", _viewing,
            _tool_is("scale"), tool="R scale"),
     Action("correct_pose", "View", "Correct pose", view.toggle_correcting, ("P",),
-           "Pose a clicked joint by the gizmo over its motion: E turns it, W pulls hand, foot, hips and head", _ready,
+           "Correct the pose on a layer above the motion: E rotates joints, W moves hand, foot, hips, head", _ready,
            lambda bench: _viewing(bench) and bench.viewport.correcting),
     Action("gizmo_axes", "View", "Next gizmo axes", view.next_gizmo_axes, ("T",),
            "Move and turn along the axes of the world, the thing, its parent or the picture", _viewing,
@@ -347,7 +347,7 @@ VIEW = (
     Action("head_tracked", "View", "Head-tracked camera", toggle_head_tracking,
            tooltip="The screen is a window: the head that the Live panel follows looks through it", enabled=_viewing,
            checked=is_head_tracked, ends_group=True),
-    Action("ghost", "View", "Ghost of source", view.toggle_ghost, ("G",), "The capture on its actor's own body",
+    Action("ghost", "View", "Source ghost", view.toggle_ghost, ("G",), "The capture on its actor's own body",
            _viewing, lambda bench: _viewing(bench) and bench.viewport.ghost_shown),
     Action("onion_skins", "View", "Onion skins", view.toggle_onion_skins, ("Alt+O",),
            "The selected body at frames before and after the playhead; how many is set in the preferences", _viewing,

@@ -23,8 +23,8 @@ from studio.app.workbench import Workbench
 from studio.document import colours
 from studio.document.document import Document
 from studio.document.file_lock import journal_folder
+from studio.engine.background_tasks import TaskRunner
 from studio.engine.live_adaptation import LiveAdaptation
-from studio.engine.tasks import TaskRunner
 from studio.startup.kernel_warm_up import WarmUp
 
 

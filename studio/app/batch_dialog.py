@@ -21,7 +21,7 @@ from PySide6.QtWidgets import (
 from studio.app.file_dialogs import CONSTRAINTS_FILTER, ask_file, ask_folder
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
-from studio.engine.tasks import Progress
+from studio.engine.background_tasks import Progress
 from studio.io.project.character_file import bundled_characters
 from studio.io.registry import known_formats
 from studio.jobs.adapted_files import ACTOR_WORD, AdaptSettings

@@ -28,8 +28,8 @@ class What(Enum):
 
     ADAPTED = "Adapted motion"
     STAGE = "Whole stage"
-    MOTION = "Motion without a body"
-    FILM = "The 3D view"
+    MOTION = "Body-independent motion"
+    FILM = "Video of the 3D view"
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ class ExportDialog(QDialog):
         self.rest = Choice("Rest pose", list(REST_POSES.items()))
         self._carried = self._carriable()
         first, more = self._carried[:1], len(self._carried) - 1
-        words = f"Carry along: {', '.join(first)}{f' and {more} more' if more > 0 else ''}"
+        words = f"Keep: {', '.join(first)}{f' and {more} more' if more > 0 else ''}"
         self.others = Choice("Other joints", [("carry", words), ("leave", "Leave out")])
         self.range = Choice("Range", [("all", "All frames"), ("timeline", "Timeline range")])
         self.frame_rate = Choice(

@@ -90,7 +90,7 @@ class LiveControl:
         self._telling.timeout.connect(self.tell)
         panel = self.panel
         panel.listen_wanted.connect(self.listen)
-        panel.replay_wanted.connect(lambda: ask_file(bench, "Replay recorded datagrams", RECORDINGS, self.replay))
+        panel.replay_wanted.connect(lambda: ask_file(bench, "Replay OSC recording", RECORDINGS, self.replay))
         panel.record_wanted.connect(self._ask_recording)
         panel.close_wanted.connect(self.close_source)
         panel.sender_switched.connect(self.switch)
@@ -220,9 +220,9 @@ class LiveControl:
         elif self._moved_at and time.monotonic() - self._moved_at > HEAD_REST_SECONDS:
             self._rest()
         if self.broadcast is not None:
-            self.broadcast.show([body for _, body in self.outgoing()], time.monotonic())
+            self.broadcast.show([body for _, body in self.bodies_to_stream()], time.monotonic())
 
-    def outgoing(self) -> list[tuple[str, StreamedPose]]:
+    def bodies_to_stream(self) -> list[tuple[str, StreamedPose]]:
         """The bodies that are shown, with their names, as they stand on the stage."""
         document = self.bench.document
         posed = posed_performers(document.project, self.bench.live.shown, document.playhead.time)
@@ -314,7 +314,7 @@ class LiveControl:
     def _tell_streaming(self) -> None:
         words = ""
         if self.broadcast is not None:
-            ports = [f"{name} to {body.port}" for name, body in self.outgoing()]
+            ports = [f"{name} to {body.port}" for name, body in self.bodies_to_stream()]
             words = self.broadcast.problem or (", ".join(ports) + "." if ports else "Nobody is shown.")
         self.panel.show_streaming(self.broadcast is not None, words)
 

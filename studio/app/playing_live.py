@@ -138,8 +138,8 @@ def put_take(bench: Workbench, take: StageTake) -> None:
     document.playhead.set_time(begin)
     clips = sum(len(each.clips) for each in rows)
     bench.say(
-        f"Recorded {take.end - take.begin:.1f} s: {clips} clips of {len(rows)} performers are their rows now."
-        " Undo gives back what was there."
+        f"Recorded {take.end - take.begin:.1f} s: the clips of {len(rows)} performers are replaced by {clips}."
+        " Undo restores them."
     )
 
 

@@ -58,7 +58,7 @@ class PreferencesDialog(QDialog):
         work = Section("Work")
         self._add_choice(work, "activation", "New constraints", ACTIVATIONS)
         self._add_whole(work, "autosave_minutes", "Autosave", "min")
-        look = Section("Look, from the next start on")
+        look = Section("Appearance, after restart")
         self._add_choice(look, "theme", "Theme", [(name, name.capitalize()) for name in CHOICES["theme"]])
         self._add_whole(look, "interface_scale", "Scale", "%")
         keys = Section("Keys")
@@ -110,7 +110,9 @@ class PreferencesDialog(QDialog):
         self.table.blockSignals(False)
         texts = {row.id: row.text for row in ACTIONS}
         told = [f"{key}: {' and '.join(texts[each] for each in actions)}" for key, actions in conflicts.items()]
-        self.words.setText(f"The same key twice. {'; '.join(told)}." if told else "Type keys with blanks between them.")
+        self.words.setText(
+            f"The same key twice. {'; '.join(told)}." if told else "Separate several shortcuts with spaces."
+        )
 
     def _typed(self, item: QTableWidgetItem) -> None:
         """Give an action other keys, or say why they are none."""

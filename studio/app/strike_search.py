@@ -18,8 +18,8 @@ from studio.core.captures.contacts import standing_at
 from studio.core.errors import StudioError
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.placement import Placement
+from studio.engine.background_tasks import CancelledError, Progress
 from studio.engine.performance import row_at
-from studio.engine.tasks import CancelledError, Progress
 from studio.io.importing import GUESS_ALL
 from studio.library.clip_labels import Kind, Limb
 from studio.panels.strikes import (

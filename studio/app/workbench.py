@@ -9,8 +9,8 @@ from studio.app.import_corrections import ReadAs
 from studio.app.preferences import load_preferences
 from studio.app.settings import Settings
 from studio.document.document import Document
+from studio.engine.background_tasks import TaskRunner
 from studio.engine.live_adaptation import LiveAdaptation
-from studio.engine.tasks import TaskRunner
 from studio.panels.message_strip import Answer, Lifetime, UserMessage
 
 # Both views load what a window can be shown without; the window loads this module.

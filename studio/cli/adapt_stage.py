@@ -48,7 +48,7 @@ def run_stage(arguments: Namespace) -> int:
     if arguments.one_file:
         paths = dict.fromkeys(paths, arguments.out / f"{arguments.stage.stem}{suffix}")
     if not paths:
-        raise StudioError(f"Nobody who is shown in {arguments.stage.name} plays anything: there is nothing to adapt.")
+        raise StudioError(f"No visible character of {arguments.stage.name} has a motion: there is nothing to adapt.")
     written = arguments.out / "report.json"
     refuse_replacing([*paths.values(), written], arguments.stage, arguments.overwrite)
     compile_first()

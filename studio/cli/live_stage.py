@@ -92,7 +92,7 @@ def played(project: Project, seconds: float, presses: Iterable[tuple[float, str]
     stage, waiting = LiveStage(project, prepared), list(presses)
     parts = {key: PerformerTally(each.name) for key, each in project.performers.items() if each.visible and each.clips}
     if not parts:
-        raise StudioError("Nobody who is shown plays anything: there is nothing to play live.")
+        raise StudioError("No visible character has a motion: there is nothing to play live.")
     stage.step(0.0)
     stage.record()
     spent: list[float] = []

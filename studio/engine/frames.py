@@ -16,7 +16,7 @@ from studio.core.body.morphology import Morphology
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.solver.performers.circles import solve_cycle
+from studio.core.solver.performers.dependency_cycles import solve_cycle
 from studio.core.solver.performers.rows import frame_count_of, timing_of
 from studio.core.solver.performers.stage import leaders_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest

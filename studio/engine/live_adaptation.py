@@ -13,7 +13,7 @@ from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.project_cache import forget_project
-from studio.core.solver.performers.circles import solve_cycle
+from studio.core.solver.performers.dependency_cycles import solve_cycle
 from studio.core.solver.performers.rows import frame_count_of, timing_of
 from studio.core.solver.performers.stage import in_order, leaders_of
 from studio.core.solver.request import AdaptedMotion
@@ -267,7 +267,7 @@ class LiveAdaptation(QObject):
             self.adapted.emit(key)
 
     def expect(self, capture: Capture) -> None:
-        """Normalise a capture that is about to be shown, beside what else is done until then; from any thread."""
+        """Start normalising a capture in the background before it is shown; from any thread."""
         if capture.body_map is not None:
             self._scheduler.request(f"{_EXPECTED}{id(capture)}", 0, lambda: self._prepared(capture))
 

@@ -59,7 +59,7 @@ class TargetContext:
         held = {name: place[:2] if flat else moved_target(target, place, self.pose.seconds, track)}
         return replace(constraint, **held)
 
-    def turned(self, constraint: Constraint, turn: Quaternion) -> Constraint:
+    def with_target_rotation(self, constraint: Constraint, turn: Quaternion) -> Constraint:
         """Orientation constraint with its target rotated to ``turn`` now, as by ``moved``."""
         target = getattr(constraint, "target")  # noqa: B009 - only an orientation comes here
         track = self.track(target) if isinstance(target, Follow) else None

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from studio.core.errors import StudioError
 from studio.document.document import Document
-from studio.engine.tasks import TaskRunner
+from studio.engine.background_tasks import TaskRunner
 from studio.io.project.archive import Stamp
 
 

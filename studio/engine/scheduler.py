@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from PySide6.QtCore import QObject, Qt, Signal
 
-from studio.engine.tasks import CLOSE_WAIT_SECONDS, join_all
+from studio.engine.background_tasks import CLOSE_WAIT_SECONDS, join_all
 
 Stage = Callable[[], object]
 

@@ -6,7 +6,7 @@ from PySide6.QtCore import QObject, QTimer, Signal
 
 from studio.core.solver.performers.stage import asked_of
 from studio.core.stage.project import Project
-from studio.engine.tasks import CLOSE_WAIT_SECONDS
+from studio.engine.background_tasks import CLOSE_WAIT_SECONDS
 from studio.startup.kernel_warm_up import WarmUp
 
 LOOKED_AT_MILLISECONDS = 100

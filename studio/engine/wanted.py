@@ -12,7 +12,7 @@ from studio.core.mesh.skin import SkinnedMesh
 from studio.core.mesh.volume import fitted_volume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.performers.awaiting import awaited
-from studio.core.solver.performers.circles import Player
+from studio.core.solver.performers.dependency_cycles import CycleMember
 from studio.core.solver.performers.rows import (
     ClipConstraint,
     composite_of,
@@ -93,7 +93,7 @@ def wanted_of(project: Project, key: str, circle: tuple[str, ...], result_of: Re
     )  # fmt: skip
 
 
-def player_of(project: Project, key: str, wanted: Wanted, prepare: Prepare) -> Player:
+def player_of(project: Project, key: str, wanted: Wanted, prepare: Prepare) -> CycleMember:
     """A performer with its request; what costs time is done here, in whatever thread asks."""
 
     def prepared(motion_id: str) -> tuple[NormalizedMotion, Morphology]:
@@ -108,4 +108,4 @@ def player_of(project: Project, key: str, wanted: Wanted, prepare: Prepare) -> P
         composite.motion, wanted.morphology, composite.contacts, constraints, wanted.ground, tracks, volume,
         actor, wanted.limited, wanted.eased, wanted.clears, wanted.corrections,
     )  # fmt: skip
-    return Player(request, composite, wanted.placement, project.props)
+    return CycleMember(request, composite, wanted.placement, project.props)

@@ -2,7 +2,7 @@
 
 REST_POSES = {"t": "T-pose", "own": "Bind pose"}
 """Poses in which every angle of a file is zero, by key."""
-ROOTS = {"": "Hips travel", "floor": "Root joint on floor", "in-place": "In place"}
+ROOTS = {"": "On hips", "floor": "On root joint", "in-place": "In place"}
 """Joints that keep the travel of a body, by key."""
 
 RESTING = (".bvh", ".fbx", ".glb", ".gltf", ".usd", ".usda", ".usdc", ".usdz")

@@ -89,7 +89,7 @@ def offers(group: str) -> Iterator[Offer]:
 
 
 def load_all(group: str, accepted: Callable[[Any], T]) -> Loaded[T]:
-    """Everything that packages offer in a group, as ``accepted`` makes it of the objects; never raises."""
+    """Offers of a group of entry points, loaded and checked by ``accepted``; errors are returned, never raised."""
     found: list[T] = []
     failures: list[str] = []
     for offer in offers(group):

@@ -49,7 +49,7 @@ def write_zip(path: Path, members: Mapping[str, bytes], level: int | None, progr
 
 
 def _aligned(name: str, start: int) -> zipfile.ZipInfo:
-    """A member whose header begins at byte ``start``, filled up by a field that nobody reads."""
+    """Member whose header begins at byte ``start``, padded in its extra field so that its data are aligned."""
     gap = -(start + _HEADER + len(name.encode()) + _FIELD.size) % _ALIGNMENT
     member = zipfile.ZipInfo(name)
     member.extra = _FIELD.pack(_UNREAD, gap) + bytes(gap)

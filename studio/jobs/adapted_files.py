@@ -109,7 +109,7 @@ def placed(places: Mapping[str, Placement], characters: Iterable[str]) -> dict[s
     for name, place in places.items():
         key = name if name in found else Path(name).stem
         if key not in found:
-            raise StudioError(f"No character '{name}' takes part to be placed. Those that do: {', '.join(found)}.")
+            raise StudioError(f"No character '{name}' is among those to be placed: {', '.join(found)}.")
         found[key] = place
     return found
 

@@ -14,7 +14,7 @@ from studio.core.normalized.compose import Composite, compose_pieces
 from studio.core.normalized.pieces import MotionPiece
 from studio.core.solver.adapt import adapt
 from studio.core.solver.asking.tracks import Track
-from studio.core.solver.performers.circles import Player, solve_cycle
+from studio.core.solver.performers.dependency_cycles import CycleMember, solve_cycle
 from studio.core.solver.performers.followed_tracks import tracked_track
 from studio.core.solver.performers.prop_tracks import seen_from, stage_track
 from studio.core.solver.performers.stage import concerning
@@ -46,7 +46,7 @@ def with_tracks(
     leads = {key: _leaders(request) for key, request in asked.items()}
     followed = set().union(*leads.values())
     players = {
-        key: Player(request, _played(request), places[key], props)
+        key: CycleMember(request, _played(request), places[key], props)
         for key, request in asked.items()
         if leads[key] or key in followed
     }

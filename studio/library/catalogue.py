@@ -146,7 +146,7 @@ class Catalogue:
             self._database.close()
 
     def remark(self, sentence: str) -> None:
-        """Add a sentence to ``repaired``."""
+        """Note a repair of which the user is told."""
         self.repaired = f"{self.repaired} {sentence}".strip()
 
     @property

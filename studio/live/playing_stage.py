@@ -20,7 +20,7 @@ from studio.core.normalized.transition import LEAST_TRANSITION
 from studio.core.solver.adapt import hold, place_of
 from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.performers.awaiting import awaited_moment, expected_at
-from studio.core.solver.performers.circles import Paths, Player, paths_of, solve_cycle
+from studio.core.solver.performers.dependency_cycles import CycleMember, Paths, paths_of, solve_cycle
 from studio.core.solver.performers.performing import Prepare
 from studio.core.solver.performers.stage import in_order, props_of, tracks_followed_by, tracks_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -339,7 +339,7 @@ class LiveStage:
 
     def _player(
         self, key: str, circle: tuple[str, ...], solved: Mapping[str, AdaptedMotion], expected: Expected
-    ) -> Player:
+    ) -> CycleMember:
         part = self._parts[key]
         playing, frame = part.playing, part.frame
         constraints = playing.active(frame)
@@ -354,7 +354,7 @@ class LiveStage:
             standing.motion, standing.morphology, standing.contacts, constraints, standing.ground, part.tracks
         )
         placement = Placement.of(self._staged.performers[key])
-        return Player(request, playing.composite, placement, self._staged.props, frame, expected)
+        return CycleMember(request, playing.composite, placement, self._staged.props, frame, expected)
 
     def _awaited(self, key: str) -> Expected:
         """Predicted positions (3,), in the motion's space, of the points that a performer anticipates, by the motions

@@ -63,8 +63,8 @@ class ClipEditor(Editor):
         speed = NumberField("Speed", "×", SLOWEST_CLIP, FASTEST_CLIP, 0.05)
         self._speed = self._number(speed, "Change speed of", "", speed=1.0)
         section.add_row("Speed", self._speed)
-        self._repeats = self.bind(NumberField("Times", "", 1, MOST_REPEATS, 1, 0), self._set_repeats)
-        section.add_row("Times", self._repeats)
+        self._repeats = self.bind(NumberField("Repeats", "", 1, MOST_REPEATS, 1, 0), self._set_repeats)
+        section.add_row("Repeats", self._repeats)
         self._mirrored = self._box("left and right swapped", lambda on: self._set("Mirror", mirrored=on))
         section.add_row("Mirrored", self._mirrored)
         self._grip = Choice("Hands", GRIP_CHOICES)
@@ -76,7 +76,7 @@ class ClipEditor(Editor):
 
     def _placing(self) -> Section:
         section = Section("Where it plays")
-        self._joined = self._box("At end of previous clip", lambda on: self._set("Join", joined=on))
+        self._joined = self._box("Continue from previous clip", lambda on: self._set("Join", joined=on))
         section.add_row("Placement", self._joined)
         turn = NumberField("Turn", "°", -360.0, 360.0, 1.0, 1)
         self._turn = self._number(turn, "Turn", "", turn=math.radians(1.0))
@@ -89,7 +89,7 @@ class ClipEditor(Editor):
         ]
         for field in self._offset:
             field.setToolTip("In leg lengths, so that it is in proportion for every body. Drag sideways to change.")
-        section.add_row("Offset  legs", *self._offset)
+        section.add_row("Offset  leg lengths", *self._offset)
         self._ease = self._number(NumberField("Blend time", "s", 0.0, 60.0, 0.05), "Ease", "", ease=1.0)
         self._ease.setSpecialValueText("as needed")
         section.add_row("Blend", self._ease)
@@ -128,7 +128,7 @@ class ClipEditor(Editor):
         self._players.setText(", ".join(each.name for each in players.values()))
         active = players.get(self.document.active_performer_id or "")
         self._own.setVisible(len(players) > 1 and active is not None)
-        self._own.setText(f"Make it {short(active.name, self._own)}'s own" if active else "")
+        self._own.setText(f"Make unique for {short(active.name, self._own)}" if active else "")
         shown = {
             self._start: clip.start, self._first: clip.first, self._last: clip.last, self._speed: clip.speed,
             self._repeats: clip.repeats, self._turn: math.degrees(clip.turn), self._ease: clip.ease,

@@ -52,7 +52,7 @@ class Value(QLabel):
 
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw the text, elided if it does not fit."""
-        if not self._is_cut():
+        if not self._is_truncated():
             super().paintEvent(event)
             return
         room = self.contentsRect()
@@ -63,12 +63,12 @@ class Value(QLabel):
 
     def event(self, event: QEvent) -> bool:
         """Show the whole text as a tooltip if it is elided."""
-        if isinstance(event, QHelpEvent) and event.type() == QEvent.Type.ToolTip and self._is_cut():
+        if isinstance(event, QHelpEvent) and event.type() == QEvent.Type.ToolTip and self._is_truncated():
             QToolTip.showText(event.globalPos(), self.text(), self)
             return True
         return bool(super().event(event))
 
-    def _is_cut(self) -> bool:
+    def _is_truncated(self) -> bool:
         wide = self.fontMetrics().horizontalAdvance(self.text())
         return not self.wordWrap() and wide > self.contentsRect().width()
 

@@ -47,7 +47,7 @@ class GrowthRow(KeyRow):
         playhead = self._editor.document.playhead
         return playhead.frame / playhead.frame_rate
 
-    def _show_time(self, seconds: float) -> None:
+    def _go_to_time(self, seconds: float) -> None:
         self._editor.document.playhead.set_time(seconds)
 
     def _set(self) -> None:

@@ -58,7 +58,7 @@ class PerformerEditor(Editor):
         )
         self._eased.toggled.connect(self._ease_or_not)
         section.add_row("Smoothing", self._eased)
-        self._clears = QCheckBox("Avoid body")
+        self._clears = QCheckBox("Arm self-collision")
         self._clears.setToolTip(
             "Hands, forearms and elbows stay out of trunk, head and thighs, as thick as they are, and touch them where"
             " the actor's do. A constraint on a hand comes first; its elbow gives way."
@@ -106,10 +106,10 @@ class PerformerEditor(Editor):
         self.change(f"{'Show' if visible else 'Hide'} {self.entity.name}", visible=visible)
 
     def _limit_or_free(self, limited: bool) -> None:
-        self.change(f"{'Limit' if limited else 'Free'} the joints of {self.entity.name}", limited=limited)
+        self.change(f"Joint limits {'on' if limited else 'off'} for {self.entity.name}", limited=limited)
 
     def _ease_or_not(self, eased: bool) -> None:
-        self.change(f"{'Ease' if eased else 'Leave'} the jolts of {self.entity.name}", eased=eased)
+        self.change(f"Smoothing {'on' if eased else 'off'} for {self.entity.name}", eased=eased)
 
     def _clear_or_not(self, clears: bool) -> None:
         kept = "Keep the arms out of the body" if clears else "Let the arms through the body"

@@ -56,7 +56,7 @@ class CompileWork:
         self._kernels, self._linking = kernels_below(kernels), linking
         self._translated_after = 0.0
 
-    def share_after(self, spent: float) -> float:
+    def fraction_done(self, spent: float) -> float:
         """Share of the work that is done, from 0 to 1, ``spent`` processor seconds after it was begun.
 
         Linking happens in one go; it is taken to be as fast as translating was.

@@ -259,7 +259,7 @@ def _tell(functions: list[str], work: "CompileWork") -> None:
     try:
         while left := [*functions]:
             # A lock of print's might be held at Python's end.
-            os.write(sys.stdout.fileno(), b"%s %.3f\n" % (left[0].encode(), work.share_after(time.process_time())))
+            os.write(sys.stdout.fileno(), b"%s %.3f\n" % (left[0].encode(), work.fraction_done(time.process_time())))
             time.sleep(TOLD_EVERY)
     except BrokenPipeError:
         os._exit(0)  # whoever listened is gone, and needs no kernels

@@ -26,8 +26,8 @@ def offer_curves(menu: QMenu, canvas: "TrackCanvas") -> None:
         f"{mode.value.capitalize()} tangents": partial(_with_mode, mode) for mode in TangentMode
     }
     edits: dict[str, Callable[[Keyed, int], Keyed]] = {
-        "Break tangents": partial(_with_broken, True),
-        "Unify tangents": partial(_with_broken, False),
+        "Break tangents": partial(_with_broken_tangents, True),
+        "Unify tangents": partial(_with_broken_tangents, False),
         "Even weights": with_even_weights,
     }
     for group in (modes, edits):
@@ -65,5 +65,5 @@ def _with_mode(mode: TangentMode, keyed: Keyed, place: int) -> Keyed:
     return with_mode(keyed, place, mode)
 
 
-def _with_broken(broken: bool, keyed: Keyed, place: int) -> Keyed:
+def _with_broken_tangents(broken: bool, keyed: Keyed, place: int) -> Keyed:
     return with_broken(keyed, place, broken)

@@ -17,8 +17,8 @@ from studio.core.stage.project import Project
 from studio.engine.residual_measures import LENGTH_MEASURE, Measure, measure_of
 from studio.engine.residuals import missed_by
 from studio.timeline.axis import AXIS_MARGIN, TimeAxis
+from studio.timeline.error_strips import strip_of
 from studio.timeline.shown import RowContext
-from studio.timeline.strips import strip_of
 from studio.timeline.subject import Body, Subject
 
 FloatArray = NDArray[np.float64]
@@ -34,8 +34,8 @@ class Quantity(StrEnum):
     LEFT_FOOT_SPEED = "Left foot speed"
     RIGHT_FOOT_SPEED = "Right foot speed"
     KNEE_SPEED = "Knee speed"
-    SLIDE = "Slide of contacts"
-    OFF_SUPPORT = "Mass beyond support"
+    SLIDE = "Contact sliding"
+    OFF_SUPPORT = "Centre of mass off support"
     ERROR = "Error"
 
     def unit(self, shown: RowContext) -> str:

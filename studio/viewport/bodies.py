@@ -90,7 +90,7 @@ class BodyVisual:
         data[FIELD] = panel_field(drawn.skin, self._character.build.layout)
         data.active_scalars_name = FIELD
 
-    def belongs_to(self, character: Character) -> bool:
+    def can_show(self, character: Character) -> bool:
         """True if this mesh can show ``character``: proportions and colour may differ, the skin may not."""
         return character.skin is self._character.skin and character.build is self._character.build
 

@@ -39,7 +39,7 @@ def press(viewport: Viewport, document: Document, live: Live, event: QMouseEvent
 
 
 def move(viewport: Viewport, event: QMouseEvent) -> None:
-    """Feed the gesture, or show what could be grabbed."""
+    """Update the running drag, or the highlight under the mouse if there is none."""
     x, y = event.position().x(), event.position().y()
     keys = event.modifiers()
     if viewport.gesture is not None:

@@ -54,7 +54,7 @@ _WHOLE_BODY = Chain(limb=0.0, clavicle=0.0, trunk=1.0, root=1.0, free_arms=1.0, 
 
 
 @dataclass(frozen=True)
-class Here:
+class NewConstraintContext:
     """Source of a new constraint: a body at the playhead, and the joint picked on it if there is one."""
 
     moment: TargetContext
@@ -74,7 +74,7 @@ class Here:
 
     @property
     def picked(self) -> BodyJoint:
-        """The joint, for a kind that needs one."""
+        """Picked joint; only a kind that needs one asks."""
         assert self.joint is not None
         return self.joint
 
@@ -180,7 +180,7 @@ def _steps_to_next_stance(stands: NDArray[np.bool_]) -> int:
     return own + int(later[0]) if len(later) else len(stands)
 
 
-def constraint_here(here: Here, kind: str) -> Constraint:
+def constraint_here(here: NewConstraintContext, kind: str) -> Constraint:
     """A constraint of ``kind`` that asks for what the body does at the playhead."""
     make = CONSTRAINT_KINDS[kind].make
     assert make is not None  # a kind without one has no action
@@ -188,7 +188,7 @@ def constraint_here(here: Here, kind: str) -> Constraint:
     return mirrored_constraint(made) if here.pose.mirrored else made
 
 
-def new_position(here: Here) -> Constraint:
+def new_position(here: NewConstraintContext) -> Constraint:
     """The joint stays where it is."""
     joint = here.picked
     place = _vector(here.place(joint.point))
@@ -198,7 +198,7 @@ def new_position(here: Here) -> Constraint:
     return PositionConstraint(**common, target=target)
 
 
-def new_orientation(here: Here) -> Constraint:
+def new_orientation(here: NewConstraintContext) -> Constraint:
     """The segment stays turned as it is."""
     from scipy.spatial.transform import Rotation  # late: it takes longer than a window
 
@@ -214,14 +214,14 @@ def new_orientation(here: Here) -> Constraint:
     )
 
 
-def new_look_at(here: Here) -> Constraint:
+def new_look_at(here: NewConstraintContext) -> Constraint:
     """The eyes look two metres ahead."""
     target = here.place(EYES) + LOOK_AT_DISTANCE * here.turn(EYES.part)[:, 0]
     gazes = here.turns(EYES.part)[:, :, 0]
     return LookAtConstraint(**here.common("Look at", EYES, _HEAD, gazes), target=_vector(target))
 
 
-def new_upright(here: Here) -> Constraint:
+def new_upright(here: NewConstraintContext) -> Constraint:
     """Keep the axis up that points up now."""
     part = turned_part(here.picked.point)
     chain = _HEAD if part in (BodyPart.HEAD, BodyPart.NECK) else replace(here.picked.chain, end_segment=1.0)
@@ -229,7 +229,7 @@ def new_upright(here: Here) -> Constraint:
     return UprightConstraint(**common, axis=_vector(here.turn(part)[2]), cone=UPRIGHT_TOLERANCE)
 
 
-def new_parallel(here: Here) -> Constraint:
+def new_parallel(here: NewConstraintContext) -> Constraint:
     """Keep the segment as it is to that of the other side; a segment in the middle to the pelvis, which the thorax
     carries on.
     """
@@ -243,7 +243,7 @@ def new_parallel(here: Here) -> Constraint:
     return ParallelConstraint(**common, axis=axis, other=BodyPoint(other))
 
 
-def new_distance(here: Here) -> Constraint:
+def new_distance(here: NewConstraintContext) -> Constraint:
     """Both wrists stay as far apart as they are; another joint stays at its place."""
     joint = here.picked
     begin, other = here.place(joint.point), opposite_hand(joint.point)
@@ -257,12 +257,12 @@ def new_distance(here: Here) -> Constraint:
     return DistanceConstraint(**common, other=other, distance=float(np.linalg.norm(here.place(other) - begin)))
 
 
-def new_balance(here: Here) -> Constraint:
+def new_balance(here: NewConstraintContext) -> Constraint:
     """The centre of mass stays over its own path."""
     return BalanceConstraint(**here.common("Balance", BodyPoint(BodyPart.PELVIS), _WHOLE_BODY))
 
 
-def new_area(here: Here) -> Constraint:
+def new_area(here: NewConstraintContext) -> Constraint:
     """A table under the joint."""
     joint = here.picked
     x, y, top = here.place(joint.point)
@@ -275,7 +275,7 @@ def new_area(here: Here) -> Constraint:
     )
 
 
-def new_rail(here: Here) -> Constraint:
+def new_rail(here: NewConstraintContext) -> Constraint:
     """A line through the joint along the way that it takes about the playhead."""
     joint = here.picked
     path = here.points(joint.point)
@@ -285,7 +285,7 @@ def new_rail(here: Here) -> Constraint:
     return RailConstraint(**common, centre=_vector(here.place(joint.point)), direction=_vector(direction))
 
 
-def new_clear(here: Here) -> Constraint:
+def new_clear(here: NewConstraintContext) -> Constraint:
     """The arms stay out of the body."""
     return ClearConstraint(**here.common("Clear of body", BodyPoint(BodyPart.THORAX), Chain()))
 

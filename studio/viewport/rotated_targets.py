@@ -95,7 +95,7 @@ class RotatedSegment(RotatedTarget):
         x, y, z, w = from_matrix(self._here(rotation) @ self._target).tolist()
         verb = "Key" if isinstance(getattr(self._begin, "target", None), KeyedTurn) else "Turn"
         text = f"{verb} target of {self._begin.name}"
-        self._put(self._moment.turned(self._begin, (x, y, z, w)), text, gesture)
+        self._put(self._moment.with_target_rotation(self._begin, (x, y, z, w)), text, gesture)
 
 
 class RotatedDirection(RotatedTarget):

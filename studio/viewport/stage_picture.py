@@ -147,7 +147,7 @@ class StageScene:
     def _drop_bodies(self, project: Project, posed: Mapping[str, Posed]) -> None:
         for performer_id, body in list(self._bodies.items()):
             pose = posed.get(performer_id)
-            if pose is None or not body.belongs_to(project.characters[pose.performer.character_id]):
+            if pose is None or not body.can_show(project.characters[pose.performer.character_id]):
                 for actor in body.actors:
                     self._remove(actor)
                 del self._bodies[performer_id]

@@ -38,7 +38,7 @@ from studio.viewport.glide import Glide
 from studio.viewport.handles import Handle, constraint_handles
 from studio.viewport.mouse_gestures import ViewportGesture, nudge
 from studio.viewport.movables import Movable
-from studio.viewport.new_constraints import Here, constraint_here
+from studio.viewport.new_constraints import NewConstraintContext, constraint_here
 from studio.viewport.newcomers import Newcomers
 from studio.viewport.onion_skins import Ghost, OnionSkins, kept_ghosts, onion_ghosts
 from studio.viewport.opening import clear_of_words, is_another_size, opening_camera
@@ -321,7 +321,7 @@ class Viewport(Canvas):
         ):
             return None
         context, joint = TargetContext(project, self.posed, pose), picked.joint if picked else None
-        constraint = constraint_here(Here(context, joint, self.fits_activation), kind)
+        constraint = constraint_here(NewConstraintContext(context, joint, self.fits_activation), kind)
         shown = mirrored_constraint(constraint) if pose.mirrored else constraint
         constraint_id = self._document.add("constraints", constraint, f"Add '{shown.name}'")
         self.pick(None)

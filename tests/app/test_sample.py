@@ -11,7 +11,7 @@ from studio.io.adapted_file import read_adapted, write_adapted
 from studio.io.importing import load_capture
 from studio.jobs.performances import adapted_performers
 from studio.viewport.body_points import body_joints, point_path
-from studio.viewport.new_constraints import Here, constraint_here
+from studio.viewport.new_constraints import NewConstraintContext, constraint_here
 from tests.architecture.sources import ROOT
 
 CLOSE = 5e-3
@@ -42,7 +42,7 @@ def test_c_on_the_sample_gives_each_body_its_own_place_before_anything_is_solved
     posed = posed_performers(project, shown.get, 154 / 60)
     ball = next(each for each in body_joints(posed["child"].motion.morphology.layout) if "ball" in each.name)
     for pose in posed.values():
-        made = constraint_here(Here(TargetContext(project, posed, pose), ball), "position")
+        made = constraint_here(NewConstraintContext(TargetContext(project, posed, pose), ball), "position")
         assert isinstance(made.target, OwnPlace)
 
 
@@ -53,7 +53,7 @@ def test_c_on_the_sample_leaves_every_limb_its_speed():
         for key in ("child", "giant"):
             here = TargetContext(project, posed, posed[key])
             for joint in body_joints(posed[key].motion.morphology.layout):
-                made = constraint_here(Here(here, joint), "position")
+                made = constraint_here(NewConstraintContext(here, joint), "position")
                 path = point_path(shown[key], joint.point)
                 drawn = path + made.activation.at(np.arange(len(path)) / 60)[:, None] * (path[frame] - path)
                 near = slice(max(frame - 70, 0), frame + 70)

@@ -322,7 +322,7 @@ def test_who_follows_another_follows_where_that_one_is_placed(capsys, walk, tmp_
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
-        (["--place", "giant", "0", "0", "0"], "No character 'giant' takes part to be placed. Those that do: child."),
+        (["--place", "giant", "0", "0", "0"], "No character 'giant' is among those to be placed: child."),
         (["--place", "child", "0", "north", "0"], "say two lengths in metres and degrees"),
         (["--place", "child", "0", "nan", "0"], "say two lengths in metres and degrees"),
         (["--ground", "none.json"], "none.json could not be read"),

@@ -10,8 +10,8 @@ import pytest
 from studio.core.errors import StudioError
 from studio.core.stage.prop import Prop
 from studio.document.document import Document
+from studio.engine.background_tasks import TaskRunner
 from studio.engine.saving import save_in_background
-from studio.engine.tasks import TaskRunner
 from studio.io.project.entity_json import project_json
 from studio.io.project.project_file import read_project
 from tests.builders import make_project

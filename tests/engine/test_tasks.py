@@ -10,7 +10,7 @@ import shiboken6
 from PySide6.QtCore import QCoreApplication
 
 from studio.core.errors import StudioError
-from studio.engine.tasks import Progress, TaskRunner
+from studio.engine.background_tasks import Progress, TaskRunner
 from tests.patience import SECONDS
 
 

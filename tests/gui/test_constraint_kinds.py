@@ -383,7 +383,7 @@ def test_a_target_moves_by_a_rule_its_way_is_drawn_and_a_drag_moves_it(studio):
     viewport, document, inspector = studio
     add(studio, "position")
     place = numbers_of(inspector, "Target")
-    for words, number in (("Goes round a circle", "Radius"), ("Wanders at random", "Reach X")):
+    for words, number in (("Circle", "Radius"), ("Noise", "Reach X")):
         choose(inspector, "Target is", words)
         enter(inspector, number, "0.25")
         settle(viewport)
@@ -398,7 +398,7 @@ def test_a_target_moves_by_a_rule_its_way_is_drawn_and_a_drag_moves_it(studio):
 
 
 @pytest.mark.parametrize("begin", ["Per character", "Follow own body"])
-@pytest.mark.parametrize("words", ["Keyed over time", "Goes round a circle", "Wanders at random"])
+@pytest.mark.parametrize("words", ["Keyed over time", "Circle", "Noise"])
 def test_what_is_each_body_s_own_stays_so_as_keys_and_rules_and_is_shared_when_asked(studio, begin, words):
     viewport, document, inspector = studio
     add(studio, "position")

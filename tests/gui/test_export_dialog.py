@@ -26,7 +26,7 @@ def test_fingers_and_props_go_out_with_a_character_unless_they_are_left_out(
     dialog = export_dialog.open_export_dialog(window.bench)
     dialog.choose(export_dialog.What.ADAPTED, ".bvh")
     assert dialog.others.isVisible()
-    assert dialog.others.currentText() == "Carry along: Eye and 4 more"
+    assert dialog.others.currentText() == "Keep: Eye and 4 more"
     dialog.others.show_value(others)
     dialog.go.click()
     qtbot.waitUntil(lambda: not window.bench.runner.running, timeout=PATIENCE)

@@ -163,7 +163,7 @@ def test_a_step_is_added_tried_and_applied(qtbot, window, dialog) -> None:
 def test_signals_and_events_are_plotted_and_a_click_moves_the_playhead(window, dialog) -> None:
     dialog.tabs.setCurrentIndex(2)
     signals = dialog.signals
-    assert signals.ticked() == ["Plate 1"]
+    assert signals.plotted_names() == ["Plate 1"]
     signals.tick("Mx1")
     names = [curve.name() for curve in signals.plot.getPlotItem().listDataItems()]
     assert names == ["Plate 1 x", "Plate 1 y", "Plate 1 z", "Mx1"]

@@ -11,8 +11,8 @@ from PySide6.QtWidgets import QPushButton
 from studio.app.strike_target import StrikeTarget
 from studio.core.constraints.position import PositionConstraint
 from studio.core.stage.prop import Prop
+from studio.engine.background_tasks import Progress
 from studio.engine.live_adaptation import LiveAdaptation
-from studio.engine.tasks import Progress
 from studio.library.clip_labels import Limb
 from studio.panels import strikes
 from studio.resources_folder import example_captures_folder

@@ -369,7 +369,7 @@ def test_jolts_of_a_character_are_eased_or_left_by_a_tick_that_can_be_undone(ins
     assert tick.isChecked()
     QTest.mouseClick(tick, LEFT, pos=QPoint(8, tick.height() // 2))
     assert [each.eased for each in document.project.performers.values()][:2] == [False, True]
-    assert document.history[-1] == "Leave the jolts of Body 0"
+    assert document.history[-1] == "Smoothing off for Body 0"
     document.undo_stack.undo()
     assert tick.isChecked()
 
@@ -381,7 +381,7 @@ def test_the_joints_of_a_character_are_freed_and_limited_by_a_tick_that_can_be_u
     QTest.mouseClick(tick, LEFT, pos=QPoint(8, tick.height() // 2))
     assert not document.project.performers["performer 0"].limited
     assert document.project.performers["performer 1"].limited
-    assert document.history[-1] == "Free the joints of Body 0"
+    assert document.history[-1] == "Joint limits off for Body 0"
     document.undo_stack.undo()
     assert tick.isChecked()
     assert document.project.performers["performer 0"].limited

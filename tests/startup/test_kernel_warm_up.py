@@ -75,18 +75,18 @@ def test_the_share_is_that_of_the_bytes_of_kernels_that_are_translated_with_all_
     middle = Counted(20, leaf=leaf)
     top = Counted(100, middle=middle, aside=aside, other=3)
     compiling = CompileWork([top])
-    assert compiling.share_after(1.0) == 0.0
+    assert compiling.fraction_done(1.0) == 0.0
     middle.signatures.append(())
-    assert compiling.share_after(2.0) == 0.25
+    assert compiling.fraction_done(2.0) == 0.25
     top.signatures.append(())
-    assert compiling.share_after(3.0) == 1.0
+    assert compiling.fraction_done(3.0) == 1.0
 
 
 def test_linking_takes_its_part_of_the_share_by_the_pace_of_translating():
     kernel = Counted(30)
     compiling = CompileWork([kernel], linking=0.25)
     kernel.signatures.append(())
-    shares = [compiling.share_after(spent) for spent in (8.0, 9.0, 10.0, 11.0)]
+    shares = [compiling.fraction_done(spent) for spent in (8.0, 9.0, 10.0, 11.0)]
     assert shares == pytest.approx([0.8, 0.9, 1.0, 1.0])
 
 

@@ -65,8 +65,8 @@ def over_feet(skeleton: Skeleton, poses: PoseSequence, feet: Mapping[int, int]) 
     if body is None or np.linalg.norm(gaps - gaps.mean(axis=0), axis=2).max() > near:
         foot, shank = next(iter(feet.items()))
         raise StudioError(
-            f"'{skeleton.names[foot]}' hangs from the root and leaves '{skeleton.names[shank]}' in its motion."
-            " Bake the legs, or hang the feet from the shanks, and export it again."
+            f"'{skeleton.names[foot]}' is parented to the root and drifts from '{skeleton.names[shank]}'."
+            " Bake the legs, or parent the feet to the shanks, and export it again."
         )
     carrier = turns[:, skeleton.parents[body]]
     moves = np.array(poses.local_translations)

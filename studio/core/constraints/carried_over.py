@@ -206,7 +206,7 @@ def _plain(name: str, value: Any, constraint: Constraint, carry: Carry) -> Any:
 
 
 def _heading(heading: float, constraint: Constraint, carry: Carry) -> float:
-    """Heading relative to that of the followed object, if the centre follows one."""
+    """Heading, mirrored if asked for; turned with the clip unless the centre follows something."""
     follows = isinstance(getattr(constraint, "centre", None), FOLLOWS)
     seen = -heading if _is_heading_mirrored(constraint, carry) else heading
     return seen if follows else seen + carry.turn

@@ -203,8 +203,8 @@ class Keys:
             tangents=tuple(key.tangents for key in keys),
         )
 
-    def _spans(self, times: ArrayLike) -> "_Spans":
-        """(N,) the progress from a key to the next, later where a tangent weighs more."""
+    def _bracketing_keys(self, times: ArrayLike) -> "_Spans":
+        """Keys around each of ``times`` (N,), and the progress between them."""
         keys = self.seconds
         asked = self._looped(np.asarray(times, dtype=np.float64))
         t = np.clip(asked, self.times[0], self.times[-1])
@@ -276,7 +276,7 @@ class Line(Keys):
 
     def at(self, times: ArrayLike) -> FloatArray:
         """Values (N, size) at ``times`` (N,) seconds."""
-        values, spans = self.points, self._spans(times)
+        values, spans = self.points, self._bracketing_keys(times)
         arriving, leaving = self.rates()
         begin = values[spans.before] + spans.since[:, None] * leaving[spans.before]
         end = values[spans.after] + spans.until[:, None] * arriving[spans.after]
@@ -330,7 +330,7 @@ class KeyedTurn(Keys):
         """(N, 3, 3) at ``times`` (N,) seconds."""
         from scipy.spatial.transform import Rotation
 
-        keys, spans = Rotation.from_quat(np.array(self.values)), self._spans(times)
+        keys, spans = Rotation.from_quat(np.array(self.values)), self._bracketing_keys(times)
         arriving, leaving = self.rates()
         since, until, share = spans.since[:, None], spans.until[:, None], spans.share[:, None]
         begin = keys[spans.before] * Rotation.from_rotvec(since * leaving[spans.before])

@@ -45,7 +45,7 @@ class StepReport:
 
 @dataclass(frozen=True)
 class UndoSwaps:
-    """Exchange markers back that took each other's name on the way."""
+    """Undo swaps of labels between two markers, from the frame in which their tracks cross."""
 
     kind: Literal["undo_swaps"] = "undo_swaps"
     title: ClassVar[str] = "Undo swaps"

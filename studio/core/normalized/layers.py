@@ -153,7 +153,7 @@ class _Over:
         return shares
 
     def _peaks_below(self) -> FloatArray:
-        """``joint_peaks`` of the row in the frames of the layer, without the jumps at its changes."""
+        """Peak joint accelerations of the clips under this layer, without the jumps from clip to clip."""
         motion, first, stop = self._row.motion, self._frames[0], self._frames[-1] + 1
         between = [slice(max(each.start, first), min(each.stop, stop)) for each in motion.parts]
         peaks = [joint_peaks(motion.channels[each], motion.frame_rate) for each in between if each.stop > each.start]

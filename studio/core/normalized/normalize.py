@@ -98,7 +98,7 @@ _NORMALIZED: Shared[Capture, tuple[NormalizedMotion, SourceRig]] = Shared(_norma
 
 
 def motion_origin(capture: Capture) -> NDArray[np.float64]:
-    """(3,) where the motion's space lies in the capture's: on the ground under the pelvis as the motion begins.
+    """Origin (3,) of the motion's space in the capture's: the ground under the pelvis at the first frame.
 
     Raises StudioError when the capture has no body map.
     """

@@ -179,5 +179,5 @@ def turning_peaks(motion: AdaptedMotion) -> FloatArray:
 
 @lru_cache(maxsize=4)
 def _source_peaks(source: AdaptedMotion, first: int, last: int) -> FloatArray:
-    """``turning_peaks`` of frames of a source: the same for all characters."""
+    """Peak angular speed and acceleration of each segment in the source, cached for all characters."""
     return turning_peaks(source.frames(first, last))

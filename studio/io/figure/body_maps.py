@@ -107,7 +107,7 @@ def read_body_map(path: Path) -> dict[str, str]:
 
 
 def loose_feet(skeleton: Skeleton) -> dict[int, int]:
-    """Shanks by the feet that belong to them and hang elsewhere; none in most files.
+    """Shank of each foot that is not parented below it, by the foot; none in most files.
 
     Rigs for inverse kinematics keep feet under the root.
     """
@@ -258,5 +258,5 @@ def _overruled(
 def _chosen_are_no_body(best: Match) -> StudioError:
     return StudioError(
         f"With the joints chosen, no {' and no '.join(best.missing)} was found: the bones "
-        "must hang below each other and be alike on both sides. Choose others under Characters > Body map."
+        "must hang below each other and be alike on both sides. Choose others in the inspector, under Body map."
     )

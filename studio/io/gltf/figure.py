@@ -77,7 +77,7 @@ def _skin(record: Record, accessors: Accessors, node_count: int) -> _Skin:
             raise StudioError(f"{record.where}: it has {len(joints)} joints and {len(read)} bind matrices.")
         binds = np.swapaxes(read[: len(joints)], 1, 2)
     if (np.abs(np.linalg.det(binds[:, :3, :3])) < 1e-18).any():
-        raise StudioError(f"{record.where}: a bind matrix is flat, so nothing can hang from its joint.")
+        raise StudioError(f"{record.where}: an inverse bind matrix is singular, so its joint cannot be bound.")
     return _Skin(joints, binds)
 
 

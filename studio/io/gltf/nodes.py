@@ -73,7 +73,7 @@ def read_nodes(root: Record) -> Nodes:
         if parents[node] >= 0:
             world[node] = world[parents[node]] @ local[node]
     if not np.isfinite(world).all():
-        raise StudioError(f"{root.where}: its nodes have no place: their transformations are too large to be true.")
+        raise StudioError(f"{root.where}: the transforms of its nodes are out of range.")
     return Nodes(tuple(records), tuple(parents), tuple(order), local, world)
 
 

@@ -266,7 +266,7 @@ def _class_of(collection: str, record: Json) -> Any:
 
 
 def _with_unknown(record: dict[str, Json], unknown: dict[str, Json]) -> dict[str, Json]:
-    """The record with what an older reader did not know put back in; in lists by place, while they are as long."""
+    """Record with the unknown fields of the file merged back, so that saving keeps them; list items match by place."""
     merged = dict(record)
     for key, item in unknown.items():
         inner = merged.get(key)

@@ -77,7 +77,7 @@ def exported_stage(
     """
     options.check(path)
     if not performances:
-        raise StudioError("Nobody who is shown plays anything: there is no stage to export.")
+        raise StudioError("No visible character has a motion: there is no stage to export.")
     timings = {key: each.composite.timing for key, each in performances.items()}
     rate = options.frame_rate or max(timing.frame_rate for timing in timings.values())
     begin = min(timing.start for timing in timings.values()) if options.begin is None else options.begin

@@ -16,7 +16,7 @@ from studio.panels.behaviour.condition_section import DISTANCE_UNITS
 from studio.panels.behaviour.part_editor import PartEditor, PointChoice, WhomRows
 from studio.panels.fields import Choice, NumberField, Section, press_button
 
-TITLES: dict[type, str] = {KeepDistance: "Keeps its distance", LeanAway: "Leans away", Meet: "Meets"}
+TITLES: dict[type, str] = {KeepDistance: "Keeps its distance", LeanAway: "Leans away", Meet: "Reaches for partner"}
 MANNER_LIMIT = 100.0
 TIMES = ("start", "full", "full_end", "end")
 FIRST_MEETING = ActivationCurve(0.0, 0.2, 0.8, 1.0)

@@ -20,7 +20,7 @@ from studio.panels.behaviour.manner_section import TITLES, MannerSection
 from studio.panels.behaviour.part_editor import PartEditor
 from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, labelled
 
-ADD = "Add a manner"
+ADD = "Add reaction"
 NEW_MANNERS: dict[str, Manner] = {TITLES[type(each)]: each for each in (KeepDistance(), LeanAway(), Meet())}
 
 
@@ -38,7 +38,7 @@ class StateEditor(PartEditor):
         below = QWidget()
         row = QVBoxLayout(below)
         row.setContentsMargins(FIELD_ICON_PX, 12, FIELD_ICON_PX, 0)
-        self._add = Choice("Add a manner", [(None, ADD), *((title, title) for title in NEW_MANNERS)])
+        self._add = Choice("Add reaction", [(None, ADD), *((title, title) for title in NEW_MANNERS)])
         self._add.chosen.connect(self._add_manner)
         row.addWidget(self._add)
         row.addWidget(labelled("The constraints of the clip act too, as long as the state lasts.", "hint"))

@@ -22,10 +22,10 @@ class BalanceEditor(ConstraintEditor):
     def add_kind_rows(self, section: Section) -> None:
         """Over what, the place if it is given, the margin of a support, whether its height counts."""
         self._mode = Segments(
-            "Centre of mass", [(OWN_BALANCE, "Own"), (PLACE_BALANCE, "Place"), (SUPPORT_BALANCE, "Feet")]
+            "Centre of mass", [(OWN_BALANCE, "Source path"), (PLACE_BALANCE, "Target"), (SUPPORT_BALANCE, "Support")]
         )
         self._mode.chosen.connect(self._set_mode)
-        section.add_row("Mass over", self._mode)
+        section.add_row("Centre of mass over", self._mode)
         self._source = TargetRows(self, section, "place")
         self._place = VectorRow(self, section, "Place", self._set_place)
         self._margin = self.bind(NumberField("Margin", "cm", 0.0, WIDEST_MARGIN, 0.5, 1), self._set_margin)

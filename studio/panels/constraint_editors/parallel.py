@@ -21,7 +21,7 @@ class ParallelEditor(ConstraintEditor):
         self._other = Choice("Parallel to", [(part, part.label.capitalize()) for part in BodyPart])
         self._other.chosen.connect(self._set_other)
         section.add_row("Parallel to", self._other)
-        self._cone = self.bind(NumberField("Cone", "°", 0.0, MOST, 1.0, 1), self._set_cone)
+        self._cone = self.bind(NumberField("Max. angle", "°", 0.0, MOST, 1.0, 1), self._set_cone)
         self._cone.setToolTip("Largest angle between both axes: 0 holds them parallel")
         section.add_row("Cone", self._cone)
         self._axis = VectorRow(self, section, "Axis", self._set_axis, unit="")

@@ -101,7 +101,7 @@ class PrioritySection(Section):
         order = list(constraints)
         ties = ties_of(constraints, order)
         ties[order.index(self._editor.entity_id)] = tied
-        self._put_places(order, ties, f"{'Tie' if tied else 'Untie'} priority of {self._editor.entity.name}")
+        self._put_places(order, ties, f"{'Share' if tied else 'Separate'} priority level of {self._editor.entity.name}")
 
     def _put_places(self, order: list[str], ties: list[bool], text: str) -> None:
         try:

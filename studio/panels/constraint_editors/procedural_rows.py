@@ -12,9 +12,9 @@ from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section
 
 RULES = (
-    (CirclePlace.kind, "Goes round a circle"),
-    (PendulumPlace.kind, "Swings as a pendulum"),
-    (NoisePlace.kind, "Wanders at random"),
+    (CirclePlace.kind, "Circle"),
+    (PendulumPlace.kind, "Pendulum"),
+    (NoisePlace.kind, "Noise"),
 )
 _MAKERS = {each.kind: each for each in (CirclePlace, PendulumPlace, NoisePlace)}
 
@@ -48,7 +48,7 @@ _NUMBERS = (
     _Number("length", "Length", "m", 0.0, 100.0, 0.01, 3),
     _Number("angle", "Swing", "°", 0.0, 180.0, 1.0, 1, _DEGREE),
     _Number("heading", "Direction", "°", -360.0, 360.0, 1.0, 1, _DEGREE),
-    _Number("seconds", "One round", "s", 0.05, 600.0, 0.05),
+    _Number("seconds", "Period", "s", 0.05, 600.0, 0.05),
     _Number("since", "Begins at", "s", -600.0, 600.0, 0.05),
     _Number("seed", "Seed", "", 0, 2**32 - 1, 1, 0),
 )

@@ -108,7 +108,7 @@ class TargetRows:
         if isinstance(self.target, tuple) or moment is None:
             editor.change(text, **{self._field: numbers})
         elif self._turns:
-            editor.put(lambda: moment.turned(editor.entity, numbers), text)
+            editor.put(lambda: moment.with_target_rotation(editor.entity, numbers), text)
         else:
             editor.put(lambda: moment.moved(editor.entity, numbers), text)
 
@@ -289,7 +289,7 @@ class TargetRows:
         if now is None or moment is None:
             return follow
         held = replace(self._editor.entity, **{self._field: follow})
-        moved = moment.turned(held, now) if self._turns else moment.moved(held, _full(now))
+        moved = moment.with_target_rotation(held, now) if self._turns else moment.moved(held, _full(now))
         return getattr(moved, self._field)
 
     def _choose_thing(self, thing: str) -> None:

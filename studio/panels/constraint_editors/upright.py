@@ -17,7 +17,7 @@ class UprightEditor(ConstraintEditor):
 
     def add_kind_rows(self, section: Section) -> None:
         """Cone, direction, axis, and a button that takes the axis from the pose at the playhead."""
-        self._cone = self.bind(NumberField("Cone", "°", 0.0, MOST, 1.0, 1), self._set_cone)
+        self._cone = self.bind(NumberField("Max. angle", "°", 0.0, MOST, 1.0, 1), self._set_cone)
         self._cone.setToolTip("How far the axis may lean away from its direction: 0 holds it exactly")
         section.add_row("Cone", self._cone)
         self._direction = VectorRow(self, section, "Direction", self._set_direction, unit="")

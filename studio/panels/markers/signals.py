@@ -69,7 +69,7 @@ class SignalPlot(QWidget):
         """Move the playhead's line."""
         self._playhead.setValue(seconds)
 
-    def ticked(self) -> list[str]:
+    def plotted_names(self) -> list[str]:
         """Names of what is plotted."""
         return [item.text(0) for item, _, _ in self._sources if item.checkState(0) is Qt.CheckState.Checked]
 

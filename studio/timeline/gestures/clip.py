@@ -68,7 +68,7 @@ class ClipGesture(EditGesture):
         return performer
 
     def cancel(self) -> None:
-        """Put the rows back; the step vanishes."""
+        """Restore the clips as before the drag; no undo step remains."""
         if self.is_there:
             self.put_each(lambda clip: (clip,))
         self.finish()

@@ -68,7 +68,7 @@ class EditGesture(TimelineGesture):
         self.put_all(lambda key, each: entity if key == self.entity_id else each)
 
     def put_all(self, edit: Callable[[str, Any], Any]) -> None:
-        """Show what the drag makes of each entity, by id; nothing of those that have been removed meanwhile."""
+        """Apply the edit of the drag to every dragged entity; removed ones are skipped."""
         document = self.shown.document
         with document.group(self.text, self._number):
             for key, original in self.originals.items():

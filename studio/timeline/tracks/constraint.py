@@ -11,7 +11,7 @@ from studio.engine.residuals import unsolved_words
 from studio.timeline.shown import HANDLES, Hit, ItemPart, RowContext, label_area, within
 from studio.timeline.subject import Body
 from studio.timeline.tracks.brush import hairline, paint_dot, paint_fold, paint_label, translucent
-from studio.timeline.tracks.strip import PITCH, paint_strip, paint_unknown
+from studio.timeline.tracks.error_strip import PITCH, paint_strip, paint_unknown
 
 CURVE_TOP_PX, CURVE, STRIP_GAP_PX, STRIP_BOTTOM_PX = 6, 19, 2, 3
 ACTIVATION_HANDLE_REACH = 6.0

@@ -121,7 +121,7 @@ def paint_contacts_label(painter: QPainter, row: QRect, row_id: str) -> None:
 
 
 def contacts_hit(shown: RowContext, row: QRect, row_id: str, point: QPointF) -> Hit:
-    """A contact or its end; else the lane, named by its point."""
+    """Contact or end of one under the mouse; else the lane, named by its point."""
     lanes = LANES[row_id]
     touching = lanes[0] if point.y() < row.top() + row.height() / 2 else lanes[-1]
     reach = CONTACT_EDGE_REACH + LEAST_BAR

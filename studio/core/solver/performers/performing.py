@@ -9,7 +9,7 @@ from studio.core.errors import StudioError
 from studio.core.normalized.compose import Composite
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.performers.awaiting import awaited
-from studio.core.solver.performers.circles import Player, solve_cycle
+from studio.core.solver.performers.dependency_cycles import CycleMember, solve_cycle
 from studio.core.solver.performers.rows import ClipConstraint, composite_of, constraints_in, corrections_in
 from studio.core.solver.performers.stage import asked_of, in_order, tracks_followed_by, tracks_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -104,7 +104,7 @@ def player_of(
     circle: tuple[str, ...],
     prepare: Prepare,
     result_of: Callable[[str], AdaptedMotion | None],
-) -> Player:
+) -> CycleMember:
     """A performer with its request, without the tracks of the others of its cycle."""
     performer = project.performers[performer_id]
     if not performer.clips or project.missing_references(performer):
@@ -118,7 +118,7 @@ def player_of(
         constraints=constraints,
         tracks=awaited(tracks_of(followed, composite), constraints, composite.timing.frame_rate),
     )
-    return Player(request, composite, Placement.of(performer), project.props)
+    return CycleMember(request, composite, Placement.of(performer), project.props)
 
 
 def unasked_request(project: Project, performer_id: str, composite: Composite, prepare: Prepare) -> AdaptRequest:

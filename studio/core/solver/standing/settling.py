@@ -216,7 +216,7 @@ def _moves(roots: FloatArray, links: _Links, seats: FloatArray, frame_rate: floa
 
 
 def _seats(hold: GroundContact | None, body: AnyMorphology, frame_rate: float, positions: FloatArray) -> FloatArray:
-    """Rows (F, 7): middle of the hips from the root, its target, and weight."""
+    """Rows (F, 7): middle of the hips relative to the root, target of the seat, and weight of its contact."""
     middle = track_of(ContactPoint.SEAT, body, positions)
     if hold is None:
         return np.column_stack([middle - positions[:, 0], middle, np.zeros(len(middle))])

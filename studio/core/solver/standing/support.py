@@ -62,7 +62,7 @@ def outlines(
 
 
 def averaged_outlines(areas: FloatArray, frame_rate: float) -> tuple[FloatArray, FloatArray]:
-    """Outlines (F, N) averaged over time, and weight (F,) in [0, 1] of the contacts around each frame."""
+    """Outlines (F, N) under a moving average, and the fraction (F,) of that window in contact."""
     stands = np.isfinite(areas[:, :1]).astype(np.float64)
     weight = _around(stands, OUTLINE_SMOOTHING, frame_rate)
     mean = _around(np.nan_to_num(areas), OUTLINE_SMOOTHING, frame_rate) / np.where(weight > 0.0, weight, np.nan)

@@ -40,7 +40,7 @@ EVEN_RESIDUALS = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
-class Player:
+class CycleMember:
     """One performer of a cycle: its request without the tracks of the others, and its placement."""
 
     request: AdaptRequest
@@ -87,7 +87,10 @@ class CycleSolution:
 
 
 def solve_cycle(
-    players: Mapping[str, Player], solve: Solve, expected: Paths = MappingProxyType({}), sweeps: int = JACOBI_ITERATIONS
+    players: Mapping[str, CycleMember],
+    solve: Solve,
+    expected: Paths = MappingProxyType({}),
+    sweeps: int = JACOBI_ITERATIONS,
 ) -> CycleSolution:
     """Solve performers who follow each other, from their grounded poses, or from ``expected`` tracks."""
     meetings = meetings_of(players)
@@ -113,14 +116,14 @@ def solve_cycle(
     return CycleSolution(results, requests, before, sweeps)
 
 
-def _following_paths(key: str, player: Player, paths: Paths) -> AdaptRequest:
+def _following_paths(key: str, player: CycleMember, paths: Paths) -> AdaptRequest:
     own: Tracks = {follow: track for (whose, follow), track in paths.items() if whose == key}
     own = expected_at(own, player.expected)
     own = awaited(own, player.request.constraints, player.composite.timing.frame_rate)
     return replace(player.request, tracks={**player.request.tracks, **own})
 
 
-def meetings_of(players: Mapping[str, Player]) -> tuple[Meeting, ...]:
+def meetings_of(players: Mapping[str, CycleMember]) -> tuple[Meeting, ...]:
     """Pairs of position constraints that follow each other's points while both are active."""
     found = []
     for one, other in combinations(players, 2):
@@ -132,7 +135,7 @@ def meetings_of(players: Mapping[str, Player]) -> tuple[Meeting, ...]:
     return tuple(found)
 
 
-def _following(player: Player, leader: str) -> Iterable[tuple[int, PositionConstraint]]:
+def _following(player: CycleMember, leader: str) -> Iterable[tuple[int, PositionConstraint]]:
     for row, each in enumerate(player.request.constraints):
         target = each.target if isinstance(each, PositionConstraint) else None
         if isinstance(target, FollowPerformer) and target.performer_id == leader:
@@ -146,7 +149,7 @@ def _target(constraint: PositionConstraint) -> FollowPerformer:
 
 
 def paths_of(
-    players: Mapping[str, Player], results: Mapping[str, AdaptedMotion]
+    players: Mapping[str, CycleMember], results: Mapping[str, AdaptedMotion]
 ) -> Iterable[tuple[tuple[str, FollowPerformer | FollowProp], Track]]:
     """``Paths`` of ``results``."""
     for key, player in players.items():
@@ -162,7 +165,7 @@ def paths_of(
 
 
 def _prop_path(
-    follow: FollowProp, player: Player, players: Mapping[str, Player], results: Mapping[str, AdaptedMotion]
+    follow: FollowProp, player: CycleMember, players: Mapping[str, CycleMember], results: Mapping[str, AdaptedMotion]
 ) -> Track:
     """Track of a prop held by others of the cycle, in one performer's space."""
     from studio.core.solver.performers.prop_tracks import Holder, seen_from, stage_track
@@ -178,7 +181,7 @@ def _prop_path(
 
 def _meet(
     meeting: Meeting,
-    players: Mapping[str, Player],
+    players: Mapping[str, CycleMember],
     results: Mapping[str, AdaptedMotion],
     before: Paths,
     tracks: dict[tuple[str, FollowPerformer | FollowProp], Track],
@@ -205,20 +208,20 @@ def _meet(
         tracks[me, follow] = Track(place, tracks[me, follow].rotations)
 
 
-def _point(player: Player, result: AdaptedMotion, constraint: PositionConstraint) -> FloatArray:
+def _point(player: CycleMember, result: AdaptedMotion, constraint: PositionConstraint) -> FloatArray:
     """Positions (F, 3) of a player's constrained point, in its motion's space."""
     from studio.core.solver.adapt import place_of
 
     return place_of(constraint.point, result)
 
 
-def _apart(player: Player, other: Player) -> float:
+def _apart(player: CycleMember, other: CycleMember) -> float:
     """Seconds from a time of one motion to the same moment in the other's."""
     return player.composite.timing.begin - other.composite.timing.begin
 
 
 def _moved(
-    players: Mapping[str, Player],
+    players: Mapping[str, CycleMember],
     before: Paths,
     after: Paths,
 ) -> float:
