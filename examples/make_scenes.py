@@ -3,8 +3,12 @@
 import sys
 from pathlib import Path
 
-from studio.io.project.project_file import new_document_id, write_project
-from studio.library.scenes import SCENES
+from studio.startup.process import prepare_process
+
+prepare_process()
+
+from studio.io.project.project_file import new_document_id, write_project  # noqa: E402
+from studio.library.scenes import SCENES  # noqa: E402
 
 
 def main(arguments: list[str]) -> None:

@@ -12,6 +12,10 @@ keeps its meaning as long as the first number of ``VERSION`` stays; other module
 Errors that a user can mend are ``StudioError``, a sentence each.
 """
 
+from studio.startup import process as _process
+
+_process.name_kernel_cache()  # a script that Python runs by itself has not been prepared
+
 from studio.api.results import Adapted
 from studio.api.scene import Scene, new_scene, open_scene
 from studio.core.body.canonical import BodyPart

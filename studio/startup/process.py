@@ -41,8 +41,7 @@ def prepare_process() -> None:
     # A window started from a desktop icon may have no standard error; tests watch for crashes by themselves.
     if sys.stderr is not None and not faulthandler.is_enabled():
         faulthandler.enable()
-    if "NUMBA_CACHE_DIR" not in os.environ:
-        os.environ["NUMBA_CACHE_DIR"] = str(writable_kernel_cache())
+    name_kernel_cache()
     # numba colours sentences that nobody reads: a twentieth of compiling where colorama is installed.
     os.environ.setdefault("NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING", "1")
     if not has_display():
@@ -51,6 +50,15 @@ def prepare_process() -> None:
     keep_freed_memory()
     # Hardly one of the many objects that imports make is ever lost: looking among them costs a tenth of a start.
     gc.set_threshold(*COLLECTED_AFTER)
+
+
+def name_kernel_cache() -> None:
+    """Let numba keep compiled kernels in the cache of this version's sources. Must run before numba is imported.
+
+    Beside the sources, where numba keeps them by itself, an entry point outlives a change of the kernels it calls.
+    """
+    if "NUMBA_CACHE_DIR" not in os.environ:
+        os.environ["NUMBA_CACHE_DIR"] = str(writable_kernel_cache())
 
 
 def keep_freed_memory() -> None:

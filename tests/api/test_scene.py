@@ -1,7 +1,10 @@
 """A scene of a script: edits by id, undo steps, results on the stage, and sentences for what cannot be."""
 
 import inspect
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -138,3 +141,17 @@ def test_a_corrected_pose_is_adapted_and_taken_back_by_undo() -> None:
     assert scene.project == before
     with pytest.raises(api.StudioError, match="left_forearm"):
         scene.correct_pose(body, 0.5, {"left elbow": (0.6, 0.0, 0.0)})
+
+
+def test_kernels_of_a_script_that_python_runs_are_cached_by_the_content_of_their_sources(tmp_path: Path) -> None:
+    """Numba by itself keeps an entry point as long as its own file is the same, whatever the kernels it calls."""
+    environment = {key: value for key, value in os.environ.items() if key != "NUMBA_CACHE_DIR"}
+    said = subprocess.run(
+        [sys.executable, "-c", "import studio.api, numba; print(numba.config.CACHE_DIR)"],
+        env=environment | {"XDG_CACHE_HOME": str(tmp_path)},
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert Path(said.stdout.strip()).is_relative_to(tmp_path)
