@@ -118,20 +118,6 @@ def test_of_a_foot_that_turns_on_one_end_the_other_does_not_stand(pivot: int, st
     assert abs(first - 70) <= 3
 
 
-@pytest.mark.parametrize("rate", [30.0, RATE, 120.0])
-def test_a_foot_that_turns_on_its_middle_stands_on_one_end_meanwhile(rate: float) -> None:
-    """One that stood on both would keep its heading."""
-    seconds = np.arange(round(2 * rate)) / rate
-    angles = np.radians(50.0) * np.clip((seconds - 0.8) / 0.5, 0.0, 1.0)
-    ahead = np.stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))], axis=1)
-    left = np.stack([place * ahead for place in (-0.08, 0.12, 0.18)], axis=1)
-    found = detect_contacts(np.stack([left, np.tile(left[:1], (len(left), 1, 1))], axis=1), rate)
-    heel, toe = (contact_mask(found[point], len(left)) for point in (ContactPoint.LEFT_HEEL, ContactPoint.LEFT_TOE))
-    turning = (seconds > 0.9) & (seconds < 1.2)
-    assert (heel ^ toe)[turning].all()
-    assert (heel & toe)[(seconds < 0.7) | (seconds > 1.4)].all()
-
-
 def test_toes_at_rest_under_a_heel_that_stands_do_so_though_they_sink_when_they_roll_off() -> None:
     soles = _turning(0)[:, [1, 1]]  # a foot that stands still
     going = np.clip((np.arange(120.0) - 60.0) / 20.0, 0.0, 1.0)

@@ -12,8 +12,6 @@ from studio.core.kernels.limbs.legs import place_leg, required_root_lowering
 from studio.core.kernels.limbs.limb import SOFT_IK_THRESHOLD, SOLE_SOFT_IK_THRESHOLD
 from studio.core.kernels.records import LegTargets, Pose
 from studio.core.kernels.solve_clip import place_frames
-from studio.core.kernels.support.foot_anchoring import anchor_ankles
-from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS, TOE_STANDS
 from studio.core.normalized.realize import realize
 from studio.core.solver.standing.blends import release_weight, smooth_drops
 from studio.core.solver.standing.footing import find_footing, foot_states, leg_extensions, root_follow
@@ -194,39 +192,3 @@ def test_hips_over_two_flat_feet_go_where_legs_that_lean_keep_their_lengths(near
 
 def test_hips_over_feet_that_stand_as_in_the_motion_stay() -> None:
     assert not root_follow(np.zeros((2, 120, 3)), np.full((2, 120), 3), 60.0, POSITIONS, BODY).any()
-
-
-@pytest.mark.parametrize("rate", [30, 60, 120])
-@pytest.mark.parametrize("degrees", [-60.0, 60.0])
-@pytest.mark.parametrize("along", [-0.05, -0.02, 0.0, 0.035, 0.09, 0.12])
-@pytest.mark.parametrize("stands", [HEEL_STANDS, TOE_STANDS])
-def test_a_foot_pivots_about_the_point_of_its_sole_that_moves_least(
-    stands: int, along: float, degrees: float, rate: int
-) -> None:
-    """``along`` metres from the ankle towards the toes is the pivot of a sole from -0.05 (heel) to 0.12 (ball)."""
-    seconds = np.arange(2 * rate) / rate
-    ankles, feet = _turning_foot(along, np.radians(degrees) * np.clip((seconds - 0.7) / 0.5, 0.0, 1.0))
-    states = np.where((seconds >= 0.7) & (seconds <= 1.2), stands, SOLE_STANDS)
-    assert np.abs(_anchored(ankles, feet, states) - ankles).max() < 0.01
-
-
-def test_a_foot_that_slides_without_turning_is_held_at_its_heel() -> None:
-    ankles, feet = _turning_foot(0.0, np.zeros(60))
-    ankles[:, 0] += np.linspace(0.0, 0.03, 60)
-    assert np.ptp(_anchored(ankles, feet, np.full(60, SOLE_STANDS)), axis=0).max() < 1e-12
-
-
-def _turning_foot(along: float, headings: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Ankles (F, 3) and rotations (F, 3, 3) of a level foot that turns about a point ``along`` metres ahead of them."""
-    feet = np.tile(np.eye(3), (len(headings), 1, 1))
-    feet[:, 0, 0] = feet[:, 1, 1] = np.cos(headings)
-    feet[:, 1, 0] = np.sin(headings)
-    feet[:, 0, 1] = -feet[:, 1, 0]
-    return [0.0, 0.0, 0.08] - along * feet[:, :, 0], feet
-
-
-def _anchored(ankles: np.ndarray, feet: np.ndarray, states: np.ndarray) -> np.ndarray:
-    count, anchored = len(ankles), np.empty_like(ankles)
-    soles = np.array([[0.12, 0.0, -0.06, 0.08, 0.05, 0.06]])
-    anchor_ankles(ankles, feet, states, soles, np.zeros(count), np.zeros(count), 6, anchored)
-    return anchored

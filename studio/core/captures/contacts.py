@@ -307,7 +307,7 @@ def _without_pivots(
     heel, toe = heel.copy(), toe.copy()
     for first, last in spans_of(turning):
         heel_travel, ball_travel = np.linalg.norm((sole[last] - sole[first])[:2, :2], axis=1)
-        if max(ball_travel, heel_travel) > PIVOT:
+        if abs(ball_travel - heel_travel) > PIVOT:
             (toe if ball_travel > heel_travel else heel)[first : last + 1] = False
     return heel, toe
 
