@@ -49,6 +49,7 @@ def _acclaim(path: Path) -> None:
 SEEDS: dict[str, Write] = {
     ".bvh": lambda path: write_capture(make_capture(frames=6), path),
     ".fbx": _text(skinned_fbx),
+    **dict.fromkeys((".usda", ".usdc", ".usd", ".usdz"), lambda path: write_capture(make_capture(frames=6), path)),
     ".s4d": lambda path: write_capture(make_capture(), path),
     ".c3d": lambda path: write_c3d(path, make_trial()),
     ".trc": _text(lambda: trc_text(make_trial(("LASI", "RASI", "LKNE")))),

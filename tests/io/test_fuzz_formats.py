@@ -15,6 +15,10 @@ from tests.io.seeds import SEEDS, read, spoiled
 MUTATIONS = 1000
 ELSEWHERE = {
     ".fbx": 12,
+    ".usda": 8,
+    ".usdc": 8,
+    ".usd": 2,
+    ".usdz": 4,
     ".c3d": 100,
     ".trc": 300,
     ".amc": 300,
@@ -28,6 +32,9 @@ ELSEWHERE = {
     ".ground": 200,
 }
 """Of those that are spoilt in tests of their own, are read as another of the same parser, or take long to be read."""
+
+COMPRESSED = (".usdc", ".usd", ".usdz")
+"""Kinds in which hardly a byte can change unnoticed, so that all of the few that are tried may be refused."""
 
 
 def test_every_kind_of_file_that_is_read_is_spoilt() -> None:
@@ -50,5 +57,5 @@ def test_a_spoilt_file_is_read_or_refused_in_a_sentence(tmp_path: Path, suffix: 
             opened += 1
         except StudioError as error:
             sentences.append(str(error))
-    assert 0 < opened < count
+    assert (0 if suffix in COMPRESSED else 1) <= opened < count
     assert all(10 < len(sentence) < 4000 for sentence in sentences)

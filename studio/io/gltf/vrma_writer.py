@@ -22,7 +22,7 @@ from studio.io.registry import Progress
 FloatArray = NDArray[np.float64]
 
 EXTENSION = "VRMC_vrm_animation"
-_POSED = 0.4
+_POSED = 0.3
 """The share of the work after which the humanoid has its poses."""
 
 

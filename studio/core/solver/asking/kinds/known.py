@@ -11,6 +11,12 @@ ENTERING_KINDS = [kind.code for kind in SOLVER_KINDS if kind.enters]
 
 
 def solver_kind_of(constraint: Constraint) -> SolverKind | None:
-    """The solver's part of a constraint's kind; None where the kernels have no task for it."""
-    kind: SolverKind | None = CONSTRAINT_KINDS[constraint.kind].task()
+    """The solver's part of a constraint's kind; None where the kernels have no task for it.
+
+    Raises TypeError for a kind that is not registered.
+    """
+    registered = CONSTRAINT_KINDS.get(constraint.kind)
+    if registered is None:
+        raise TypeError(f"'{constraint.name}': the solver has no kind '{constraint.kind}'.")
+    kind: SolverKind | None = registered.task()
     return kind
