@@ -208,7 +208,7 @@ def test_balance_is_fixed_where_the_centre_of_mass_is_now_and_moved_on_the_groun
     viewport, document, inspector = studio
     assert add(studio, "balance").place is None
     assert viewport.gizmo() is None
-    press(inspector, "Centre of mass: Place")
+    press(inspector, "Centre of mass: Target")
     pose = viewport.posed["performer 0"]
     expected = centre_of_mass(pose.motion)[pose.row, :2]
     assert current(document).place == pytest.approx(tuple(expected), abs=1e-9)
@@ -512,10 +512,10 @@ def test_turns_distances_headings_and_balance_are_keyed_or_follow_from_their_for
     assert current(document).heading.values[1] == pytest.approx(np.pi / 4)
     assert current(document).centre.values[1][0] == 1.25
     add(studio, "balance")
-    press(inspector, "Centre of mass: Feet")
+    press(inspector, "Centre of mass: Support")
     enter(inspector, "Margin", "3")
     assert current(document).place == Support(0.03)
-    press(inspector, "Centre of mass: Place")
+    press(inspector, "Centre of mass: Target")
     choose(inspector, "Target is", "Keyed over time")
     enter(inspector, "Place Y", "0.4")
     assert current(document).place.values[0][1] == 0.4
@@ -530,7 +530,7 @@ def test_what_is_kept_upright_has_a_cone_a_direction_and_an_axis_taken_from_the_
     turn = viewport.posed["performer 0"].motion.rotations[viewport.posed["performer 0"].row]
     hand = turn[viewport.posed["performer 0"].motion.morphology.layout.segment(BodyPart.RIGHT_HAND)]
     assert np.allclose(hand @ made.axis, [0.0, 0.0, 1.0], atol=1e-9)
-    enter(inspector, "Cone", "20")
+    enter(inspector, "Max. angle", "20")
     assert current(document).cone == pytest.approx(np.radians(20.0))
     enter(inspector, "Direction Y", "1")
     assert current(document).direction == pytest.approx((0.0, np.sqrt(0.5), np.sqrt(0.5)))

@@ -1,16 +1,14 @@
 """Form of a parallel constraint: the other segment, both axes, and the largest angle between them."""
 
-import math
-
 from PySide6.QtWidgets import QPushButton
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
 from studio.panels.constraint_editors.common import ConstraintEditor
+from studio.panels.constraint_editors.cone_row import ConeRow
 from studio.panels.constraint_editors.present import turn_now
-from studio.panels.constraint_editors.upright import MOST
 from studio.panels.constraint_editors.vector_row import VectorRow
-from studio.panels.fields import Choice, NumberField, Section, labelled
+from studio.panels.fields import Choice, Section, labelled
 
 
 class ParallelEditor(ConstraintEditor):
@@ -21,9 +19,7 @@ class ParallelEditor(ConstraintEditor):
         self._other = Choice("Parallel to", [(part, part.label.capitalize()) for part in BodyPart])
         self._other.chosen.connect(self._set_other)
         section.add_row("Parallel to", self._other)
-        self._cone = self.bind(NumberField("Max. angle", "°", 0.0, MOST, 1.0, 1), self._set_cone)
-        self._cone.setToolTip("Largest angle between both axes: 0 holds them parallel")
-        section.add_row("Cone", self._cone)
+        self._cone = ConeRow(self, section, "Largest angle between both axes: 0 holds them parallel")
         self._axis = VectorRow(self, section, "Axis", self._set_axis, unit="")
         self._other_axis = VectorRow(self, section, "Other axis", self._set_other_axis, unit="")
         self._take = QPushButton("Take axis from pose")
@@ -37,15 +33,12 @@ class ParallelEditor(ConstraintEditor):
         super().refresh()
         if self.entity is not None:
             self._other.show_value(self.entity.other.part)
-            self._cone.show_value(math.degrees(self.entity.cone))
+            self._cone.refresh()
             self._axis.show_values(self.entity.axis)
             self._other_axis.show_values(self.entity.other_axis)
 
     def _set_other(self, part: BodyPart) -> None:
         self.change(f"Choose other segment of {self.entity.name}", other=BodyPoint(part))
-
-    def _set_cone(self, degrees: float) -> None:
-        self.change(f"Change cone of {self.entity.name}", cone=math.radians(degrees))
 
     def _set_axis(self, axis: tuple[float, ...]) -> None:
         if any(axis):

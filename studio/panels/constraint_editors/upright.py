@@ -1,15 +1,12 @@
 """Form of an upright constraint: axis of the segment, direction, and largest lean."""
 
-import math
-
 from PySide6.QtWidgets import QPushButton
 
 from studio.panels.constraint_editors.common import ConstraintEditor
+from studio.panels.constraint_editors.cone_row import ConeRow
 from studio.panels.constraint_editors.present import turn_now
 from studio.panels.constraint_editors.vector_row import VectorRow
-from studio.panels.fields import NumberField, Section, labelled
-
-MOST = 170.0
+from studio.panels.fields import Section, labelled
 
 
 class UprightEditor(ConstraintEditor):
@@ -17,9 +14,7 @@ class UprightEditor(ConstraintEditor):
 
     def add_kind_rows(self, section: Section) -> None:
         """Cone, direction, axis, and a button that takes the axis from the pose at the playhead."""
-        self._cone = self.bind(NumberField("Max. angle", "°", 0.0, MOST, 1.0, 1), self._set_cone)
-        self._cone.setToolTip("How far the axis may lean away from its direction: 0 holds it exactly")
-        section.add_row("Cone", self._cone)
+        self._cone = ConeRow(self, section, "How far the axis may lean away from its direction: 0 holds it exactly")
         self._direction = VectorRow(self, section, "Direction", self._set_direction, unit="")
         self._axis = VectorRow(self, section, "Axis", self._set_axis, unit="")
         self._take = QPushButton("Take axis from pose")
@@ -32,12 +27,9 @@ class UprightEditor(ConstraintEditor):
         """Update all fields from the document."""
         super().refresh()
         if self.entity is not None:
-            self._cone.show_value(math.degrees(self.entity.cone))
+            self._cone.refresh()
             self._direction.show_values(self.entity.direction)
             self._axis.show_values(self.entity.axis)
-
-    def _set_cone(self, degrees: float) -> None:
-        self.change(f"Change cone of {self.entity.name}", cone=math.radians(degrees))
 
     def _set_direction(self, direction: tuple[float, ...]) -> None:
         if any(direction):

@@ -1,0 +1,26 @@
+"""Row of a form: the largest angle by which an axis may leave its direction."""
+
+import math
+
+from studio.panels.editor import Editor
+from studio.panels.fields import NumberField, Section
+
+WIDEST_CONE = 170.0
+CONE_LABEL = "Max. angle"
+
+
+class ConeRow:
+    """The field ``cone`` of a constraint, in degrees; 0 holds the axis exactly."""
+
+    def __init__(self, editor: Editor, section: Section, tip: str) -> None:
+        self._editor = editor
+        self._field = editor.bind(NumberField(CONE_LABEL, "°", 0.0, WIDEST_CONE, 1.0, 1), self._set)
+        self._field.setToolTip(tip)
+        section.add_row(CONE_LABEL, self._field)
+
+    def refresh(self) -> None:
+        """Show the angle as it is now."""
+        self._field.show_value(math.degrees(self._editor.entity.cone))
+
+    def _set(self, degrees: float) -> None:
+        self._editor.change(f"Change max. angle of {self._editor.entity.name}", cone=math.radians(degrees))
