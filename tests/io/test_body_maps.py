@@ -159,7 +159,7 @@ def test_a_body_that_its_feet_leave_behind_is_brought_over_them() -> None:
 
 def test_feet_that_leave_the_legs_are_refused_with_the_reason() -> None:
     skeleton, wrong, _ = _walking(1.0, apart=0.3)
-    with pytest.raises(StudioError, match="hangs from the root"):
+    with pytest.raises(StudioError, match="is parented to the root"):
         over_feet(skeleton, wrong, loose_feet(skeleton))
 
 
