@@ -78,7 +78,7 @@ class Chips:
         self.correct = ToggleChip(
             "Correct pose", "Pose joints by the gizmo, as corrections", False, clicked["correct"], parent
         )
-        self.ghost = ToggleChip("Source ghost", "Ghost of the source motion", False, clicked["ghost"], parent)
+        self.ghost = ToggleChip("Source ghost", "Ghost of the source", False, clicked["ghost"], parent)
         self.onion = ToggleChip("Onion skins", "Onion skins of the selected body", False, clicked["onion"], parent)
         self.trails = ToggleChip("Trails", "Trails of the constrained point", True, clicked["trails"], parent)
         self.follow = ToggleChip("Follow", "Camera follows the selected character", False, clicked["follow"], parent)

@@ -165,7 +165,7 @@ GLTF = {
         gltf(lambda root: root["accessors"][5].update(count=3)),
         "has 19 joints and 3 bind matrices",
     ),
-    "flat bind matrices": (flat_bind(), "a bind matrix is flat"),
+    "flat bind matrices": (flat_bind(), "an inverse bind matrix is singular"),
     "neither skin nor bones": (
         b'{"asset": {"version": "2.0"}}',
         "has no skeleton",
