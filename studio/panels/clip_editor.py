@@ -89,7 +89,7 @@ class ClipEditor(Editor):
         ]
         for field in self._offset:
             field.setToolTip("In leg lengths, so that it is in proportion for every body. Drag sideways to change.")
-        section.add_row("Offset  leg lengths", *self._offset)
+        section.add_row("Offset  legs", *self._offset)
         self._ease = self._number(NumberField("Blend time", "s", 0.0, 60.0, 0.05), "Ease", "", ease=1.0)
         self._ease.setSpecialValueText("as needed")
         section.add_row("Blend", self._ease)
