@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from studio.core.constraints.area import AreaConstraint, AreaShape
-from studio.core.constraints.base import Constraint
+from studio.core.constraints.base import Constraint, Vector
 from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
@@ -47,6 +47,10 @@ class RotatedTarget(Target):
     def pivot(self) -> FloatArray:
         """(3,) stage position of the point."""
         return self._point
+
+    def _axes_along(self, direction: Vector) -> FloatArray:
+        """(3, 3) axes on the stage of which the last points along a ``direction`` of the motion's space."""
+        return np.asarray(self.placement.rotation @ frame_along(np.array(direction), np.array([1.0, 0.0, 0.0])))
 
     def _here(self, rotation: FloatArray) -> FloatArray:
         """A rotation (3, 3) of the stage, in the space of the constraint."""
@@ -110,7 +114,7 @@ class RotatedDirection(RotatedTarget):
         """(3, 3) axes of which the last is the direction."""
         now = self._constraint
         assert isinstance(now, UprightConstraint)
-        return np.asarray(self.placement.rotation @ frame_along(np.array(now.direction), np.array([1.0, 0.0, 0.0])))
+        return self._axes_along(now.direction)
 
     def rotate(self, rotation: FloatArray, gesture: int) -> None:
         """Rotate the direction."""
@@ -119,20 +123,24 @@ class RotatedDirection(RotatedTarget):
         self._put(replace(self._begin, direction=(x, y, z)), f"Turn direction of {self._begin.name}", gesture)
 
 
-class RotatedRail(RotatedTarget):
-    """A rail, rotated about its centre."""
+class RotatedAboutCentre(RotatedTarget):
+    """A thing with a centre, about which it is rotated."""
 
     @property
     def pivot(self) -> FloatArray:
         """(3,) stage position of the centre."""
         return self.placement.to_stage(self.place)
 
+
+class RotatedRail(RotatedAboutCentre):
+    """A rail, rotated about its centre."""
+
     @property
     def own_axes(self) -> FloatArray:
         """(3, 3) axes of which the last is the direction."""
         now = self._moment.fixed(self._constraint)
         assert isinstance(now, RailConstraint)
-        return np.asarray(self.placement.rotation @ frame_along(np.array(now.direction), np.array([1.0, 0.0, 0.0])))
+        return self._axes_along(now.direction)
 
     def rotate(self, rotation: FloatArray, gesture: int) -> None:
         """Rotate the direction as it is at the playhead."""
@@ -156,7 +164,7 @@ class LookedAt(RotatedTarget):
         self.move(eyes + self._here(rotation) @ (np.array(fixed.target) - eyes), gesture)
 
 
-class RotatedArea(RotatedTarget):
+class RotatedArea(RotatedAboutCentre):
     """An area: those with a heading go round Z, a half-space tilts every way, and most have a size."""
 
     def __init__(self, document: Document, constraint_id: str, moment: TargetContext, floor: float) -> None:
@@ -172,18 +180,12 @@ class RotatedArea(RotatedTarget):
         return self._begin
 
     @property
-    def pivot(self) -> FloatArray:
-        """(3,) stage position of the centre."""
-        return self.placement.to_stage(self.place)
-
-    @property
     def own_axes(self) -> FloatArray:
         """(3, 3) axes of its heading; of a half-space the last is its normal."""
         now = self._moment.fixed(self._constraint)
         assert isinstance(now, AreaConstraint)
         if now.shape is AreaShape.HALF_SPACE:
-            normal = np.array(now.size)
-            return np.asarray(self.placement.rotation @ frame_along(normal, np.array([1.0, 0.0, 0.0])))
+            return self._axes_along(now.size)
         heading = now.heading if isinstance(now.heading, float | int) else 0.0
         return self.placement.around(type(self.placement)(heading=heading)).rotation
 

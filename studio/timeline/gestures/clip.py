@@ -111,7 +111,7 @@ class TrimClip(ClipGesture):
         self.text = f"Trim {self.words}"
 
     def drag(self, position: QPointF, free: bool) -> None:
-        """Whole frames always; ``free`` only keeps it from catching on what lies near."""
+        """Drag by whole frames; ``free`` only keeps it from catching on what lies near."""
         clip, first = self.original, self.part == ItemPart.FIRST
         grabbed = clip.start if first else end_of(self.shown, clip)
         caught = self.snap(grabbed + self.moved(position), free)

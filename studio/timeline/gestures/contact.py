@@ -70,7 +70,7 @@ class DragContact(EditGesture):
         return super().words if len(self.originals) > 1 else f"{self.original.point.words} contact"
 
     def update(self, position: QPointF, free: bool) -> None:
-        """Whole frames always; ``free`` only keeps it from catching on what lies near."""
+        """Drag by whole frames; ``free`` only keeps it from catching on what lies near."""
         subject, old = self.shown.subject, self.original
         caught = self._catch(old.last if self.part == ItemPart.LAST else old.first, position, free)
         if self.part == ItemPart.BODY and caught.caught is None:
