@@ -1,8 +1,6 @@
 """The dialog of preferences: every change acts at once."""
 
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor
@@ -19,6 +17,7 @@ from studio.app.preferences import (
     keys_in,
 )
 from studio.app.workbench import Workbench
+from studio.core.changed_records import with_fields
 from studio.document import colours
 from studio.panels.fields import Choice, NumberField, Section, labelled
 
@@ -91,8 +90,8 @@ class PreferencesDialog(QDialog):
         choice.chosen.connect(lambda value: self._change(**{name: value}))
         section.add_row(words, choice)
 
-    def _change(self, **values: Any) -> None:
-        self._bench.window.set_preferences(replace(self._bench.preferences, **values))
+    def _change(self, **values: object) -> None:
+        self._bench.window.set_preferences(with_fields(self._bench.preferences, **values))
         self._fill()
 
     def _fill(self) -> None:

@@ -128,7 +128,10 @@ class Frames:
     """Newest frame of every performer whose whole motion is not yet solved for the present request."""
 
     def __init__(
-        self, prepare: SolveCache[tuple[NormalizedMotion, Morphology]], solve: Solve, answered: Mapping[str, Wanted]
+        self,
+        prepare: SolveCache[Capture, tuple[NormalizedMotion, Morphology]],
+        solve: Solve,
+        answered: Mapping[str, Wanted],
     ) -> None:
         """``answered``: request that each performer's newest whole motion answers; it changes as results arrive."""
         self._prepare, self._solve, self._answered = prepare, solve, answered

@@ -3,7 +3,6 @@
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from PySide6.QtCore import QCoreApplication, QObject, QTimer, Signal
@@ -419,7 +418,7 @@ class LiveAdaptation(QObject):
         reach = round(WINDOW_SECONDS * timing.frame_rate)
         return max(frame - reach, 0), frame + reach
 
-    def _take(self, key: str, _revision: int, answer: Any) -> None:
+    def _take(self, key: str, _revision: int, answer: Solved | AdaptedMotion) -> None:
         if key.startswith(_EXPECTED):
             return
         if isinstance(answer, Solved):

@@ -1,7 +1,6 @@
 """Summary and problems of the stage, measured beside the window and kept up to date while somebody looks."""
 
 from functools import partial
-from typing import Any
 
 from PySide6.QtCore import QObject, QThreadPool, QTimer, Signal
 
@@ -90,7 +89,7 @@ class ProblemSearch(QObject):
         except Exception as error:  # noqa: BLE001 - a thread has nobody above it; the sentence is shown
             self._measured.emit(number, error)
 
-    def _take(self, number: int, result: Any) -> None:
+    def _take(self, number: int, result: tuple[SummaryRow, ...] | Exception) -> None:
         if number != self._number:
             return
         self._is_fresh, self._asked = True, False

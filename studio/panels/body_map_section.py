@@ -76,7 +76,10 @@ class BodyMapSection(Section):
     """Form section of the body map, folded at first, since most maps are right."""
 
     def __init__(
-        self, editor: Editor, find: Callable[[], MappedBody | None], put: Callable[[Mapping[str, str], str], None]
+        self,
+        editor: Editor[object],
+        find: Callable[[], MappedBody | None],
+        put: Callable[[Mapping[str, str], str], None],
     ) -> None:
         super().__init__("Body map")
         self._editor, self._find, self._put = editor, find, put
@@ -205,7 +208,7 @@ class BodyMapSection(Section):
             self._editor.document.problem.emit(f"{error}")
 
 
-def capture_section(editor: Editor) -> BodyMapSection:
+def capture_section(editor: Editor[Capture]) -> BodyMapSection:
     """Section for the capture that ``editor`` shows."""
 
     def put(names: Mapping[str, str], text: str) -> None:
@@ -215,7 +218,7 @@ def capture_section(editor: Editor) -> BodyMapSection:
 
 
 def character_section(
-    editor: Editor, character_id: Callable[[], str], remap: Callable[[str, Mapping[str, str], str], None]
+    editor: Editor[object], character_id: Callable[[], str], remap: Callable[[str, Mapping[str, str], str], None]
 ) -> BodyMapSection:
     """Section for a character that ``editor`` shows, alone or as that of a performer.
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from html import escape
-from typing import Any
 
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QWidget
@@ -25,7 +24,7 @@ REFERENCES = (("zero", "Zero pose"), ("here", "Frame at the playhead"))
 UP_AXIS_CHOICES = tuple((axis, f"{axis} up") for axis in ("X", "Y", "Z", "-X", "-Y", "-Z"))
 
 
-class CaptureEditor(Editor):
+class CaptureEditor(Editor[Capture]):
     """Facts, guesses that can be overruled, repairs. Unit and axis need the file to be read again."""
 
     reimport_wanted = Signal(str, object)
@@ -149,7 +148,7 @@ class CaptureEditor(Editor):
     def _ask_reference(self, which: str) -> None:
         self._ask(reference="zero" if which == "zero" else str(self.document.playhead.frame))
 
-    def _ask(self, **option: Any) -> None:
+    def _ask(self, **option: object) -> None:
         self.reimport_wanted.emit(self.entity_id, option)
         self.refresh()
 

@@ -9,8 +9,10 @@ from PySide6.QtWidgets import QLineEdit
 from studio.core.body.growth import KeyedProportions
 from studio.core.body.morphology import Morphology, Proportions
 from studio.core.captures.remarks import remarks_on_body
+from studio.core.changed_records import with_fields
 from studio.core.mesh.character import Character
 from studio.core.mesh.skin import Blending
+from studio.core.stage.project import Performer
 from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.panels.body_map_section import character_section
@@ -58,7 +60,7 @@ def grip_words(grip: float) -> str:
 class BodySection(Section):
     """All proportions of one character; every picture follows while a slider moves."""
 
-    def __init__(self, editor: Editor, character_id: Callable[[], str]) -> None:
+    def __init__(self, editor: Editor[Character | Performer], character_id: Callable[[], str]) -> None:
         super().__init__("Body")
         self._editor, self._character_id = editor, character_id
         reset = press_button("Reset", lambda: self._put(BUILD, f"Reset body of {self._character.name}"), "link")
@@ -125,7 +127,7 @@ class BodySection(Section):
             self.refresh_now()
 
     def _set(self, name: str, words: str, factor: float) -> None:
-        proportions = replace(self._character.proportions_at(self._growth.now), **{name: factor})
+        proportions = with_fields(self._character.proportions_at(self._growth.now), **{name: factor})
         self._put(proportions, f"Set {words.lower()} of {self._character.name}")
 
     def _choose(self, values: Proportions) -> None:
@@ -148,7 +150,7 @@ class BodySection(Section):
         self._editor.put_other("characters", self._character_id(), make, text)
 
 
-class CharacterEditor(Editor):
+class CharacterEditor(Editor[Character]):
     """Form of a character that no performer plays."""
 
     remap_wanted = Signal(str, object, str)

@@ -24,7 +24,7 @@ KEPT = {
 """Sentence on the property kept by a contact that is not with the ground, by the member of its point."""
 
 
-class ContactEditor(Editor):
+class ContactEditor(Editor[ContactInterval]):
     """Form of a contact: point, first and last frame."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:

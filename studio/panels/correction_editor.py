@@ -18,7 +18,7 @@ RANGE_FIELDS = ("Start", "Full from", "Full until", "End")
 TURN_AXES = ("x", "y", "z")
 
 
-class CorrectionEditor(Editor):
+class CorrectionEditor(Editor[Correction]):
     """Form of a correction."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:

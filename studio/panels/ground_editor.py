@@ -67,7 +67,7 @@ GROUND_PLACES: dict[type[Ground], tuple[str, str]] = {
 }
 
 
-class GroundEditor(Editor):
+class GroundEditor(Editor[Ground]):
     """A kind to choose, the height, and below it the measures of that kind."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:

@@ -25,7 +25,7 @@ from studio.panels.prop_editor import PropEditor
 from studio.panels.sound_editor import SoundEditor
 from studio.panels.stage_editor import StageEditor
 
-ENTITY_EDITORS: dict[str, Callable[[Document, Live, str, str], Editor]] = {
+ENTITY_EDITORS: dict[str, Callable[[Document, Live, str, str], Editor[object]]] = {
     "captures": CaptureEditor,
     "characters": CharacterEditor,
     "clips": ClipEditor,
@@ -45,7 +45,7 @@ DRAGGED_MILLISECONDS = 100
 """Milliseconds between two updates of the form during a drag, since bodies are updated first."""
 
 
-def _silence(editor: Editor) -> None:
+def _silence(editor: Editor[object]) -> None:
     """End what is done with a form whose entity is gone: a button that is let go, a name that is left count no more."""
     if editor.gesture is not None:
         editor.end()
@@ -73,7 +73,7 @@ class Inspector(QScrollArea):
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setAccessibleName("Inspector")
         self.document, self.live = document, live
-        self.editor: Editor | None = None
+        self.editor: Editor[object] | None = None
         document.selection.changed.connect(self._show_current)
         document.entity_changed.connect(self._entity_changed)
         document.project_opened.connect(self._show_current)
@@ -108,7 +108,7 @@ class Inspector(QScrollArea):
             editor.deleteLater()
         self.setWidget(self.editor)
 
-    def _make(self, collection: str, entity_id: str) -> Editor:
+    def _make(self, collection: str, entity_id: str) -> Editor[object]:
         if not collection:
             return StageEditor(self.document, self.live)
         if collection == "constraints":

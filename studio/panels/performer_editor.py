@@ -6,6 +6,7 @@ from collections.abc import Callable
 from PySide6.QtCore import QSignalBlocker, Signal
 from PySide6.QtWidgets import QCheckBox, QLabel, QLineEdit
 
+from studio.core.stage.project import Performer
 from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.panels.body_map_section import character_section
@@ -16,7 +17,7 @@ from studio.panels.fields import Choice, NumberField, Section, labelled
 PLACEMENT_LIMIT = 1000.0
 
 
-class PerformerEditor(Editor):
+class PerformerEditor(Editor[Performer]):
     """Performer and character in one form: to the animator they are one body."""
 
     remap_wanted = Signal(str, object, str)

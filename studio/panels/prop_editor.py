@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from PySide6.QtWidgets import QCheckBox, QLineEdit, QWidget
@@ -37,7 +36,7 @@ PLACE_CHOICES = (
 RIGHT_HAND = BodyPoint(BodyPart.RIGHT_HAND)
 
 
-class PropEditor(Editor):
+class PropEditor(Editor[Prop]):
     """Shape, size, place on the stage; numbers are those at the playhead."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
@@ -153,7 +152,7 @@ class PropEditor(Editor):
         if name and name != self.entity.name:
             self.change(f"Rename {self.entity.name}", name=name)
 
-    def _set(self, verb: str, **values: Any) -> None:
+    def _set(self, verb: str, **values: object) -> None:
         self.change(f"{verb} {self.entity.name}", **values)
 
     def _put_made(self, verb: str, make: Callable[[], Prop]) -> None:
@@ -218,7 +217,7 @@ class PropEditor(Editor):
 
     def _delete_key(self) -> None:
         """Delete the key at the playhead, unless it is the last one."""
-        changes: dict[str, Any] = {}
+        changes: dict[str, Keys] = {}
         for name in ("position", "heading", "tilt"):
             keyed = getattr(self.entity, name)
             place = keyed.key_at(self.document.playhead.time) if isinstance(keyed, Keys) else None

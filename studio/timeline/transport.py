@@ -1,7 +1,6 @@
 """The transport row: play, step, loop, speed, where the playhead stands, and the range that plays."""
 
 from collections.abc import Callable
-from typing import Any
 
 import qtawesome
 from PySide6.QtCore import QSignalBlocker, QSize, Qt, Signal
@@ -11,6 +10,7 @@ from PySide6.QtWidgets import QComboBox, QDoubleSpinBox, QHBoxLayout, QLabel, QS
 from studio.document import colours
 from studio.document.document import Document
 from studio.document.playhead import INITIAL_PLAYHEAD
+from studio.engine.live_play import LivePlay
 from studio.timeline.shown import ROW_LABEL_WIDTH
 from studio.timeline.time_words import rate
 from studio.timeline.timecode import TIMECODE, frame_of_timecode, timecode
@@ -25,7 +25,7 @@ class Transport(QWidget):
 
     wanted = Signal(str)
 
-    def __init__(self, document: Document, play: Any, parent: QWidget | None = None) -> None:
+    def __init__(self, document: Document, play: LivePlay, parent: QWidget | None = None) -> None:
         """``play`` as ``Live.play``."""
         super().__init__(parent)
         self.playhead, self._play = document.playhead, play

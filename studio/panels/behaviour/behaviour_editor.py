@@ -11,7 +11,7 @@ from studio.panels.editor import Editor
 from studio.panels.fields import ROW_HEIGHT, Choice, Section, labelled, press_button
 
 
-class BehaviourEditor(Editor):
+class BehaviourEditor(Editor[Behaviour]):
     """A behaviour as a whole; its states are listed for who works without a mouse."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:

@@ -2,14 +2,14 @@
 
 from dataclasses import replace
 
-from studio.core.constraints.clear import Arms
+from studio.core.constraints.clear import Arms, ClearConstraint
 from studio.panels.constraint_editors.common import CENTIMETRE, ConstraintEditor
 from studio.panels.fields import NumberField, Section, Segments, labelled
 
 ARM_CHOICES = ((Arms.BOTH, "Both"), (Arms.LEFT, "Left"), (Arms.RIGHT, "Right"))
 
 
-class ClearEditor(ConstraintEditor):
+class ClearEditor(ConstraintEditor[ClearConstraint]):
     """No point and no chain: it is about whole arms and moves nothing else."""
 
     has_point = has_chain = False

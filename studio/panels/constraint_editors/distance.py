@@ -2,6 +2,7 @@
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
+from studio.core.constraints.distance import DistanceConstraint
 from studio.engine.point_names import point_words
 from studio.panels.constraint_editors.common import ConstraintEditor, point_choices
 from studio.panels.constraint_editors.present import place_now
@@ -12,7 +13,7 @@ from studio.panels.fields import Choice, NumberField, Section
 OUTSIDE = None
 
 
-class DistanceEditor(ConstraintEditor):
+class DistanceEditor(ConstraintEditor[DistanceConstraint]):
     """Metres, and the other end: a point of the body or a place outside."""
 
     def add_kind_rows(self, section: Section) -> None:

@@ -4,6 +4,7 @@ from PySide6.QtWidgets import QPushButton
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
+from studio.core.constraints.parallel import ParallelConstraint
 from studio.panels.constraint_editors.common import ConstraintEditor
 from studio.panels.constraint_editors.cone_row import ConeRow
 from studio.panels.constraint_editors.present import turn_now
@@ -11,7 +12,7 @@ from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.fields import Choice, Section, labelled
 
 
-class ParallelEditor(ConstraintEditor):
+class ParallelEditor(ConstraintEditor[ParallelConstraint]):
     """A segment, an axis of each, and a cone in degrees."""
 
     def add_kind_rows(self, section: Section) -> None:

@@ -6,6 +6,7 @@ from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
+from studio.core.constraints.base import Constraint
 from studio.core.stage.project import Project
 from studio.document import colours
 from studio.engine.live_interface import Live
@@ -146,7 +147,7 @@ def short_words_of(residual: BodyResidual) -> str:
 class ResidualSection(Section):
     """Form section of the table of residuals, updated whenever the engine reports new ones."""
 
-    def __init__(self, editor: Editor) -> None:
+    def __init__(self, editor: Editor[Constraint]) -> None:
         super().__init__("Reached")
         self._editor = editor
         self._table = ResidualTable()
