@@ -395,7 +395,7 @@ def is_head_tracked(bench: Workbench) -> bool:
 
 def toggle_streaming(bench: Workbench) -> None:
     """Stream what is shown to where the panel says, or stop."""
-    bench.window.live_control.panel.stream.toggle()
+    bench.window.live_control.panel.ask_to_stream(not is_streaming(bench))
 
 
 def is_streaming(bench: Workbench) -> bool:

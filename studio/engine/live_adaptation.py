@@ -180,8 +180,8 @@ class LiveAdaptation(QObject):
         if self.play.running:
             self.play.drawn()
             return
-        circles, known = self._by_need(project), (self._results, self.driven.shown)
-        left = self._frames.bring(project, seconds, self._changed_at, *circles, *known)
+        first, others = self._by_need(project)
+        left = self._frames.bring(project, seconds, self._changed_at, first, others, self._results, self.driven.shown)
         if left is not None:
             self._beside.request(_FRAMES, self._document.revision, left)
 

@@ -201,9 +201,9 @@ class LivePanel(QScrollArea):
         for field in (self.head, self.prop):
             field.chosen.connect(lambda _: self._track())
         self.names.editingFinished.connect(self._track)
-        self.stream.toggled.connect(lambda _: self._stream())
-        self.out_address.editingFinished.connect(self._stream)
-        self.out_port.edited.connect(lambda _: self._stream())
+        self.stream.toggled.connect(self.ask_to_stream)
+        self.out_address.editingFinished.connect(lambda: self.ask_to_stream(self.stream.isChecked()))
+        self.out_port.edited.connect(lambda _: self.ask_to_stream(self.stream.isChecked()))
 
     def _drive(self, key: str | None) -> None:
         if self.performer.value is not None:
@@ -226,10 +226,9 @@ class LivePanel(QScrollArea):
     def _track(self) -> None:
         self.head_tracked.emit(str(self.head.value or ""), self.names.text(), str(self.prop.value or ""))
 
-    def _stream(self) -> None:
-        self.streaming_wanted.emit(
-            self.stream.isChecked(), self.out_address.text().strip(), round(self.out_port.value())
-        )
+    def ask_to_stream(self, on: bool) -> None:
+        """Ask that bodies are streamed to the address that the fields have, or no longer."""
+        self.streaming_wanted.emit(on, self.out_address.text().strip(), round(self.out_port.value()))
 
 
 def _fill(item: QTreeWidgetItem, name: str, rate: float, age: float | None) -> None:
