@@ -63,7 +63,7 @@ class PreferencesDialog(QDialog):
         keys = Section("Keys")
         self.map = Choice("Key map", [(key, name) for key, (name, _) in key_maps().items()])
         self.map.show_value(bench.preferences.key_map)
-        self.map.chosen.connect(lambda key: self._change(key_map=key))
+        self.map.value_chosen.connect(lambda key: self._change(key_map=key))
         keys.add_row("Key map", self.map)
         self.table = QTableWidget(len(ACTIONS), 2)
         self.table.setAccessibleName("Keys of actions")
@@ -87,7 +87,7 @@ class PreferencesDialog(QDialog):
     def _add_choice(self, section: Section, name: str, words: str, choices: Sequence[tuple[str, str]]) -> None:
         choice = Choice(words, choices)
         choice.show_value(getattr(self._bench.preferences, name))
-        choice.chosen.connect(lambda value: self._change(**{name: value}))
+        choice.value_chosen.connect(lambda value: self._change(**{name: value}))
         section.add_row(words, choice)
 
     def _change(self, **values: object) -> None:

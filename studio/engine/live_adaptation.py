@@ -68,7 +68,7 @@ class LiveAdaptation(QObject):
     """Asks for a solve whenever something changes that a visible performer depends on."""
 
     adapted = Signal(str)
-    told_changed = Signal()
+    reported_changed = Signal()
     busy_changed = Signal(bool)
     interactive_changed = Signal(bool)
 
@@ -160,7 +160,7 @@ class LiveAdaptation(QObject):
 
     def _kernels_changed(self) -> None:
         self._refresh(whole=True)
-        self.told_changed.emit()
+        self.reported_changed.emit()
 
     def failure(self, performer_id: str) -> str:
         """As ``Live.failure``."""
@@ -214,8 +214,8 @@ class LiveAdaptation(QObject):
         frame = self._frames.get(performer_id)
         return frame is None or not (frame.wanted.eased and frame.wanted.asked)
 
-    def told(self, performer_id: str) -> AdaptedMotion | None:
-        """As ``Live.told``: read anew a tenth of a second after results have come, or have become out of date."""
+    def reported(self, performer_id: str) -> AdaptedMotion | None:
+        """As ``Live.reported``: read anew a tenth of a second after results have come, or have become out of date."""
         told = self._told.get(performer_id)
         if self.interactive:
             return told
@@ -237,7 +237,7 @@ class LiveAdaptation(QObject):
 
     def _tell_results(self) -> None:
         self._told = dict(self._results)
-        self.told_changed.emit()
+        self.reported_changed.emit()
 
     def motion(self, motion_id: str) -> NormalizedMotion:
         """A motion of the project without its actor's body."""
@@ -454,7 +454,7 @@ class LiveAdaptation(QObject):
             self._failures[performer_id] = str(error)
             self._results.pop(performer_id, None)  # what it played before is not what is asked
             self.adapted.emit(performer_id)
-        self._document.problem.emit(str(error))
+        self._document.problem_reported.emit(str(error))
         self._telling.start()
 
     def _tell_busy(self) -> None:

@@ -35,7 +35,7 @@ class ProblemSearch(QObject):
         self._rest = QTimer(self, singleShot=True, interval=REST_MS)
         self._rest.timeout.connect(self._measure)
         self._measured.connect(self._take)
-        live.told_changed.connect(self._changed)
+        live.reported_changed.connect(self._changed)
         live.adapted.connect(self._source_came)
         document.project_opened.connect(self._changed)
 
@@ -74,7 +74,7 @@ class ProblemSearch(QObject):
             self._rest.start()
             return
         project = self._document.project
-        motions = {key: motion for key in project.performers if (motion := self._live.told(key)) is not None}
+        motions = {key: motion for key in project.performers if (motion := self._live.reported(key)) is not None}
         played = {clip.motion_id for key in motions for clip in project.performers[key].clips}
         sources = {key: source for key in played if (source := self._live.source(key)) is not None}
         self._lacks_source = len(sources) < len(played)

@@ -26,7 +26,9 @@ class CameraEditor(Editor[SavedCamera]):
         self._name.editingFinished.connect(self._rename)
         section.add_row("Name", self._name)
         self._slot = Choice("Key", [(NO_SLOT, "None"), *((str(slot), f"Camera {slot}") for slot in CAMERA_SLOTS)])
-        self._slot.chosen.connect(lambda slot: give_slot(document, entity_id, None if slot == NO_SLOT else int(slot)))
+        self._slot.value_chosen.connect(
+            lambda slot: give_slot(document, entity_id, None if slot == NO_SLOT else int(slot))
+        )
         section.add_row("Key", self._slot)
         self._target = VectorRow(self, section, "Looks at", lambda target: self._place(target=target))
         self._distance = self.bind(

@@ -68,10 +68,10 @@ class BodySection(Section):
         self.head.addWidget(reset)
         self._preset = Choice("Preset", [(values, name) for name, values in PRESETS.items()])
         self._preset.setPlaceholderText("Own measures")
-        self._preset.chosen.connect(self._choose)
+        self._preset.value_chosen.connect(self._choose)
         self.add_row("Preset", self._preset)
         self._blending = Choice("Skinning", BLENDINGS)
-        self._blending.chosen.connect(self._blend)
+        self._blending.value_chosen.connect(self._blend)
         self.add_row("Skinning", self._blending)
         self._grip = ValueSlider("Grip", -1.0, 1.0)
         self._grip.slider.setToolTip("From open through relaxed hands to fists. Double-click to reset.")
@@ -153,7 +153,7 @@ class BodySection(Section):
 class CharacterEditor(Editor[Character]):
     """Form of a character that no performer plays."""
 
-    remap_wanted = Signal(str, object, str)
+    remap_requested = Signal(str, object, str)
     """Character id, {part: joint}, text of the undo step."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
@@ -165,7 +165,7 @@ class CharacterEditor(Editor[Character]):
         self._body = BodySection(self, lambda: self.entity_id)
         self.column.addWidget(section)
         self.column.addWidget(self._body)
-        self._body_map = character_section(self, lambda: self.entity_id, self.remap_wanted.emit)
+        self._body_map = character_section(self, lambda: self.entity_id, self.remap_requested.emit)
         self.column.addWidget(self._body_map)
         self.finish()
 

@@ -69,7 +69,7 @@ class ClipEditor(Editor[Clip]):
         section.add_row("Mirrored", self._mirrored)
         self._grip = Choice("Hands", GRIP_CHOICES)
         self._grip.setToolTip("How the hands of mannequins are held while the clip plays")
-        self._grip.chosen.connect(lambda grip: self._set("Hold hands of", grip=grip))
+        self._grip.value_chosen.connect(lambda grip: self._set("Hold hands of", grip=grip))
         section.add_row("Hands", self._grip)
         section.add_wide(self._buttons())
         return section
@@ -199,5 +199,5 @@ class ClipEditor(Editor[Clip]):
         try:
             run()
         except StudioError as error:
-            self.document.problem.emit(str(error))
+            self.document.problem_reported.emit(str(error))
             self.refresh()

@@ -38,7 +38,7 @@ class CorrectionEditor(Editor[Correction]):
         self._above.setToolTip(
             "Below, constraints still hold and planted feet stay; above, the pose is left as corrected."
         )
-        self._above.chosen.connect(lambda above: self._change("Reorder", above=above))
+        self._above.value_chosen.connect(lambda above: self._change("Reorder", above=above))
         section.add_row("Order", self._above)
         self._weight = self.bind(
             NumberField("Weight", "%", 0.0, PER_CENT, 1.0, 0),

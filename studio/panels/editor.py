@@ -109,7 +109,7 @@ class Editor(QWidget, Generic[EditedT_co]):
         try:
             yield
         except (ValueError, StudioError) as error:
-            self.document.problem.emit(f"{error}")
+            self.document.problem_reported.emit(f"{error}")
             self.refresh()
 
     def begin(self) -> None:

@@ -18,7 +18,7 @@ class LayerSection(Section):
         super().__init__("Layer")
         self._editor = editor
         self._region = Choice("Plays on", [(region, region.capitalize()) for region in Region])
-        self._region.chosen.connect(lambda region: self._put("Layer on another region", region=region))
+        self._region.value_chosen.connect(lambda region: self._put("Layer on another region", region=region))
         self.add_row("Plays on", self._region)
         self._weight = editor.bind(
             NumberField("Weight", "%", 0.0, PER_CENT, 1.0, 0),
@@ -69,5 +69,5 @@ class LayerSection(Section):
         try:
             clip_edits.edit_layer(editor.document, editor.entity_id, words, editor.gesture, **values)
         except StudioError as error:
-            editor.document.problem.emit(str(error))
+            editor.document.problem_reported.emit(str(error))
             self.refresh()

@@ -22,7 +22,7 @@ class ScopeRow:
         self._editor = editor
         self._choice = Choice("Applies to", ())
         self._choice.setToolTip("All who play this motion, one of them wherever it plays it, or one clip alone.")
-        self._choice.chosen.connect(put)
+        self._choice.value_chosen.connect(put)
         section.add_row("Applies to", self._choice)
 
     def refresh(self) -> None:

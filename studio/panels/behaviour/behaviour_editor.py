@@ -21,7 +21,7 @@ class BehaviourEditor(Editor[Behaviour]):
         self._name.editingFinished.connect(self._rename)
         section.add_row("Name", self._name)
         self._start = Choice("Begins in", ())
-        self._start.chosen.connect(lambda name: self.change(f"Begin in {name}", start=name))
+        self._start.value_chosen.connect(lambda name: self.change(f"Begin in {name}", start=name))
         section.add_row("Begins in", self._start)
         self._players = labelled("", "value")
         self._players.setWordWrap(True)
@@ -85,7 +85,7 @@ class BehaviourEditor(Editor[Behaviour]):
         try:
             self.document.remove("behaviours", self.entity_id, f"Delete {self.entity.name}")
         except StudioError as error:
-            self.document.problem.emit(str(error))
+            self.document.problem_reported.emit(str(error))
 
     def _select(self, name: str) -> None:
         performers = [item for item in self.document.selection.items if item[0] == "performers"]

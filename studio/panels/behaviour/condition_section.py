@@ -53,7 +53,7 @@ class ConditionSection(Section):
         remove.setAccessibleName(f"Remove condition: {title}")
         self.head.addWidget(remove)
         self._kind = Choice("Waits for", [(key, text) for key, (text, _) in CONDITION_KINDS.items()])
-        self._kind.chosen.connect(self._set_kind)
+        self._kind.value_chosen.connect(self._set_kind)
         self.add_row("Waits for", self._kind)
         match condition:
             case DistanceCondition():
@@ -95,10 +95,12 @@ class ConditionSection(Section):
         self._legs.setToolTip(
             "Leg lengths are the mean of both bodies', so that one behaviour fits bodies of any size."
         )
-        self._legs.chosen.connect(lambda legs: self._set_gap(legs=legs))
+        self._legs.value_chosen.connect(lambda legs: self._set_gap(legs=legs))
         self.add_row("Counted in", self._legs)
         self._flat = Choice("Measured", [(True, "Over the ground"), (False, "From point to point")])
-        self._flat.chosen.connect(lambda flat: self._set_gap(flat=flat, point=PELVIS_POINT if flat else DEFAULT_POINT))
+        self._flat.value_chosen.connect(
+            lambda flat: self._set_gap(flat=flat, point=PELVIS_POINT if flat else DEFAULT_POINT)
+        )
         self.add_row("Measured", self._flat)
         self._point = PointChoice("Own point", lambda point: self._set_gap(point=point))
         self._point_caption = self.add_row("Own point", self._point)

@@ -47,7 +47,7 @@ class MannerSection(Section):
                 self._add_number("Distance", "distance")
                 self._add_number("Tolerance", "room")
                 self._legs = Choice("Counted in", DISTANCE_UNITS)
-                self._legs.chosen.connect(lambda legs: self._set(legs=legs))
+                self._legs.value_chosen.connect(lambda legs: self._set(legs=legs))
                 self.add_row("Counted in", self._legs)
             case LeanAway():
                 self._add_number("At least", "metres")

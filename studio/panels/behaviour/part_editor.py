@@ -35,7 +35,7 @@ class PartEditor(Editor[PartT_co], Generic[PartT_co]):
         try:
             edit_behaviour(self.document, self.behaviour_id, edit, text, self._gesture)
         except StudioError as error:
-            self.document.problem.emit(str(error))
+            self.document.problem_reported.emit(str(error))
             self.refresh()
             return False
         return True
@@ -50,7 +50,7 @@ class PointChoice(Choice):
 
     def __init__(self, name: str, put: Callable[[BodyPoint], None]) -> None:
         super().__init__(name, point_choices())
-        self.chosen.connect(put)
+        self.value_chosen.connect(put)
 
     def show_point(self, point: BodyPoint) -> None:
         """Show the value that the document has."""
@@ -66,7 +66,7 @@ class WhomRows:
         self._whom: Whom = FollowPartner()
         self._put = put
         self._choice = Choice(label, ())
-        self._choice.chosen.connect(self._chosen)
+        self._choice.value_chosen.connect(self._chosen)
         section.add_row(label, self._choice)
         self._point = PointChoice("Its point", lambda point: put(_at(self._whom, point)))
         self._caption = section.add_row("Its point", self._point)

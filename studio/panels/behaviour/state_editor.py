@@ -39,7 +39,7 @@ class StateEditor(PartEditor[State]):
         row = QVBoxLayout(below)
         row.setContentsMargins(FIELD_ICON_PX, 12, FIELD_ICON_PX, 0)
         self._add = Choice("Add reaction", [(None, ADD), *((title, title) for title in NEW_MANNERS)])
-        self._add.chosen.connect(self._add_manner)
+        self._add.value_chosen.connect(self._add_manner)
         row.addWidget(self._add)
         row.addWidget(labelled("The constraints of the clip act too, as long as the state lasts.", "hint"))
         self.column.addWidget(below)
@@ -63,7 +63,7 @@ class StateEditor(PartEditor[State]):
     def _playing(self) -> Section:
         section = Section("Plays")
         self._clip = Choice("Clip", ())
-        self._clip.chosen.connect(self._choose_clip)
+        self._clip.value_chosen.connect(self._choose_clip)
         section.add_row("Clip", self._clip)
         self._first = self.bind(NumberField("First frame", "", 0, 1e6, 1, 0), lambda frame: self._trim(first=frame))
         self._last = self.bind(NumberField("Last frame", "", 0, 1e6, 1, 0), lambda frame: self._trim(last=frame))

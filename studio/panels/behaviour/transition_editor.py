@@ -24,8 +24,8 @@ class TransitionEditor(PartEditor[Transition]):
         super().__init__(document, live, collection, entity_id)
         section = Section("Transition")
         self._source, self._target = Choice("From", ()), Choice("To", ())
-        self._source.chosen.connect(lambda name: self._set("Change start of transition", source=name))
-        self._target.chosen.connect(lambda name: self._set("Change end of transition", target=name))
+        self._source.value_chosen.connect(lambda name: self._set("Change start of transition", source=name))
+        self._target.value_chosen.connect(lambda name: self._set("Change end of transition", target=name))
         section.add_row("From", self._source)
         section.add_row("To", self._target)
         self._blend = self.bind(

@@ -22,7 +22,7 @@ class ActivationSection(Section):
         self._ease_in = editor.bind(self._seconds("Ease in"), self._set_ease_in)
         self._ease_out = editor.bind(self._seconds("Ease out"), self._set_ease_out)
         self._shape = Segments("Shape", [(shape, shape.value) for shape in EaseShape])
-        self._shape.chosen.connect(self._set_shape)
+        self._shape.value_chosen.connect(self._set_shape)
         self.add_row("From · to  s", self._start, self._end)
         self.add_row("Ease  s", self._ease_in, self._ease_out)
         self.add_row("Shape", self._shape)

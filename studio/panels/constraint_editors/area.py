@@ -37,10 +37,10 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
     def add_kind_rows(self, section: Section) -> None:
         """Shape, side, centre, size, heading."""
         self._shape = Choice("Shape", SHAPE_CHOICES)
-        self._shape.chosen.connect(self._set_shape)
+        self._shape.value_chosen.connect(self._set_shape)
         section.add_row("Shape", self._shape)
         self._side = Segments("Point stays", [("outside", "Outside"), ("inside", "Inside"), ("on", "On it")])
-        self._side.chosen.connect(self._set_side)
+        self._side.value_chosen.connect(self._set_side)
         section.add_row("Stays", self._side)
         self._whole = QCheckBox("whole limbs and trunk")
         self._whole.setAccessibleName("Keeps arms, legs and trunk out, not the point alone")

@@ -24,7 +24,7 @@ class BalanceEditor(ConstraintEditor[BalanceConstraint]):
         self._mode = Segments(
             "Centre of mass", [(OWN_BALANCE, "Source path"), (PLACE_BALANCE, "Target"), (SUPPORT_BALANCE, "Support")]
         )
-        self._mode.chosen.connect(self._set_mode)
+        self._mode.value_chosen.connect(self._set_mode)
         section.add_row("Centre of mass over", self._mode)
         self._source = TargetRows(self, section, "place")
         self._place = VectorRow(self, section, "Place", self._set_place)

@@ -75,7 +75,7 @@ class ConstraintEditor(Editor[ConstraintT_co], Generic[ConstraintT_co]):
     def _add_point(self) -> None:
         self._point = Choice("Point", point_choices())
         self._point.setToolTip("The point of the body. You can also click a joint in the 3D view and press C.")
-        self._point.chosen.connect(self._set_point)
+        self._point.value_chosen.connect(self._set_point)
         caption = self._section.add_row("Point", self._point)
         self._offset = [
             self.bind(

@@ -22,7 +22,7 @@ class DistanceEditor(ConstraintEditor[DistanceConstraint]):
         self._length = NumberRows(self, section, "distance")
         section.add_row("Distance", self._distance, self._length.keyed)
         self._other = Choice("Distance from", [(OUTSIDE, "A place outside"), *point_choices()])
-        self._other.chosen.connect(self._set_other)
+        self._other.value_chosen.connect(self._set_other)
         section.add_row("From", self._other)
         self._source = TargetRows(self, section, "other")
         self._place = VectorRow(self, section, "Place", self._set_place)

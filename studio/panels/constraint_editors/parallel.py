@@ -18,7 +18,7 @@ class ParallelEditor(ConstraintEditor[ParallelConstraint]):
     def add_kind_rows(self, section: Section) -> None:
         """Add the rows, and a button that takes the other axis from the pose at the playhead."""
         self._other = Choice("Parallel to", [(part, part.label.capitalize()) for part in BodyPart])
-        self._other.chosen.connect(self._set_other)
+        self._other.value_chosen.connect(self._set_other)
         section.add_row("Parallel to", self._other)
         self._cone = ConeRow(self, section, "Largest angle between both axes: 0 holds them parallel")
         self._axis = VectorRow(self, section, "Axis", self._set_axis, unit="")

@@ -108,7 +108,7 @@ class PrioritySection(Section):
         try:
             put_priorities(self._editor.document, order, ties, text)
         except StudioError as error:
-            self._editor.document.problem.emit(f"{error}")
+            self._editor.document.problem_reported.emit(f"{error}")
             self.refresh()
 
     def _set_weight(self, weight: float) -> None:

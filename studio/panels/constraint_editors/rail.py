@@ -13,7 +13,7 @@ class RailEditor(ConstraintEditor[RailConstraint]):
     def add_kind_rows(self, section: Section) -> None:
         """Add the rows of shape, centre, direction and length."""
         self._shape = Segments("Point slides on", [(RailShape.LINE, "Line"), (RailShape.PLANE, "Plane")])
-        self._shape.chosen.connect(lambda shape: self._set("Choose shape of", shape=shape))
+        self._shape.value_chosen.connect(lambda shape: self._set("Choose shape of", shape=shape))
         section.add_row("Slides on", self._shape)
         self._source = TargetRows(self, section, "centre")
         self._centre = VectorRow(

@@ -55,7 +55,7 @@ class SegmentWeights(QWidget):
         self._add = Choice("Segment to weigh", ())
         self._add.setPlaceholderText("Add segment weight…")
         self._add.setToolTip("Give one segment a weight of its own. The abdomen is all of the spine below the thorax.")
-        self._add.chosen.connect(self._give)
+        self._add.value_chosen.connect(self._give)
         grid.addWidget(self._add, len(SINGLE), 0, 1, 3)
 
     def refresh(self) -> None:

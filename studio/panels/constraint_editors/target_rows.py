@@ -58,17 +58,17 @@ class TargetRows:
     def __init__(self, editor: Editor[Constraint], section: Section, field: str, turns: bool = False) -> None:
         self._editor, self._field, self._turns = editor, field, turns
         self._kind = Choice("Target is", [kind for kind in PLACE_KINDS if not turns or kind not in ONLY_PLACES])
-        self._kind.chosen.connect(self._choose)
+        self._kind.value_chosen.connect(self._choose)
         self._kind_caption = section.add_row("Target is", self._kind)
         self._thing = Choice("Follows", ())
-        self._thing.chosen.connect(self._choose_thing)
+        self._thing.value_chosen.connect(self._choose_thing)
         self._thing_caption = section.add_row("Follows", self._thing)
         self._point = Choice("Point followed", [(point, name.capitalize()) for point, name in POINT_NAMES.items()])
-        self._point.chosen.connect(self._choose_point)
+        self._point.value_chosen.connect(self._choose_point)
         self._point_caption = section.add_row("Its point", self._point)
         self._spot = Choice("Place on the prop", SPOTS)
         self._spot.setToolTip("Where on the prop, whatever its size; the offset counts from there.")
-        self._spot.chosen.connect(self._choose_spot)
+        self._spot.value_chosen.connect(self._choose_spot)
         self._spot_caption = section.add_row("Its place", self._spot)
         self._awaits = QCheckBox("Anticipate target")
         self._awaits.setToolTip(
@@ -214,7 +214,9 @@ class TargetRows:
             return
         editor, things = self._editor, self._things(kind)
         if kind in (FollowProp.kind, FollowPerformer.kind) and not things:
-            editor.document.problem.emit("There is no prop on the stage. Add one with Prop > Add box, then choose it.")
+            editor.document.problem_reported.emit(
+                "There is no prop on the stage. Add one with Prop > Add box, then choose it."
+            )
             self.refresh()
             return
         text = f"{dict(PLACE_KINDS)[kind]}: {editor.entity.name}"

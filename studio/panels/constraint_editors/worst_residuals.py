@@ -50,8 +50,10 @@ def residuals_of(project: Project, live: Live, constraint_id: str) -> list[BodyR
         BodyResidual(
             performer.name,
             project.characters[performer.character_id].colour,
-            worst_residual(project, key, live.told(key), constraint_id),
-            unsolved if constraint.enabled and missed_by(project, key, live.told(key), constraint_id) is None else "",
+            worst_residual(project, key, live.reported(key), constraint_id),
+            unsolved
+            if constraint.enabled and missed_by(project, key, live.reported(key), constraint_id) is None
+            else "",
         )
         for key, performer in project.performers.items()
         if performer.visible
@@ -153,9 +155,9 @@ class ResidualSection(Section):
         self._table = ResidualTable()
         self._table.setAccessibleName("How well it holds on each body")
         self.add_wide(self._table)
-        editor.live.told_changed.connect(self._told_changed)
+        editor.live.reported_changed.connect(self._reported_changed)
 
-    def _told_changed(self) -> None:
+    def _reported_changed(self) -> None:
         if self._editor.entity is not None:
             self._show()
 
