@@ -40,7 +40,7 @@ class FakeLive(QObject):
     def result(self, performer_id):
         return self.results.get(performer_id)
 
-    told = result
+    reported = result
 
 
 def segment_place(part):
