@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body.body_shape import moving_body_by_shape
 from studio.core.body.body_sides import LIMB_PARTS, exchanged_limbs
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_positions
@@ -19,9 +20,10 @@ from studio.core.captures.motion_faults import clean_motion
 from studio.core.captures.reference_pose import ReferencePose, find_reference_pose, stand_up
 from studio.core.errors import StudioError
 from studio.core.rotations import IDENTITY_QUATERNION, normalized
-from studio.io.figure.body_maps import FoundBody, similar_joints
+from studio.io.figure.body_maps import FoundBody, named_sides, similar_joints
 from studio.io.guessing import guess_first_frame, guess_floor
 from studio.io.importing import ImportOptions
+from studio.io.up_axis import FILE_AXES, axis_called, turn_to_world
 
 FloatArray = NDArray[np.float64]
 
@@ -39,6 +41,20 @@ def loose_guesses(feet: Collection[int], hands: Collection[int], behind: float) 
         moved = "The body does not go with them there; it was put where the ends of its shanks meet them."
         guesses[0] = replace(guesses[0], reason=f"{guesses[0].reason} {moved}", confidence=Confidence.LIKELY)
     return guesses
+
+
+def body_by_shape_in(skeleton: Skeleton, rest: FloatArray, points: FloatArray, up_axis: str | None) -> FoundBody | None:
+    """The body that stands like one at rest (J, 3), whatever its joints are called; None where none does.
+
+    ``points`` (F, J, 3), both in the file's axes, tell which knees are the left ones. Any axis may be up unless the
+    user says which one is.
+    """
+    sides = named_sides(skeleton)
+    for axis in (axis_called(up_axis),) if up_axis else FILE_AXES:
+        by_shape = moving_body_by_shape(skeleton, rest @ turn_to_world(axis).T, points, sides)
+        if by_shape is not None:
+            return FoundBody(by_shape, "", ())
+    return None
 
 
 def body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) -> list[Guess]:
