@@ -62,10 +62,10 @@ class Striking:
         self._sought: tuple[StrikeQuery, Placement] | None = None
         self._waits = False
         """True while a search waits for a body to be solved."""
-        self.panel.folder_wanted.connect(lambda: ask_folder(bench, "Add to the motion library", self.add_folder))
-        self.panel.wanted.connect(self.search)
-        self.panel.chosen.connect(self.play)
-        self.panel.looked_at.connect(self.look_at)
+        self.panel.folder_requested.connect(lambda: ask_folder(bench, "Add to the motion library", self.add_folder))
+        self.panel.search_requested.connect(self.search)
+        self.panel.strike_chosen.connect(self.play)
+        self.panel.strike_highlighted.connect(self.look_at)
         bench.document.entity_changed.connect(self._entity_changed)
         bench.document.project_opened.connect(self._offer_targets)
         bench.live.adapted.connect(lambda _: self.search() if self._waits else None)

@@ -128,7 +128,10 @@ class Frames:
     """Newest frame of every performer whose whole motion is not yet solved for the present request."""
 
     def __init__(
-        self, prepare: SolveCache[tuple[NormalizedMotion, Morphology]], solve: Solve, answered: Mapping[str, Wanted]
+        self,
+        prepare: SolveCache[Capture, tuple[NormalizedMotion, Morphology]],
+        solve: Solve,
+        answered: Mapping[str, Wanted],
     ) -> None:
         """``answered``: request that each performer's newest whole motion answers; it changes as results arrive."""
         self._prepare, self._solve, self._answered = prepare, solve, answered
@@ -194,8 +197,16 @@ class Frames:
             self._frames.clear()  # who followed somebody that was driven follows its clips again
         self._driven = {*driven}
         frames = {key: frame for key, frame in self._frames.items() if key not in driven}
-        known = {**results, **driven}, dict(self._answered), frames
-        instant = Instant(project, seconds, asked_at, *known, self._prepare, self._solve)
+        instant = Instant(
+            project=project,
+            seconds=seconds,
+            asked_at=asked_at,
+            results={**results, **driven},
+            answered=dict(self._answered),
+            frames=frames,
+            prepare=self._prepare,
+            solve=self._solve,
+        )
         begun, solved, left, moving = time.thread_time(), False, list[Circle](), {*driven}
         for whole in (*first, *others):
             circle = tuple(key for key in whole if key not in driven)

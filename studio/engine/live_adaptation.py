@@ -3,7 +3,6 @@
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from PySide6.QtCore import QCoreApplication, QObject, QTimer, Signal
@@ -69,7 +68,7 @@ class LiveAdaptation(QObject):
     """Asks for a solve whenever something changes that a visible performer depends on."""
 
     adapted = Signal(str)
-    told_changed = Signal()
+    reported_changed = Signal()
     busy_changed = Signal(bool)
     interactive_changed = Signal(bool)
 
@@ -161,7 +160,7 @@ class LiveAdaptation(QObject):
 
     def _kernels_changed(self) -> None:
         self._refresh(whole=True)
-        self.told_changed.emit()
+        self.reported_changed.emit()
 
     def failure(self, performer_id: str) -> str:
         """As ``Live.failure``."""
@@ -181,8 +180,8 @@ class LiveAdaptation(QObject):
         if self.play.running:
             self.play.drawn()
             return
-        circles, known = self._by_need(project), (self._results, self.driven.shown)
-        left = self._frames.bring(project, seconds, self._changed_at, *circles, *known)
+        first, others = self._by_need(project)
+        left = self._frames.bring(project, seconds, self._changed_at, first, others, self._results, self.driven.shown)
         if left is not None:
             self._beside.request(_FRAMES, self._document.revision, left)
 
@@ -215,8 +214,8 @@ class LiveAdaptation(QObject):
         frame = self._frames.get(performer_id)
         return frame is None or not (frame.wanted.eased and frame.wanted.asked)
 
-    def told(self, performer_id: str) -> AdaptedMotion | None:
-        """As ``Live.told``: read anew a tenth of a second after results have come, or have become out of date."""
+    def reported(self, performer_id: str) -> AdaptedMotion | None:
+        """As ``Live.reported``: read anew a tenth of a second after results have come, or have become out of date."""
         told = self._told.get(performer_id)
         if self.interactive:
             return told
@@ -238,7 +237,7 @@ class LiveAdaptation(QObject):
 
     def _tell_results(self) -> None:
         self._told = dict(self._results)
-        self.told_changed.emit()
+        self.reported_changed.emit()
 
     def motion(self, motion_id: str) -> NormalizedMotion:
         """A motion of the project without its actor's body."""
@@ -419,7 +418,7 @@ class LiveAdaptation(QObject):
         reach = round(WINDOW_SECONDS * timing.frame_rate)
         return max(frame - reach, 0), frame + reach
 
-    def _take(self, key: str, _revision: int, answer: Any) -> None:
+    def _take(self, key: str, _revision: int, answer: Solved | AdaptedMotion) -> None:
         if key.startswith(_EXPECTED):
             return
         if isinstance(answer, Solved):
@@ -455,7 +454,7 @@ class LiveAdaptation(QObject):
             self._failures[performer_id] = str(error)
             self._results.pop(performer_id, None)  # what it played before is not what is asked
             self.adapted.emit(performer_id)
-        self._document.problem.emit(str(error))
+        self._document.problem_reported.emit(str(error))
         self._telling.start()
 
     def _tell_busy(self) -> None:

@@ -67,8 +67,15 @@ def _shown(before: Standing, rows: NDArray[np.int64], start: float) -> MotionPie
     """
     standing, rate = before, before.motion.frame_rate
     if not standing.ground.is_level:
-        known = standing.motion, standing.morphology, standing.contacts, Ground(), standing.volume, standing.actor
-        standing = stand(*known, standing.limited)
+        standing = stand(
+            standing.motion,
+            standing.morphology,
+            standing.contacts,
+            Ground(),
+            standing.volume,
+            standing.actor,
+            standing.limited,
+        )
     frame = rows[-1]
     body = standing.morphology
     still = body.at(frame) if isinstance(body, AnimatedMorphology) else body

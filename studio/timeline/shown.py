@@ -148,7 +148,7 @@ class RowContext:
 
     def strip(self, constraint_id: str, performer_id: str) -> Strip | None:
         """Strip of a constraint on a body; None while it is not known or the constraint is not active."""
-        return strip_of(self.project, performer_id, self.live.told(performer_id), constraint_id)
+        return strip_of(self.project, performer_id, self.live.reported(performer_id), constraint_id)
 
     def is_asked(self, constraint_id: str, performer_id: str) -> bool:
         """True if a constraint applies to a body."""
@@ -156,7 +156,7 @@ class RowContext:
 
     def residual(self, constraint_id: str, performer_id: str) -> Residual | None:
         """The worst miss of a constraint on a body."""
-        return worst_residual(self.project, performer_id, self.live.told(performer_id), constraint_id)
+        return worst_residual(self.project, performer_id, self.live.reported(performer_id), constraint_id)
 
 
 def within(point: QPointF, x: float, y: float, reach: float) -> bool:

@@ -121,10 +121,19 @@ def are_among(frames: slice, others: slice) -> bool:
 def _answer(
     standing: Standing, first: int, positions: PoseArray, rotations: PoseArray, residuals: FloatArray
 ) -> AdaptedMotion:
-    body, rate = standing.morphology, standing.motion.frame_rate
-    animated = body if isinstance(body, AnimatedMorphology) else None
-    known = animated, standing.volume, standing.unasked, standing.contacts
-    return AdaptedMotion(body.still, rate, first, positions, rotations, residuals, *known)
+    body = standing.morphology
+    return AdaptedMotion(
+        morphology=body.still,
+        frame_rate=standing.motion.frame_rate,
+        first_frame=first,
+        positions=positions,
+        rotations=rotations,
+        residuals=residuals,
+        animated=body if isinstance(body, AnimatedMorphology) else None,
+        volume=standing.volume,
+        unasked=standing.unasked,
+        contacts=standing.contacts,
+    )
 
 
 def place_of(point: BodyPoint, adapted: AdaptedMotion) -> FloatArray:

@@ -119,8 +119,9 @@ def standing_of(request: AdaptRequest, windows: Sequence[slice] | None = None) -
     Clips of a row are grounded separately, and inertialised at their transitions.
     """
     motion, parts = request.motion, list[Standing]()
-    known = motion, request.morphology, request.contacts, request.volume, request.actor, request.clears
-    self_contact = self_contact_of(*known)
+    self_contact = self_contact_of(
+        motion, request.morphology, request.contacts, request.volume, request.actor, request.clears
+    )
     for frames, part in parts_of(request):
         own = self_contact and self_contact.part(frames)
         alone = replace(_stand_alone(part), self_contact=own)
@@ -180,5 +181,17 @@ def _stand_alone(request: AdaptRequest) -> Standing:
         stance = records.ArmTargets(motion.channels, arms.soft_thresholds, arms.wrists, arms.hands, arms.bends)
         place_arms(measures, stance, positions, rotations)
     raise_arms(morphology, ground, arms, motion.frame_rate, positions, rotations)
-    known = contacts, ground
-    return Standing(motion, morphology, *known, footing, holds, arms, positions, rotations, volume, actor, limited)
+    return Standing(
+        motion=motion,
+        morphology=morphology,
+        contacts=contacts,
+        ground=ground,
+        footing=footing,
+        holds=holds,
+        arms=arms,
+        positions=positions,
+        rotations=rotations,
+        volume=volume,
+        actor=actor,
+        limited=limited,
+    )
