@@ -112,7 +112,7 @@ def stood_capture(read: ReadJoints, found: FoundBody, options: ImportOptions, gu
             reason = (
                 f"Joints move in their parents by up to {np.degrees(swing):.0f} degrees; bones point where they are."
             )
-            guesses.append(Guess("moving offsets", "followed", reason))
+            guesses.append(Guess("moving offsets", "followed", reason, Confidence.SURE))
         read = cleaned_joints(replace(read, poses=poses), found.body_map, options, guesses)
         poses = read.poses
     first_frame, guess = guess_first_frame(read.positions, read.frame_rate)
@@ -143,7 +143,7 @@ def cleaned_joints(read: ReadJoints, body_map: BodyMap, options: ImportOptions, 
         return read
     if not options.clean:
         reason = f"It has {faults.words}. Clean motion (--clean) takes that off, as from poses estimated in images."
-        guesses.append(Guess("cleaning", "none", reason))
+        guesses.append(Guess("cleaning", "none", reason, Confidence.LIKELY))
         return read
     repair = f"{read.path.name} was cleaned. It had {faults.words}."
     return replace(read, poses=poses, positions=joint_positions(read.skeleton, poses), repairs=(*read.repairs, repair))

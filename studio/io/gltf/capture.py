@@ -140,7 +140,7 @@ def _first_animation(
             name = animation.text("name") or f"animation {place}"
             others = [each.text("name") for each in animations[:9] if each is not animation]
             reason = f"The file holds {len(animations)}; others are {', '.join(others)}."
-            return tracks, [Guess("animation", name, reason)] if len(animations) > 1 else []
+            return tracks, [Guess("animation", name, reason, Confidence.LIKELY)] if len(animations) > 1 else []
     raise StudioError(f"{file.path.name} holds no animation: there is no motion to read. Export it with one.")
 
 
