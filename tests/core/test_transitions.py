@@ -157,13 +157,12 @@ def test_a_foot_that_is_held_while_its_own_motion_walks_on_does_not_slide() -> N
     """It slid by 57 mm where its own turned on its heel after a stride."""
     states = np.repeat([3, 0, 1], [20, 10, 30])
     frames = np.arange(60)
-    heel = np.array([-0.05, 0.0, -0.08])
+    sole = np.array([[0.13, 0.0, -0.06, 0.08, 0.05, 0.06]])
     turns = turning_about(np.array([0.0, 0.0, 1.0]), np.clip(frames - 30, 0, 30) / 30.0)
     came_down = np.clip((frames - 20) / 10.0, 0.0, 1.0)[:, None] * [0.8, 0.0, 0.0]
-    own = FootPath(came_down - turns @ heel, turns, turns)
+    own = FootPath(came_down - heel_pivot(sole).offsets(turns, turns), turns, turns)
     across = turning_about(np.array([0.0, 0.0, 1.0]), np.full(2, 1.2))
     seen = FootPath(np.tile([0.3, 0.2, 0.08], (2, 1)), across, across)
-    sole = np.array([[0.13, 0.0, -0.06, 0.08, 0.05, 0.06]])
     foot = HeldFoot(own, states, seen, 3, sole, np.full(2, 100.0), 60.0)
     path, _ = foot.path(FootFlight(60, 60, 0.3, held=True), 0.3, np.arange(1, 61) / 60.0)
     heels = path.places(heel_pivot(sole))[31:]
