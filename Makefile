@@ -16,7 +16,7 @@ shown = ($(1)) 2>&1 | awk '{ print "$@: " $$0; fflush() }'
 # More arguments for pytest, for example: make test PYTEST="-m captures".
 PYTEST ?=
 
-.PHONY: run check test kernels computing others monkey lint fast bench quality soak examples pictures format
+.PHONY: run check test kernels computing others monkey lint fast bench quality soak examples pictures films format
 
 run: .venv/.ready-to-run
 	@$(STUDIO)
@@ -65,6 +65,10 @@ examples: .venv/.ready-to-run
 
 pictures: .venv/.ready-to-test
 	.venv/bin/python examples/make_pictures.py
+
+# Sheets and films of captures on bodies beside their source, to be looked at: make films FOLDER=/tmp/films.
+films: .venv/.ready-to-run
+	.venv/bin/python examples/make_films.py $(or $(FOLDER),films)
 
 format: .venv/.ready-to-test
 	.venv/bin/ruff format .
