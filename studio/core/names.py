@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Collection
+from pathlib import Path
 
 
 def free_name(name: str, taken: Collection[str]) -> str:
@@ -18,6 +19,16 @@ def free_name(name: str, taken: Collection[str]) -> str:
 def safe_name(name: str) -> str:
     """A name of a file that every system allows."""
     return re.sub(r'[\\/:*?"<>|]', "_", name)
+
+
+def name_in(path: Path) -> str:
+    """Name of what a file holds: that of the file without its suffix."""
+    return readable(path.stem)
+
+
+def readable(text: str) -> str:
+    """``text`` with the sign for an unknown character in place of bytes of file names that are no UTF-8."""
+    return text.encode(errors="surrogateescape").decode(errors="replace")
 
 
 def counted(number: int, thing: str) -> str:

@@ -13,6 +13,7 @@ from studio.core.constraints.base import BodyPoint, Constraint
 from studio.core.runs import runs_in
 from studio.core.single import PoseArray, part_of
 from studio.core.solver.asking.lifted_ends import constrained_ends, lift_ends
+from studio.core.solver.asking.measured_residuals import measured_again
 from studio.core.solver.asking.points import point_indices
 from studio.core.solver.asking.releasing import constraint_activations
 from studio.core.solver.asking.tracks import Tracks
@@ -45,11 +46,11 @@ def grounded(request: AdaptRequest, standing: Standing | None = None) -> Standin
 def solve(standing: Standing, request: AdaptRequest, first: int = 0, last: int | None = None) -> AdaptedMotion:
     """Adapted motion of ``request`` on its ``grounded`` motion, with its corrections above the constraints."""
     adapted = hold(standing, request.constraints, first, last, request.tracks, eased=request.eased)
-    if not any(each.above for each in request.corrections):
-        return adapted
-    from studio.core.solver.correction_layer import corrected_above
+    if any(each.above for each in request.corrections):
+        from studio.core.solver.correction_layer import corrected_above
 
-    return corrected_above(adapted, standing, request)
+        adapted = corrected_above(adapted, standing, request)
+    return measured_again(adapted, request) if request.final_tracks else adapted
 
 
 def hold(
