@@ -20,6 +20,6 @@ def safe_name(name: str) -> str:
     return re.sub(r'[\\/:*?"<>|]', "_", name)
 
 
-def counted(number: int, thing: str) -> str:
-    """Number and noun, such as ``1 character``, ``3 characters``."""
-    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
+def counted(number: int, thing: str, things: str = "") -> str:
+    """Number and noun, such as ``1 character``, ``3 characters``; ``things`` is the plural, by default with an s."""
+    return f"{number} {thing if number == 1 else things or f'{thing}s'}"
