@@ -19,7 +19,7 @@ from studio.core.captures.confidence import Confidence
 from studio.core.captures.motion_faults import clean_motion
 from studio.core.captures.reference_pose import ReferencePose, find_reference_pose, stand_up
 from studio.core.errors import StudioError
-from studio.core.names import name_in
+from studio.core.names import readable
 from studio.core.rotations import IDENTITY_QUATERNION, normalized
 from studio.io.figure.body_maps import FoundBody, named_sides, similar_joints
 from studio.io.guessing import guess_first_frame, guess_floor
@@ -121,7 +121,7 @@ def stood_capture(read: ReadJoints, found: FoundBody, options: ImportOptions, gu
     floor = floor_of(read, first_frame, found.body_map, options, guesses)
     reference = reference_of(read.skeleton, poses, found.body_map, options, guesses)
     return Capture(
-        name=name_in(read.path),
+        name=readable(read.path.stem),
         source=read.path.name,
         skeleton=read.skeleton,
         poses=poses,

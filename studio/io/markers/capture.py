@@ -23,6 +23,7 @@ from studio.core.markers.sides import exchanged_places
 from studio.core.markers.solve import SolvedBody, solve_body
 from studio.core.markers.take import FollowedBody, MarkerTake, follow
 from studio.core.markers.trial import MARKER_KIND, METRES, VIRTUAL_KIND, Trial, bare_label, subject_of, whole
+from studio.core.names import counted
 from studio.core.rotations import IDENTITY_QUATERNION
 from studio.io.capture_guesses import chosen_reference
 from studio.io.guessing import guess_floor
@@ -225,7 +226,7 @@ def _body_guesses(
         Guess(
             "marker map",
             take.marker_map.name,
-            f"{len(used.labels)} markers at {len(used.markers)} places.",
+            f"{counted(len(used.labels), 'marker')} at {counted(len(used.markers), 'place')}.",
             Confidence.LIKELY if take.marker_map.name == PROPOSED else Confidence.SURE,
         ),
         Guess(
@@ -256,7 +257,8 @@ def _body_guesses(
         if report.told
     ]
     if first or followed.unseen:
-        words = f"In {followed.unseen} frames some place is not seen: it moves straight on as seen from the pelvis."
+        unseen = counted(followed.unseen, "frame")
+        words = f"In {unseen} some place is not seen: it moves straight on as seen from the pelvis."
         guesses.append(Guess("first frame", str(first), words if followed.unseen else "", Confidence.SURE))
     if left_out := take.trial.frame_count - len(next(iter(followed.joints.values()))):
         reason = f"Of the {take.trial.frame_count} recorded, {left_out} at the end show no body and were left out."

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from studio.core.errors import StudioError
 from studio.core.markers.subjects import with_subjects
 from studio.core.markers.trial import MARKER_KIND, Trial
-from studio.core.names import name_in
+from studio.core.names import counted, readable
 from studio.io.beside import read_bytes
 from studio.io.markers.unit import named_unit
 from studio.io.numbers import count_per_line, lines_of, number, table
@@ -50,12 +50,14 @@ def read_trc(path: Path, progress: Callable[[float], object] = lambda share: Non
     unseen = ~(np.abs(points) < _FARTHEST).all(axis=-1) | ~points.any(axis=-1)
     points[unseen] = np.nan
     if markers not in (0, len(labels)):
-        repairs.append(f"{name}, line 3: the file says {markers} markers; {len(labels)} have names and were read.")
+        repairs.append(
+            f"{name}, line 3: the file says {counted(markers, 'marker')}; with a name, and read: {len(labels)}."
+        )
     if frames not in (0, len(points)):
-        repairs.append(f"{name}, line 3: the file says {frames} frames; found and read: {len(points)}.")
+        repairs.append(f"{name}, line 3: the file says {counted(frames, 'frame')}; found and read: {len(points)}.")
     first = cells[0, 0]
     trial = Trial(
-        name=name_in(path),
+        name=readable(path.stem),
         source=name,
         labels=labels,
         kinds=(MARKER_KIND,) * len(labels),
