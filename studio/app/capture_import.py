@@ -324,8 +324,9 @@ def _perform(document: Document, motion_id: str, text: str) -> None:
     shown = {key for key, each in performers.items() if each.visible} or set(performers)
     playing = {key: replace(each, clips=(clip,)) for key, each in performers.items() if key in shown}
     travel = travel_heading(capture, clip.first, clip.last)
-    if travel is not None and is_unarranged(playing):
-        playing = lined_up(playing, travel)
+    row = {**performers, **playing} if is_unarranged(performers) else playing
+    if travel is not None and is_unarranged(row):
+        playing = lined_up(row, travel)
     for key, performer in playing.items():
         document.replace("performers", key, performer, text)
 

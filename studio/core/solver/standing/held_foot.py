@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from studio.core.kernels.support.sole import HEEL_STANDS
+from studio.core.kernels.support.sole import HEEL_PAD, HEEL_STANDS
 from studio.core.normalized.differences import rotation_vectors
 from studio.core.normalized.transition import MOST_TRANSITION, halts_of, pace_left, place_left
 from studio.core.rotations import from_matrix, sign_continuous
@@ -31,21 +31,27 @@ FLAT_TOE = 1e-3
 
 class Pivot(NamedTuple):
     """Point that a foot stands on: ``in_foot`` (3,) metres from the ankle in the foot's axes, then ``in_toes``
-    (3,) in those of its toes.
+    (3,) in those of its toes, and ``ahead`` metres along the foot's level heading.
     """
 
     in_foot: FloatArray
     in_toes: FloatArray
+    ahead: float = 0.0
 
     def offsets(self, feet: FloatArray, toes: FloatArray) -> FloatArray:
         """Vectors (..., 3) from the ankle in the world, for rotations (..., 3, 3) of foot and toes."""
-        return np.asarray(feet @ self.in_foot + toes @ self.in_toes)
+        headings = feet[..., 0] * [1.0, 1.0, 0.0]
+        headings /= np.maximum(np.linalg.norm(headings, axis=-1, keepdims=True), 1e-9)
+        return np.asarray(feet @ self.in_foot + toes @ self.in_toes + self.ahead * headings)
 
 
 def heel_pivot(measures: FloatArray) -> Pivot:
-    """Pivot of a foot that stands on its heel alone: its lower edge; ``measures`` (1, 6) as in ``sole_arms``."""
+    """Pivot of a foot that stands on its heel alone: the middle of its pad, at the height of its lower edge.
+
+    ``measures`` (1, 6) as in ``sole_arms``.
+    """
     heel, *_ = sole_arms(measures)
-    return Pivot(heel[0], np.zeros(3))
+    return Pivot(heel[0], np.zeros(3), -HEEL_PAD * float(heel[0, 0]))
 
 
 def toe_pivot(measures: FloatArray, *toes: FloatArray) -> Pivot:
