@@ -7,8 +7,10 @@ STUDIO = .venv/bin/python main.py
 # The tests for `make check`, about a minute with lint and types beside them; `make test` runs every one.
 FAST = tests/architecture tests/document tests/panels tests/timeline
 
-# The tests of what computes and of files; the others, of window and command line, take about as long beside them.
-COMPUTING = tests/core tests/real tests/library tests/live tests/examples tests/io
+# The tests of what computes and of files; the others, of window and command line, and then the monkey, take about as
+# long beside them.
+COMPUTING = tests/core tests/real tests/library tests/live tests/examples tests/io tests/engine tests/document \
+	tests/benchmarks
 
 # Lines of jobs that run at once are shown as they come, each with the name of its job.
 shown = ($(1)) 2>&1 | awk '{ print "$@: " $$0; fflush() }'
