@@ -43,7 +43,7 @@ def run_stage(arguments: Namespace) -> int:
         raise StudioError(f"'{arguments.format}' is not a kind of file for {what}: choose {', '.join(known)}.")
     options = export_options(arguments)
     options.check(Path(f"motion{suffix}"))
-    project = told(open_project(arguments.stage), arguments)
+    project = with_solver_options(open_project(arguments.stage), arguments)
     paths = {key: arguments.out / name for key, name in file_names(project, suffix).items()}
     if arguments.one_file:
         paths = dict.fromkeys(paths, arguments.out / f"{arguments.stage.stem}{suffix}")
@@ -76,7 +76,7 @@ def run_stage(arguments: Namespace) -> int:
     return 1 if failed else 0
 
 
-def told(project: Project, arguments: Namespace) -> Project:
+def with_solver_options(project: Project, arguments: Namespace) -> Project:
     """``project`` with joint limits and temporal smoothing disabled where the command line says so."""
     performers = [
         (

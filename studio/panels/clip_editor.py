@@ -76,7 +76,7 @@ class ClipEditor(Editor[Clip]):
 
     def _placing(self) -> Section:
         section = Section("Where it plays")
-        self._joined = self._box("After previous clip", lambda on: self._set("Join", joined=on))
+        self._joined = self._box("After previous clip", lambda on: self._set("ClipAlignment", joined=on))
         section.add_row("Placement", self._joined)
         turn = NumberField("Turn", "°", -360.0, 360.0, 1.0, 1)
         self._turn = self._number(turn, "Turn", "", turn=math.radians(1.0))

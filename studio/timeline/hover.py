@@ -73,7 +73,7 @@ def strip_text(sheet: Sheet, constraint_id: str, performer_id: str, frame: int) 
     name = sheet.shown.project.performers[performer_id].name
     if strip is None:
         return (
-            f"{name}: {unsolved_words(sheet.shown.live)}" if sheet.shown.is_asked(constraint_id, performer_id) else ""
+            f"{name}: {unsolved_words(sheet.shown.live)}" if sheet.shown.applies_to(constraint_id, performer_id) else ""
         )
     if strip.state_at(frame) == StripState.INACTIVE:
         return ""

@@ -94,7 +94,7 @@ class Timeline(QWidget):
         """State of a body's strip at a frame of the motion."""
         shown = self._sheet().shown
         strip = shown.strip(constraint_id, performer_id)
-        unknown = StripState.UNKNOWN if shown.is_asked(constraint_id, performer_id) else StripState.INACTIVE
+        unknown = StripState.UNKNOWN if shown.applies_to(constraint_id, performer_id) else StripState.INACTIVE
         return strip.state_at(frame) if strip else unknown
 
     def fit(self) -> None:

@@ -15,7 +15,7 @@ from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import contact_quality, swing_depths
 from studio.core.solver.adapt import hold
 from studio.core.solver.standing.held_foot import FootPath, HeldFoot, heel_pivot
-from studio.core.solver.standing.inertialisation import Stance, led_from
+from studio.core.solver.standing.inertialisation import Stance, inertialised_from
 from studio.core.solver.standing.stepping import FootFlight, flights_of
 from tests.core.test_compose import BODY, EXAMPLES, PERMITTED, cut, example, local_accelerations, peaks, standing
 
@@ -116,7 +116,7 @@ def test_who_goes_on_the_other_way_round_turns_there_in_one_way() -> None:
         feet=around @ own.feet,
         toes=around @ own.toes,
     )
-    pelvis = led_from(stands, first, seen).rotations[first - 1 :, 0]
+    pelvis = inertialised_from(stands, first, seen).rotations[first - 1 :, 0]
     steps = Rotation.from_matrix(pelvis[1:] @ np.swapaxes(pelvis[:-1], 1, 2)).magnitude()
     assert steps.max() * stands.motion.frame_rate < 4.0 * np.pi
 

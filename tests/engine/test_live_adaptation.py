@@ -124,7 +124,7 @@ def test_volumes_of_bodies_are_measured_beside_the_window_as_a_project_opens(
         measured.append(threading.current_thread())
         return fitted_volume(*skin)
 
-    monkeypatch.setattr("studio.engine.wanted.fitted_volume", noted)
+    monkeypatch.setattr("studio.engine.body_request.fitted_volume", noted)
     scene = make_scene(characters=2)
     scene.document.new(make_project(characters=5, frames=FRAMES))
     assert scene.live.wait()

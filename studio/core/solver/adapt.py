@@ -76,7 +76,7 @@ def hold(
         return _answer(standing, first, positions, rotations, np.empty((0, len(positions))))
     activations = constraint_activations(constraints, standing)
     fraction, self_contact = np.asarray((activations > 0.0).any(axis=0), dtype=np.float64), standing.self_contact
-    self_contact = self_contact if self_contact and self_contact.rooms else None
+    self_contact = self_contact if self_contact and self_contact.clearances else None
     if self_contact:
         fraction = self_contact.beside(fraction)
     positions, rotations = positions.copy(), rotations.copy()
@@ -104,12 +104,12 @@ def _solved(
     seen = standing.around(touched, SMOOTHING_HORIZON if eased else 0.0)
     solved = window_of(seen)
     solved.solve()
-    if eased and solved.may_jolt and solved.eases(touched):
+    if eased and solved.may_exceed_peaks and solved.smooths(touched):
         while not are_among(wide := standing.around(solved.with_runs(touched), SMOOTHING_HORIZON), seen):
             seen = standing.around(wide, 0.5 * (wide.stop - wide.start) / standing.motion.frame_rate)
             solved = window_of(seen)
             solved.solve()
-        solved.ease(touched)
+        solved.smooth(touched)
     return solved
 
 

@@ -10,7 +10,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.stage.project import Project
 from studio.document import colours
 from studio.engine.live_interface import Live
-from studio.engine.residuals import Residual, missed_by, unsolved_words, worst_residual
+from studio.engine.residuals import Residual, residuals_on, unsolved_words, worst_residual
 from studio.panels.editor import Editor
 from studio.panels.fields import Section
 
@@ -52,7 +52,7 @@ def residuals_of(project: Project, live: Live, constraint_id: str) -> list[BodyR
             project.characters[performer.character_id].colour,
             worst_residual(project, key, live.reported(key), constraint_id),
             unsolved
-            if constraint.enabled and missed_by(project, key, live.reported(key), constraint_id) is None
+            if constraint.enabled and residuals_on(project, key, live.reported(key), constraint_id) is None
             else "",
         )
         for key, performer in project.performers.items()

@@ -56,16 +56,26 @@ def toe_pivot(measures: FloatArray, *toes: FloatArray) -> Pivot:
     return Pivot(joint[0], tip[0] if min(each[2, 0] for each in toes) < -FLAT_TOE else -thickness[0])
 
 
-def sole_arms(measures: FloatArray) -> tuple[FloatArray, ...]:
-    """Vectors (F or 1, 3) from the ankle to the heel and the toe joint, the sole's thickness, and from the joint to the
-    tip.
-
-    ``measures`` (F or 1, 6) as in ``morphology.sole_rows``.
+class SoleArms(NamedTuple):
+    """Vectors (F or 1, 3) from the ankle to the ``heel`` and the toe ``joint``, the sole's ``thickness``, and from the
+    joint to the ``tip``.
     """
-    forward, left, down, height, heel, length = measures.T
-    zero = np.zeros_like(height)
-    arms = (-heel, zero, -height), (forward, left, down), (zero, zero, height + down), (length, zero, -height - down)
-    return tuple(np.column_stack(each) for each in arms)
+
+    heel: FloatArray
+    joint: FloatArray
+    thickness: FloatArray
+    tip: FloatArray
+
+
+def sole_arms(measures: FloatArray) -> SoleArms:
+    """Vectors of a foot of ``measures`` (F or 1, 6) as in ``morphology.sole_rows``."""
+    arms = SoleArms(*np.zeros((4, len(measures), 3)))
+    down, height = measures[:, 2], measures[:, 3]
+    arms.heel[:, 0], arms.heel[:, 2] = -measures[:, 4], -height
+    arms.joint[:] = measures[:, :3]
+    arms.thickness[:, 2] = height + down
+    arms.tip[:, 0], arms.tip[:, 2] = measures[:, 5], -height - down
+    return arms
 
 
 @dataclass(frozen=True, eq=False)
