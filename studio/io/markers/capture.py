@@ -98,10 +98,11 @@ def _body(take: MarkerTake, followed: FollowedBody, options: ImportOptions, gues
         positions[:, solved.skeleton.descendants(toe)] = positions[:, [toe]]  # toes bend where nothing is measured
     floor, floor_guess = _floor(solved, positions, options, trial.frame_rate)
     if options.floor is None and (plate := plates_height(trial, turn, floor)) is not None:
-        floor, floor_guess = (
-            plate,
-            [Guess("floor", f"{plate:.4f} m", "The top of the force plates, as the file says.", Confidence.SURE)],
-        )
+        words, trust = "The top of the force plates, as the file says.", Confidence.SURE
+        if trial.metres_of_plates != trial.metres:
+            words += " Their corners are in another unit than the points: their sides would be no plate's in it."
+            trust = Confidence.LIKELY
+        floor, floor_guess = plate, [Guess("floor", f"{plate:.4f} m", words, trust)]
     guesses += floor_guess
     rate = options.frame_rate or trial.frame_rate
     return Capture(
