@@ -1,6 +1,7 @@
 """Props: new ones, of a shape or a mesh, and hands that hold them."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -241,8 +242,7 @@ def _hold(bench: Workbench, begin: float | None) -> None:
         grasp = grasp_at(document.project, bench.live.result, performer_id, begin) if begin is not None else None
         heading = None
         if begin is not None:
-            if giver is None:
-                prop, moved = _in_reach(bench, prop, holder, begin, grasp)
+            prop, moved = _in_reach(bench, prop, holder, begin, grasp, posed)
             pose = prop_at(document.project.with_entity("props", prop_id, prop), posed, prop_id, begin)
             heading, reaching = heading_of(pose), reaching_time(wrists_from(pose, holder))
         hold = between_hands(prop, performer_id, holder, heading=heading, lift=grasp.lift(prop) if grasp else None)
@@ -274,17 +274,22 @@ def _hold(bench: Workbench, begin: float | None) -> None:
         bench.say(moved, until=Lifetime.EDITED)
 
 
-def _in_reach(bench: Workbench, prop: Prop, holder: Posed, begin: float, grasp: Grasp | None) -> tuple[Prop, str]:
+def _in_reach(
+    bench: Workbench, prop: Prop, holder: Posed, begin: float, grasp: Grasp | None, posed: Mapping[str, Posed]
+) -> tuple[Prop, str]:
     """The prop where the motion holds a thing, or, where it lies beyond the arms' reach, ahead of the body; what the
-    user is told of that, empty where nothing was moved.
+    user is told of that, empty where nothing was moved and hands reach it.
     """
     document, lies = bench.document, isinstance(prop.position, tuple) and not prop.holds
     if lies and grasp is not None:
         return _grasped(prop, grasp), ""
-    pose = prop_at(document.project, {}, selected_prop(bench) or "", begin)
+    pose = prop_at(document.project, posed, selected_prop(bench) or "", begin)
     beyond = float(np.linalg.norm(pose.place[:2] - holder.points[0, :2])) - max(prop.size[:2]) / 2
-    if prop.holds or beyond <= PROP_REACH * holder.motion.body.leg_length:
+    if beyond <= PROP_REACH * holder.motion.body.leg_length:
         return prop, ""
+    if prop.holds:
+        whom = holder.performer.name
+        return prop, f"{prop.name} is {beyond:.1f} m away: the hands of {whom} do not reach it. Bring {whom} closer."
     nearer = _ahead(document, prop, holder)
     if isinstance(prop.position, KeyedPlace) and isinstance(nearer.position, tuple):
         nearer = replace(prop, position=prop.position.with_key(begin, nearer.position))
