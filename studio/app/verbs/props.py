@@ -195,13 +195,13 @@ def put_down(bench: Workbench) -> None:
     """Let the holder of the selected prop put it down at the playhead; hands leave it."""
     document, prop_id = bench.document, selected_prop(bench)
     prop, now = document.project.props[prop_id or ""], document.playhead.time
-    begun = [each for each in prop.holds if each.begin is None or each.begin < now]
-    if prop_id is None or not begun:
+    held = [each for each in prop.holds if each.holds_at(now) and each.begin != now and each.end != now]
+    if prop_id is None or not held:
         raise StudioError("Nobody holds the prop here. Select one that is held, and go to a later moment.")
     text = f"Put down {prop.name}"
     with document.group(text):
-        document.replace("props", prop_id, prop.with_holds([*begun[:-1], replace(begun[-1], end=now)]), text)
-        _leave(document, prop_id, begun[-1].performer_id, now, text)
+        document.replace("props", prop_id, prop.with_hold(held[-1], replace(held[-1], end=now)), text)
+        _leave(document, prop_id, held[-1].performer_id, now, text)
 
 
 def _leave(document: Document, prop_id: str, performer_id: str, now: float, text: str) -> None:
