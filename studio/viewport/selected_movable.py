@@ -23,7 +23,7 @@ AnyGizmo = Gizmo | RotateGizmo | ScaleGizmo
 
 
 def selected_movable(document: Document, posed: Mapping[str, Posed], *, picking: bool = False) -> Movable | None:
-    """What the gizmo moves: the current selection, if it can be moved, with all of its kind that are selected.
+    """The thing that the gizmo moves: the current selection, if it can be moved, with the others of its kind.
 
     A body is not while a joint of it is picked, beside which its handle would lie.
     """
