@@ -213,3 +213,12 @@ def test_line_up_puts_bodies_of_a_mirrored_walk_across_the_way_that_is_seen(wind
     path = next(iter(root_paths(document.project, window.bench.live.result).values()))
     assert (path[-1] - path[0])[1] < -1.0
     assert (path[-1] - path[0]) @ (second - first) == pytest.approx(0.0, abs=0.1)
+
+
+def test_what_is_said_of_a_stored_view_goes_with_the_next_edit(window):
+    import_views()
+    show_views(window)
+    QTest.keyClick(window.bench.viewport, Qt.Key.Key_F5, Qt.KeyboardModifier.ShiftModifier)
+    assert window.strip.text.startswith("The view is stored")
+    window.bench.document.add("props", Prop("Box", position=(0.6, 0.0, 0.2)), "Add box")
+    assert window.strip.text == ""

@@ -147,7 +147,7 @@ def add_mesh(bench: Workbench, path: Path) -> None:
 
     def done(file: MeshFile) -> None:
         _add(bench, Prop(path.stem, extent(file.mesh), shape=PropShape.MESH, mesh=file.mesh))
-        bench.say(f"{path.name}: {file.guesses}.")
+        bench.say(f"{path.name}: {file.guesses}.", until=Lifetime.EDITED)
 
     bench.runner.run(f"Reading {path.name}", lambda progress: read_mesh(path), done)
 
