@@ -125,7 +125,7 @@ FILE = (
     ),
     Action("import", "File", "Import motion…", files.import_motion, ("Ctrl+I",), "Read a capture, or drop it here"),
     Action("add_sound", "File", "Add sound…", sounds.ask_sound,
-           tooltip="A sound or a film: its waveform and beats on the timeline, which keys and contacts snap to"),
+           tooltip="A sound or a film: heard in step, with its waveform and beats on the timeline"),
     Action("import_character", "File", "Import character…", files.import_character, ("Ctrl+Shift+I",),
            "Read a character, or drop it on the window"),
     Action("relink", "File", "Relink source…", relink_shown,
@@ -288,6 +288,9 @@ PLAY = (
     Action("shuttle_on", "Play", "Play forwards", playback.shuttle_on, ("L",), "Press again to double the speed"),
     Action("loop", "Play", "Loop", playback.toggle_loop, ("Ctrl+L",), "Start over at the end of the range",
            checked=lambda bench: bench.document.playhead.loop),
+    Action("mute", "Play", "Mute sounds", sounds.toggle_muted, tooltip="Sounds stay on the timeline and are not heard",
+           enabled=lambda bench: bool(bench.document.project.sounds),
+           checked=lambda bench: bench.window.sound_playback.muted),
 )  # fmt: skip
 
 LIVE_ACTIONS = (

@@ -7,10 +7,12 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
 from studio.app.workbench import Workbench
+from studio.io.media.sound_file import SOUND_SUFFIXES
 from studio.io.registry import known_formats
 
 PROJECTS = "Morpho Studio projects (*.studio)"
 CONSTRAINTS_FILTER = "Constraints (*.json)"
+SOUNDS_FILTER = f"Sounds and films ({' '.join(f'*{suffix}' for suffix in SOUND_SUFFIXES)})"
 EVERYTHING = "All files (*)"
 
 

@@ -27,6 +27,7 @@ from studio.app.plug_in_panels import add_panel_actions
 from studio.app.pose_library import PoseLibrary
 from studio.app.preferences import FITTED, Preferences, save_preferences
 from studio.app.problem_tour import ProblemTour
+from studio.app.sound_playback import SoundPlayback
 from studio.app.strike_search import Striking
 from studio.app.top_bar import TopBar
 from studio.app.verbs import editing, files
@@ -325,6 +326,7 @@ class MainWindow(QMainWindow):
         ):
             signal.connect(lambda *_, event=event: self.strip.outlive(event))
         self.live_playing = LivePlaying(bench, self)
+        self.sound_playback: SoundPlayback = SoundPlayback(bench, self)
         bench.live.play.state_changed.connect(self.behaviour.show_running)
         document.saved_state_changed.connect(self._saved_state_changed)
         document.project_opened.connect(self._show_title)
@@ -451,6 +453,7 @@ class MainWindow(QMainWindow):
         self._autosave.stop()
         self.live_control.close()
         self.problem_search.close()
+        self.sound_playback.close()
         self.console.close_session()
         self.hide()  # workers may take a moment to end
         self.bench.close()

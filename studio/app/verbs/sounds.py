@@ -2,16 +2,15 @@
 
 from pathlib import Path
 
-from studio.app.file_dialogs import ask_file
+from studio.app.file_dialogs import SOUNDS_FILTER, ask_file
 from studio.app.workbench import Workbench
 from studio.core.stage.sound_track import SoundTrack
-from studio.io.media.sound_file import SOUND_SUFFIXES, read_sound
+from studio.io.media.sound_file import read_sound
 
 
 def ask_sound(bench: Workbench) -> None:
     """Ask for a sound, or a film whose sound is meant."""
-    kinds = f"Sounds and films ({' '.join(f'*{suffix}' for suffix in SOUND_SUFFIXES)})"
-    ask_file(bench, "Add sound", kinds, lambda path: add_sound(bench, path))
+    ask_file(bench, "Add sound", SOUNDS_FILTER, lambda path: add_sound(bench, path))
 
 
 def add_sound(bench: Workbench, path: Path) -> None:
@@ -23,3 +22,9 @@ def add_sound(bench: Workbench, path: Path) -> None:
         bench.say(f"{path.name}: {len(sound.beats)} beats found. Keys and contacts snap to them.")
 
     bench.runner.run(f"Reading {path.name}", lambda progress: read_sound(path, lambda: progress(0.0, path.name)), done)
+
+
+def toggle_muted(bench: Workbench) -> None:
+    """Let sounds be heard or not."""
+    playback = bench.window.sound_playback
+    playback.set_muted(not playback.muted)
