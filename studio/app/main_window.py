@@ -19,6 +19,7 @@ from PySide6.QtWidgets import QDockWidget, QGridLayout, QMainWindow, QRubberBand
 
 from studio.app import capture_import, casting
 from studio.app.action_set import ActionSet
+from studio.app.footage_playback import FootagePlayback
 from studio.app.guided_tour import GuidedTour
 from studio.app.live_control import LiveControl
 from studio.app.marker_dialog import open_markers
@@ -262,6 +263,7 @@ class MainWindow(QMainWindow):
         self.striking = Striking(self.bench)
         self.live_control = LiveControl(self.bench)
         self.pose_library = PoseLibrary(self.bench)
+        self.footage_playback = FootagePlayback(self.bench, self)
         ready_made = [(key, text, tip) for key, (text, tip, _) in READY_MADE.items()]
         self.behaviour = BehaviourPanel(self.bench.document, ready_made)
         self.behaviour.wanted.connect(lambda key: self.actions_by_id.by_id[key].trigger())
@@ -279,6 +281,7 @@ class MainWindow(QMainWindow):
             ("Live", self.live_control.panel, Area.RightDockWidgetArea),
             ("Poses", self.pose_library.panel, Area.RightDockWidgetArea),
             ("Inspector", self.inspector, Area.RightDockWidgetArea),
+            ("Footage", self.footage_playback.view, Area.RightDockWidgetArea),
             ("Timeline", QWidget(), Area.BottomDockWidgetArea),
             ("Behaviour", self.behaviour, Area.BottomDockWidgetArea),
             ("Pose map", self.striking.mapping.view, Area.BottomDockWidgetArea),
@@ -288,7 +291,8 @@ class MainWindow(QMainWindow):
             dock = QDockWidget(name, self)
             dock.setObjectName(name)
             dock.setWidget(widget)
-            dock.setHidden(any(name in others for others in TABBED_PANELS.values()))  # until it is asked for
+            # Until it is asked for.
+            dock.setHidden(name == "Footage" or any(name in others for others in TABBED_PANELS.values()))
             self.addDockWidget(area, dock)
             self.docks[name] = dock
             self._add_dock_action(dock)
@@ -454,6 +458,7 @@ class MainWindow(QMainWindow):
         self.live_control.close()
         self.problem_search.close()
         self.sound_playback.close()
+        self.footage_playback.close()
         self.console.close_session()
         self.hide()  # workers may take a moment to end
         self.bench.close()

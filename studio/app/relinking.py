@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from studio.app.file_dialogs import SOUNDS_FILTER, ask_file, motions
+from studio.app.file_dialogs import MEDIA_FILTERS, ask_file, motions
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.io.registry import Progress
@@ -109,7 +109,7 @@ def ask_media(bench: Workbench, collection: str, source: str) -> None:
             for key, each in linked.items():
                 bench.document.replace(collection, key, each, f"Relink {each.name}")
 
-    ask_file(bench, f"File {Path(source).name}", SOUNDS_FILTER, chosen)
+    ask_file(bench, f"File {Path(source).name}", MEDIA_FILTERS[collection], chosen)
 
 
 def _words(bench: Workbench, capture_id: str, source: SourceFile) -> str:

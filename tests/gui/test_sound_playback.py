@@ -8,7 +8,7 @@ import pytest
 
 from studio.app import relinking
 from studio.app.sound_playback import SCRUB_SECONDS
-from studio.app.verbs.sounds import add_sound
+from studio.app.verbs.media import add_sound
 from studio.core.stage.playback_run import PlaybackRun
 from studio.io.media import sound_output
 from studio.io.media.sound_file import read_samples

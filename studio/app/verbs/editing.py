@@ -22,7 +22,7 @@ from studio.document.key_edits import delete_keys, set_keys
 
 EDITED_PARTS = ("clips", "states", "transitions")
 SMALL_THINGS = (
-    *("constraints", "contacts", "labels", "props", "behaviours", "corrections", "cameras", "sounds"),
+    *("constraints", "contacts", "labels", "props", "behaviours", "corrections", "cameras", "sounds", "footage"),
     *EDITED_PARTS,
 )
 

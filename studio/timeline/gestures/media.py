@@ -1,4 +1,4 @@
-"""Drags of a sound track in time."""
+"""Drags of sound tracks and footage in time."""
 
 from dataclasses import replace
 
@@ -9,12 +9,11 @@ from studio.timeline.shown import RowContext
 from studio.timeline.time_words import moment
 
 
-class MoveSound(EditGesture):
-    """Drag the bar of a sound to let it begin at another time."""
+class MoveMedia(EditGesture):
+    """Drag the bar of a sound or of footage to let it begin at another time."""
 
-    collection = "sounds"
-
-    def __init__(self, shown: RowContext, entity_id: str, press: QPointF) -> None:
+    def __init__(self, shown: RowContext, collection: str, entity_id: str, press: QPointF) -> None:
+        self.collection = collection
         super().__init__(shown, entity_id, press)
         self.text = f"Move {self.original.name}"
 
