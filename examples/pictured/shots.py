@@ -16,10 +16,11 @@ from pictured.session import KICK_TIME, Session, example, kick_target, left_wris
 from studio.app.marker_dialog import open_markers
 from studio.app.verbs.media import add_footage, add_sound
 from studio.core.body.morphology import Proportions
-from studio.core.curves.keyed import KeyedPlace
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace
 from studio.core.stage.prop import Prop
 from studio.document import colours
 from studio.document.channels import Side, with_handle
+from studio.document.clip_edits import set_speed
 from studio.document.key_edits import replace_fields
 from studio.document.keyed_fields import KeyedField, KeyRef
 from studio.io.export import write_capture
@@ -190,6 +191,23 @@ def curve_editor() -> QImage:
     bent = with_handle(channel, keyed, 1, Side.LEAVING, 0.08, 0.12)
     replace_fields(session.document, {KICK_KEYS: bent}, "Move tangent")
     session.document.keys.set([KeyRef(KICK_KEYS, 1)])
+    session.settle()
+    session.rest(0.3)
+    return _taken(session, [session.window.docks["Timeline"]])
+
+
+def clip_speed() -> QImage:
+    """The middle of a walk slowed to a third by keys of its speed."""
+    session = Session("walk_turn", (1180, 700))
+    performers = session.document.project.performers
+    performer_id = next(iter(performers))
+    clip = performers[performer_id].clips[0]
+    times = tuple(frame / session.document.project.frame_rate_of(clip) for frame in (90, 105, 150, 165))
+    set_speed(session.document, clip.id, KeyedNumber(times, (1.0, 1 / 3, 1 / 3, 1.0)), "Key speed")
+    session.document.selection.set(("performers", performer_id), ("clips", clip.id))
+    session.document.keys.set([KeyRef(KeyedField("clips", clip.id, "speed"), 2)])
+    session.bench.timeline.edit_curves(True)
+    session.bench.timeline.fit()
     session.settle()
     session.rest(0.3)
     return _taken(session, [session.window.docks["Timeline"]])

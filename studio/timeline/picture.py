@@ -170,6 +170,7 @@ def _paint_content(painter: QPainter, area: QRect, shown: RowContext, row: Timel
             labels.paint_labels(painter, area, shown)
         case "clip":
             clip.paint_clips(painter, area, shown, row.id)
+            keys.paint_keys(painter, shown, row, area, colours.TEXT)
         case "layer":
             layer.paint_layers(painter, area, shown, row.id)
         case "corrections":

@@ -67,6 +67,8 @@ def items_of(hit: Hit) -> tuple[tuple[str, str], ...]:
     """Items that a click selects: a clip with the performer of its row."""
     if hit.kind == "clips":
         return ("performers", hit.performer_id), ("clips", hit.id)
+    if hit.kind == "clip" and hit.part == ItemPart.KEY:
+        return ("performers", hit.id), hit.keys[0].field.item
     if hit.part == ItemPart.KEY and hit.kind not in ("growth", "props", "constraints", "corrections"):
         return ()
     if hit.kind == "growth":
