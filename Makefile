@@ -25,11 +25,11 @@ check: .venv/.ready-to-test
 	@$(MAKE) --no-print-directory --jobs 2 lint fast
 
 test: .venv/.ready-to-test
-	@$(MAKE) --no-print-directory kernels
-	@$(MAKE) --no-print-directory --jobs 2 lint computing others monkey
+	@$(MAKE) --no-print-directory --jobs 2 kernels lint
+	@$(MAKE) --no-print-directory --jobs 2 computing others monkey
 
 kernels: .venv/.ready-to-test
-	@.venv/bin/python -m tests.compile_kernels
+	@$(call shown,.venv/bin/python -m tests.compile_kernels)
 
 computing: .venv/.ready-to-test
 	@$(call shown,.venv/bin/python -u -m pytest $(PYTEST) $(COMPUTING))

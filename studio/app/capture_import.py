@@ -219,7 +219,7 @@ def tell_repairs(bench: Workbench, capture_id: str) -> None:
     """Tell the repairs, with a link to the import report; without repairs, clear the message before."""
     capture = bench.document.project.captures[capture_id]
     if capture.markers is not None and capture.body_map is None:
-        ask = ("Markers…", lambda: bench.window.inspector.markers_wanted.emit(capture_id))
+        ask = ("Markers…", lambda: bench.window.inspector.markers_requested.emit(capture_id))
         held = next(guess.reason for guess in capture.guesses if guess.subject == "marker map").partition(".")[0]
         bench.say(f"No body was found in {capture.source}. {held}: label its markers.", ask)
         return
@@ -324,8 +324,9 @@ def _perform(document: Document, motion_id: str, text: str) -> None:
     shown = {key for key, each in performers.items() if each.visible} or set(performers)
     playing = {key: replace(each, clips=(clip,)) for key, each in performers.items() if key in shown}
     travel = travel_heading(capture, clip.first, clip.last)
-    if travel is not None and is_unarranged(playing):
-        playing = lined_up(playing, travel)
+    row = {**performers, **playing} if is_unarranged(performers) else playing
+    if travel is not None and is_unarranged(row):
+        playing = lined_up(row, travel)
     for key, performer in playing.items():
         document.replace("performers", key, performer, text)
 

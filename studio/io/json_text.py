@@ -13,6 +13,8 @@ from studio.io.beside import LARGEST_REFERENCED_FILE, read_bytes
 from studio.io.replacing import write_whole
 
 Parse = Callable[[str], Any]
+JsonObject = dict[str, Any]
+"""A record of JSON, by field."""
 
 DEEPEST_RECORD = 100
 """Records within each other."""

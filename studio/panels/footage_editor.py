@@ -2,14 +2,14 @@
 
 from PySide6.QtWidgets import QLineEdit
 
-from studio.core.stage.footage import FOOTAGE_RATES
+from studio.core.stage.footage import FOOTAGE_RATES, Footage
 from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section, labelled
 
 
-class FootageEditor(Editor):
+class FootageEditor(Editor[Footage]):
     """Name, begin, rate, and what the file has."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:

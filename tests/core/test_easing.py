@@ -110,12 +110,12 @@ def test_frames_jolt_as_much_when_they_are_solved_as_when_they_are_eased() -> No
     activations = constraint_activations(wishes.constraints, STANDING[4])
     window = SolvedWindow(STANDING[4], wishes.constraints, activations, wishes.tracks, BOUND, slice(0, 90))
     window.solve()
-    assert window.may_jolt
+    assert window.may_exceed_peaks
     solve, layout = window.whole, BEFORE[4].morphology.layout
     turns = LimbCoordinates(layout, STANDING[4].rotations, limits_of(BODIES[4])).turns_of(
         window.answer(slice(0, 90))[1]
     )
-    measured = solve.jolts_of(solve.states, turns)
+    measured = solve.peaks_of(solve.states, turns)
     looked = solve.sharp[:, 2] > 0.0  # others turn so little that nobody looked
     assert 3 < looked.sum() < 88
     assert solve.sharp[:, :2] == pytest.approx(measured[:, :2])

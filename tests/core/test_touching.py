@@ -22,7 +22,7 @@ from studio.core.normalized.touching import find_touches, hands_together_or_hold
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import adapt
 from studio.core.solver.asking.chains import point_masses
-from studio.core.solver.asking.clearance import rooms
+from studio.core.solver.asking.clearance import clearances
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.importing import load_capture
 from studio.io.project.character_file import bundled_characters
@@ -102,7 +102,7 @@ def test_a_thing_between_the_hands_keeps_its_size(body: str) -> None:
 
 @pytest.mark.parametrize("body", BODIES)
 def test_a_hand_on_the_body_lies_on_its_surface(body: str) -> None:
-    palm = rooms(adapted(body, Touch.LEFT_HAND_ON_TRUNK))[20:61, 0, 3]
+    palm = clearances(adapted(body, Touch.LEFT_HAND_ON_TRUNK))[20:61, 0, 3]
     assert np.median(np.abs(palm)) < 0.02
 
 

@@ -99,7 +99,7 @@ def test_add_box_puts_it_where_the_capture_holds_a_thing_and_pick_up_takes_it_th
 
 def test_a_box_beyond_reach_is_moved_ahead_of_who_picks_it_up_and_a_message_says_so(played):
     document, said = played.bench.document, []
-    played.bench.said.connect(lambda message: said.append(message.sentence))
+    played.bench.message_posted.connect(lambda message: said.append(message.sentence))
     prop_id = document.add("props", Prop("Box", position=(4.0, 0.0, 0.2)), "Add box")
     steps = document.undo_stack.count()
     pick_up(played, FIRST, prop_id, PICKED)

@@ -48,7 +48,7 @@ def test_it_loads_with_sensible_values(path: Path) -> None:
     assert 20 <= capture.frame_rate <= 120
     assert -0.3 < capture.floor < 0.1
     assert {"unit", "up axis", "body map", "floor", "reference pose"} <= {guess.subject for guess in capture.guesses}
-    assert all(guess.reason.endswith(".") for guess in capture.guesses)
+    assert all(guess.reason.endswith(".") and guess.confidence for guess in capture.guesses)
     assert (capture.body_map is None) == (path.stem == NO_HUMAN)
 
 

@@ -19,6 +19,7 @@ from studio.document.clip_edits import name_of, remove_clips
 from studio.document.clipboard import copied, paste
 from studio.document.correction_edits import set_key as set_correction_key
 from studio.document.key_edits import delete_keys, set_keys
+from studio.engine.performance import root_paths
 
 EDITED_PARTS = ("clips", "states", "transitions")
 SMALL_THINGS = (
@@ -143,8 +144,9 @@ def line_up(bench: Workbench) -> None:
     clip = document.active_clip or next(iter(performers.values())).clips[0]
     capture = project.captures[project.motions[clip.motion_id].capture_id]
     travel = travel_heading(capture, clip.first, clip.last)
+    paths = root_paths(project, bench.live.result)
     with document.group("Line up characters"):
-        for key, performer in lined_up(performers, travel or 0.0).items():
+        for key, performer in lined_up(performers, travel or 0.0, paths).items():
             document.replace("performers", key, performer, "Line up")
 
 

@@ -35,6 +35,8 @@ from studio.panels.message_strip import Lifetime
 
 NEW_PROP_DISTANCE = 0.6
 """Metres from a body's root to a new prop."""
+PROP_GAP = 0.1
+"""Metres between a new prop and the one beside it."""
 PROP_REACH = 0.75
 """Leg lengths over the ground from a body's root to a prop that it still reaches."""
 HAND_THICKNESS = 0.02
@@ -80,10 +82,11 @@ def _add(bench: Workbench, prop: Prop) -> None:
         if prop.shape in CARRIED
         else None
     )
-    if grasp is None:
-        prop = _ahead(document, prop, bench.viewport.posed.get(performer_id))
+    grasped = _grasped(_as_broad(prop, grasp.holder), grasp) if grasp is not None else None
+    if grasped is None or _is_taken(document, grasped):
+        grasp, prop = None, _ahead(document, prop, bench.viewport.posed.get(performer_id))
     else:
-        prop = _grasped(_as_broad(prop, grasp.holder), grasp)
+        prop = grasped
     name = free_name(prop.name, {each.name for each in document.project.props.values()})
     document.selection.set(("props", document.add("props", replace(prop, name=name), f"Add {name}")))
     if grasp is not None:
@@ -93,15 +96,27 @@ def _add(bench: Workbench, prop: Prop) -> None:
 
 
 def _ahead(document: Document, prop: Prop, pose: Posed | None) -> Prop:
-    """The prop on the ground ahead of a body, or in the middle of the stage."""
+    """The prop on the ground ahead of a body, or in the middle of the stage; to the right of others that lie there."""
     x, y, heading = 0.0, 0.0, 0.0
     if pose is not None:
         ahead = pose.placement.rotation @ pose.motion.rotations[pose.row, 0, :, 0]
         heading = math.atan2(ahead[1], ahead[0])
         away = NEW_PROP_DISTANCE + max(prop.size[0] / 2 - 0.2, 0.0)
         x, y = (pose.points[0, :2] + away * np.array([math.cos(heading), math.sin(heading)])).tolist()
-    floor = float(document.project.ground.height_at((x, y, 0.0)))
-    return replace(prop, position=(x, y, floor + prop.size[2] / 2), heading=heading)
+    while True:
+        floor = float(document.project.ground.height_at((x, y, 0.0)))
+        lying = replace(prop, position=(x, y, floor + prop.size[2] / 2), heading=heading)
+        if not _is_taken(document, lying):
+            return lying
+        x += (prop.size[1] + PROP_GAP) * math.sin(heading)
+        y -= (prop.size[1] + PROP_GAP) * math.cos(heading)
+
+
+def _is_taken(document: Document, prop: Prop) -> bool:
+    """True if another prop that is not moved lies where a new one would."""
+    others = [each.position for each in document.project.props.values() if isinstance(each.position, tuple)]
+    near = min(prop.size[:2]) / 2
+    return any(float(np.linalg.norm(np.array(each) - np.array(prop.position))) < near for each in others)
 
 
 def _grasped(prop: Prop, grasp: Grasp) -> Prop:

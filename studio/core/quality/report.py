@@ -270,6 +270,6 @@ def _posed_without(standing: Standing) -> dict[int, Standing]:
         absent[BLOCKED_BY_CONTACTS] = replace(standing, arms=None)
     if contact is not None and contact.touches:
         absent[BLOCKED_BY_TOUCHES] = replace(standing, self_contact=contact.without_touches)
-    if contact is not None and contact.rooms is not None:
-        absent[BLOCKED_BY_CLEARANCE] = replace(standing, self_contact=replace(contact, rooms=None))
+    if contact is not None and contact.clearances is not None:
+        absent[BLOCKED_BY_CLEARANCE] = replace(standing, self_contact=replace(contact, clearances=None))
     return absent

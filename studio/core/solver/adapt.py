@@ -76,7 +76,7 @@ def hold(
         return _answer(standing, first, positions, rotations, np.empty((0, len(positions))))
     activations = constraint_activations(constraints, standing)
     fraction, self_contact = np.asarray((activations > 0.0).any(axis=0), dtype=np.float64), standing.self_contact
-    self_contact = self_contact if self_contact and self_contact.rooms else None
+    self_contact = self_contact if self_contact and self_contact.clearances else None
     if self_contact:
         fraction = self_contact.beside(fraction)
     positions, rotations = positions.copy(), rotations.copy()
@@ -104,12 +104,12 @@ def _solved(
     seen = standing.around(touched, SMOOTHING_HORIZON if eased else 0.0)
     solved = window_of(seen)
     solved.solve()
-    if eased and solved.may_jolt and solved.eases(touched):
+    if eased and solved.may_exceed_peaks and solved.smooths(touched):
         while not are_among(wide := standing.around(solved.with_runs(touched), SMOOTHING_HORIZON), seen):
             seen = standing.around(wide, 0.5 * (wide.stop - wide.start) / standing.motion.frame_rate)
             solved = window_of(seen)
             solved.solve()
-        solved.ease(touched)
+        solved.smooth(touched)
     return solved
 
 
@@ -121,10 +121,19 @@ def are_among(frames: slice, others: slice) -> bool:
 def _answer(
     standing: Standing, first: int, positions: PoseArray, rotations: PoseArray, residuals: FloatArray
 ) -> AdaptedMotion:
-    body, rate = standing.morphology, standing.motion.frame_rate
-    animated = body if isinstance(body, AnimatedMorphology) else None
-    known = animated, standing.volume, standing.unasked, standing.contacts
-    return AdaptedMotion(body.still, rate, first, positions, rotations, residuals, *known)
+    body = standing.morphology
+    return AdaptedMotion(
+        morphology=body.still,
+        frame_rate=standing.motion.frame_rate,
+        first_frame=first,
+        positions=positions,
+        rotations=rotations,
+        residuals=residuals,
+        animated=body if isinstance(body, AnimatedMorphology) else None,
+        volume=standing.volume,
+        unasked=standing.unasked,
+        contacts=standing.contacts,
+    )
 
 
 def place_of(point: BodyPoint, adapted: AdaptedMotion) -> FloatArray:

@@ -4,12 +4,14 @@ from dataclasses import replace
 
 from PySide6.QtCore import QPointF
 
+from studio.core.stage.footage import Footage
+from studio.core.stage.sound_track import SoundTrack
 from studio.timeline.gestures.gesture import DragHint, EditGesture
 from studio.timeline.shown import RowContext
 from studio.timeline.time_words import moment
 
 
-class MoveMedia(EditGesture):
+class MoveMedia(EditGesture[SoundTrack | Footage]):
     """Drag the bar of a sound or of footage to let it begin at another time."""
 
     def __init__(self, shown: RowContext, collection: str, entity_id: str, press: QPointF) -> None:
