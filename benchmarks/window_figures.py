@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PySide6.QtCore import QPointF, QTimer
+from PySide6.QtCore import QPointF, QRect, QTimer
 from PySide6.QtGui import QColor, QPainter, QPen, QPixmap
 from PySide6.QtWidgets import QStyle, QStyleOptionSlider, QWidget
 
@@ -21,14 +21,24 @@ from benchmarks.machine import machine
 from benchmarks.report import number, table
 from benchmarks.window_hand import Hand, Move
 from benchmarks.window_parts import Parts
-from benchmarks.window_scene import DRAGGED, long_clip, open_clip, open_window
+from benchmarks.window_scene import DRAGGED, HELD, long_clip, open_clip, open_window
 from studio.app.main_window import MainWindow
+from studio.core.body.canonical import BodyPart
+from studio.core.constraints.base import BodyPoint
+from studio.core.constraints.orientation import OrientationConstraint
+from studio.core.constraints.own_place import OwnPlace
 from studio.core.solver.adapt import adapt
 from studio.core.solver.performers.performing import perform
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.project import GROUND_ID, Project
+from studio.document.channels import Channel, Side
+from studio.document.key_edits import replace_fields
+from studio.document.keyed_fields import Keyed, KeyedField, KeyRef
 from studio.engine.live_adaptation import normalised
 from studio.library.scenes.fight import fight_training
+from studio.timeline.shown import RowContext
+from studio.timeline.tracks.value_curves import HandleRef, ValueCurves, plot_area
+from studio.viewport.rotate_gizmo import RotateGizmo
 
 WORDS = """# The window under a hand
 
@@ -39,6 +49,8 @@ and without the time in which the window's thread was ready and had no processor
 is how far the body under the mouse is from what is solved without a window.
 
 """
+TASKS = "## Ten tasks, counted"
+"""Head of what is written by hand at the end of the document."""
 BODIES, CROWD = 5, 8
 REST = 1500
 """Milliseconds after a drag in which the window comes to rest."""
@@ -245,6 +257,54 @@ def _ground(window: MainWindow) -> tuple[QWidget, QPointF, QPointF]:
     return line, QPointF(line.rect().center()), QPointF(25.0, 0.0)
 
 
+def _key(window: MainWindow) -> tuple[QWidget, QPointF, QPointF]:
+    channel, keyed, curves, shown, area = _edited_curve(window)
+    return window.bench.timeline.tracks, curves.point(shown, area, channel, keyed, 1), QPointF(12.0, 20.0)
+
+
+def _tangent(window: MainWindow) -> tuple[QWidget, QPointF, QPointF]:
+    channel, keyed, curves, shown, area = _edited_curve(window)
+    handle = curves.handle_point(shown, area, HandleRef(channel, 1, Side.LEAVING), keyed)
+    assert handle is not None
+    return window.bench.timeline.tracks, handle, QPointF(8.0, 20.0)
+
+
+def _edited_curve(window: MainWindow) -> tuple[Channel, Keyed, ValueCurves, RowContext, QRect]:
+    """The height of the target that is dragged, with three keys of which the middle one is selected and seen."""
+    document, timeline = window.bench.document, window.bench.timeline
+    field = KeyedField("constraints", DRAGGED, "target")
+    target = document.project.constraints[DRAGGED].target
+    if isinstance(target, OwnPlace):
+        middle = target.time
+        keyed = target.keyed(middle).with_key(middle - HELD, (0.0, 0.0, 0.0)).with_key(middle + HELD, (0.0, 0.0, 0.05))
+        replace_fields(document, {field: keyed}, "Key target")
+    _select(window, field.item)
+    timeline.edit_curves(True)
+    document.keys.set([KeyRef(field, 1)])
+    run_window(500)
+    tracks = timeline.tracks
+    curves, shown, area = tracks.picture.curves, tracks.shown, plot_area(tracks.sheet.plot)
+    channel, value = next(each for each in curves.channels(shown) if each[0].name == "z")
+    return channel, value, curves, shown, area
+
+
+def _ring(window: MainWindow) -> tuple[QWidget, QPointF, QPointF]:
+    document, viewport = window.bench.document, window.bench.viewport
+    constraint = document.project.constraints[DRAGGED]
+    point = BodyPoint(BodyPart.LEFT_UPPER_ARM, at_end=True)
+    turned = OrientationConstraint(
+        constraint.motion_id, "left arm", point, constraint.chain, len(document.project.constraints),
+        constraint.activation,
+    )  # fmt: skip
+    key = document.add("constraints", turned, "Add orientation")
+    _select(window, ("constraints", key))
+    viewport.set_tool("rotate")
+    run_window(500)
+    gizmo = viewport.gizmo()
+    assert isinstance(gizmo, RotateGizmo)
+    return viewport, QPointF(*gizmo.ring("z")[42].tolist()), QPointF(30.0, 20.0)
+
+
 def _select(window: MainWindow, *items: tuple[str, str]) -> None:
     document = window.bench.document
     document.selection.set(("performers", next(iter(document.project.performers))), *items)
@@ -257,6 +317,7 @@ def _fields(window: MainWindow, name: str) -> list[Any]:
 
 DRAGS: dict[str, Callable[[MainWindow], tuple[QWidget, QPointF, QPointF]]] = {
     "target": _target, "slider of a measure": _slider, "curve's handle": _curve, "ground's height": _ground,
+    "key of a target": _key, "tangent": _tangent, "ring": _ring,
 }  # fmt: skip
 """A drag: on which widget, from where, how far."""
 
@@ -358,7 +419,9 @@ def main(arguments: Sequence[str]) -> int:
     text = "\n".join([words, *told])
     print(text)
     if options.only is None:
-        (ROOT / "docs" / "window.md").write_text(text, encoding="utf-8")
+        document = ROOT / "docs" / "window.md"
+        _, tasks, counted = document.read_text(encoding="utf-8").partition(TASKS)
+        document.write_text(f"{text}\n{tasks}{counted}", encoding="utf-8")
     return 0
 
 

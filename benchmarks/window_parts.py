@@ -5,6 +5,7 @@ import time
 from collections import defaultdict
 from collections.abc import Callable
 from functools import wraps
+from inspect import Parameter, signature
 from typing import Any
 
 from studio.document.document import Document
@@ -75,8 +76,13 @@ class Parts:
         return seconds
 
     def _measured(self, name: str, function: Callable[..., Any]) -> Callable[..., Any]:
+        # Qt gives a slot that takes any arguments all that a signal says.
+        taken = signature(function).parameters.values()
+        most = None if any(each.kind is Parameter.VAR_POSITIONAL for each in taken) else len(taken)
+
         @wraps(function)
-        def run(*arguments: Any, **named: Any) -> Any:
+        def run(*every: Any, **named: Any) -> Any:
+            arguments = every[:most]
             if not self.on:
                 return function(*arguments, **named)
             begun = time.thread_time()

@@ -10,10 +10,12 @@ from pictured.kick_film import FRAME_RATE, KickFilm
 from pictured.scenes import fight, handstand
 from pictured.shots import (
     behaviour,
+    clip_speed,
     constrain,
     correction,
     curve_editor,
     dope_sheet,
+    footage,
     import_report,
     keys,
     light_theme,
@@ -41,6 +43,8 @@ STILLS = {
     "keys": keys,
     "dope_sheet": dope_sheet,
     "curve_editor": curve_editor,
+    "clip_speed": clip_speed,
+    "footage": footage,
     "import_report": import_report,
     "markers": markers,
     "sliders": sliders,

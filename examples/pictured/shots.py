@@ -1,9 +1,12 @@
 """The still pictures: each a moment of a session."""
 
+import wave
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import numpy as np
+from numpy.typing import NDArray
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
@@ -11,11 +14,13 @@ from PySide6.QtWidgets import QWidget
 
 from pictured.session import KICK_TIME, Session, example, kick_target, left_wrist
 from studio.app.marker_dialog import open_markers
+from studio.app.verbs.media import add_footage, add_sound
 from studio.core.body.morphology import Proportions
-from studio.core.curves.keyed import KeyedPlace
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace
 from studio.core.stage.prop import Prop
 from studio.document import colours
 from studio.document.channels import Side, with_handle
+from studio.document.clip_edits import set_speed
 from studio.document.key_edits import replace_fields
 from studio.document.keyed_fields import KeyedField, KeyRef
 from studio.io.export import write_capture
@@ -27,6 +32,8 @@ from studio.viewport.rotate_gizmo import RotateGizmo
 
 KICK_KEYS = KeyedField("constraints", "kick", "target")
 KEY_TIMES = (2.2, 2.4, 2.55, 2.75, 2.95)
+CLICK_RATE = 22_050
+KICK_FILM = Path(__file__).parents[2] / "docs" / "pictures" / "kick.gif"
 LEFT, NO_KEY = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
 
 
@@ -187,6 +194,48 @@ def curve_editor() -> QImage:
     session.settle()
     session.rest(0.3)
     return _taken(session, [session.window.docks["Timeline"]])
+
+
+def clip_speed() -> QImage:
+    """The middle of a walk slowed to a third by keys of its speed."""
+    session = Session("walk_turn", (1180, 700))
+    performers = session.document.project.performers
+    performer_id = next(iter(performers))
+    clip = performers[performer_id].clips[0]
+    times = tuple(frame / session.document.project.frame_rate_of(clip) for frame in (90, 105, 150, 165))
+    set_speed(session.document, clip.id, KeyedNumber(times, (1.0, 1 / 3, 1 / 3, 1.0)), "Key speed")
+    session.document.selection.set(("performers", performer_id), ("clips", clip.id))
+    session.document.keys.set([KeyRef(KeyedField("clips", clip.id, "speed"), 2)])
+    session.bench.timeline.edit_curves(True)
+    session.bench.timeline.fit()
+    session.settle()
+    session.rest(0.3)
+    return _taken(session, [session.window.docks["Timeline"]])
+
+
+def footage() -> QImage:
+    """A film in its panel and on the timeline, over the waveform of a sound."""
+    session = Session("front_kick", (1180, 780))
+    with TemporaryDirectory() as folder:
+        sound = Path(folder) / "steps.wav"
+        with wave.open(str(sound), "wb") as file:
+            file.setparams((1, 2, CLICK_RATE, 0, "NONE", "not compressed"))
+            file.writeframes(_clicks((0.55, 1.1, KICK_TIME, 2.3), 3.0).tobytes())
+        add_sound(session.bench, sound)
+        session.until(lambda: bool(session.document.project.sounds))
+    session.document.playhead.set_time(KICK_TIME)
+    add_footage(session.bench, KICK_FILM)
+    session.until(lambda: not session.window.footage_playback.view.image.isNull())
+    session.window.strip.clear()
+    session.rest(0.3)
+    return _taken(session, [session.window.docks["Footage"], session.window.docks["Timeline"]])
+
+
+def _clicks(times: tuple[float, ...], seconds: float) -> NDArray[np.int16]:
+    """(N,) samples with a tone that dies away at each of the times."""
+    since = np.arange(round(seconds * CLICK_RATE))[:, None] / CLICK_RATE - np.array(times)
+    tones = np.where(since >= 0.0, np.exp(-20.0 * np.maximum(since, 0.0)) * np.sin(3000.0 * since), 0.0)
+    return np.asarray(20_000 * tones.sum(axis=1)).astype(np.int16)
 
 
 def _keyed() -> Session:

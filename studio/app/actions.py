@@ -15,7 +15,7 @@ from studio.app.marker_dialog import has_markers, open_markers
 from studio.app.pose_mapping import show_map
 from studio.app.relinking import relink_shown, shown_capture
 from studio.app.strike_search import label_strike, show_strikes, strike_chosen
-from studio.app.verbs import behaviours, cameras, clips, editing, files, playback, props, sounds, view
+from studio.app.verbs import behaviours, cameras, clips, editing, files, media, playback, props, view
 from studio.app.verbs.constraining import adder, choose_joint, load_area_mesh, selected_area, selected_constraint, shift
 from studio.app.workbench import Workbench
 from studio.core.constraints.base import KindInfo
@@ -124,8 +124,10 @@ FILE = (
         "Write the next numbered version beside this one", ends_group=True,
     ),
     Action("import", "File", "Import motion…", files.import_motion, ("Ctrl+I",), "Read a capture, or drop it here"),
-    Action("add_sound", "File", "Add sound…", sounds.ask_sound,
-           tooltip="A sound or a film: its waveform and beats on the timeline, which keys and contacts snap to"),
+    Action("add_sound", "File", "Add sound…", media.ask_sound,
+           tooltip="A sound or a film: heard in step, with its waveform and beats on the timeline"),
+    Action("add_footage", "File", "Add footage…", media.ask_footage,
+           tooltip="A film, or pictures with a running number, shown in step with the timeline"),
     Action("import_character", "File", "Import character…", files.import_character, ("Ctrl+Shift+I",),
            "Read a character, or drop it on the window"),
     Action("relink", "File", "Relink source…", relink_shown,
@@ -288,6 +290,9 @@ PLAY = (
     Action("shuttle_on", "Play", "Play forwards", playback.shuttle_on, ("L",), "Press again to double the speed"),
     Action("loop", "Play", "Loop", playback.toggle_loop, ("Ctrl+L",), "Start over at the end of the range",
            checked=lambda bench: bench.document.playhead.loop),
+    Action("mute", "Play", "Mute sounds", media.toggle_muted, tooltip="Sounds stay on the timeline and are not heard",
+           enabled=lambda bench: bool(bench.document.project.sounds),
+           checked=lambda bench: bench.window.sound_playback.muted),
 )  # fmt: skip
 
 LIVE_ACTIONS = (

@@ -7,10 +7,17 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
 from studio.app.workbench import Workbench
+from studio.io.media.footage_file import FILM_SUFFIXES, PICTURE_SUFFIXES
+from studio.io.media.sound_file import SOUND_SUFFIXES
 from studio.io.registry import known_formats
 
 PROJECTS = "Morpho Studio projects (*.studio)"
 CONSTRAINTS_FILTER = "Constraints (*.json)"
+MEDIA_FILTERS = {
+    "sounds": f"Sounds and films ({' '.join(f'*{suffix}' for suffix in SOUND_SUFFIXES)})",
+    "footage": f"Films and pictures ({' '.join(f'*{suffix}' for suffix in (*FILM_SUFFIXES, *PICTURE_SUFFIXES))})",
+}
+"""Files of sounds and footage, by collection."""
 EVERYTHING = "All files (*)"
 
 

@@ -19,6 +19,7 @@ from PySide6.QtWidgets import QDockWidget, QGridLayout, QMainWindow, QRubberBand
 
 from studio.app import capture_import, casting
 from studio.app.action_set import ActionSet
+from studio.app.footage_playback import FootagePlayback
 from studio.app.guided_tour import GuidedTour
 from studio.app.live_control import LiveControl
 from studio.app.marker_dialog import open_markers
@@ -27,6 +28,7 @@ from studio.app.plug_in_panels import add_panel_actions
 from studio.app.pose_library import PoseLibrary
 from studio.app.preferences import FITTED, Preferences, save_preferences
 from studio.app.problem_tour import ProblemTour
+from studio.app.sound_playback import SoundPlayback
 from studio.app.strike_search import Striking
 from studio.app.top_bar import TopBar
 from studio.app.verbs import editing, files
@@ -261,6 +263,7 @@ class MainWindow(QMainWindow):
         self.striking = Striking(self.bench)
         self.live_control = LiveControl(self.bench)
         self.pose_library = PoseLibrary(self.bench)
+        self.footage_playback = FootagePlayback(self.bench, self)
         ready_made = [(key, text, tip) for key, (text, tip, _) in READY_MADE.items()]
         self.behaviour = BehaviourPanel(self.bench.document, ready_made)
         self.behaviour.action_requested.connect(lambda key: self.actions_by_id.by_id[key].trigger())
@@ -278,6 +281,7 @@ class MainWindow(QMainWindow):
             ("Live", self.live_control.panel, Area.RightDockWidgetArea),
             ("Poses", self.pose_library.panel, Area.RightDockWidgetArea),
             ("Inspector", self.inspector, Area.RightDockWidgetArea),
+            ("Footage", self.footage_playback.view, Area.RightDockWidgetArea),
             ("Timeline", QWidget(), Area.BottomDockWidgetArea),
             ("Behaviour", self.behaviour, Area.BottomDockWidgetArea),
             ("Pose map", self.striking.mapping.view, Area.BottomDockWidgetArea),
@@ -287,7 +291,8 @@ class MainWindow(QMainWindow):
             dock = QDockWidget(name, self)
             dock.setObjectName(name)
             dock.setWidget(widget)
-            dock.setHidden(any(name in others for others in TABBED_PANELS.values()))  # until it is asked for
+            # Until it is asked for.
+            dock.setHidden(name == "Footage" or any(name in others for others in TABBED_PANELS.values()))
             self.addDockWidget(area, dock)
             self.docks[name] = dock
             self._add_dock_action(dock)
@@ -325,6 +330,7 @@ class MainWindow(QMainWindow):
         ):
             signal.connect(lambda *_, event=event: self.strip.outlive(event))
         self.live_playing = LivePlaying(bench, self)
+        self.sound_playback: SoundPlayback = SoundPlayback(bench, self)
         bench.live.play.state_changed.connect(self.behaviour.show_running)
         document.saved_state_changed.connect(self._saved_state_changed)
         document.project_opened.connect(self._show_title)
@@ -451,6 +457,8 @@ class MainWindow(QMainWindow):
         self._autosave.stop()
         self.live_control.close()
         self.problem_search.close()
+        self.sound_playback.close()
+        self.footage_playback.close()
         self.console.close_session()
         self.hide()  # workers may take a moment to end
         self.bench.close()

@@ -1,10 +1,10 @@
-"""Files of captures that have moved: found by content or name in the folders that are known, else by hand."""
+"""Files that have moved: found by content or name in the folders that are known, else by hand."""
 
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from studio.app.file_dialogs import ask_file, motions
+from studio.app.file_dialogs import MEDIA_FILTERS, ask_file, motions
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.io.registry import Progress
@@ -91,6 +91,25 @@ def link(bench: Workbench, capture_id: str, source: SourceFile) -> None:
     if capture.digest != source.digest:
         linked = replace(capture, source=source.path.name, digest=source.digest)
         bench.document.replace("captures", capture_id, linked, f"Relink {capture.name}")
+
+
+def offer_media_relinking(bench: Workbench, collection: str, source: str, error: StudioError) -> None:
+    """Tell that the file ``source`` of sounds or footage is missing, with a button that asks for it."""
+    ask = ("Relink…", lambda: ask_media(bench, collection, source))
+    bench.say(str(error), ask, ("Close", bench.clear_message))
+
+
+def ask_media(bench: Workbench, collection: str, source: str) -> None:
+    """Ask where the file ``source`` of sounds or footage is now; all that were read from it are one undo step."""
+
+    def chosen(path: Path) -> None:
+        entities = getattr(bench.document.project, collection)
+        linked = {key: replace(each, source=str(path)) for key, each in entities.items() if each.source == source}
+        with bench.document.group(f"Relink {Path(source).name}"):
+            for key, each in linked.items():
+                bench.document.replace(collection, key, each, f"Relink {each.name}")
+
+    ask_file(bench, f"File {Path(source).name}", MEDIA_FILTERS[collection], chosen)
 
 
 def _words(bench: Workbench, capture_id: str, source: SourceFile) -> str:

@@ -16,6 +16,7 @@ from studio.core.constraints.target import Place
 from studio.core.errors import StudioError
 from studio.core.mesh.hand_shapes import FIST_GRIP
 from studio.core.stage.clip import Clip
+from studio.core.stage.clip_row import frame_at
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Performer, Project, new_id
 
@@ -121,11 +122,11 @@ def clips_until(performer: Performer, time: float, frame_rates: dict[str, float]
     for clip in performer.clips:
         if clip.start >= time:
             continue
-        rate = frame_rates[clip.motion_id] * clip.speed
-        once = (clip.last - clip.first) / rate
+        rate = frame_rates[clip.motion_id]
+        once = clip.length(rate) / clip.repeats
         whole = int((time - clip.start) / once) if once > 0.0 else clip.repeats
         if whole >= clip.repeats or clip.repeats > 1:
             kept.append(replace(clip, repeats=max(min(whole, clip.repeats), 1)))
         else:
-            kept.append(replace(clip, last=clip.first + int((time - clip.start) * rate)))
+            kept.append(replace(clip, last=int(frame_at(clip, rate, time))))
     return tuple(kept)

@@ -14,6 +14,7 @@ from studio.core.changed_records import with_fields
 from studio.core.constraints.own_place import KeyedOwnPlace
 from studio.core.curves.activation import ActivationCurve
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
+from studio.core.curves.retiming import FASTEST_CLIP, SLOWEST_CLIP
 from studio.core.curves.tangents import HEAVIEST, LIGHTEST, Tangent, TangentMode, Tangents, tangents_of
 from studio.core.rotations import from_euler, from_matrix, to_euler
 from studio.document.keyed_fields import Keyed, KeyedField
@@ -54,6 +55,8 @@ class Channel:
     name: str
     unit: str
     factor: float = 1.0
+    baseline: float | None = None
+    """A value that is in sight whenever the values are framed."""
 
 
 def channels_of(field: KeyedField, keyed: Keyed) -> tuple[Channel, ...]:
@@ -66,8 +69,11 @@ def channels_of(field: KeyedField, keyed: Keyed) -> tuple[Channel, ...]:
         case KeyedTurn():
             return tuple(Channel(field, place, name, "°", DEGREES_PER_RADIAN) for place, name in enumerate(ANGLE_NAMES))
         case KeyedNumber():
-            is_angle = field.name == "heading"
-            return (Channel(field, 0, field.name, "°" if is_angle else "m", DEGREES_PER_RADIAN if is_angle else 1.0),)
+            if field.name == "heading":
+                return (Channel(field, 0, field.name, "°", DEGREES_PER_RADIAN),)
+            if field.collection == "clips":
+                return (Channel(field, 0, field.name, "×", baseline=0.0),)
+            return (Channel(field, 0, field.name, "m"),)
         case KeyedProportions():
             changing = np.flatnonzero(np.ptp(keyed.points, axis=0) > 0.0).tolist() or [0]
             names = [each.name for each in fields(Proportions)]
@@ -125,6 +131,7 @@ def with_values(channel: Channel, keyed: Keyed, values: Mapping[int, float]) -> 
         return keyed
     numbers = list(keyed.values)
     for place, value in values.items():
+        value = min(max(value, SLOWEST_CLIP), FASTEST_CLIP) if channel.field.collection == "clips" else value
         numbers[place] = _with_component(keyed, place, channel.component, value / channel.factor)
     return replace(keyed, values=tuple(numbers))
 

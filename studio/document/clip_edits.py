@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from studio.core.changed_records import with_fields
 from studio.core.constraints.scope import Scope
+from studio.core.curves.retiming import Speed
 from studio.core.errors import StudioError
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.clip import Clip
@@ -26,6 +27,19 @@ def edit_clip(document: EditedProject, clip_id: str, edit: ClipEdit, text: str, 
                 document.replace("performers", key, edited(performer, clip_id, edit), text)
             except ValueError as error:
                 raise StudioError(str(error)) from error
+
+
+def set_speed(document: EditedProject, clip_id: str, speed: Speed, text: str, gesture: int | None = None) -> None:
+    """Play a clip at another speed; the clips behind it in its rows move with its end."""
+    project = document.project
+    clip, rows = project.clips[clip_id], (each.clips for each in players_of(project, clip_id).values())
+    rate = project.frame_rate_of(clip)
+    later = dict.fromkeys(each.id for row in rows for each in row if each.start > clip.start)
+    with document.group(text, gesture):
+        edit_clip(document, clip_id, lambda each: (replace(each, speed=speed),), text)
+        shift = document.project.clips[clip_id].length(rate) - clip.length(rate)
+        for key in later if layer_of(project, clip_id) is None else ():
+            edit_clip(document, key, lambda each: (replace(each, start=each.start + shift),), text)
 
 
 def remove_clips(document: EditedProject, clip_ids: Iterable[str], text: str) -> None:

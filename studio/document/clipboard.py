@@ -164,7 +164,7 @@ def _paste_entities(document: EditedProject, record: JsonObject, mirrored: bool)
         corrections = [each.moved(document.playhead.time - first) for each in corrections]
     if moves and (constraints or contacts):
         begins = [each.activation.start for each in constraints] + [each.first / rate for each in contacts]
-        here = (document.playhead.time - clip.start) * clip.speed + clip.first / rate
+        here = float(clip.motion_seconds(document.playhead.time, rate))
         seconds = round((here - min(begins)) * rate) / rate
         constraints = [carried_over(each, _later(seconds)) for each in constraints]
         frames = round(seconds * rate)

@@ -11,11 +11,13 @@ from studio.core.constraints.target import Place, Turn
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
 from studio.core.curves.tangents import Beyond
 from studio.core.stage.correction import KeyedPoses
+from studio.document.clip_edits import set_speed
 from studio.document.edited_project import EditedProject
 from studio.document.keyed_fields import (
     Keyed,
     KeyedField,
     KeyRef,
+    counted_in,
     from_stage,
     keyed_value,
     places_at,
@@ -38,7 +40,9 @@ def replace_fields(
     with document.group(text, gesture):
         for (collection, entity_id), named in changes.items():
             entity: Any = document.shown_project.get(collection, entity_id)
-            if entity is not None:
+            if entity is not None and collection == "clips":
+                set_speed(document, entity_id, with_fields(entity, **named).speed, text)
+            elif entity is not None:
                 document.replace_shown(collection, entity_id, with_fields(entity, **named), text)
 
 
@@ -152,7 +156,8 @@ def delete_keys(document: EditedProject) -> bool:
 def set_keys(document: EditedProject) -> int:
     """Set a key at the playhead in all keyed fields of the selection, with the value that is there; how many.
 
-    A selected constraint, prop or body of which nothing is keyed begins to be: its target, place or measures.
+    A selected constraint, prop, body or clip of which nothing is keyed begins to be: its target, place, measures or
+    speed.
     """
     fields = selected_fields(document.shown_project, document.selection.items)
     values: dict[KeyedField, Keys] = {
@@ -176,10 +181,10 @@ def set_keys(document: EditedProject) -> int:
 
 
 def time_at_playhead(document: EditedProject, field: KeyedField) -> float:
-    """The second at which a key of a field is set: that of constraints at a whole frame of their motion."""
-    clip = document.active_clip
-    seconds = from_stage(document.project, clip, field, document.playhead.time)
-    if field.collection != "constraints" or clip is None:
+    """The second at which a key of a field is set: one that counts from a motion at a whole frame of it."""
+    seconds = from_stage(document.project, document.active_clip, field, document.playhead.time)
+    clip = counted_in(document.project, document.active_clip, field)
+    if clip is None:
         return seconds
     rate = document.project.frame_rate_of(clip)
     return round(seconds * rate) / rate
@@ -196,11 +201,17 @@ def _fixed(document: EditedProject, field: KeyedField, value: Keys) -> object:
 def _fixed_fields(document: EditedProject) -> dict[KeyedField, Keys]:
     """Fields of the selection without keys, given one at the playhead: targets, centres, props, measures."""
     found: dict[KeyedField, Keys] = {}
+    clips = document.selection.of("clips")
     for collection, entity_id in document.selection.items:
+        if collection == "performers" and clips:
+            continue  # it is selected with its clip
         if collection == "performers" and entity_id in document.project.performers:
             collection, entity_id = "characters", document.project.performers[entity_id].character_id
         entity: Any = document.shown_project.get(collection, entity_id)
-        names = {"constraints": ("target", "centre", "place"), "props": ("position",), "characters": ("proportions",)}
+        names = {
+            "constraints": ("target", "centre", "place"), "props": ("position",), "characters": ("proportions",),
+            "clips": ("speed",),
+        }  # fmt: skip
         for name in names.get(collection, ()):
             field = KeyedField(collection, entity_id, name)
             keys = _first_key(time_at_playhead(document, field), getattr(entity, name, None))

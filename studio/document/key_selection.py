@@ -69,8 +69,12 @@ class KeySelection(QObject):
         self.set(self._items - keys if keys <= self._items else self._items | keys)
 
     def _follow(self, collection: str, entity_id: str) -> None:
-        """Keep to the keys of a changed entity; an empty id stands for many."""
-        if not any(field.collection == collection and entity_id in ("", field.entity_id) for field in self._times):
+        """Keep to the keys of a changed entity; an empty id stands for many. Clips change with who plays them."""
+        if not any(
+            (field.collection, collection) == ("clips", "performers")
+            or (field.collection == collection and entity_id in ("", field.entity_id))
+            for field in self._times
+        ):
             return
         kept: list[KeyRef] = []
         for field, places in self.by_field().items():

@@ -11,7 +11,7 @@ from studio.core.stage.project import Project
 Keyed = Keys | ActivationCurve
 """Values with keys; an activation has its four times."""
 
-KEYED_COLLECTIONS = ("constraints", "props", "characters", "corrections")
+KEYED_COLLECTIONS = ("constraints", "props", "characters", "corrections", "clips")
 
 
 class KeyedField(NamedTuple):
@@ -74,17 +74,25 @@ def selected_fields(project: Project, items: Iterable[tuple[str, str]]) -> dict[
 
 
 def to_stage(project: Project, clip: Clip | None, field: KeyedField, seconds: float) -> float:
-    """Seconds of the stage at which a key lies: those of constraints count from the motion that ``clip`` plays."""
-    if field.collection != "constraints" or clip is None:
-        return seconds
-    return clip.start + (seconds - clip.first / project.frame_rate_of(clip)) / clip.speed
+    """Seconds of the stage at which a key lies.
+
+    Those of constraints count from the motion that ``clip`` plays, those of a clip's speed from its own motion.
+    """
+    counted = counted_in(project, clip, field)
+    return seconds if counted is None else float(counted.stage_seconds(seconds, project.frame_rate_of(counted)))
 
 
 def from_stage(project: Project, clip: Clip | None, field: KeyedField, seconds: float) -> float:
     """The opposite of ``to_stage``."""
-    if field.collection != "constraints" or clip is None:
-        return seconds
-    return (seconds - clip.start) * clip.speed + clip.first / project.frame_rate_of(clip)
+    counted = counted_in(project, clip, field)
+    return seconds if counted is None else float(counted.motion_seconds(seconds, project.frame_rate_of(counted)))
+
+
+def counted_in(project: Project, clip: Clip | None, field: KeyedField) -> Clip | None:
+    """The clip from whose motion the keys of a field count; None if they count from the stage."""
+    if field.collection == "clips" and (clip is None or clip.id != field.entity_id):
+        return project.clips.get(field.entity_id)
+    return clip if field.collection in ("constraints", "clips") else None
 
 
 def with_times(keyed: Keyed, times: Mapping[int, float], speed: float = 1.0) -> Keyed:

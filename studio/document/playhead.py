@@ -1,10 +1,14 @@
 """Playhead: the time on the stage, and playback along a monotonic clock."""
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
 from PySide6.QtCore import QObject, Qt, QTimer, Signal
+
+from studio.core.stage.playback_run import PlaybackRun
 
 TICK_MILLISECONDS = 8
 
@@ -90,6 +94,13 @@ class Playhead(QObject):
         return self._timer is not None
 
     @property
+    def run(self) -> PlaybackRun:
+        """Seconds on the stage over the clock, as playback goes on from here."""
+        started, start = self._anchor
+        begin, end = self._range_times()
+        return PlaybackRun(started, start, self._speed, begin, end, 1.0 / self._frame_rate, self.loop)
+
+    @property
     def state(self) -> PlayheadState:
         """All that a session that comes back needs of it."""
         return PlayheadState(self._time, self._frame_rate, self._first, self._last)
@@ -162,17 +173,10 @@ class Playhead(QObject):
             self.changed.emit(self._time)
 
     def _follow_clock(self) -> None:
-        started, start = self._anchor
-        self._show(start + (self._clock() - started) * self._speed)
-
-    def _show(self, seconds: float) -> None:
-        begin, end = self._range_times()
-        if begin <= seconds <= end:
-            self._move(seconds)
-        elif self.loop and self._last > self._first:
-            # The last frame is shown for its whole duration before the first one comes again.
-            length = end - begin + 1.0 / self._frame_rate
-            self._move(min(begin + (seconds - begin) % length, end))
-        else:
-            self._move(end if seconds > end else begin)
+        run, clock = self.run, np.asarray(self._clock())
+        seconds = float(run.stage_seconds(clock))
+        if math.isnan(seconds):
+            self._move(run.end if float(run.unbounded_seconds(clock)) > run.end else run.begin)
             self.pause()
+        else:
+            self._move(min(seconds, run.end))

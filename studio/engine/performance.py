@@ -32,13 +32,13 @@ Results = Callable[[str], AdaptedMotion | None]
 
 def motion_time(clip: Clip, frame_rate: float, time: float) -> float:
     """Seconds of the clip's motion that play at stage ``time``, held at the clip's ends; of its first repeat."""
-    seconds = (time - clip.start) * clip.speed + clip.first / frame_rate
+    seconds = float(clip.motion_seconds(time, frame_rate))
     return min(max(seconds, clip.first / frame_rate), clip.last / frame_rate)
 
 
 def stage_time(clip: Clip, frame_rate: float, time: float) -> float:
     """Stage time at which second ``time`` of the clip's motion plays first."""
-    return clip.start + (time - clip.first / frame_rate) / clip.speed
+    return float(clip.stage_seconds(time, frame_rate))
 
 
 def row_at(motion: AdaptedMotion, timing: Timing | None, time: float) -> int:

@@ -3,6 +3,8 @@
 from dataclasses import replace
 from itertools import product
 
+import numpy as np
+
 from studio.core.captures.annotations import Label, within
 from studio.core.captures.capture import Capture
 from studio.core.names import safe_name
@@ -48,11 +50,10 @@ def labels_played(project: Project, performer_id: str) -> tuple[Label, ...]:
         once = clip.length(rate) / clip.repeats
         labels = within(project.labels_of(clip.motion_id).values(), clip.first, clip.last)
         for label, repeat in product(labels, range(clip.repeats)):
-            begin = clip.start + repeat * once - timing.start
-            first, last = (
-                min(max(round((begin + frame / rate / clip.speed) * timing.frame_rate), 0), timing.last - timing.first)
-                for frame in (label.first, label.last)
-            )
+            begin = repeat * once - timing.start
+            ends = clip.stage_seconds(np.array([clip.first + label.first, clip.first + label.last]) / rate, rate)
+            frames = np.rint((begin + ends) * timing.frame_rate).clip(0, timing.last - timing.first)
+            first, last = frames.astype(int).tolist()
             played.append(replace(label, first=first, last=last))
     return tuple(played)
 

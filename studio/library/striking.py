@@ -17,6 +17,7 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.scope import Scope
 from studio.core.constraints.target import Place
 from studio.core.curves.activation import ActivationCurve, EaseShape
+from studio.core.curves.retiming import speed_at
 from studio.core.normalized.compose import Composite, compose_pieces
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import MotionPiece
@@ -96,7 +97,7 @@ def make_strike(playing: MotionPiece, at_frame: int, blow: Blow, body: Morpholog
 
     ``target`` lies in the space of the motion that plays, on ``body``; it may be keyed or follow something.
     """
-    rate = playing.motion.frame_rate * playing.speed
+    rate = playing.motion.frame_rate * float(speed_at(playing.speed, at_frame / playing.motion.frame_rate))
     before = replace(playing, last=at_frame)
     begin = before.end + 1.0 / rate
     whole = compose_pieces((before, blow.piece(begin)))

@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowPerformer
 from studio.core.constraints.scope import Scope
+from studio.core.curves.retiming import SLOWEST_CLIP
 from studio.core.solver.adapt import place_of
 from studio.core.solver.performers.prop_tracks import Holder, stage_track
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.behaviour import Behaviour, Role, Running, State
-from studio.core.stage.clip import SLOWEST_CLIP, Clip
+from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import Senses
 from studio.core.stage.manners import asked_by
 from studio.core.stage.placement import Placement

@@ -126,10 +126,8 @@ def _trimmed(
     starts, ends = max(begun, begin), min(timing.stage_time(min(played.last, timing.last)), end)
     if ends < starts - 1e-9:
         return None
-    frames = (
-        round(piece.first + (seconds - piece.start) * piece.speed * motion.frame_rate) for seconds in (starts, ends)
-    )
-    first, last = (min(max(frame, 0), motion.frame_count - 1) for frame in frames)
+    frames = np.rint(piece.frames_after(np.array([starts, ends]) - piece.start)).clip(0, motion.frame_count - 1)
+    first, last = frames.astype(int).tolist()
     place = _about(played.placement, motion, first, piece.mirrored)
     return replace(
         source, first=first, last=max(last, first), start=starts, repeats=1, joined=False, turn=place.turn,
@@ -219,7 +217,7 @@ def _keyed(constraint: Constraint, path: Path, clip: Clip, project: Project) -> 
     times: list[float] = []
     values: list[Vector] = []
     for seconds, place in path:
-        time = clip.first / rate + (seconds - clip.start) * clip.speed
+        time = float(clip.motion_seconds(seconds, rate))
         if not times or time > times[-1]:
             times.append(time)
             values.append(place)

@@ -8,9 +8,11 @@ from PySide6.QtCore import QSignalBlocker
 from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QWidget
 
 from studio.core.changed_records import with_fields
+from studio.core.curves.keyed import KeyedNumber
+from studio.core.curves.retiming import FASTEST_CLIP, SLOWEST_CLIP, Speed, speed_at
 from studio.core.errors import StudioError
 from studio.core.mesh.hand_shapes import FIST_GRIP, HALF_CLOSED_GRIP, OPEN_GRIP, RELAXED_GRIP
-from studio.core.stage.clip import FASTEST_CLIP, MOST_REPEATS, SLOWEST_CLIP, Clip
+from studio.core.stage.clip import MOST_REPEATS, Clip
 from studio.core.stage.clip_row import ClipEdit, begun_at, ended_at, players_of
 from studio.document import clip_edits
 from studio.document.document import Document
@@ -60,9 +62,10 @@ class ClipEditor(Editor[Clip]):
         self._first = self.bind(NumberField("First frame", "", 0, 1e6, 1, 0), self._set_first)
         self._last = self.bind(NumberField("Last frame", "", 0, 1e6, 1, 0), self._set_last)
         section.add_row("Frames", self._first, self._last)
-        speed = NumberField("Speed", "×", SLOWEST_CLIP, FASTEST_CLIP, 0.05)
-        self._speed = self._number(speed, "Change speed of", "", speed=1.0)
-        section.add_row("Speed", self._speed)
+        self._speed = self.bind(NumberField("Speed", "×", SLOWEST_CLIP, FASTEST_CLIP, 0.05), self._set_speed)
+        self._keyed = self._box("keyed", self._set_keyed)
+        self._keyed.setToolTip("The speed changes from key to key: set keys here or by S, edit them as curves")
+        section.add_row("Speed", self._speed, self._keyed)
         self._repeats = self.bind(NumberField("Repeats", "", 1, MOST_REPEATS, 1, 0), self._set_repeats)
         section.add_row("Repeats", self._repeats)
         self._mirrored = self._box("left and right swapped", lambda on: self._set("Mirror", mirrored=on))
@@ -130,13 +133,14 @@ class ClipEditor(Editor[Clip]):
         self._own.setVisible(len(players) > 1 and active is not None)
         self._own.setText(f"Make unique for {short(active.name, self._own)}" if active else "")
         shown = {
-            self._start: clip.start, self._first: clip.first, self._last: clip.last, self._speed: clip.speed,
+            self._start: clip.start, self._first: clip.first, self._last: clip.last, self._speed: self._speed_of(clip),
             self._repeats: clip.repeats, self._turn: math.degrees(clip.turn), self._ease: clip.ease,
             self._offset[0]: clip.offset[0], self._offset[1]: clip.offset[1],
         }  # fmt: skip
         for field, value in shown.items():
             field.show_value(value)
-        for box, on in ((self._mirrored, clip.mirrored), (self._joined, clip.joined)):
+        keyed = isinstance(clip.speed, KeyedNumber)
+        for box, on in ((self._mirrored, clip.mirrored), (self._joined, clip.joined), (self._keyed, keyed)):
             with QSignalBlocker(box):
                 box.setChecked(on)
         self._grip.show_value(clip.grip)
@@ -157,6 +161,46 @@ class ClipEditor(Editor[Clip]):
 
     def _set(self, verb: str, rest: str = "", **values: object) -> None:
         self._edit(lambda clip: (with_fields(clip, **values),), verb, rest)
+
+    def _time_of(self, clip: Clip) -> float:
+        """Second of the motion at the playhead, at a whole frame within the clip."""
+        rate = self.document.project.frame_rate_of(clip)
+        frame = round(float(clip.motion_seconds(self.document.playhead.time, rate)) * rate)
+        return min(max(frame, clip.first), clip.last) / rate
+
+    def _speed_of(self, clip: Clip) -> float:
+        return float(speed_at(clip.speed, self._time_of(clip)))
+
+    def _set_speed(self, number: float) -> None:
+        """Another speed; a key at the playhead where it is keyed."""
+        self._change_speed(
+            lambda clip: (
+                clip.speed.with_key(self._time_of(clip), number) if isinstance(clip.speed, KeyedNumber) else number
+            ),
+            "Change",
+        )
+
+    def _set_keyed(self, on: bool) -> None:
+        """Key the speed at the playhead, or let the one there hold for the whole clip."""
+        self._change_speed(
+            lambda clip: KeyedNumber((self._time_of(clip),), (self._speed_of(clip),)) if on else self._speed_of(clip),
+            "Key" if on else "Fix",
+        )
+
+    def _change_speed(self, change: Callable[[Clip], Speed], verb: str) -> None:
+        project, document, before = self.document.project, self.document, self.entity
+        text, shown = f"{verb} speed of {clip_edits.name_of(project, self.entity)}", self._time_of(self.entity)
+
+        def edit_all() -> None:
+            with document.group(text, self._gesture):
+                for key in self.together:
+                    clip_edits.set_speed(document, key, change(document.project.clips[key]), text)
+            changed, time = document.project.clips[self.entity_id], document.playhead.time
+            rate = document.project.frame_rate_of(changed)
+            if isinstance(changed.speed, KeyedNumber) and before.start <= time <= before.start + before.length(rate):
+                document.playhead.set_time(float(changed.stage_seconds(shown, rate)))  # the key stays under it
+
+        self._say(edit_all)
 
     def _set_first(self, frame: float) -> None:
         project = self.document.project

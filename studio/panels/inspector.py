@@ -18,6 +18,7 @@ from studio.panels.constraint_editors import editor_of_kind
 from studio.panels.contact_editor import ContactEditor
 from studio.panels.correction_editor import CorrectionEditor
 from studio.panels.editor import Editor, PlainEditor
+from studio.panels.footage_editor import FootageEditor
 from studio.panels.ground_editor import GroundEditor
 from studio.panels.label_editor import LabelEditor
 from studio.panels.performer_editor import PerformerEditor
@@ -38,6 +39,7 @@ ENTITY_EDITORS: dict[str, Callable[[Document, Live, str, str], Editor[object]]] 
     "behaviours": BehaviourEditor,
     "cameras": CameraEditor,
     "sounds": SoundEditor,
+    "footage": FootageEditor,
     "states": StateEditor,
     "transitions": TransitionEditor,
 }

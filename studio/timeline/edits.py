@@ -21,7 +21,7 @@ from studio.timeline.gestures.contact import free_stretch, new_contact
 from studio.timeline.shown import EDGES, HANDLES, ItemPart, RowContext
 from studio.timeline.tracks.keys import growth_fields, keys_between, sheet_fields, stage_times
 
-DELETABLE = ("constraints", "contacts", "clips", "labels", "corrections", "sounds")
+DELETABLE = ("constraints", "contacts", "clips", "labels", "corrections", "sounds", "footage")
 
 
 def add_contact(shown: RowContext, point: ContactPoint | Touch, frame: int) -> str | None:

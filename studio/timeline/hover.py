@@ -40,6 +40,9 @@ def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
         case "sounds":
             sound = sheet.shown.project.sounds[hit.id]
             return f"{sound.name}: {len(sound.beats)} beats, to which keys and contacts snap; drag to move it"
+        case "footage":
+            footage = sheet.shown.project.footage[hit.id]
+            return f"{footage.name}: {footage.frames} frames at {footage.frame_rate:g} Hz; drag to move it"
         case "corrections":
             return _correction_text(sheet, hit)
         case "labels":

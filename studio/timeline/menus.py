@@ -25,7 +25,7 @@ def menu_at(canvas: "TrackCanvas", position: QPointF) -> QMenu | None:
     """The menu of a place, or None where nothing can be done."""
     if canvas.sheet is None:
         return None
-    hit = canvas.sheet.hit(position)
+    hit = canvas.hit(position)
     menu = QMenu(canvas)
     menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
     if hit.part == ItemPart.KEY:

@@ -16,9 +16,9 @@ from studio.timeline.tracks import (
     keys,
     labels,
     layer,
+    media,
     remarks,
     ruler,
-    waveform,
 )
 from studio.timeline.tracks.brush import time_area, translucent
 from studio.timeline.tracks.plot import FOLDED_PLOT_HEIGHT, PlotPicture
@@ -138,8 +138,8 @@ def _paint_label(painter: QPainter, area: QRect, shown: RowContext, row: Timelin
     if shown.is_selected(collection, row.id):
         painter.fillRect(label_area(area), QColor(colours.SELECTED_ROW))
     match row.kind:
-        case "sounds":
-            waveform.paint_waveform_label(painter, area, shown, row.id)
+        case "sounds" | "footage":
+            media.paint_media_label(painter, area, shown, row.kind, row.id)
         case "labels":
             labels.paint_labels_label(painter, area)
         case "clip":
@@ -162,12 +162,15 @@ def _paint_label(painter: QPainter, area: QRect, shown: RowContext, row: Timelin
 
 def _paint_content(painter: QPainter, area: QRect, shown: RowContext, row: TimelineRow) -> None:
     match row.kind:
+        case "footage":
+            media.paint_footage(painter, area, shown, row.id)
         case "sounds":
-            waveform.paint_waveform(painter, area, shown, row.id)
+            media.paint_waveform(painter, area, shown, row.id)
         case "labels":
             labels.paint_labels(painter, area, shown)
         case "clip":
             clip.paint_clips(painter, area, shown, row.id)
+            keys.paint_keys(painter, shown, row, area, colours.TEXT)
         case "layer":
             layer.paint_layers(painter, area, shown, row.id)
         case "corrections":

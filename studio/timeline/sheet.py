@@ -14,9 +14,9 @@ from studio.timeline.tracks import (
     keys,
     labels,
     layer,
+    media,
     plot,
     ruler,
-    waveform,
 )
 
 PLAYHEAD_REACH = 4.0
@@ -53,7 +53,7 @@ def _heights(shown: RowContext) -> list[tuple[str, str, int]]:
         for key in constraints
     }
     return [
-        *waveform.rows_of(shown),
+        *media.rows_of(shown),
         *labels.rows_of(shown),
         *(
             each
@@ -169,8 +169,8 @@ class Sheet:
                 return clip.clip_hit(clip.bars_of(self.shown, area, row.id), row.id, position)
             case "layer":
                 return clip.clip_hit(layer.clip_bars(self.shown, area, row.id), layer.performer_of(row.id), position)
-            case "sounds":
-                return waveform.waveform_hit(self.shown, area, row.id, position)
+            case "sounds" | "footage":
+                return media.media_hit(self.shown, area, row.kind, row.id, position)
             case "corrections":
                 return correction.correction_hit(self.shown, area, row.id, position)
             case "labels":

@@ -46,11 +46,15 @@ class Subject:
 
     def to_stage(self, seconds: Seconds) -> Seconds:
         """Seconds on the stage at which seconds of the motion, one number or many, are played first."""
-        return self.clip.start + (seconds - self.clip.first / self.frame_rate) / self.clip.speed
+        return self._like(seconds, self.clip.stage_seconds(seconds, self.frame_rate))
 
     def to_motion(self, seconds: Seconds) -> Seconds:
         """Seconds of the motion that are played at times of the stage, before and after the clip too."""
-        return (seconds - self.clip.start) * self.clip.speed + self.clip.first / self.frame_rate
+        return self._like(seconds, self.clip.motion_seconds(seconds, self.frame_rate))
+
+    @staticmethod
+    def _like(asked: Seconds, found: NDArray[np.float64]) -> Seconds:
+        return found if isinstance(asked, np.ndarray) else float(found)
 
     def stage_time(self, frame: float) -> float:
         """Seconds on the stage at which a frame of the motion is played."""

@@ -87,7 +87,7 @@ class TrackCanvas(TrackView):
             self.gesture = Pan(self.axis, scroll, event.position())
             self.setCursor(Qt.CursorShape.ClosedHandCursor)
         elif event.button() == Qt.MouseButton.LeftButton:
-            hit = self.sheet.hit(event.position())
+            hit = self.hit(event.position())
             if hit.part == ItemPart.FOLD:
                 self.fold(hit.kind, hit.id)
                 return
@@ -141,7 +141,7 @@ class TrackCanvas(TrackView):
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Add a contact or a label at an empty place of a line; rename a label."""
-        hit = self.sheet.hit(event.position()) if self.sheet else None
+        hit = self.hit(event.position()) if self.sheet else None
         if self.sheet and hit and hit.kind == "lane" and hit.part == ItemPart.EMPTY:
             frame = round(self.sheet.shown.frame_at(event.position().x()))
             edits.add_contact(self.sheet.shown, contact_point(hit.id), frame)
@@ -233,6 +233,15 @@ class TrackCanvas(TrackView):
         else:
             selection.set(*items)
 
+    def hit(self, position: QPointF) -> Hit:
+        """Part under the mouse; keys and handles of the curve editor come before the playhead's line."""
+        sheet = self.sheet
+        assert sheet is not None
+        under: Hit = sheet.thing_at(position)
+        if under.kind == "curves" and self.picture.curves.hit(sheet.shown, plot_area(sheet.plot), position):
+            return under
+        return sheet.hit(position)
+
     def _press_curves(self, position: QPointF, add: bool) -> None:
         """Take hold of a handle or a key of the curve editor, or of nothing."""
         curves, keys = self.picture.curves, self.document.keys
@@ -309,7 +318,7 @@ class TrackCanvas(TrackView):
 
     def _set_cursor(self, position: QPointF) -> None:
         if self.sheet is not None:
-            self.setCursor(cursor_at(self.sheet.hit(position)))
+            self.setCursor(cursor_at(self.hit(position)))
 
     def _hover(self, event: QMouseEvent) -> None:
         if self.sheet is None:

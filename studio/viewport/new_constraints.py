@@ -25,6 +25,7 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.rail import RailConstraint
 from studio.core.constraints.upright import UprightConstraint
 from studio.core.curves.activation import ActivationCurve
+from studio.core.curves.retiming import speed_at
 from studio.core.names import free_name
 from studio.core.normalized.mirror import mirrored_contacts
 from studio.core.rotations import from_matrix
@@ -131,10 +132,11 @@ class NewConstraintContext:
         """The motion over time, its rows around the playhead, and their seconds (F,) of the clip's motion."""
         motion, clip = self.pose.over_time, self.pose.clip
         assert clip is not None
-        row, reach = self.pose.frame - motion.first_frame, round(LONGEST * motion.frame_rate / clip.speed)
+        rate, speed = self.project.frame_rate_of(clip), float(speed_at(clip.speed, self.pose.seconds))
+        row, reach = self.pose.frame - motion.first_frame, round(LONGEST * motion.frame_rate / speed)
         rows = slice(max(row - reach, 0), max(min(row + reach + 1, motion.frame_count), 0))
-        since = (np.arange(rows.start, rows.stop) - row) * clip.speed / motion.frame_rate
-        return motion, rows, np.asarray(self.pose.seconds + since)
+        since = (np.arange(rows.start, rows.stop) - row) / motion.frame_rate
+        return motion, rows, clip.motion_seconds(clip.stage_seconds(self.pose.seconds, rate) + since, rate)
 
     def points(self, point: BodyPoint) -> FloatArray:
         """(F, 3) where a point of the body is in the rows ``around``."""

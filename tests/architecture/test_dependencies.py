@@ -74,7 +74,7 @@ def test_every_dependency_at_run_time_is_imported_by_the_studio():
 def test_what_the_studio_imports_is_a_dependency_or_an_extra_of_users():
     extras = PROJECT["optional-dependencies"]
     declared = distribution_names(PROJECT["dependencies"])
-    for_users = declared.union(*(distribution_names(extras[name]) for name in ("batch", "fbx", "usd")))
+    for_users = declared.union(*(distribution_names(extras[name]) for name in ("batch", "fbx", "sound", "usd")))
     assert of_studio() - for_users == {"studio"}
 
 

@@ -21,6 +21,7 @@ from studio.core.stage.behaviour import Behaviour, Role, State, Transition
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import DistanceCondition
 from studio.core.stage.correction import PoseOffsets, new_correction
+from studio.core.stage.footage import Footage
 from studio.core.stage.manners import KeepDistance
 from studio.core.stage.project import GROUND_ID, Motion
 from studio.core.stage.prop import Prop
@@ -36,8 +37,8 @@ WRIST = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
 PROJECT = make_project(characters=3, constraints=2, contacts=3)
 
 REMOVED = {
-    "behaviours": 2, "cameras": 1, "sounds": 1, "corrections": 3, "constraints": 6, "contacts": 6, "props": 6,
-    "performers": 2, "characters": 1, "motions": 0.1, "captures": 0.1,
+    "behaviours": 2, "cameras": 1, "sounds": 1, "footage": 1, "corrections": 3, "constraints": 6, "contacts": 6,
+    "props": 6,    "performers": 2, "characters": 1, "motions": 0.1, "captures": 0.1,
 }  # fmt: skip
 """Relative frequency with which something of each collection is removed."""
 
@@ -77,6 +78,7 @@ def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
                 "behave",
                 "camera",
                 "sound",
+                "footage",
             ),
             *("correct", "correct"),
         ]
@@ -108,6 +110,10 @@ def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
             sound = SoundTrack("Steps", "steps.wav", (0, 255), (0.01,), chance.uniform(0.0, 2.0))
             sound_id = chance.choice([document.add("sounds", sound, "Add sound"), *project.sounds])
             document.replace("sounds", sound_id, replace(sound, start=chance.random()), "Move sound", gesture)
+        case "footage":
+            film = Footage("Walk", "walk.mp4", 40, 24.0, chance.choice([12.0, 24.0]))
+            film_id = chance.choice([document.add("footage", film, "Add footage"), *project.footage])
+            document.replace("footage", film_id, replace(film, start=chance.random()), "Move footage", gesture)
         case "camera":
             placement = CameraPlacement((0.0, 0.0, chance.choice([0.0, 1.0])), 3.0, chance.uniform(-3.0, 3.0))
             camera_id = store_camera(document, placement, chance.choice([None, *CAMERA_SLOTS]))

@@ -103,6 +103,16 @@ def test_a_key_is_dragged_in_value_alone_in_time_alone_or_both_and_only_its_chan
     assert editor.target == KEYS
 
 
+def test_a_key_under_the_playhead_is_dragged_and_the_playhead_stays(document, editor, hand):
+    document.playhead.set_time(editor.timeline.tracks.shown.subject.to_stage(KEYS.times[1]))
+    before, place = document.playhead.time, editor.key("z", 1)
+    hand.press(place)
+    hand.move(0, dy=-20)
+    hand.release()
+    assert editor.target.values[1][2] > KEYS.values[1][2] + 0.01
+    assert document.playhead.time == before
+
+
 def test_shift_is_finer_and_ctrl_catches_on_round_values(document, editor, hand):
     risen = []
     for keys in (NONE, Modifier.ShiftModifier):

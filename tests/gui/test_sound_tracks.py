@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QPoint
 
-from studio.app.verbs.sounds import add_sound
+from studio.app.verbs.media import add_sound
 from studio.core.errors import StudioError
 from studio.core.stage.beats import beats_of
 from studio.core.stage.sound_track import SoundTrack

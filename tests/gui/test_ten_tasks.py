@@ -371,6 +371,31 @@ def test_8_the_middle_of_a_clip_is_slowed_to_a_third_without_a_sliding_foot(user
         assert amount < max(before[key], 0.001) + HELD
 
 
+@pytest.mark.parametrize("project", [staged("walk_turn")])
+def test_8_the_middle_is_slowed_by_keys_of_the_speed_too(user):
+    first, _ = user.project.performers
+    whole = user.project.performers[first].clips[0]
+    before, y = slide(user), user.timeline.row_rect("clip", first).center().y()
+    user.click(QPoint(round(user.timeline.x_of_frame(330)), y))
+    for frame in (170, 180, 300, 310):
+        user.go_to(frame)
+        user.press(Qt.Key.Key_S)
+    user.press(Qt.Key.Key_E, SHIFT)
+    curves, shown = user.timeline.tracks.picture.curves, user.timeline.tracks.shown
+    area = plot_area(user.timeline.tracks.sheet.plot)
+    [(channel, keyed)] = curves.channels(shown)
+    second, third = (curves.point(shown, area, channel, keyed, place).toPoint() for place in (1, 2))
+    user.click(second)
+    user.click(third, modifiers=CTRL)
+    user.drag(third, QPoint(third.x(), round(curves.y_of(shown, area, channel.unit, 1 / 3))))
+    assert user.done == (7, 1, 5)
+    clip = user.project.performers[first].clips[0]
+    assert clip.speed.values == pytest.approx((1.0, 1 / 3, 1 / 3, 1.0), abs=0.02)
+    assert clip.length(RATE) == pytest.approx(whole.length(RATE) + 2 * 120 / RATE, abs=0.4)
+    for key, amount in slide(user).items():
+        assert amount < max(before[key], 0.001) + HELD
+
+
 @pytest.mark.parametrize(
     "project",
     [

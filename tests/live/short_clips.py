@@ -7,9 +7,10 @@ import numpy as np
 
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import ContactInterval, ContactPoint
+from studio.core.curves.retiming import FASTEST_CLIP, SLOWEST_CLIP
 from studio.core.solver.adapt import adapt
 from studio.core.solver.performers.performing import perform
-from studio.core.stage.clip import FASTEST_CLIP, SLOWEST_CLIP, Clip
+from studio.core.stage.clip import Clip
 from studio.core.stage.layer import Layer, Region
 from studio.core.stage.project import Performer, Project
 from studio.jobs.performances import prepared

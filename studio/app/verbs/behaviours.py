@@ -148,8 +148,9 @@ def _when_hit(bench: Workbench, clip: Clip) -> ActivationCurve:
         return WHOLE_CLIP
     blow = blows[0]
     capture = project.captures[project.motions[blow.motion_id].capture_id]
-    frames = farthest_frame(capture, blow.first, blow.last) - blow.first
-    hit = clip.first / project.frame_rate_of(clip) + frames * clip.speed / (capture.frame_rate * blow.speed)
+    rate, hit_frame = capture.frame_rate, farthest_frame(capture, blow.first, blow.last)
+    struck = float(blow.stage_seconds(hit_frame / rate, rate)) - blow.start
+    hit = float(clip.motion_seconds(clip.start + struck, project.frame_rate_of(clip)))
     return ActivationCurve(
         hit - WARD_HOLD - WARD_EASE, hit - WARD_HOLD, hit + WARD_HOLD, hit + WARD_HOLD + WARD_EASE, EaseShape.SMOOTH
     )

@@ -23,7 +23,7 @@ from studio.engine.performance import root_paths
 
 EDITED_PARTS = ("clips", "states", "transitions")
 SMALL_THINGS = (
-    *("constraints", "contacts", "labels", "props", "behaviours", "corrections", "cameras", "sounds"),
+    *("constraints", "contacts", "labels", "props", "behaviours", "corrections", "cameras", "sounds", "footage"),
     *EDITED_PARTS,
 )
 

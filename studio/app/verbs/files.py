@@ -6,10 +6,13 @@ from pathlib import Path
 
 from studio.app import capture_import, casting, sample
 from studio.app.file_dialogs import PROJECTS, ask_file, ask_new_file, characters, motions
+from studio.app.verbs import media
 from studio.app.workbench import Workbench
 from studio.core.captures.remarks import remarks_on
 from studio.core.errors import StudioError
 from studio.engine.saving import save_in_background
+from studio.io.media.footage_file import FILM_SUFFIXES, PICTURE_SUFFIXES
+from studio.io.media.sound_file import SOUND_SUFFIXES
 from studio.io.project.project_file import ChangedOnDisk, OpenedProject, read_project
 from studio.io.registry import Progress, ReadCharacter
 from studio.library.scenes import BundledScene
@@ -38,9 +41,14 @@ def open_project(bench: Workbench) -> None:
 
 
 def open_path(bench: Workbench, path: Path) -> None:
-    """A project takes the place of this one; a capture or a character comes into this one."""
-    if path.suffix.lower() == ".studio":
+    """A project takes the place of this one; captures, characters, footage and sounds come into this one."""
+    suffix = path.suffix.lower()
+    if suffix == ".studio":
         bench.window.when_saved(lambda: _open(bench, path))
+    elif suffix in (*FILM_SUFFIXES, *PICTURE_SUFFIXES):
+        media.add_footage(bench, path)
+    elif suffix in SOUND_SUFFIXES:
+        media.add_sound(bench, path)
     else:
         _import(bench, path)
 

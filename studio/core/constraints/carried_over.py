@@ -2,8 +2,9 @@
 
 import math
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,10 +18,13 @@ from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.procedural import CirclePlace, NoisePlace, PendulumPlace
 from studio.core.curves.activation import ActivationCurve
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys, Quaternion
+from studio.core.curves.retiming import Speed, motion_seconds, playing_seconds, speed_at
+from studio.core.curves.tangents import Tangents
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.rotations import multiply
 
 FloatArray = NDArray[np.float64]
+KeysKind = TypeVar("KeysKind", bound=Keys)
 
 COMING = 0.2
 """Seconds in which a constraint that is active at a clip's end fades in or out."""
@@ -35,13 +39,13 @@ _SWAPPED = {Arms.LEFT: Arms.RIGHT, Arms.RIGHT: Arms.LEFT, Arms.BOTH: Arms.BOTH}
 class Carry:
     """Transform from a motion to where a clip of it plays.
 
-    Second t becomes ``begin`` + t / ``speed``. A position is mirrored (y becomes -y) if ``mirrored``, rotated by
-    ``turn`` radians about Z and moved by ``shift`` metres; offsets in leg lengths are not moved. Constraints are active
-    from ``first`` to ``last`` seconds.
+    Second t becomes ``begin`` and what the motion plays until then at ``speed``. A position is mirrored (y becomes -y)
+    if ``mirrored``, rotated by ``turn`` radians about Z and moved by ``shift`` metres; offsets in leg lengths are not
+    moved. Constraints are active from ``first`` to ``last`` seconds.
     """
 
     begin: float
-    speed: float
+    speed: Speed
     turn: float
     shift: tuple[float, float]
     mirrored: bool
@@ -50,14 +54,30 @@ class Carry:
 
     def goes_on_in(self, after: "Carry", pause: float) -> bool:
         """True if a clip that plays no more than ``pause`` seconds later continues this one."""
-        ours, others = (
-            np.array([each.begin, each.speed, each.turn, *each.shift, each.mirrored]) for each in (self, after)
-        )
-        return bool(-1e-9 <= after.first - self.last <= pause and np.allclose(ours, others, rtol=0.0, atol=1e-4))
+        ours, others = (np.array([each.begin, each.turn, *each.shift, each.mirrored]) for each in (self, after))
+        alike = self.speed == after.speed and np.allclose(ours, others, rtol=0.0, atol=1e-4)
+        return bool(-1e-9 <= after.first - self.last <= pause and alike)
 
     def times(self, times: ArrayLike) -> FloatArray:
         """Seconds where the clip plays, of those of the motion."""
-        return self.begin + np.asarray(times, dtype=np.float64) / self.speed
+        return self.begin + playing_seconds(self.speed, times)
+
+    def retimed(self, keyed: KeysKind, change: Callable[[FloatArray], FloatArray]) -> KeysKind:
+        """``keyed`` with every rate of a free tangent changed, and as much steeper as the motion plays faster there."""
+
+        def changed(tangents: Tangents | None, speed: float) -> Tangents | None:
+            return tangents.with_rates(lambda rate: change(rate) * speed) if tangents else None
+
+        speeds = speed_at(self.speed, keyed.times).tolist()
+        return replace(keyed, tangents=tuple(map(changed, keyed.tangents, speeds)))
+
+    @property
+    def mean_speed(self) -> float:
+        """Speed of the motion on average while its clip plays."""
+        if not isinstance(self.speed, KeyedNumber):
+            return self.speed
+        first, last = motion_seconds(self.speed, (self.first - self.begin, self.last - self.begin)).tolist()
+        return float((last - first) / (self.last - self.first)) if self.last > self.first else 1.0
 
     def ways(self, vectors: ArrayLike) -> FloatArray:
         """Vectors (..., 3), rotated and mirrored."""
@@ -140,21 +160,21 @@ def swapped_sides(name: str) -> str:
 def _value(name: str, value: Any, constraint: Constraint, carry: Carry) -> Any:
     match value:
         case KeyedPlace():
-            places = value.with_rates(lambda rate: carry.ways(rate) * carry.speed)
+            places = carry.retimed(value, carry.ways)
             return replace(places, times=_keys(value, carry), values=_tuples(carry.places(value.values)))
         case KeyedOwnPlace():
-            offsets = value.with_rates(lambda rate: carry.ways(rate) * carry.speed)
+            offsets = carry.retimed(value, carry.ways)
             origin = _own_place(value.origin, carry)
             return replace(offsets, times=_keys(value, carry), values=_tuples(carry.ways(value.values)), origin=origin)
         case KeyedTurn():
             quaternions = carry.turns(value.values, constraint.point.part)
-            turned = value.with_rates(lambda rate: carry.own_rates(rate, constraint.point.part) * carry.speed)
+            turned = carry.retimed(value, lambda rate: carry.own_rates(rate, constraint.point.part))
             return replace(turned, times=_keys(value, carry), values=_tuples(quaternions))
         case KeyedNumber():
             turns = name == "heading"
             numbers = tuple(_heading(each, constraint, carry) for each in value.values) if turns else value.values
             sign = -1.0 if turns and _is_heading_mirrored(constraint, carry) else 1.0
-            scalars = value.with_rates(lambda rate: sign * rate * carry.speed)
+            scalars = carry.retimed(value, lambda rate: sign * rate)
             return replace(scalars, times=_keys(value, carry), values=numbers)
         case CirclePlace() | PendulumPlace() | NoisePlace():
             (x, y, z), seen = carry.places(value.centre).tolist(), value.mirrored() if carry.mirrored else value
@@ -164,7 +184,7 @@ def _value(name: str, value: Any, constraint: Constraint, carry: Carry) -> Any:
                 seen,
                 centre=(x, y, z),
                 heading=seen.heading + carry.turn,
-                seconds=value.seconds / carry.speed,
+                seconds=value.seconds / carry.mean_speed,
                 since=float(carry.times(value.since)),
                 origin=_own_place(value.origin, carry) if value.origin is not None else None,
             )

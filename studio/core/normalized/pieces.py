@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.captures.contacts import CONTACT_POINTS, FOOT_POINTS, ContactInterval, on_ground
+from studio.core.curves.keyed import KeyedNumber
+from studio.core.curves.retiming import Speed, motion_seconds, playing_seconds
 from studio.core.kernels import layout as at
 from studio.core.normalized.joining import Planar
 from studio.core.normalized.mirror import mirrored, mirrored_contacts
@@ -35,7 +37,7 @@ class MotionPiece:
     first: int
     last: int
     start: float = 0.0
-    speed: float = 1.0
+    speed: Speed = 1.0
     mirrored: bool = False
     own: Planar = AS_IT_IS
     joined: bool = True
@@ -46,7 +48,18 @@ class MotionPiece:
     @property
     def end(self) -> float:
         """Seconds at which its last frame plays."""
-        return self.start + (self.last - self.first) / (self.motion.frame_rate * self.speed)
+        rate = self.motion.frame_rate
+        if not isinstance(self.speed, KeyedNumber):
+            return self.start + (self.last - self.first) / (rate * self.speed)
+        first, last = playing_seconds(self.speed, (self.first / rate, self.last / rate)).tolist()
+        return float(self.start + last - first)
+
+    def frames_after(self, seconds: FloatArray) -> FloatArray:
+        """(N,) frames of the motion, not rounded, that play ``seconds`` (N,) after the start."""
+        rate = self.motion.frame_rate
+        if not isinstance(self.speed, KeyedNumber):
+            return np.asarray(self.first + seconds * self.speed * rate)
+        return np.asarray(motion_seconds(self.speed, playing_seconds(self.speed, self.first / rate) + seconds) * rate)
 
     @property
     def is_carried(self) -> bool:
@@ -71,9 +84,7 @@ class Played:
 
     def motion_frames(self, frames: NDArray[Any], timing: Timing) -> FloatArray:
         """(N,) the piece's own frames, not rounded, that play in ``frames`` (N,) of the whole."""
-        own = self.piece
-        seconds = timing.begin + frames / timing.frame_rate - own.start
-        return np.asarray(own.first + seconds * own.speed * own.motion.frame_rate)
+        return self.piece.frames_after(timing.begin + frames / timing.frame_rate - self.piece.start)
 
 
 class ChannelSource(Protocol):

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from studio.core.captures.contacts import FOOT_POINTS, ContactInterval, spans_of
 from studio.core.curves.activation import EaseShape, ease
+from studio.core.curves.retiming import speed_at
 from studio.core.kernels import layout as at
 from studio.core.normalized.differences import difference
 from studio.core.normalized.joining import FOOT_STEP_LIMIT, ClipAlignment, Planar, join, stepping_there
@@ -82,7 +83,7 @@ class AssembledRow:
         self.placement = self._alignment(source, first, first - 1, first - 1).placement
         self.played.append(Played(piece, first, max(last, first), self.placement))
         frames = np.arange(self.played[-1].last + 1)
-        there = self.played[-1].motion_frames(frames, self.timing) > -0.5 * piece.speed
+        there = self.played[-1].motion_frames(frames, self.timing) > -0.5 * speed_at(piece.speed, 0.0)
         source, frames = source.placed(self.placement), np.maximum(frames, frames[there][0])
         self.channels[: len(frames)], self.stands[:, : len(frames)] = source.channels(frames), source.stands(frames)
         self.end = len(frames)

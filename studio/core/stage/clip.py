@@ -3,21 +3,28 @@
 import math
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from studio.core.curves.keyed import KeyedNumber
+from studio.core.curves.retiming import Speed, check_speed, motion_seconds, playing_seconds
 from studio.core.plausible import PLACE_RANGE, TIME_RANGE, TURN_RANGE
 
-SLOWEST_CLIP, FASTEST_CLIP, MOST_REPEATS = 0.1, 10.0, 1000
-"""Times as fast as it was captured, and times that a clip may play."""
+FloatArray = NDArray[np.float64]
+
+MOST_REPEATS = 1000
+"""Times that a clip may play."""
 
 
 @dataclass(frozen=True)
 class Clip:
     """A used stretch of a motion: frames ``first`` to ``last``, both included, from ``start`` seconds.
 
-    It plays ``speed`` times as fast, ``repeats`` times, as seen in a mirror when ``mirrored``. ``joined`` begins it
-    where the clip before has ended; ``turn`` (radians) then turns it about its root, ``offset`` moves it, in leg
-    lengths, since a clip has no body. ``ease`` is how many seconds it takes over in where it overlaps nothing; 0 as
-    many as that needs. ``grip`` says how hands are held while it plays, from open (-1) to fists (1); None as the
-    character has them.
+    It plays ``speed`` times as fast, which may be keyed over the seconds of the motion, ``repeats`` times, as seen in a
+    mirror when ``mirrored``. ``joined`` begins it where the clip before has ended; ``turn`` (radians) then turns it
+    about its root, ``offset`` moves it, in leg lengths, since a clip has no body. ``ease`` is how many seconds it takes
+    over in where it overlaps nothing; 0 as many as that needs. ``grip`` says how hands are held while it plays, from
+    open (-1) to fists (1); None as the character has them.
     """
 
     motion_id: str
@@ -26,7 +33,7 @@ class Clip:
     start: float = 0.0
     id: str = ""
     """Id used by scopes; a copy with the same id is the same clip on another performer."""
-    speed: float = 1.0
+    speed: Speed = 1.0
     repeats: int = 1
     mirrored: bool = False
     joined: bool = True
@@ -41,8 +48,7 @@ class Clip:
         if not math.isfinite(self.start):
             raise ValueError(f"A clip begins at a finite time, not at {self.start}.")
         TIME_RANGE.check((self.start, self.ease))
-        if not (math.isfinite(self.speed) and SLOWEST_CLIP <= self.speed <= FASTEST_CLIP):
-            raise ValueError(f"A clip's speed lies between {SLOWEST_CLIP:g} and {FASTEST_CLIP:g}, got {self.speed}.")
+        check_speed(self.speed)
         if not 1 <= self.repeats <= MOST_REPEATS:
             raise ValueError(f"A clip plays from 1 to {MOST_REPEATS} times, not {self.repeats} times.")
         if not all(math.isfinite(number) for number in (self.turn, *self.offset)):
@@ -56,4 +62,22 @@ class Clip:
 
     def length(self, frame_rate: float) -> float:
         """Seconds on the stage that the clip of a motion of ``frame_rate`` lasts, with all its repeats."""
-        return self.repeats * (self.last - self.first) / (frame_rate * self.speed)
+        if not isinstance(self.speed, KeyedNumber):
+            return self.repeats * (self.last - self.first) / (frame_rate * self.speed)
+        first, last = playing_seconds(self.speed, (self.first / frame_rate, self.last / frame_rate)).tolist()
+        return float(self.repeats * (last - first))
+
+    def stage_seconds(self, seconds: ArrayLike, frame_rate: float) -> FloatArray:
+        """Seconds on the stage at which ``seconds`` of the motion play first, as if the clip had no ends."""
+        if not isinstance(self.speed, KeyedNumber):
+            return np.asarray(self.start + (np.asarray(seconds) - self.first / frame_rate) / self.speed)
+        begin = playing_seconds(self.speed, self.first / frame_rate)
+        return np.asarray(self.start + (playing_seconds(self.speed, seconds) - begin))
+
+    def motion_seconds(self, seconds: ArrayLike, frame_rate: float) -> FloatArray:
+        """Seconds of the motion that play at ``seconds`` of the stage, as if the clip had no ends."""
+        since = np.asarray(seconds) - self.start
+        if not isinstance(self.speed, KeyedNumber):
+            return np.asarray(since * self.speed + self.first / frame_rate)
+        begin = playing_seconds(self.speed, self.first / frame_rate)
+        return motion_seconds(self.speed, begin + since)

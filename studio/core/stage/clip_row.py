@@ -3,9 +3,11 @@
 A clip of one id is one clip on all who play it, as one motion is: an edit is of all of them.
 """
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
+from studio.core.curves.keyed import KeyedNumber
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import Performer, Project
 
@@ -36,13 +38,17 @@ def with_row(performer: Performer, row: Sequence[Clip]) -> Performer:
 
 def frame_at(clip: Clip, frame_rate: float, time: float) -> float:
     """The frame of the motion that plays at a time of the stage, not rounded, as if the clip had no ends."""
-    return clip.first + (time - clip.start) * clip.speed * frame_rate
+    if not isinstance(clip.speed, KeyedNumber):
+        return clip.first + (time - clip.start) * clip.speed * frame_rate
+    return float(clip.motion_seconds(time, frame_rate) * frame_rate)
 
 
 def begun_at(clip: Clip, frame_rate: float, frame: int) -> Clip:
     """The clip from another frame on, which plays when it did; at most to its last one."""
     frame = min(max(frame, 0), clip.last)
-    return replace(clip, first=frame, start=clip.start + (frame - clip.first) / (frame_rate * clip.speed))
+    if not isinstance(clip.speed, KeyedNumber):
+        return replace(clip, first=frame, start=clip.start + (frame - clip.first) / (frame_rate * clip.speed))
+    return replace(clip, first=frame, start=float(clip.stage_seconds(frame / frame_rate, frame_rate)))
 
 
 def ended_at(clip: Clip, frame: int, frame_count: int) -> Clip:
@@ -56,8 +62,9 @@ def split(clip: Clip, frame_rate: float, time: float, names: Iterator[str]) -> t
     Where that is within a repeat, those before and after it are clips of their own. The first keeps the id, ``names``
     are those of the others. Raises ValueError where the clip does not play then, or ends.
     """
-    length = clip.last - clip.first
-    played = round((time - clip.start) * clip.speed * frame_rate)
+    length, once = clip.last - clip.first, clip.length(frame_rate) / clip.repeats
+    whole = min(max(math.floor((time - clip.start) / once), 0), clip.repeats - 1) if once > 0.0 else 0
+    played = whole * length + round(frame_at(clip, frame_rate, time - whole * once)) - clip.first
     if not 0 < played < clip.repeats * length:
         raise ValueError("A clip is split between its first frame and its last. Move the playhead into it.")
     whole, cut = divmod(played, length)

@@ -25,6 +25,7 @@ from studio.core.plausible import PLACE_RANGE, TURN_RANGE
 from studio.core.stage.behaviour import Behaviour, State, Transition
 from studio.core.stage.clip import Clip
 from studio.core.stage.correction import Correction
+from studio.core.stage.footage import Footage
 from studio.core.stage.layer import Layer
 from studio.core.stage.prop import Prop
 from studio.core.stage.saved_camera import SavedCamera
@@ -99,6 +100,7 @@ Entity = (
     | Behaviour
     | SavedCamera
     | SoundTrack
+    | Footage
     | Correction
 )
 
@@ -115,6 +117,7 @@ COLLECTIONS = (
     "behaviours",
     "cameras",
     "sounds",
+    "footage",
     "corrections",
 )
 
@@ -133,6 +136,7 @@ CLASSES: Mapping[str, type] = MappingProxyType(
         "behaviours": Behaviour,
         "cameras": SavedCamera,
         "sounds": SoundTrack,
+        "footage": Footage,
         "corrections": Correction,
     }
 )
@@ -197,6 +201,7 @@ class Project:
     behaviours: Mapping[str, Behaviour] = field(default_factory=dict)
     cameras: Mapping[str, SavedCamera] = field(default_factory=dict)
     sounds: Mapping[str, SoundTrack] = field(default_factory=dict)
+    footage: Mapping[str, Footage] = field(default_factory=dict)
     corrections: Mapping[str, Correction] = field(default_factory=dict)
     carried: Mapping[str, Any] = field(default_factory=dict)
     """JSON, by its place, that a newer version wrote and this one does not know; written back unchanged."""

@@ -1,1 +1,1 @@
-"""Films and sounds, by way of ffmpeg."""
+"""Films, footage and sounds, by way of ffmpeg; what is heard goes out by way of miniaudio."""

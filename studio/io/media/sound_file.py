@@ -1,43 +1,34 @@
 """Sound files, read by the ffmpeg that imageio-ffmpeg brings along; the sound of a film as well."""
 
+import os
 import subprocess
-from collections.abc import Callable
+import tempfile
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import IO
 
 import numpy as np
 from imageio_ffmpeg import get_ffmpeg_exe
+from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.core.names import readable
 from studio.core.stage.beats import beats_of
 from studio.core.stage.sound_track import LOUDEST_PEAK, MOST_SOUND_SECONDS, PEAK_RATE, SoundTrack
-from studio.io.child_process import child_process
+from studio.io.child_process import child_process, wait_for
+from studio.io.media.sound_output import HEARD_CHANNELS, HEARD_RATE
 
 SOUND_SUFFIXES = (".wav", ".mp3", ".m4a", ".aac", ".ogg", ".flac", ".aiff", ".mp4", ".mov", ".webm")
 SOUND_RATE = 11_000
 """Hz at which a sound is read: enough for its waveform and beats."""
-_PIECE = 1 << 18
 
 
 def read_sound(path: Path, alive: Callable[[], object] = lambda: None) -> SoundTrack:
     """The waveform and beats of a file; ``alive`` raises to break off. Raises StudioError."""
-    if not path.is_file():
-        raise StudioError(f"{path.name} is not there any more. Choose another file.")
-    command = [get_ffmpeg_exe(), "-v", "error", "-nostdin", "-t", str(MOST_SOUND_SECONDS), "-i", str(path)]
-    pieces = []
-    with child_process(
-        [*command, "-vn", "-ac", "1", "-ar", str(SOUND_RATE), "-f", "f32le", "-"],
-        subprocess.DEVNULL,
-        subprocess.PIPE,
-        subprocess.DEVNULL,
-    ) as process:
-        assert process.stdout is not None
-        while piece := process.stdout.read(_PIECE):
-            pieces.append(piece)
-            alive()
-    samples = np.frombuffer(b"".join(pieces)[: sum(map(len, pieces)) // 4 * 4], dtype="<f4").astype(np.float64)
-    if not samples.size:
-        raise StudioError(f"{path.name} has no sound that can be read. Choose a WAV, MP3, OGG or FLAC file.")
+    with tempfile.TemporaryFile() as decoded:
+        _decode(path, decoded, ("-ac", "1", "-ar", str(SOUND_RATE), "-f", "f32le"), alive)
+        decoded.seek(0)
+        samples = np.frombuffer(decoded.read(), dtype="<f4").astype(np.float64)
     samples = np.nan_to_num(samples)
     step = round(SOUND_RATE / PEAK_RATE)
     loud = np.abs(np.pad(samples, (0, -len(samples) % step))).reshape(-1, step).max(axis=1)
@@ -45,3 +36,24 @@ def read_sound(path: Path, alive: Callable[[], object] = lambda: None) -> SoundT
     return SoundTrack(
         readable(path.stem), str(path), tuple(peaks.tolist()), tuple(beats_of(samples, SOUND_RATE).tolist())
     )
+
+
+def read_samples(path: Path, alive: Callable[[], object] = lambda: None) -> NDArray[np.int16]:
+    """Samples (N, 2) of a file as they are heard; they lie in a temporary file, so an hour takes no memory.
+
+    ``alive`` raises to break off. Raises StudioError.
+    """
+    with tempfile.TemporaryFile() as decoded:
+        _decode(path, decoded, ("-ac", str(HEARD_CHANNELS), "-ar", str(HEARD_RATE), "-f", "s16le"), alive)
+        return np.memmap(decoded, dtype="<i2", mode="r").reshape(-1, HEARD_CHANNELS)
+
+
+def _decode(path: Path, decoded: IO[bytes], form: Sequence[str], alive: Callable[[], object]) -> None:
+    """Write the sound of a file as bare samples. Raises StudioError where there is none."""
+    if not path.is_file():
+        raise StudioError(f"{path.name} is not there any more. Choose another file.")
+    command = [get_ffmpeg_exe(), "-v", "error", "-nostdin", "-t", str(MOST_SOUND_SECONDS), "-i", str(path), "-vn"]
+    with child_process([*command, *form, "-"], subprocess.DEVNULL, decoded, subprocess.DEVNULL) as process:
+        wait_for(process, alive)
+    if not os.fstat(decoded.fileno()).st_size:
+        raise StudioError(f"{path.name} has no sound that can be read. Choose a WAV, MP3, OGG or FLAC file.")

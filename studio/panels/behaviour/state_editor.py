@@ -7,9 +7,11 @@ from PySide6.QtCore import QSignalBlocker
 from PySide6.QtWidgets import QCheckBox, QLineEdit, QVBoxLayout, QWidget
 
 from studio.core.changed_records import with_fields
+from studio.core.curves.keyed import KeyedNumber
+from studio.core.curves.retiming import FASTEST_CLIP, SLOWEST_CLIP, speed_at
 from studio.core.stage import behaviour_edits as edits
 from studio.core.stage.behaviour import State
-from studio.core.stage.clip import FASTEST_CLIP, SLOWEST_CLIP, Clip
+from studio.core.stage.clip import Clip
 from studio.core.stage.clip_row import players_of
 from studio.core.stage.manners import KeepDistance, LeanAway, Manner, Meet
 from studio.core.stage.project import new_id
@@ -95,7 +97,9 @@ class StateEditor(PartEditor[State]):
         for widget in self._clip_fields:
             widget.setEnabled(clip is not None)
         if clip is not None:
-            for number, value in ((self._first, clip.first), (self._last, clip.last), (self._speed, clip.speed)):
+            speed = float(speed_at(clip.speed, clip.first / self.document.project.frame_rate_of(clip)))
+            self._speed.setEnabled(not isinstance(clip.speed, KeyedNumber))
+            for number, value in ((self._first, clip.first), (self._last, clip.last), (self._speed, speed)):
                 number.show_value(value)
         starts = self.behaviour.start == state.name
         mirrored = clip is not None and clip.mirrored

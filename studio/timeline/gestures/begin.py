@@ -10,7 +10,7 @@ from studio.timeline.gestures.correction import DragCorrectionRange, MoveCorrect
 from studio.timeline.gestures.gesture import TimelineGesture
 from studio.timeline.gestures.hold import DragHold
 from studio.timeline.gestures.label import DragLabel
-from studio.timeline.gestures.sound import MoveSound
+from studio.timeline.gestures.media import MoveMedia
 from studio.timeline.gestures.view import Scrub
 from studio.timeline.shown import EDGES, HANDLES, Hit, ItemPart, RowContext
 
@@ -35,8 +35,8 @@ def gesture_at(hit: Hit, shown: RowContext, press: QPointF, stretch: bool = Fals
         return (StretchClip if stretch else TrimClip)(shown, hit.id, hit.part, press)
     if hit.kind == "props" and (hit.part == ItemPart.BODY or hit.part in EDGES):
         return DragHold(shown, hit.id, hit.part, press)
-    if hit.kind == "sounds" and hit.part == ItemPart.BODY:
-        return MoveSound(shown, hit.id, press)
+    if hit.kind in ("sounds", "footage") and hit.part == ItemPart.BODY:
+        return MoveMedia(shown, hit.kind, hit.id, press)
     if hit.kind == "labels" and hit.id:
         return DragLabel(shown, hit.id, hit.part, press)
     if hit.kind == "contacts":
@@ -44,7 +44,7 @@ def gesture_at(hit: Hit, shown: RowContext, press: QPointF, stretch: bool = Fals
     return None
 
 
-MOVED = ("constraints", "contacts", "clips", "props", "labels", "corrections", "sounds")
+MOVED = ("constraints", "contacts", "clips", "props", "labels", "corrections", "sounds", "footage")
 """Kinds of things whose bars are dragged as a whole."""
 
 
@@ -67,6 +67,8 @@ def items_of(hit: Hit) -> tuple[tuple[str, str], ...]:
     """Items that a click selects: a clip with the performer of its row."""
     if hit.kind == "clips":
         return ("performers", hit.performer_id), ("clips", hit.id)
+    if hit.kind == "clip" and hit.part == ItemPart.KEY:
+        return ("performers", hit.id), hit.keys[0].field.item
     if hit.part == ItemPart.KEY and hit.kind not in ("growth", "props", "constraints", "corrections"):
         return ()
     if hit.kind == "growth":
@@ -74,7 +76,10 @@ def items_of(hit: Hit) -> tuple[tuple[str, str], ...]:
     if (
         hit.kind == "contacts"
         or (hit.kind == "labels" and hit.id)
-        or (hit.kind in ("constraints", "performers", "props", "corrections", "sounds") and hit.part != ItemPart.EMPTY)
+        or (
+            hit.kind in ("constraints", "performers", "props", "corrections", "sounds", "footage")
+            and hit.part != ItemPart.EMPTY
+        )
     ):
         return ((hit.kind, hit.id),)
     return ()

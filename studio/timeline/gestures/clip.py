@@ -3,10 +3,11 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-import numpy as np
 from PySide6.QtCore import QPointF
 
-from studio.core.stage.clip import FASTEST_CLIP, SLOWEST_CLIP, Clip
+from studio.core.curves.keyed import KeyedNumber
+from studio.core.curves.retiming import scaled_speed
+from studio.core.stage.clip import Clip
 from studio.core.stage.clip_row import ClipEdit, begun_at, edited, ended_at, frame_at, players_of
 from studio.core.stage.project import Performer
 from studio.document.clip_edits import name_of
@@ -130,8 +131,9 @@ class TrimClip(ClipGesture):
         if self.part == ItemPart.FIRST:
             return begun_at(clip, rate, min(max(round(frame_at(clip, rate, clip.start + seconds)), 0), clip.last))
         count = project.captures[project.motions[clip.motion_id].capture_id].poses.frame_count
-        way = round(seconds * rate * clip.speed / clip.repeats)
-        return ended_at(clip, max(min(clip.last + way, count - 1), clip.first), count)
+        once = clip.length(rate) / clip.repeats
+        last = round(frame_at(clip, rate, clip.start + once + seconds / clip.repeats))
+        return ended_at(clip, max(min(last, count - 1), clip.first), count)
 
 
 class StretchClip(ClipGesture):
@@ -164,8 +166,8 @@ class StretchClip(ClipGesture):
         caught = self.snap(grabbed + self.moved(position), free)
         wanted = end - caught.time if first else caught.time - old.start
         length = end - old.start
-        speed = float(np.clip(old.speed * length / max(wanted, SHORTEST_STRETCH), SLOWEST_CLIP, FASTEST_CLIP))
-        change = length * old.speed / speed - length
+        speed = scaled_speed(old.speed, length / max(wanted, SHORTEST_STRETCH))
+        change = replace(old, speed=speed).length(self.shown.project.frame_rate_of(old)) - length
         shift = -change if first else change
 
         def edit(clip: Clip) -> tuple[Clip, ...]:
@@ -174,7 +176,10 @@ class StretchClip(ClipGesture):
             return (replace(clip, speed=speed, start=clip.start + (shift if first else 0.0)),)
 
         self.put_each(edit)
-        self.mark = DragHint(grabbed + shift, f"{speed:.3g} × as fast  {length + change:.3f} s", caught.caught)
+        words = f"{length / max(length + change, SHORTEST_STRETCH):.3g} × what it was"
+        if not isinstance(speed, KeyedNumber):
+            words = f"{speed:.3g} × as fast"
+        self.mark = DragHint(grabbed + shift, f"{words}  {length + change:.3f} s", caught.caught)
 
 
 def end_of(shown: RowContext, clip: Clip) -> float:

@@ -4,6 +4,7 @@ from PySide6.QtCore import QPointF, QRect, QRectF, Qt
 from PySide6.QtGui import QColor, QFontMetrics, QPainter, QPainterPath, QPen, QPolygonF
 
 from studio.core.curves.activation import EaseShape, ease
+from studio.core.curves.keyed import KeyedNumber
 from studio.core.stage.clip import Clip
 from studio.document import colours
 from studio.engine.empty_stage import HIDDEN, empty_words
@@ -37,7 +38,10 @@ def clip_text(shown: RowContext, clip: Clip) -> str:
     """``front_kick · 70 frames at 30 Hz``, and how it plays where that is not as it is."""
     motion, frames = shown.project.motions[clip.motion_id], clip.last - clip.first + 1
     words = [motion.name, f"{frames} frame{'' if frames == 1 else 's'} at {rate(shown.project.frame_rate_of(clip))}"]
-    words += [f"{clip.speed:g} × as fast"] if clip.speed != 1.0 else []
+    if isinstance(clip.speed, KeyedNumber):
+        words.append("keyed speed")
+    elif clip.speed != 1.0:
+        words.append(f"{clip.speed:g} × as fast")
     words += [f"{clip.repeats} times"] if clip.repeats > 1 else []
     words += ["mirrored"] if clip.mirrored else []
     return PARTED.join(words)

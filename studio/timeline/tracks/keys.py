@@ -10,7 +10,16 @@ from PySide6.QtGui import QColor, QPainter
 from studio.core.curves.activation import ActivationCurve
 from studio.core.curves.keyed import Keys
 from studio.document import colours
-from studio.document.keyed_fields import Keyed, KeyedField, KeyRef, fields_of, keyed_value, selected_fields
+from studio.document.clip_edits import name_of
+from studio.document.keyed_fields import (
+    Keyed,
+    KeyedField,
+    KeyRef,
+    counted_in,
+    fields_of,
+    keyed_value,
+    selected_fields,
+)
 from studio.timeline.shown import RowContext, TimelineRow, label_area
 from studio.timeline.tracks.brush import KEY_REACH, paint_bar, paint_key, paint_label, translucent
 from studio.timeline.tracks.layer import INDENT
@@ -54,6 +63,7 @@ def sheet_fields(shown: RowContext) -> dict[KeyedField, Keyed]:
         *(("props", key, each) for key, each in project.props.items()),
         *(("corrections", key, each) for key, each in project.corrections.items()),
         *(("characters", key, project.characters[key]) for key in characters),
+        *(("clips", clip.id, clip) for clip in project.performers[performer_id].clips),
     )
     return {field: value for entity in entities for field, value in fields_of(*entity).items()}
 
@@ -67,6 +77,9 @@ def rows_of(shown: RowContext) -> list[tuple[str, str, int]]:
 def fields_in(shown: RowContext, row: TimelineRow) -> tuple[KeyedField, ...]:
     """The fields whose keys a row shows; a constraint's bar shows its activation by handles of its own."""
     match row.kind:
+        case "clip":
+            clips = shown.project.performers[row.id].clips
+            return tuple(field for clip in clips for field in _keys_of(shown, "clips", clip.id))
         case "summary":
             return tuple(sheet_fields(shown))
         case "sheet":
@@ -87,7 +100,8 @@ def stage_times(shown: RowContext, field: KeyedField) -> FloatArray:
     """(K,) seconds of the stage at which the keys of a field lie."""
     value = keyed_value(shown.project, field)
     times = value.seconds if isinstance(value, Keys) else np.array(value.times if value is not None else ())
-    return np.asarray(shown.subject.to_stage(times)) if field.collection == "constraints" else times
+    counted = counted_in(shown.project, shown.subject.clip, field)
+    return times if counted is None else counted.stage_seconds(times, shown.project.frame_rate_of(counted))
 
 
 def keys_between(shown: RowContext, fields: Iterable[KeyedField], begin: float, end: float) -> tuple[KeyRef, ...]:
@@ -176,7 +190,9 @@ def paint_sheet_label(painter: QPainter, row: TimelineRow, area: QRect, shown: R
 def row_words(shown: RowContext, row: TimelineRow) -> str:
     """``Kick target · target``."""
     field = field_of(row.id)
-    return f"{getattr(shown.project.get(*field.item), 'name', '')} · {field_words(field)}"
+    entity = shown.project.get(*field.item)
+    name = name_of(shown.project, entity) if field.collection == "clips" and entity else getattr(entity, "name", "")
+    return f"{name} · {field_words(field)}"
 
 
 def field_words(field: KeyedField) -> str:

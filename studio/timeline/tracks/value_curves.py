@@ -11,7 +11,7 @@ from PySide6.QtGui import QColor, QPainter, QPolygonF
 
 from studio.document import colours
 from studio.document.channels import Channel, Side, channels_of, handle_of, key_values, values_at
-from studio.document.keyed_fields import Keyed, KeyedField, KeyRef, keyed_value, selected_fields
+from studio.document.keyed_fields import Keyed, KeyedField, KeyRef, counted_in, keyed_value, selected_fields, to_stage
 from studio.timeline.shown import ROW_LABEL_WIDTH, RowContext, within
 from studio.timeline.tracks.brush import font, hairline, paint_dot, paint_key, translucent
 
@@ -81,7 +81,7 @@ class ValueCurves:
             if keys and channel.field not in keys:
                 continue
             chosen = list(keys.get(channel.field, range(len(values))))
-            found.setdefault(channel.unit, []).extend(values[chosen].tolist())
+            found.setdefault(channel.unit, []).extend([*values[chosen].tolist(), *_baseline(channel)])
             times += [stage_time(shown, channel.field, keyed.times[place]) for place in chosen]
             if not keys:
                 span = np.linspace(keyed.times[0], keyed.times[-1], 200)
@@ -97,7 +97,10 @@ class ValueCurves:
                 value
                 for channel, keyed in self.channels(shown)
                 if channel.unit == unit
-                for value in values_at(channel, keyed, np.linspace(keyed.times[0], keyed.times[-1], 200)).tolist()
+                for value in (
+                    *values_at(channel, keyed, np.linspace(keyed.times[0], keyed.times[-1], 200)).tolist(),
+                    *_baseline(channel),
+                )
             ]
             self.ranges[unit] = _framed(values, unit)
         return self.ranges[unit]
@@ -237,18 +240,23 @@ def colour_of(channel: Channel) -> str:
 
 def stage_time(shown: RowContext, field: KeyedField, seconds: float) -> float:
     """Seconds of the stage at which seconds of a field lie."""
-    return float(shown.subject.to_stage(seconds)) if field.collection == "constraints" else seconds
+    return to_stage(shown.project, shown.subject.clip, field, seconds)
 
 
 def own_times(shown: RowContext, field: KeyedField, stage: ArrayLike) -> FloatArray:
     """The opposite of ``stage_time``, for one or many."""
     seconds = np.asarray(stage, dtype=np.float64)
-    return np.asarray(shown.subject.to_motion(seconds)) if field.collection == "constraints" else seconds
+    counted = counted_in(shown.project, shown.subject.clip, field)
+    return seconds if counted is None else counted.motion_seconds(seconds, shown.project.frame_rate_of(counted))
 
 
 def value_in(shown: RowContext, channel: Channel) -> Keyed | None:
     """Keyed value of a channel."""
     return keyed_value(shown.project, channel.field)
+
+
+def _baseline(channel: Channel) -> tuple[float, ...]:
+    return () if channel.baseline is None else (channel.baseline,)
 
 
 def _framed(values: Iterable[float], unit: str) -> ValueRange:

@@ -7,6 +7,8 @@ import numpy as np
 
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.carried_over import NEVER, Carry, carried_over
+from studio.core.curves.keyed import KeyedNumber
+from studio.core.curves.retiming import playing_seconds
 from studio.core.normalized.compose import Composite
 from studio.core.normalized.joining import Planar
 from studio.core.normalized.layers import PlayedLayer, layered
@@ -111,7 +113,13 @@ def pieces_of(
 def carry_of(played: Played, timing: Timing, leg_length: float) -> Carry:
     """Mapping of constraints from a piece's motion to where it plays, on a body of that leg length."""
     piece, placement = played.piece, played.placement
-    begin = piece.start - timing.begin - piece.first / (piece.motion.frame_rate * piece.speed)
+    rate = piece.motion.frame_rate
+    before = (
+        float(playing_seconds(piece.speed, piece.first / rate))
+        if isinstance(piece.speed, KeyedNumber)
+        else piece.first / (rate * piece.speed)
+    )
+    begin = piece.start - timing.begin - before
     x, y = (leg_length * np.array(placement.offset)).tolist()
     ends = played.first / timing.frame_rate, played.last / timing.frame_rate
     return Carry(begin, piece.speed, placement.turn, (x, y), piece.mirrored, *ends)

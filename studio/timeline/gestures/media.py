@@ -1,21 +1,21 @@
-"""Drags of a sound track in time."""
+"""Drags of sound tracks and footage in time."""
 
 from dataclasses import replace
 
 from PySide6.QtCore import QPointF
 
+from studio.core.stage.footage import Footage
 from studio.core.stage.sound_track import SoundTrack
 from studio.timeline.gestures.gesture import DragHint, EditGesture
 from studio.timeline.shown import RowContext
 from studio.timeline.time_words import moment
 
 
-class MoveSound(EditGesture[SoundTrack]):
-    """Drag the bar of a sound to let it begin at another time."""
+class MoveMedia(EditGesture[SoundTrack | Footage]):
+    """Drag the bar of a sound or of footage to let it begin at another time."""
 
-    collection = "sounds"
-
-    def __init__(self, shown: RowContext, entity_id: str, press: QPointF) -> None:
+    def __init__(self, shown: RowContext, collection: str, entity_id: str, press: QPointF) -> None:
+        self.collection = collection
         super().__init__(shown, entity_id, press)
         self.text = f"Move {self.original.name}"
 

@@ -1,0 +1,91 @@
+"""Reference footage in step with the playhead: the frame of the moment in its panel."""
+
+from pathlib import Path
+
+from PySide6.QtCore import QObject
+
+from studio.app.relinking import known_folders, offer_media_relinking
+from studio.app.workbench import Workbench
+from studio.core.stage.footage import Footage
+from studio.engine.footage_frames import FootageFrame, FootageFrames
+from studio.io.media.media_files import MediaMissing, find_media
+from studio.panels.footage_view import NO_FOOTAGE_HINT, FootageView
+
+
+class FootagePlayback(QObject):
+    """Follows the playhead while the panel is seen; files are found once a session."""
+
+    def __init__(self, bench: Workbench, parent: QObject) -> None:
+        super().__init__(parent)
+        self._bench, self.view, self.frames = bench, FootageView(), FootageFrames(self)
+        self._found: dict[str, Path | None] = {}
+        """Files by the source of the footage; None where it is nowhere or cannot be read."""
+        self._shown: FootageFrame | None = None
+        document = bench.document
+        document.playhead.changed.connect(self._refresh)
+        document.entity_changed.connect(self._follow_edit)
+        document.selection.changed.connect(self._refresh)
+        document.project_opened.connect(self._forget)
+        self.view.opened.connect(self._refresh)
+        self.frames.frame_ready.connect(self._refresh)
+        self.frames.failed.connect(self._refuse)
+
+    def close(self) -> None:
+        """End the reading."""
+        self.frames.close()
+
+    def _footage(self) -> Footage | None:
+        """The selected footage, else the first one that has a frame at the playhead, else the first."""
+        document = self._bench.document
+        footage = document.project.footage
+        selected = [footage[key] for key in document.selection.of("footage") if key in footage]
+        seen = [each for each in footage.values() if each.frame_at(document.playhead.time) is not None]
+        return next(iter((*selected, *seen, *footage.values())), None)
+
+    def _refresh(self) -> None:
+        if not self.view.isVisible():
+            return
+        footage = self._footage()
+        if footage is None:
+            self._show_nothing(NO_FOOTAGE_HINT)
+            return
+        path, index = self._path_of(footage), footage.frame_at(self._bench.document.playhead.time)
+        if path is None:
+            self._show_nothing(f"{Path(footage.source).name} cannot be shown.")
+        elif index is None:
+            self._show_nothing(f"{footage.name} has no frame at this time.")
+        elif (frame := FootageFrame(path, footage.file_rate, footage.frames, index)) != self._shown:
+            picture = self.frames.picture(frame)
+            if picture is None:  # the one of a moment before stays until it is read
+                if self.view.image.isNull():
+                    self._show_nothing(f"Reading {footage.name}")
+            else:
+                self._shown = frame
+                self.view.show_picture(picture, f"{footage.name}, frame {index + 1} of {footage.frames}")
+
+    def _show_nothing(self, words: str) -> None:
+        self._shown = None
+        self.view.show_picture(None, words)
+
+    def _path_of(self, footage: Footage) -> Path | None:
+        source = footage.source
+        if source not in self._found:
+            try:
+                self._found[source] = find_media(source, footage.name, known_folders(self._bench))
+            except MediaMissing as error:
+                self._found[source] = None
+                offer_media_relinking(self._bench, "footage", source, error)
+        return self._found[source]
+
+    def _follow_edit(self, collection: str) -> None:
+        if collection == "footage":
+            self._refresh()
+
+    def _forget(self) -> None:
+        self._found.clear()
+        self._refresh()
+
+    def _refuse(self, path: str, sentence: str) -> None:
+        self._found = {key: None if str(each) == path else each for key, each in self._found.items()}
+        self._bench.say(sentence)
+        self._refresh()

@@ -1,0 +1,42 @@
+"""Reference footage on the stage: a film or numbered pictures, when it begins, and how fast it is shown."""
+
+import math
+from dataclasses import dataclass
+
+from studio.core.plausible import TIME_RANGE
+
+FOOTAGE_RATES = (0.1, 1000.0)
+"""Least and most frames a second at which footage is shown."""
+
+
+@dataclass(frozen=True)
+class Footage:
+    """A film, or pictures with a running number, seen from second ``start`` of the stage on."""
+
+    name: str
+    source: str
+    """Path of the film, or of the first picture."""
+    frames: int
+    file_rate: float
+    """Frames a second of the film; of pictures, as they were added."""
+    frame_rate: float
+    """Frames that are shown in a second of the stage."""
+    start: float = 0.0
+
+    def __post_init__(self) -> None:
+        least, most = FOOTAGE_RATES
+        if not all(least <= rate <= most for rate in (self.file_rate, self.frame_rate)):
+            raise ValueError(f"The footage '{self.name}' has from {least:g} to {most:g} frames a second.")
+        if self.frames < 1 or not math.isfinite(self.start):
+            raise ValueError(f"The footage '{self.name}' has at least a frame and begins at a finite second.")
+        TIME_RANGE.check((self.start,))
+
+    @property
+    def end(self) -> float:
+        """Second of the stage at which its last frame is over."""
+        return self.start + self.frames / self.frame_rate
+
+    def frame_at(self, seconds: float) -> int | None:
+        """Frame that is seen at a second of the stage, from 0 on; None before the first and after the last."""
+        frame = math.floor((seconds - self.start) * self.frame_rate + 1e-6)
+        return frame if 0 <= frame < self.frames else None

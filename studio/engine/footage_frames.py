@@ -1,0 +1,133 @@
+"""Frames of reference footage, read beside the window; the last ones are kept in bounded memory."""
+
+import threading
+from collections import OrderedDict
+from collections.abc import Generator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QObject, Signal
+
+from studio.core.errors import StudioError
+from studio.engine.background_tasks import CLOSE_WAIT_SECONDS, join_all
+from studio.io.media.footage_file import footage_frames
+
+Picture = NDArray[np.uint8]
+
+CACHED_BYTES = 192 * 2**20
+"""Memory of the frames that are kept: at least three seconds of a film."""
+READ_AHEAD = 24
+"""Frames that are read with one that is shown, in the direction of playback."""
+WORTH_READING_ON = 60
+"""Frames up to which reading on is faster than seeking."""
+
+
+@dataclass(frozen=True)
+class FootageFrame:
+    """Frame ``index`` of the ``count`` frames of a film or of numbered pictures of ``file_rate`` frames a second."""
+
+    path: Path
+    file_rate: float
+    count: int
+    index: int
+
+
+class FootageFrames(QObject):
+    """One thread reads what was asked for last, then reads ahead."""
+
+    frame_ready = Signal()
+    """The frame that was asked for last can be had."""
+    failed = Signal(str, str)
+    """Path of a file that cannot be read, and a sentence."""
+
+    def __init__(self, parent: QObject | None = None, cached_bytes: int = CACHED_BYTES) -> None:
+        super().__init__(parent)
+        self._kept: OrderedDict[tuple[Path, int], Picture] = OrderedDict()
+        self._bytes, self._most_bytes = 0, cached_bytes
+        self._wanted: FootageFrame | None = None
+        self._refused: set[Path] = set()
+        self._changed = threading.Condition()
+        self._closed = False
+        self._thread: threading.Thread | None = None
+        self._reading: Generator[Picture, None, None] | None = None
+        self._place: tuple[Path, int] | None = None
+        """File that is being read, and the index of the frame that comes next."""
+
+    @property
+    def bytes_kept(self) -> int:
+        """Bytes of the frames that are kept."""
+        return self._bytes
+
+    def picture(self, frame: FootageFrame) -> Picture | None:
+        """Picture of a frame; None where it is read first, until ``frame_ready``."""
+        with self._changed:
+            self._wanted = frame
+            self._changed.notify()
+            found = self._kept.get((frame.path, frame.index))
+            if found is not None:
+                self._kept.move_to_end((frame.path, frame.index))
+        if self._thread is None and not self._closed:
+            self._thread = threading.Thread(target=self._serve, name="footage", daemon=True)
+            self._thread.start()
+        return found
+
+    def close(self) -> None:
+        """End the thread, and the process from which it reads."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify()
+        if self._thread is not None:
+            join_all((self._thread,), CLOSE_WAIT_SECONDS)
+
+    def _serve(self) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._closed or self._missing() is not None)
+                frame, missing = self._wanted, self._missing()
+            if self._closed or frame is None or missing is None:
+                break
+            try:
+                self._read(frame, missing)
+            except StudioError as error:
+                self._refused.add(frame.path)
+                self.failed.emit(str(frame.path), str(error))
+        self._let_go()
+
+    def _missing(self) -> int | None:
+        """Index of the frame to be read next, or None."""
+        wanted = self._wanted
+        if wanted is None or wanted.path in self._refused:
+            return None
+        first, last = wanted.index, min(wanted.index + READ_AHEAD, wanted.count - 1)
+        if (wanted.path, first + 1) in self._kept and (wanted.path, first) not in self._kept:
+            first, last = max(first - READ_AHEAD, 0), first  # played backwards
+        return next((k for k in range(first, last + 1) if (wanted.path, k) not in self._kept), None)
+
+    def _read(self, frame: FootageFrame, index: int) -> None:
+        """Read the next frame of the file on the way to ``index``; from there, where that is faster."""
+        if self._place is None or self._place[0] != frame.path or not 0 <= index - self._place[1] <= WORTH_READING_ON:
+            self._let_go()
+            self._reading, self._place = footage_frames(frame.path, frame.file_rate, index), (frame.path, index)
+        assert self._reading is not None
+        _, k = self._place
+        picture = next(self._reading, None)
+        if picture is None:  # the film has fewer frames than it says: the last one stays
+            picture = self._kept.get((frame.path, k - 1), np.zeros((1, 1, 3), np.uint8))
+        self._place = frame.path, k + 1
+        with self._changed:
+            replaced = self._kept.pop((frame.path, k), None)
+            self._kept[frame.path, k] = picture
+            self._bytes += picture.nbytes - (replaced.nbytes if replaced is not None else 0)
+            while self._bytes > self._most_bytes and len(self._kept) > 1:
+                self._bytes -= self._kept.popitem(last=False)[1].nbytes
+            shown = self._wanted is not None and (self._wanted.path, self._wanted.index) == (frame.path, k)
+        if shown:
+            self.frame_ready.emit()
+
+    def _let_go(self) -> None:
+        """End the process from which it reads."""
+        if self._reading is not None:
+            self._reading.close()
+        self._reading = self._place = None

@@ -1,0 +1,22 @@
+"""Files of sounds and footage that have moved: found by their name in folders that are known."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from studio.core.errors import StudioError
+
+
+class MediaMissing(StudioError):  # noqa: N818 - it names what is the case
+    """The file of a sound or of footage is nowhere where the studio looked."""
+
+
+def find_media(source: str, name: str, folders: Iterable[Path]) -> Path:
+    """The file or folder ``source`` of the sound or footage ``name``, or one of its name in ``folders``.
+
+    Raises MediaMissing where there is neither.
+    """
+    path = Path(source)
+    found = next((each for each in (path, *(folder / path.name for folder in folders)) if each.exists()), None)
+    if found is None:
+        raise MediaMissing(f"The file {path.name} of {name} cannot be found. Relink it.")
+    return found

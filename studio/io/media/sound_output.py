@@ -1,0 +1,170 @@
+"""Sounds of a stage, heard in step with its playhead, by way of miniaudio."""
+
+import threading
+import time
+from collections.abc import Callable, Generator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.errors import StudioError
+from studio.core.stage.playback_run import PlaybackRun
+
+if TYPE_CHECKING:
+    import miniaudio
+
+FloatArray = NDArray[np.float64]
+
+HEARD_RATE = 48_000
+"""Samples a second of what is heard."""
+HEARD_CHANNELS = 2
+PERIOD_MILLISECONDS, PERIODS = 40, 3
+"""Length and number of the pieces that the device asks for: enough for a busy window, and few for a seek."""
+SETTLING_PIECES = 12
+"""Pieces after which the lead of what is asked over what is heard is known."""
+LEAD_SECONDS, MOST_STRETCH = 5.0, 0.005
+"""Seconds in which a deviation of the lead is taken back, and how much faster or slower the sound then is at most."""
+LOST_SECONDS = 0.1
+"""Deviation of the lead after which the sound jumps: the device has had nothing to play."""
+SILENT_SECONDS = 0.5
+"""Seconds of silence after which the device is let go."""
+
+
+@dataclass(frozen=True, eq=False)
+class HeardSound:
+    """Samples (N, 2) of 16 bits at ``HEARD_RATE`` that begin at stage second ``start``."""
+
+    samples: NDArray[np.int16]
+    start: float
+
+
+def mix(sounds: Sequence[HeardSound], seconds: FloatArray) -> NDArray[np.float32]:
+    """(N, 2) samples from -1 to 1 at the stage's ``seconds`` (N,); silence where these are NaN."""
+    mixed = np.zeros((len(seconds), HEARD_CHANNELS), dtype=np.float32)
+    for sound in sounds:
+        places = (seconds - sound.start) * HEARD_RATE
+        inside = (places >= 0.0) & (places < len(sound.samples) - 1)
+        before = places[inside].astype(np.int64)
+        part = (places[inside] - before)[:, None]
+        mixed[inside] += ((1.0 - part) * sound.samples[before] + part * sound.samples[before + 1]) / 32768.0
+    return np.clip(mixed, -1.0, 1.0)
+
+
+class StreamClock:
+    """Clock seconds at which the samples of a stream are heard, from the moments at which its device asks for them.
+
+    A device asks in pieces and not evenly, and its samples a second are not quite those of the clock. So the lead of
+    what is asked over the clock is measured once, and kept by playing a little faster or slower.
+    """
+
+    def __init__(self) -> None:
+        self._heard: float | None = None
+        self._leads: list[float] = []
+
+    def advance(self, now: float, count: int) -> FloatArray:
+        """(count,) clock seconds at which the next samples are heard, which the device asks for ``now``."""
+        if self._heard is None:
+            self._heard = now
+        error = 0.0
+        if len(self._leads) < SETTLING_PIECES:
+            self._leads.append(self._heard - now)
+        else:
+            error = now + float(np.median(self._leads)) - self._heard
+        if abs(error) > LOST_SECONDS:
+            self._heard, error = self._heard + error, 0.0
+        stretch = 1.0 + min(max(error / LEAD_SECONDS, -MOST_STRETCH), MOST_STRETCH)
+        seconds = self._heard + np.arange(count) * (stretch / HEARD_RATE)
+        self._heard += count * stretch / HEARD_RATE
+        return np.asarray(seconds)
+
+
+class SoundOutput:
+    """The system's sound device, which a thread of its own opens while there is something to hear.
+
+    ``report`` is called on that thread with a sentence where nothing can be heard. ``backends`` names those of
+    miniaudio that may be taken; by default all of the system, but not the one that discards what it is given.
+    """
+
+    def __init__(
+        self,
+        report: Callable[[str], object],
+        clock: Callable[[], float] = time.monotonic,
+        backends: Sequence[str] = (),
+    ) -> None:
+        self._report, self._clock, self._backends = report, clock, backends
+        self._run: PlaybackRun | None = None
+        self._sounds: tuple[HeardSound, ...] = ()
+        self._last_wanted = 0.0
+        self._wanted, self._closed = threading.Event(), False
+        self._thread: threading.Thread | None = None
+
+    def play(self, run: PlaybackRun, sounds: Sequence[HeardSound]) -> None:
+        """Let ``sounds`` be heard as the stage runs; may be called at every move of the playhead."""
+        self._run, self._sounds, self._last_wanted = run, tuple(sounds), self._clock()
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._serve, name="sound", daemon=True)
+            self._thread.start()
+        self._wanted.set()
+
+    def pause(self) -> None:
+        """Fall silent at once; the device is let go a little later."""
+        self._run = None
+
+    def close(self) -> None:
+        """Let go of the device."""
+        self._run, self._closed = None, True
+        self._wanted.set()
+        if self._thread is not None:
+            self._thread.join(SILENT_SECONDS)
+
+    def _serve(self) -> None:
+        while self._wanted.wait() and not self._closed:
+            try:
+                with self._open() as device:
+                    samples = self._samples()
+                    next(samples)
+                    device.start(samples)
+                    while self._is_wanted() and not self._closed:
+                        time.sleep(SILENT_SECONDS / 10.0)
+            except StudioError as error:
+                self._report(str(error))
+            self._wanted.clear()
+
+    def _is_wanted(self) -> bool:
+        return self._clock() - self._last_wanted < SILENT_SECONDS
+
+    def _open(self) -> "miniaudio.PlaybackDevice":
+        try:
+            import miniaudio
+        except ImportError as error:
+            raise StudioError(
+                "Sounds are shown but not heard: the package miniaudio is not installed. Install it by"
+                " pip install miniaudio."
+            ) from error
+        chosen = [miniaudio.Backend[name] for name in self._backends]
+        try:
+            return miniaudio.PlaybackDevice(
+                miniaudio.SampleFormat.FLOAT32,
+                HEARD_CHANNELS,
+                HEARD_RATE,
+                PERIOD_MILLISECONDS,
+                callback_periods=PERIODS,
+                backends=chosen or [each for each in miniaudio.Backend if each is not miniaudio.Backend.NULL],
+                app_name="Morpho Studio",
+            )
+        except miniaudio.MiniaudioError as error:
+            raise StudioError(
+                "Sounds are shown but not heard: no sound device was found. Connect one and press play again."
+            ) from error
+
+    def _samples(self) -> Generator[Any, int, None]:
+        """Samples for a device that sends how many it needs, forever."""
+        stream = StreamClock()
+        count = yield b""
+        while True:
+            seconds = stream.advance(self._clock(), count)
+            run = self._run
+            heard = np.full(count, np.nan) if run is None else run.stage_seconds(seconds)
+            count = yield mix(self._sounds, heard)

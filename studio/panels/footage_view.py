@@ -1,0 +1,67 @@
+"""Reference footage at the playhead: a frame as large as the panel has room, and words below it."""
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QPoint, QRect, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QShowEvent
+from PySide6.QtWidgets import QWidget
+
+from studio.document import colours
+
+BELOW_PX = 20
+NO_FOOTAGE_HINT = "No footage yet. File > Add footage… puts a film or numbered pictures on the timeline."
+
+
+class FootageView(QWidget):
+    """Shows one picture at a time and keeps it until another one comes."""
+
+    opened = Signal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setObjectName("panel")
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        self.setAccessibleName("Reference footage")
+        self.setMinimumHeight(190)
+        self._image = QImage()
+        self.words = NO_FOOTAGE_HINT
+        """Words below the picture."""
+
+    def sizeHint(self) -> QSize:
+        return QSize(316, 210)
+
+    def show_picture(self, picture: NDArray[np.uint8] | None, words: str) -> None:
+        """Show a picture (height, width, 3), or none, and words below it."""
+        self.words = words
+        self.setAccessibleDescription(words)
+        self.update()
+        if picture is None:
+            self._image = QImage()
+        else:
+            height, width, _ = picture.shape
+            image = QImage(np.ascontiguousarray(picture).data, width, height, 3 * width, QImage.Format.Format_RGB888)
+            self._image = image.copy()  # its own memory: the frame may go
+
+    @property
+    def image(self) -> QImage:
+        """The picture that is shown; null if there is none."""
+        return self._image
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Ask for the picture of this moment."""
+        super().showEvent(event)
+        self.opened.emit()
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        """The picture, in its proportions, over the words."""
+        area = self.rect().adjusted(0, 0, 0, -BELOW_PX)
+        with QPainter(self) as painter:
+            painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
+            if not self._image.isNull():
+                size = self._image.size().scaled(area.size(), Qt.AspectRatioMode.KeepAspectRatio)
+                place = QRect(QPoint(), size)
+                place.moveCenter(area.center())
+                painter.drawImage(place, self._image)
+            below = self.rect().adjusted(8, 0 if self._image.isNull() else area.height(), -8, 0)
+            painter.setPen(QColor(colours.TEXT_SECOND))
+            painter.drawText(below, Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, self.words)
