@@ -272,6 +272,7 @@ class Striking:
     def _posed(self, performer_id: str, time: float) -> "StrikeQuery | None":
         """A body as it is at ``time``, with no place to hit; None while it plays nothing, or nothing can be solved."""
         from studio.core.normalized.encode import encode
+        from studio.core.normalized.pieces import MotionPiece
         from studio.library.searching import StrikeQuery
 
         project, adapted = self.bench.document.project, self.bench.live.result(performer_id)
@@ -283,7 +284,9 @@ class Striking:
         pose = encode(adapted.positions[rows], adapted.rotations[rows], adapted.morphology, adapted.frame_rate)
         frame = adapted.first_frame + row
         stands = standing_at(adapted.contacts, frame)
-        return StrikeQuery(pose, adapted.morphology, (0.0, 0.0, 0.0), contacts=stands)
+        whole = adapted.composite
+        playing = None if whole is None else MotionPiece(whole.motion, whole.contacts, 0, frame)
+        return StrikeQuery(pose, adapted.morphology, (0.0, 0.0, 0.0), contacts=stands, playing=playing)
 
     def _strike_query(self, performer_id: str, time: float) -> "StrikeQuery | None":
         """A body as it is at ``time``, and the target; None while one of them is missing."""

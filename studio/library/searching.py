@@ -15,6 +15,7 @@ from studio.core.captures.contacts import ContactPoint
 from studio.core.kernels import layout as at_channel
 from studio.core.kernels import pose_search as at
 from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.pieces import MotionPiece
 from studio.core.normalized.realize import realize
 from studio.core.retrieval import Found, Query, pose_distances, pose_rows, search
 from studio.library.clip_labels import Kind, Limb
@@ -43,6 +44,8 @@ class StrikeQuery:
     posture_weight: float = 1.0
     reach_weight: float = 1.0
     contacts: Collection[ContactPoint] = ()
+    playing: MotionPiece | None = None
+    """Motion that plays up to the pose, from which a strike is tried; None holds the pose."""
     in_box: bool = False
     """True to leave out clips whose hit path lies in a box that does not contain the place, as in P09."""
 

@@ -33,6 +33,8 @@ VISIBLE_MISS = 0.005
 """Residual in metres below which a miss is invisible."""
 POSE_HOLD_SECONDS = 0.5
 """Seconds for which a pose is held when a takeover from it is tried."""
+TRIED_SECONDS = 1.0
+"""Seconds of the motion before a strike that are solved with it when it is tried."""
 EASED_IN = 0.6
 """Fraction of the time to the hit in which the clip blends in."""
 SWUNG = 0.25
@@ -135,15 +137,22 @@ def tried(found: Sequence[Result], asked: StrikeQuery) -> list[Tried]:
 
 
 def solved_residual(found: Result, asked: StrikeQuery) -> float:
-    """Residual of the hit in metres after solving, played from the query's pose: with its contacts, and smoothed."""
-    pose, place = asked.pose, np.asarray(asked.place, dtype=np.float64)
-    held = replace(pose, channels=np.repeat(pose.channels, round(POSE_HOLD_SECONDS * pose.frame_rate), axis=0))
+    """Residual of the hit in metres after solving and smoothing: played from the query's motion, or from its pose, held
+    with its contacts.
+    """
+    playing, place = asked.playing or _held(asked), np.asarray(asked.place, dtype=np.float64)
+    first = max(playing.first, playing.last - round(TRIED_SECONDS * playing.motion.frame_rate))
     x, y, z = place.tolist()
-    last = held.frame_count - 1
-    stands = tuple(ContactInterval("", point, 0, last) for point in asked.contacts)
-    made = make_strike(MotionPiece(held, stands, 0, last), last, Blow.of(found), asked.body, (x, y, z))
+    made = make_strike(replace(playing, first=first), playing.last, Blow.of(found), asked.body, (x, y, z))
     adapted = adapt(replace(made.request(), eased=True), made.hit, made.hit)
     return float(np.linalg.norm(place_of(made.constraint.point, adapted)[0] - place))
+
+
+def _held(asked: StrikeQuery) -> MotionPiece:
+    pose = asked.pose
+    held = replace(pose, channels=np.repeat(pose.channels, round(POSE_HOLD_SECONDS * pose.frame_rate), axis=0))
+    last = held.frame_count - 1
+    return MotionPiece(held, tuple(ContactInterval("", point, 0, last) for point in asked.contacts), 0, last)
 
 
 def aimed(found: Result, clip: Clip, target: Place, body: Morphology) -> PositionConstraint:
