@@ -120,7 +120,7 @@ class Watch:
         self._paint_rows(*arguments)
         live = self._window.bench.live
         performers = self._window.bench.document.project.performers
-        if self.rows_current_at is None and not live.interactive and all(map(live.told, performers)):
+        if self.rows_current_at is None and not live.interactive and all(map(live.reported, performers)):
             self.rows_current_at = time.monotonic()
 
 

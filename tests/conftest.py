@@ -47,8 +47,10 @@ def pytest_sessionstart() -> None:
 @pytest.fixture(autouse=True)
 def collected() -> Iterator[None]:
     """A window takes over from Python's collector for good; here others come after it."""
+    enabled = gc.isenabled()
     yield
-    gc.enable()
+    if enabled:
+        gc.enable()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

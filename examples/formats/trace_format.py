@@ -13,6 +13,7 @@ import numpy as np
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
+from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
 from studio.core.rotations import IDENTITY_QUATERNION
 from studio.io.export import Take
@@ -42,7 +43,7 @@ def read(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
         raise StudioError(f"{path.name} is no trace of 'time x y z': {error}. Export it again.") from error
     skeleton = Skeleton(("Root",), np.array([-1]), np.zeros((1, 3)), np.array([False]))
     poses = PoseSequence(np.tile(IDENTITY_QUATERNION, (len(rows), 1, 1)), places)
-    guess = Guess("unit", "m", "A trace does not say its unit.")
+    guess = Guess("unit", "m", "A trace does not say its unit.", Confidence.LIKELY)
     still = np.tile(IDENTITY_QUATERNION, (1, 1))
     capture = Capture(path.stem, path.name, skeleton, poses, rate, None, still, 0.0, "m", "Z", 0, (guess,), ())
     return ReadCapture(capture)

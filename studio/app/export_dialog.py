@@ -136,8 +136,8 @@ class ExportDialog(QDialog):
         column.addWidget(self._rows)
         column.addWidget(buttons)
         self.setMinimumWidth(EXPORT_DIALOG_WIDTH)
-        self.what.chosen.connect(self._show_kinds)
-        self.kind.chosen.connect(self._show_options)
+        self.what.value_chosen.connect(self._show_kinds)
+        self.kind.value_chosen.connect(self._show_options)
         self._show_kinds(self.what.value)
         self._show_last(bench.settings.exported)
 

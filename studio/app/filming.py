@@ -5,11 +5,10 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.core.stage.project import Project
 from studio.io.child_process import child_process, said_lines, wait_for
+from studio.io.json_text import JsonObject
 from studio.io.media.film import film_encoder, is_film
 from studio.io.replacing import new_folder
 from studio.viewport.shots import Shots, send
@@ -104,7 +104,7 @@ def _follow(renderer: "subprocess.Popen[bytes]", progress: Progress) -> None:
         )
 
 
-def _record(line: str) -> Mapping[str, Any]:
+def _record(line: str) -> JsonObject:
     """Record in a line of the child process; empty if the line is another one's."""
     try:
         record = json.loads(line)

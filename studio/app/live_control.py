@@ -89,15 +89,15 @@ class LiveControl:
         self._telling = QTimer(self.panel, interval=REPORT_MILLISECONDS)
         self._telling.timeout.connect(self.tell)
         panel = self.panel
-        panel.listen_wanted.connect(self.listen)
-        panel.replay_wanted.connect(lambda: ask_file(bench, "Replay OSC recording", RECORDINGS, self.replay))
-        panel.record_wanted.connect(self._ask_recording)
-        panel.close_wanted.connect(self.close_source)
+        panel.listen_requested.connect(self.listen)
+        panel.replay_requested.connect(lambda: ask_file(bench, "Replay OSC recording", RECORDINGS, self.replay))
+        panel.record_requested.connect(self._ask_recording)
+        panel.close_requested.connect(self.close_source)
         panel.sender_switched.connect(self.switch)
         panel.body_driven.connect(self.drive)
         panel.head_tracked.connect(self.track)
-        panel.performer_looked_at.connect(lambda key: panel.show_driver(self.drivers.get(key)))
-        panel.streaming_wanted.connect(self.stream)
+        panel.performer_shown.connect(lambda key: panel.show_driver(self.drivers.get(key)))
+        panel.streaming_requested.connect(self.stream)
         for signal in (bench.document.entity_changed, bench.document.project_opened):
             signal.connect(lambda *_: self._offer())
         self._offer()
@@ -395,7 +395,7 @@ def is_head_tracked(bench: Workbench) -> bool:
 
 def toggle_streaming(bench: Workbench) -> None:
     """Stream what is shown to where the panel says, or stop."""
-    bench.window.live_control.panel.stream.toggle()
+    bench.window.live_control.panel.ask_to_stream(not is_streaming(bench))
 
 
 def is_streaming(bench: Workbench) -> bool:

@@ -126,8 +126,8 @@ class MainWindow(QMainWindow):
     def show_timeline(self, timeline: "Timeline") -> None:
         """Put the timeline in its dock."""
         self.docks["Timeline"].setWidget(timeline)
-        timeline.told.connect(self.status.tell)
-        timeline.wanted.connect(lambda key: self.actions_by_id.by_id[key].trigger())
+        timeline.message_posted.connect(self.status.tell)
+        timeline.action_requested.connect(lambda key: self.actions_by_id.by_id[key].trigger())
         timeline.tracks.strike_dropped.connect(self.striking.play)
         LibraryDrops(timeline.tracks, BODIES).dropped.connect(self.library.open_item)
         self.bench.set_timeline(timeline)
@@ -263,13 +263,13 @@ class MainWindow(QMainWindow):
         self.pose_library = PoseLibrary(self.bench)
         ready_made = [(key, text, tip) for key, (text, tip, _) in READY_MADE.items()]
         self.behaviour = BehaviourPanel(self.bench.document, ready_made)
-        self.behaviour.wanted.connect(lambda key: self.actions_by_id.by_id[key].trigger())
+        self.behaviour.action_requested.connect(lambda key: self.actions_by_id.by_id[key].trigger())
         self.console = Console(self.bench.document)
         self.problem_search = ProblemSearch(self.bench.document, self.bench.live, self)
         self.problem_search.failed.connect(self.bench.say)
         self.problem_tour = ProblemTour(self.bench, self.problem_search, self)
         self.problems = ProblemTable(self.problem_search)
-        self.problems.chosen.connect(self.problem_tour.show)
+        self.problems.problem_chosen.connect(self.problem_tour.show)
         self.docks: dict[str, QDockWidget] = {}
         for name, widget, area in (
             ("Library", self.library, Area.LeftDockWidgetArea),
@@ -317,7 +317,7 @@ class MainWindow(QMainWindow):
 
     def _connect(self) -> None:
         bench, document, runner = self.bench, self.bench.document, self.bench.runner
-        bench.said.connect(self.strip.show_message)
+        bench.message_posted.connect(self.strip.show_message)
         for event, signal in (
             (Lifetime.PROJECT_OPENED, document.project_opened),
             (Lifetime.EDITED, document.undo_stack.indexChanged),
@@ -334,14 +334,14 @@ class MainWindow(QMainWindow):
         runner.progressed.connect(self.status.progress.show_share)
         for over in (runner.finished, runner.failed, runner.cancelled):
             over.connect(lambda task, *_: self.status.progress.end(task))
-        self.status.progress.cancel_wanted.connect(runner.cancel)
-        self.status.report_wanted.connect(lambda: editing.select_capture(bench))
-        self.status.progress.told.connect(self._show_progress)
-        self.library.wanted.connect(lambda capture: capture_import.perform_capture(bench, capture))
-        self.inspector.reimport_wanted.connect(self._reimport)
-        self.inspector.markers_wanted.connect(lambda capture: open_markers(bench, capture))
-        self.inspector.character_wanted.connect(lambda capture: casting.make_actor_character(bench, capture))
-        self.inspector.remap_wanted.connect(lambda *wanted: casting.remap_character(bench, *wanted))
+        self.status.progress.cancel_requested.connect(runner.cancel)
+        self.status.report_requested.connect(lambda: editing.select_capture(bench))
+        self.status.progress.message_posted.connect(self._show_progress)
+        self.library.performance_requested.connect(lambda capture: capture_import.perform_capture(bench, capture))
+        self.inspector.reimport_requested.connect(self._reimport)
+        self.inspector.markers_requested.connect(lambda capture: open_markers(bench, capture))
+        self.inspector.character_requested.connect(lambda capture: casting.make_actor_character(bench, capture))
+        self.inspector.remap_requested.connect(lambda *wanted: casting.remap_character(bench, *wanted))
         document.entity_changed.connect(lambda collection, key: capture_import.keep_corrections(bench, collection, key))
 
     def _restore_layout(self) -> None:

@@ -25,8 +25,8 @@ class PoseMapping:
         self._map: PoseMap | None = None
         self._library: Library | None = None
         self.view.opened.connect(striking.search)
-        self.view.looked_at.connect(self.look_at)
-        self.view.chosen.connect(self.choose)
+        self.view.group_highlighted.connect(self.look_at)
+        self.view.pose_chosen.connect(self.choose)
 
     def show(self, library: "Library") -> None:
         """Group the poses of a library, and draw them."""

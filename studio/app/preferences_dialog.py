@@ -1,8 +1,6 @@
 """The dialog of preferences: every change acts at once."""
 
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor
@@ -19,6 +17,7 @@ from studio.app.preferences import (
     keys_in,
 )
 from studio.app.workbench import Workbench
+from studio.core.changed_records import with_fields
 from studio.document import colours
 from studio.panels.fields import Choice, NumberField, Section, labelled
 
@@ -64,7 +63,7 @@ class PreferencesDialog(QDialog):
         keys = Section("Keys")
         self.map = Choice("Key map", [(key, name) for key, (name, _) in key_maps().items()])
         self.map.show_value(bench.preferences.key_map)
-        self.map.chosen.connect(lambda key: self._change(key_map=key))
+        self.map.value_chosen.connect(lambda key: self._change(key_map=key))
         keys.add_row("Key map", self.map)
         self.table = QTableWidget(len(ACTIONS), 2)
         self.table.setAccessibleName("Keys of actions")
@@ -88,11 +87,11 @@ class PreferencesDialog(QDialog):
     def _add_choice(self, section: Section, name: str, words: str, choices: Sequence[tuple[str, str]]) -> None:
         choice = Choice(words, choices)
         choice.show_value(getattr(self._bench.preferences, name))
-        choice.chosen.connect(lambda value: self._change(**{name: value}))
+        choice.value_chosen.connect(lambda value: self._change(**{name: value}))
         section.add_row(words, choice)
 
-    def _change(self, **values: Any) -> None:
-        self._bench.window.set_preferences(replace(self._bench.preferences, **values))
+    def _change(self, **values: object) -> None:
+        self._bench.window.set_preferences(with_fields(self._bench.preferences, **values))
         self._fill()
 
     def _fill(self) -> None:

@@ -45,7 +45,7 @@ def sentence_of(error: BaseException) -> str:
 class ProblemHooks(QObject):
     """Catches what reaches the end of a thread, and gives the interpreter its own hooks back when closed."""
 
-    told = Signal(str)
+    message_posted = Signal(str)
 
     def __init__(self) -> None:
         super().__init__()
@@ -63,7 +63,7 @@ class ProblemHooks(QObject):
             return
         if not isinstance(error, StudioError):
             _log.error("An exception reached the event loop", exc_info=(kind, error, trace))
-        self.told.emit(sentence_of(error))
+        self.message_posted.emit(sentence_of(error))
 
     def _on_thread_error(self, failure: threading.ExceptHookArgs) -> None:
         if failure.exc_value is not None:

@@ -2,10 +2,11 @@
 
 import json
 from pathlib import Path
-from typing import Any
 
 import platformdirs
 from PySide6.QtCore import QByteArray, QSettings
+
+from studio.io.json_text import JsonObject
 
 MOST_RECENT = 10
 MOST_CORRECTED = 100
@@ -55,7 +56,7 @@ class Settings:
         self._store.setValue("sources", names[:MOST_RECENT])
 
     @property
-    def exported(self) -> dict[str, Any]:
+    def exported(self) -> JsonObject:
         """Choices of the last export."""
         try:
             stored = json.loads(str(self._store.value("exported", "{}")))
@@ -64,11 +65,11 @@ class Settings:
         return stored if isinstance(stored, dict) else {}
 
     @exported.setter
-    def exported(self, choices: dict[str, Any]) -> None:
+    def exported(self, choices: JsonObject) -> None:
         self._store.setValue("exported", json.dumps(choices))
 
     @property
-    def corrections(self) -> dict[str, dict[str, Any]]:
+    def corrections(self) -> dict[str, JsonObject]:
         """Corrections of import reports by the kind of file."""
         try:
             stored = json.loads(str(self._store.value("corrections", "{}")))
@@ -76,7 +77,7 @@ class Settings:
             return {}  # a settings file that somebody has edited
         return stored if isinstance(stored, dict) else {}
 
-    def correct(self, kind: str, options: dict[str, Any]) -> None:
+    def correct(self, kind: str, options: JsonObject) -> None:
         """Read files of this kind with these options from now on; with none, as they are guessed."""
         kept = {key: value for key, value in self.corrections.items() if key != kind}
         if options:
@@ -85,7 +86,7 @@ class Settings:
         self._store.setValue("corrections", json.dumps(newest))
 
     @property
-    def preferences(self) -> dict[str, Any]:
+    def preferences(self) -> JsonObject:
         """Preferences by name."""
         try:
             stored = json.loads(str(self._store.value("preferences", "{}")))
@@ -94,7 +95,7 @@ class Settings:
         return stored if isinstance(stored, dict) else {}
 
     @preferences.setter
-    def preferences(self, values: dict[str, Any]) -> None:
+    def preferences(self, values: JsonObject) -> None:
         self._store.setValue("preferences", json.dumps(values))
 
     def layout(self) -> tuple[QByteArray, QByteArray] | None:

@@ -62,10 +62,10 @@ class Striking:
         self._sought: tuple[StrikeQuery, Placement] | None = None
         self._waits = False
         """True while a search waits for a body to be solved."""
-        self.panel.folder_wanted.connect(lambda: ask_folder(bench, "Add to the motion library", self.add_folder))
-        self.panel.wanted.connect(self.search)
-        self.panel.chosen.connect(self.play)
-        self.panel.looked_at.connect(self.look_at)
+        self.panel.folder_requested.connect(lambda: ask_folder(bench, "Add to the motion library", self.add_folder))
+        self.panel.search_requested.connect(self.search)
+        self.panel.strike_chosen.connect(self.play)
+        self.panel.strike_highlighted.connect(self.look_at)
         bench.document.entity_changed.connect(self._entity_changed)
         bench.document.project_opened.connect(self._offer_targets)
         bench.live.adapted.connect(lambda _: self.search() if self._waits else None)
@@ -108,7 +108,7 @@ class Striking:
         def done(answer: "tuple[IndexReport | None, Library, str]") -> None:
             report, library, remarks = answer
             self.search_in(library)
-            words = f"{remarks} {_told(report, folder)}".strip()
+            words = f"{remarks} {_unused_files(report, folder)}".strip()
             if words:
                 self.bench.say(words)
 
@@ -177,7 +177,7 @@ class Striking:
         name = project.performers[performer_id].name
         if target == StrikeTarget("performers", performer_id):
             raise StudioError(f"{name} cannot strike at its own face. Choose another target.")
-        asked = self._asked(performer_id, time)
+        asked = self._strike_query(performer_id, time)
         if asked is None or self.library is None:
             raise StudioError(
                 f"{name} plays nothing yet, or the target is hidden. Wait until both are solved, then try again."
@@ -234,7 +234,7 @@ class Striking:
         if self.mapping.view.isVisible():
             self.mapping.show(library)
         active, now = self.bench.document.active_performer_id, self.bench.document.playhead.time
-        asked = None if active is None else self._asked(active, now)
+        asked = None if active is None else self._strike_query(active, now)
         self.found = [] if asked is None else tried(find(library, asked), asked)
         if asked is not None and active is not None:
             self._sought = asked, Placement.of(self.bench.document.project.performers[active])
@@ -285,7 +285,7 @@ class Striking:
         stands = standing_at(adapted.contacts, frame)
         return StrikeQuery(pose, adapted.morphology, (0.0, 0.0, 0.0), contacts=stands)
 
-    def _asked(self, performer_id: str, time: float) -> "StrikeQuery | None":
+    def _strike_query(self, performer_id: str, time: float) -> "StrikeQuery | None":
         """A body as it is at ``time``, and the target; None while one of them is missing."""
         project, panel = self.bench.document.project, self.panel
         target, posed = panel.target.value, self._posed(performer_id, time)
@@ -319,7 +319,7 @@ def label_strike(bench: Workbench) -> None:
         striking.label(striking.panel.place)
 
 
-def _told(report: "IndexReport | None", folder: Path) -> str:
+def _unused_files(report: "IndexReport | None", folder: Path) -> str:
     """Words for the files that could not be used; empty if all could."""
     if report is None:
         return f"Adding {folder.name} was cancelled. What had been read by then is in the library."

@@ -26,7 +26,7 @@ class Workbench(QObject):
     window: "MainWindow"
     """The one window, which enters itself when it is made."""
 
-    said = Signal(UserMessage)
+    message_posted = Signal(UserMessage)
     """UserMessage that the window shows, whoever it comes from; an empty one takes the last away."""
     views_changed = Signal()
 
@@ -45,16 +45,16 @@ class Workbench(QObject):
         # What is connected to them would keep them, and all that they hold, for good: they go with their parent.
         for part in (document, live, runner):
             part.setParent(self)
-        document.problem.connect(self.say)
+        document.problem_reported.connect(self.say)
         runner.failed.connect(lambda _, sentence: self.say(sentence))
 
     def say(self, sentence: str, *answers: Answer, until: Lifetime = Lifetime.CLOSED) -> None:
         """Tell the user a sentence, with buttons for the answers to it; it goes by itself at the event ``until``."""
-        self.said.emit(UserMessage(sentence, answers, until))
+        self.message_posted.emit(UserMessage(sentence, answers, until))
 
     def clear_message(self) -> None:
         """Take away what was said last."""
-        self.said.emit(UserMessage("", ()))
+        self.message_posted.emit(UserMessage("", ()))
 
     @property
     def has_viewport(self) -> bool:

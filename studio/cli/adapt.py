@@ -13,8 +13,7 @@ from studio.core.errors import StudioError
 from studio.core.names import counted
 from studio.core.plausible import PLACE_RANGE
 from studio.core.stage.placement import Placement
-from studio.io.json_text import write_json
-from studio.jobs.adapt_report import Record
+from studio.io.json_text import JsonObject, write_json
 from studio.jobs.adapted_files import AdaptSettings, adapt_file, file_name
 from studio.jobs.batch_summary import rows_of, write_rows
 from studio.startup.kernel_warm_up import compile_first
@@ -77,7 +76,7 @@ def places_of(said: Sequence[Sequence[str]]) -> dict[str, Placement]:
     return places
 
 
-def print_report(report: Record) -> None:
+def print_report(report: JsonObject) -> None:
     """Print the report as tables: one line a character, one line a constraint and character."""
     print(f"{report['source']}: {counted(report['frames'], 'frame')} at {report['frame_rate']:g} Hz\n")
     titles = ("character", *QUALITY_TITLES.values(), "us/frame")
@@ -97,7 +96,7 @@ def print_report(report: Record) -> None:
         print_table(("constraint", "character", "residual", "reached", "frames held", "kept off by"), lines)
 
 
-def _residual(record: Record) -> str:
+def _residual(record: JsonObject) -> str:
     if record["residual_deg"] is not None:
         return f"{record['residual_deg']:.3f} deg"
     return "-" if record["residual_mm"] is None else f"{record['residual_mm']:.3f} mm"

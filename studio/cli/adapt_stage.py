@@ -16,11 +16,11 @@ from studio.core.solver.source import played_on
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Project
 from studio.io.export import write_take
-from studio.io.json_text import write_json
+from studio.io.json_text import JsonObject, write_json
 from studio.io.registry import known_formats
 from studio.io.staged_export import take_of_performer
 from studio.io.takes.exported_stage import exported_stage, write_stage
-from studio.jobs.adapt_report import Record, figures, place_record
+from studio.jobs.adapt_report import figures, place_record
 from studio.jobs.adaptation import make_folder
 from studio.jobs.bundled_scenes import open_project
 from studio.jobs.performances import performances
@@ -43,7 +43,7 @@ def run_stage(arguments: Namespace) -> int:
         raise StudioError(f"'{arguments.format}' is not a kind of file for {what}: choose {', '.join(known)}.")
     options = export_options(arguments)
     options.check(Path(f"motion{suffix}"))
-    project = told(open_project(arguments.stage), arguments)
+    project = with_solver_options(open_project(arguments.stage), arguments)
     paths = {key: arguments.out / name for key, name in file_names(project, suffix).items()}
     if arguments.one_file:
         paths = dict.fromkeys(paths, arguments.out / f"{arguments.stage.stem}{suffix}")
@@ -76,7 +76,7 @@ def run_stage(arguments: Namespace) -> int:
     return 1 if failed else 0
 
 
-def told(project: Project, arguments: Namespace) -> Project:
+def with_solver_options(project: Project, arguments: Namespace) -> Project:
     """``project`` with joint limits and temporal smoothing disabled where the command line says so."""
     performers = [
         (
@@ -107,7 +107,7 @@ def _free(stem: str, taken: Iterable[str], suffix: str) -> str:
     return name
 
 
-def performer_record(project: Project, key: str, performance: Performance, path: Path, *, by_frame: bool) -> Record:
+def performer_record(project: Project, key: str, performance: Performance, path: Path, *, by_frame: bool) -> JsonObject:
     """Part of the report about a performer."""
     request, composite = performance.request, performance.composite
     source = played_on(composite.motion, request.actor or request.morphology.still)
@@ -124,7 +124,7 @@ def performer_record(project: Project, key: str, performance: Performance, path:
     }
 
 
-def print_stage(report: Record) -> None:
+def print_stage(report: JsonObject) -> None:
     """Print a line a performer, a line a constraint, and the failures."""
     rows = [[each["name"], *(f"{each[key]:.2f}" for key in QUALITY_TITLES)] for each in report["performers"]]
     print_table(("performer", *QUALITY_TITLES.values()), rows)

@@ -4,7 +4,6 @@ import sys
 from argparse import Namespace
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from studio.cli.bench_cases import clip_of, make_tasks
 from studio.cli.bench_timing import BenchJob, JobTiming, time_jobs
@@ -19,10 +18,9 @@ from studio.core.rigs.character_skeleton import character_poses, character_skele
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.io.importing import GUESS_ALL, load_capture
+from studio.io.json_text import JsonObject
 from studio.jobs.adaptation import ReadyCapture, chosen_characters, ready_capture
 from studio.resources_folder import example_captures_folder
-
-Record = dict[str, Any]
 
 USUAL_EXAMPLE = "reach_grasp.bvh"
 
@@ -91,7 +89,7 @@ def file_cases(path: Path, ready: ReadyCapture, character: Character) -> list[Ca
     ]
 
 
-def _record(case: Case, timing: JobTiming) -> Record:
+def _record(case: Case, timing: JobTiming) -> JsonObject:
     return {
         "name": case.job.name,
         "microseconds": timing.median,
@@ -102,7 +100,7 @@ def _record(case: Case, timing: JobTiming) -> Record:
     }
 
 
-def _row(record: Record) -> list[str]:
+def _row(record: JsonObject) -> list[str]:
     return [
         record["name"],
         *(f"{record[key]:,.2f}" for key in ("microseconds", "best")),

@@ -133,14 +133,14 @@ def wrist(side: int, target: str, chain: Chain, priority: int = 0) -> PositionCo
 def before_shoulder(standing: Standing, side: int, reach: float) -> FloatArray:
     """Positions (F, 3) ``reach`` arm lengths before, and a little outside and below, a shoulder."""
     length = float(standing.morphology.still.arm[side].sum())
-    return np.asarray(_shoulder(standing, side) + reach * length * _ways(standing, side))
+    return np.asarray(_shoulder(standing, side) + reach * length * _directions(standing, side))
 
 
 def beyond_arm(standing: Standing, side: int) -> FloatArray:
     """Positions (F, 3) that the arm alone misses by ``TARGET_BEYOND_REACH``, as it is solved."""
     far = before_shoulder(standing, side, FAR_TARGET)
     missed = hold(standing, (wrist(side, "far", LIMB),), tracks={_follow("far"): _track(far)}).residuals[0]
-    return np.asarray(far - (missed - TARGET_BEYOND_REACH)[:, None] * _ways(standing, side))
+    return np.asarray(far - (missed - TARGET_BEYOND_REACH)[:, None] * _directions(standing, side))
 
 
 def elbow_aside(solved: AdaptedMotion, side: int) -> tuple[PositionConstraint, Track]:
@@ -159,7 +159,7 @@ def _shoulder(standing: Standing, side: int) -> FloatArray:
     return standing.positions[:, standing.morphology.layout.collar(side) + 1]
 
 
-def _ways(standing: Standing, side: int) -> FloatArray:
+def _directions(standing: Standing, side: int) -> FloatArray:
     """Unit directions (F, 3) forwards, a little outwards and down."""
     yaw = standing.motion.channels[:, at.YAW]
     forward, out = 0.9, 0.3 - 0.6 * side

@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from math import degrees
 from pathlib import Path
 from textwrap import wrap
-from typing import Any
 
 import numpy as np
 
@@ -23,14 +22,13 @@ from studio.core.normalized.round_trip import round_trip
 from studio.core.rigs.character_skeleton import character_body_map, character_skeleton
 from studio.core.stage.project import COLLECTIONS
 from studio.io.importing import ImportOptions, known_of_motion, read_file
+from studio.io.json_text import JsonObject
 from studio.io.project.project_file import read_project
 from studio.io.registry import ReadCapture, ReadCharacter
 from studio.jobs.adaptation import ADAPTED_MOTION_ID, cleaning_records, spans_by_foot
 from studio.startup.kernel_warm_up import tell_what_reading_waits_for
 
-Record = dict[str, Any]
-
-_NOTHING: Record = {
+_NOTHING: JsonObject = {
     "ok": True,
     "error": None,
     "kind": None,
@@ -62,7 +60,7 @@ def run(arguments: Namespace) -> int:
     return 1 if failed else 0
 
 
-def described(path: Path, options: ImportOptions) -> Record:
+def described(path: Path, options: ImportOptions) -> JsonObject:
     """Record of one file with the keys of ``_NOTHING``; for a file that fails, the reason is under ``error``."""
     record = {"file": str(path), **_NOTHING}
     try:
@@ -71,13 +69,13 @@ def described(path: Path, options: ImportOptions) -> Record:
         return record | {"ok": False, "error": str(error)}
 
 
-def _foreign(path: Path, options: ImportOptions) -> Record:
+def _foreign(path: Path, options: ImportOptions) -> JsonObject:
     tell_what_reading_waits_for()
     read = read_file(path, options)
     return _character(read) if isinstance(read, ReadCharacter) else _capture(read)
 
 
-def _capture(read: ReadCapture) -> Record:
+def _capture(read: ReadCapture) -> JsonObject:
     capture, report = read.capture, read.report
     annotations = known_of_motion(capture, read.annotations, ADAPTED_MOTION_ID)
     return {
@@ -101,7 +99,7 @@ def _capture(read: ReadCapture) -> Record:
     }
 
 
-def _markers(take: MarkerTake, capture: Capture) -> Record:
+def _markers(take: MarkerTake, capture: Capture) -> JsonObject:
     """Record of an optical capture's markers, signals, plates and events, and of the roles given to its markers."""
     trial = take.trial
     events = [{"label": f"{e.context} {e.label}".strip(), "time": e.time} for e in trial.events]
@@ -123,14 +121,14 @@ def _sentences(guesses: Iterable[Guess]) -> list[str]:
     return [f"{guess.title}. {guess.reason}" for guess in guesses]
 
 
-def _round_trip(capture: Capture) -> Record | None:
+def _round_trip(capture: Capture) -> JsonObject | None:
     if capture.body_map is None:
         return None
     error = round_trip(capture, *normalize(capture))
     return {"position_mm": 1000.0 * error.position, "rotation_deg": degrees(error.rotation)}
 
 
-def _character(read: ReadCharacter) -> Record:
+def _character(read: ReadCharacter) -> JsonObject:
     character = read.character
     look = character.skin.appearance
     skeleton = character_skeleton(character.morphology)
@@ -151,13 +149,13 @@ def _character(read: ReadCharacter) -> Record:
     }
 
 
-def _project(path: Path, _options: ImportOptions) -> Record:
+def _project(path: Path, _options: ImportOptions) -> JsonObject:
     opened = read_project(path)
     counts = {name: len(getattr(opened.project, name)) for name in COLLECTIONS}
     return {"kind": "project", "repairs": [*opened.problems, *opened.remarks], "contents": counts}
 
 
-def lines_of(record: Record) -> list[str]:
+def lines_of(record: JsonObject) -> list[str]:
     """Lines of text about one file for a person to read."""
     facts = [("error", record["error"])] if record["error"] else [("kind", record["kind"])]
     facts += [(_label(key), _words(record, key)) for key in _SHOWN if record.get(key) not in (None, {}, [])]
@@ -194,7 +192,7 @@ def _label(key: str) -> str:
     return key.replace("_", " ")
 
 
-def _words(record: Record, key: str) -> str:
+def _words(record: JsonObject, key: str) -> str:
     value = record[key]
     match key:
         case "round_trip":

@@ -14,7 +14,8 @@ from studio.core.curves.activation import FULLY_ACTIVE
 from studio.core.errors import StudioError
 from studio.core.names import counted
 from studio.core.stage.project import Project
-from studio.jobs.adapt_report import REACHED_DEG, REACHED_MM, Record, residual_record
+from studio.io.json_text import JsonObject
+from studio.jobs.adapt_report import REACHED_DEG, REACHED_MM, residual_record
 from studio.jobs.bundled_scenes import open_project
 from studio.jobs.performances import prepared
 from studio.live.playing_stage import LiveStage
@@ -39,7 +40,7 @@ class ConstraintTally:
         self.worst = max(self.worst, miss)
 
     @property
-    def record(self) -> Record:
+    def record(self) -> JsonObject:
         """Record for the report."""
         counts = {"steps_asked": self.asked, "steps_held": self.held}
         reached = {"reached": self.held == self.asked}
@@ -58,7 +59,7 @@ class PerformerTally:
     failure: str = ""
 
     @property
-    def record(self) -> Record:
+    def record(self) -> JsonObject:
         """Record for the report."""
         return {
             "name": self.name,
@@ -85,7 +86,7 @@ def run_live_stage(arguments: Namespace) -> int:
     return 0 if report["ok"] else 1
 
 
-def played(project: Project, seconds: float, presses: Iterable[tuple[float, str]] = ()) -> Record:
+def played(project: Project, seconds: float, presses: Iterable[tuple[float, str]] = ()) -> JsonObject:
     """Report of a stage played live for ``seconds`` of its own time, as fast as it can be solved.
 
     Ctrl-C ends it early, with the report of the steps until then.
@@ -137,7 +138,7 @@ def _note(stage: LiveStage, parts: dict[str, PerformerTally]) -> None:
                 part.held.setdefault(name, ConstraintTally(constraint)).add(float(miss))
 
 
-def print_report(report: Record) -> None:
+def print_report(report: JsonObject) -> None:
     """Print the speed, a line a performer, a line a constraint, and the failures."""
     print(
         f"{counted(report['steps'], 'step')}, {report['steps_a_second']:.0f} a second of one processor's time, "
@@ -161,7 +162,7 @@ def print_report(report: Record) -> None:
             print(f"\n{each['name']} failed: {each['error']}")
 
 
-def _worst(asked: Record) -> str:
+def _worst(asked: JsonObject) -> str:
     if asked["residual_mm"] is None:
         return f"{asked['residual_deg']:.1f} deg"
     return f"{asked['residual_mm']:.1f} mm"

@@ -62,7 +62,7 @@ def run(arguments: Namespace) -> int:
     else:
         times = [frame / arguments.film_rate for frame in range(int(duration * arguments.film_rate) + 1)]
         frames = renderer("film")(project, results, times, arguments.size, placement)
-        told = told_of(frames, len(times), progress_line(), arguments.out.name)
+        told = with_progress(frames, len(times), progress_line(), arguments.out.name)
         write_moving(arguments.out, told, arguments.size, arguments.film_rate)
     return _say(arguments, len(times), len(results), failed)
 
@@ -100,7 +100,7 @@ def renderer(kind: str) -> Callable[..., Any]:
     return drawing
 
 
-def told_of(frames: Iterator[Pixels], count: int, progress: Progress, name: str) -> Iterator[Pixels]:
+def with_progress(frames: Iterator[Pixels], count: int, progress: Progress, name: str) -> Iterator[Pixels]:
     """The same frames; reports the progress after each."""
     for done, frame in enumerate(frames, 1):
         yield frame

@@ -3,19 +3,23 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from enum import IntEnum
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from studio.core.body.growth import KeyedProportions
 from studio.core.body.morphology import Proportions
+from studio.core.changed_records import with_fields
 from studio.core.constraints.own_place import KeyedOwnPlace
 from studio.core.curves.activation import ActivationCurve
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
 from studio.core.curves.tangents import HEAVIEST, LIGHTEST, Tangent, TangentMode, Tangents, tangents_of
 from studio.core.rotations import from_euler, from_matrix, to_euler
 from studio.document.keyed_fields import Keyed, KeyedField
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
 
 FloatArray = NDArray[np.float64]
 
@@ -197,7 +201,7 @@ def _with_component(keyed: Keys, place: int, component: int, value: float) -> ob
         return tuple(from_euler(SHOWN_EULER_ORDER, angles).tolist())
     if isinstance(old, Proportions):
         name = fields(Proportions)[component].name
-        return replace(old, **{name: max(value, LEAST_SCALE)})
+        return with_fields(old, **{name: max(value, LEAST_SCALE)})
     return (*old[:component], value, *old[component + 1 :]) if keyed.size > 1 else value
 
 
@@ -232,7 +236,7 @@ def _angle_rates(keyed: KeyedTurn, place: int, rate: FloatArray) -> FloatArray:
     return np.asarray((np.mod(change + np.pi, 2.0 * np.pi) - np.pi) / step)
 
 
-def _rotation(quaternion: FloatArray) -> Any:
+def _rotation(quaternion: FloatArray) -> "Rotation":
     from scipy.spatial.transform import Rotation
 
     return Rotation.from_quat(quaternion)

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
+from studio.core.changed_records import with_fields
 from studio.core.constraints.scope import Scope
 from studio.core.errors import StudioError
 from studio.core.solver.performers.rows import timing_of
@@ -114,10 +115,7 @@ def edit_layer(document: EditedProject, clip_id: str, text: str, gesture: int | 
     with document.group(text, gesture):
         for key, performer in players_of(document.project, clip_id).items():
             try:
-                layers = [
-                    replace(each, **values) if each.clip.id == clip_id else each  # type: ignore[arg-type]
-                    for each in performer.layers
-                ]
+                layers = [with_fields(each, **values) if each.clip.id == clip_id else each for each in performer.layers]
             except ValueError as error:
                 raise StudioError(str(error)) from error
             document.replace("performers", key, replace(performer, layers=tuple(layers)), text)

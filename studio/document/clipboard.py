@@ -5,7 +5,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import NoReturn
 
 from studio.core.body.growth import KeyedProportions
 from studio.core.captures.contacts import ContactInterval
@@ -32,10 +32,10 @@ from studio.document.keyed_fields import (
     to_stage,
 )
 from studio.document.mirrored import mirrored_entity
-from studio.io.json_text import json_of
+from studio.io.json_text import JsonObject, json_of
 from studio.io.project.constraint_file import constraint_of, constraint_record, too_large
 from studio.io.project.entity_json import entity_of, entity_record
-from studio.io.project.value_json import Json, MemberCodec, from_json, to_json
+from studio.io.project.value_json import MemberCodec, from_json, to_json
 
 CLIPBOARD_FORMAT = "morpho-studio clipboard"
 CLIPBOARD_VERSION = 1
@@ -55,7 +55,11 @@ _NUMBERS = re.compile(r"\[\s+(-?[\d.e+-]+(?:,\s+-?[\d.e+-]+)*)\s+\]")
 def copied(document: EditedProject) -> str:
     """The selected keys, or else constraints, contacts and corrections, as JSON; empty where there are none."""
     keys = _key_records(document)
-    record: dict[str, Json] = {"format": CLIPBOARD_FORMAT, "version": CLIPBOARD_VERSION, "from": _origin(document)}
+    record: JsonObject = {
+        "format": CLIPBOARD_FORMAT,
+        "version": CLIPBOARD_VERSION,
+        "from": _origin(document),
+    }
     if keys:
         record["keys"] = keys
     else:
@@ -80,7 +84,7 @@ def paste(document: EditedProject, text: str, mirrored: bool = False) -> None:
         _paste_entities(document, record, mirrored)
 
 
-def _origin(document: EditedProject) -> Json:
+def _origin(document: EditedProject) -> JsonObject:
     clip = document.active_clip
     if clip is None:
         return {}
@@ -88,7 +92,7 @@ def _origin(document: EditedProject) -> Json:
     return {"motion_id": clip.motion_id, "performer_id": document.active_performer_id or "", "frame_rate": rate}
 
 
-def _record_of(text: str) -> dict[str, Any]:
+def _record_of(text: str) -> JsonObject:
     try:
         record = json_of(text.encode())
     except ValueError:
@@ -102,7 +106,7 @@ def _record_of(text: str) -> dict[str, Any]:
     return record
 
 
-def _entity_records(document: EditedProject) -> dict[str, Json]:
+def _entity_records(document: EditedProject) -> JsonObject:
     project, selection = document.shown_project, document.selection
     constraints = [constraint_record(project.constraints[key]) for key in selection.of("constraints")]
     contacts = [_contact_record(project.contacts[key]) for key in selection.of("contacts")]
@@ -111,17 +115,17 @@ def _entity_records(document: EditedProject) -> dict[str, Json]:
     return {name: records for name, records in found.items() if records}
 
 
-def _contact_record(contact: ContactInterval) -> Json:
+def _contact_record(contact: ContactInterval) -> JsonObject:
     record = entity_record("contacts", "", contact, {})
     return {name: item for name, item in record.items() if name not in ("id", "schema", "motion_id")}
 
 
-def _correction_record(correction: Correction) -> Json:
+def _correction_record(correction: Correction) -> JsonObject:
     record = entity_record("corrections", "", correction, {})
     return {name: item for name, item in record.items() if name not in ("id", "schema", "performer_id")}
 
 
-def _corrections_of(record: Mapping[str, Any], performer_id: str) -> list[Correction]:
+def _corrections_of(record: JsonObject, performer_id: str) -> list[Correction]:
     found: list[Correction] = []
     for place, item in enumerate(_list_of(record, "corrections")):
         try:
@@ -138,7 +142,7 @@ def _add_correction(document: EditedProject, correction: Correction, text: str) 
     return document.add("corrections", replace(correction, name=free_name(correction.name, taken)), text)
 
 
-def _paste_entities(document: EditedProject, record: Mapping[str, Any], mirrored: bool) -> None:
+def _paste_entities(document: EditedProject, record: JsonObject, mirrored: bool) -> None:
     clip, origin = document.active_clip, record.get("from", {})
     if clip is None:
         raise StudioError("Nothing plays that constraints could be pasted on. Add a clip to a character first.")
@@ -180,16 +184,14 @@ def _paste_entities(document: EditedProject, record: Mapping[str, Any], mirrored
     document.selection.set(*(("performers", key) for key in chosen), *items)
 
 
-def _list_of(record: Mapping[str, Any], name: str) -> list[Any]:
+def _list_of(record: JsonObject, name: str) -> list[JsonObject]:
     found = record.get(name, [])
     if not isinstance(found, list):
         raise StudioError(f"{CLIPBOARD_NAME}, {name}: expected a list.")
     return found
 
 
-def _contacts_of(
-    document: EditedProject, record: Mapping[str, Any], motion_id: str, frames: float
-) -> list[ContactInterval]:
+def _contacts_of(document: EditedProject, record: JsonObject, motion_id: str, frames: float) -> list[ContactInterval]:
     """The contacts, in frames of the motion, each of which is ``frames`` of the one they were copied from."""
     found: list[ContactInterval] = []
     for place, item in enumerate(_list_of(record, "contacts")):
@@ -243,7 +245,7 @@ class _CopiedKeys:
     keyed: Keys
 
 
-def _key_records(document: EditedProject) -> list[Json]:
+def _key_records(document: EditedProject) -> list[JsonObject]:
     project, clip = document.shown_project, document.active_clip
     found: list[tuple[KeyedField, Keys]] = []
     for field, places in document.keys.by_field().items():
@@ -266,11 +268,11 @@ def _key_records(document: EditedProject) -> list[Json]:
     ]
 
 
-def _without_kind(record: dict[str, Json]) -> dict[str, Json]:
+def _without_kind(record: JsonObject) -> JsonObject:
     return {name: item for name, item in record.items() if name not in ("kind", "before", "after")}
 
 
-def _paste_keys(document: EditedProject, records: Json, mirrored: bool) -> None:
+def _paste_keys(document: EditedProject, records: object, mirrored: bool) -> None:
     copies = [_keys_of(item, place) for place, item in enumerate(records if isinstance(records, list) else ())]
     project, clip = document.shown_project, document.active_clip
     values: dict[KeyedField, Keys] = {}
@@ -292,7 +294,7 @@ def _paste_keys(document: EditedProject, records: Json, mirrored: bool) -> None:
     )
 
 
-def _keys_of(record: Json, place: int) -> _CopiedKeys:
+def _keys_of(record: JsonObject, place: int) -> _CopiedKeys:
     try:
         kind = CLIPBOARD_KEY_KINDS[record["kind"]]
         keyed: Keys = from_json(record["keys"], kind, _NO_ARRAYS)
@@ -347,7 +349,7 @@ def _field_for(document: EditedProject, copy: _CopiedKeys, item: tuple[str, str]
     return next(iter((*same, *(field for field in fixed if field.name == copy.field), *alike, *fixed)), None)
 
 
-def _is_plain(value: Any, keyed: Keys) -> bool:
+def _is_plain(value: object, keyed: Keys) -> bool:
     """True if a value that is not keyed is like those of the keys."""
     return type(value) is type(keyed.values[0]) and (not isinstance(value, tuple) or len(value) == keyed.size)
 
@@ -374,7 +376,7 @@ def _mirrored(project: Project, field: KeyedField, keyed: Keys) -> Keys:
     return keyed
 
 
-def _no_member(_name: object) -> Any:
+def _no_member(_name: object) -> NoReturn:
     raise ValueError("an array is not expected here.")
 
 

@@ -133,7 +133,7 @@ class Document(EditedProject):
         self._become(opened.project, opened.path, opened.document_id, opened.stamp, reason)
         self.opened = opened
         for problem in (*opened.problems, *opened.remarks):
-            self.problem.emit(problem)
+            self.problem_reported.emit(problem)
 
     def saving(self, path: Path | None = None, thumbnail: bytes | None = None, overwrite: bool = False) -> Saving:
         """Make a snapshot to be written; give it to a worker, then call ``saved``.
@@ -185,7 +185,7 @@ class Document(EditedProject):
             self.playhead.restore(recovered.playhead)
             self._keep_playhead()
         for problem in recovered.problems:
-            self.problem.emit(problem)
+            self.problem_reported.emit(problem)
         if self.journal is not None and self.journal.flush():
             mark_recovered(session)
 
@@ -231,7 +231,7 @@ class Document(EditedProject):
             self._folder, self._document_id, self.project, self._path, self._unsaved_base, self, self._stamp
         )
         self.journal.acknowledged_changed.connect(self._tell_saved_state)
-        self.journal.failed.connect(self.problem)
+        self.journal.failed.connect(self.problem_reported)
 
     def _take_lock(self) -> None:
         """One program at a time writes a document; a second one has it for reading."""
@@ -243,12 +243,14 @@ class Document(EditedProject):
             self._lock = FileLock.taken(lock_of_document(self._folder / LOCKS, self._document_id))
         except OSError as error:
             self._lock = None
-            self.problem.emit(f"'{self._folder}' cannot be written ({error}): edits are not kept for recovery.")
+            self.problem_reported.emit(
+                f"'{self._folder}' cannot be written ({error}): edits are not kept for recovery."
+            )
             return
         if self._lock is None:
             name = self._path.name if self._path else "This project"
             self._read_only = f"'{name}' is open in another window of Morpho Studio. Use Save As to keep changes."
-            self.problem.emit(self._read_only)
+            self.problem_reported.emit(self._read_only)
 
     def _recorded(self, edits: tuple[Edit, ...], verb: str, text: str, gesture: int | None) -> None:
         if self.journal is not None:

@@ -33,7 +33,7 @@ class EditedProject(QObject):
     """Collection and id; an empty id where one step has changed more than MANY of a collection."""
     project_opened = Signal()
     saved_state_changed = Signal()
-    problem = Signal(str)
+    problem_reported = Signal(str)
 
     def __init__(self, project: Project | None = None, parent: QObject | None = None) -> None:
         super().__init__(parent)

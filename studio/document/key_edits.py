@@ -1,12 +1,13 @@
 """Edits of keys as undo steps: set, delete, move and scale them."""
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
 from typing import Any
 
 from studio.core.body.growth import KeyedProportions
 from studio.core.body.morphology import Proportions
+from studio.core.changed_records import with_fields
 from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
+from studio.core.constraints.target import Place, Turn
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
 from studio.core.curves.tangents import Beyond
 from studio.core.stage.correction import KeyedPoses
@@ -28,17 +29,17 @@ LEAST_TIME_SCALE, MOST_TIME_SCALE = 0.01, 100.0
 
 
 def replace_fields(
-    document: EditedProject, values: Mapping[KeyedField, Any], text: str, gesture: int | None = None
+    document: EditedProject, values: Mapping[KeyedField, object], text: str, gesture: int | None = None
 ) -> None:
     """Put other values in keyed fields, as the active clip shows them: one undo step."""
-    changes: dict[tuple[str, str], dict[str, Any]] = {}
+    changes: dict[tuple[str, str], dict[str, object]] = {}
     for field, value in values.items():
         changes.setdefault(field.item, {})[field.name] = value
     with document.group(text, gesture):
         for (collection, entity_id), named in changes.items():
             entity: Any = document.shown_project.get(collection, entity_id)
             if entity is not None:
-                document.replace_shown(collection, entity_id, replace(entity, **named), text)
+                document.replace_shown(collection, entity_id, with_fields(entity, **named), text)
 
 
 class KeyDrag:
@@ -126,7 +127,7 @@ def delete_keys(document: EditedProject) -> bool:
     A field that has no key left keeps the value that it has at the playhead. An activation keeps its four times. A
     correction goes with its last key.
     """
-    values: dict[KeyedField, Any] = {}
+    values: dict[KeyedField, object] = {}
     gone: list[tuple[str, str]] = []
     count = 0
     for field, places in document.keys.by_field().items():
@@ -154,7 +155,7 @@ def set_keys(document: EditedProject) -> int:
     A selected constraint, prop or body of which nothing is keyed begins to be: its target, place or measures.
     """
     fields = selected_fields(document.shown_project, document.selection.items)
-    values: dict[KeyedField, Any] = {
+    values: dict[KeyedField, Keys] = {
         field: value.with_key(time, value.value_at(time))
         for field, value in fields.items()
         if isinstance(value, Keys)
@@ -184,7 +185,7 @@ def time_at_playhead(document: EditedProject, field: KeyedField) -> float:
     return round(seconds * rate) / rate
 
 
-def _fixed(document: EditedProject, field: KeyedField, value: Keys) -> Any:
+def _fixed(document: EditedProject, field: KeyedField, value: Keys) -> object:
     """The value that holds at the playhead as a field has it that is not keyed."""
     if isinstance(value, KeyedOwnPlace):
         return value.own_at(time_at_playhead(document, field))
@@ -208,7 +209,7 @@ def _fixed_fields(document: EditedProject) -> dict[KeyedField, Keys]:
     return found
 
 
-def _first_key(time: float, value: Any) -> Keys | None:
+def _first_key(time: float, value: Proportions | Place | Turn | float | None) -> Keys | None:
     """One key of a plain value; None of what follows something, or is not there."""
     match value:
         case Proportions():
@@ -226,7 +227,7 @@ def _first_key(time: float, value: Any) -> Keys | None:
 
 def edit_selected(document: EditedProject, edit: Callable[[Keyed, int], Keyed], text: str) -> None:
     """Change every selected key by ``edit``, as one step."""
-    values: dict[KeyedField, Any] = {}
+    values: dict[KeyedField, object] = {}
     for field, places in document.keys.by_field().items():
         value = keyed_value(document.shown_project, field)
         if value is not None:
@@ -239,6 +240,6 @@ def edit_selected(document: EditedProject, edit: Callable[[Keyed, int], Keyed], 
 def set_beyond(document: EditedProject, fields: Iterable[KeyedField], side: str, beyond: Beyond) -> None:
     """Set what curves do ``before`` their first key or ``after`` their last one, as one step."""
     values = {field: keyed_value(document.shown_project, field) for field in fields}
-    changes: dict[str, Any] = {side: beyond}
-    keyed = {field: replace(value, **changes) for field, value in values.items() if isinstance(value, Keys)}
+    changes: dict[str, object] = {side: beyond}
+    keyed = {field: with_fields(value, **changes) for field, value in values.items() if isinstance(value, Keys)}
     replace_fields(document, keyed, f"{beyond.value.capitalize()} {side} keys")

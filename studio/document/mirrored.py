@@ -1,9 +1,10 @@
 """Constraints and contacts of a motion as a mirrored clip plays them: on the other side of the body."""
 
-from dataclasses import fields, replace
-from typing import Any
+from dataclasses import fields
+from typing import cast
 
 from studio.core.captures.contacts import ContactInterval
+from studio.core.changed_records import RecordT, with_fields
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.normalized.mirror import mirrored_contacts
@@ -12,19 +13,19 @@ from studio.core.stage.project import Project
 from studio.document.commands.replace import same_value
 
 
-def mirrored_entity(entity: Any) -> Any:
+def mirrored_entity(entity: RecordT) -> RecordT:
     """A constraint, contact or correction on the other side; anything else as it is. Applied twice, it is as before."""
     match entity:
         case Constraint():
-            return mirrored_constraint(entity)
+            return cast(RecordT, mirrored_constraint(entity))
         case ContactInterval():
-            return mirrored_contacts((entity,))[0]
+            return cast(RecordT, mirrored_contacts((entity,))[0])
         case Correction():
-            return entity.mirrored()
+            return cast(RecordT, entity.mirrored())
     return entity
 
 
-def mirrored_change(stored: Any, new: Any) -> Any:
+def mirrored_change(stored: RecordT, new: RecordT) -> RecordT:
     """``stored`` with the edits that a view made in its mirror image, of which ``new`` came.
 
     Fields that the view left alone stay the same objects.
@@ -33,7 +34,7 @@ def mirrored_change(stored: Any, new: Any) -> Any:
     if type(before) is not type(new):
         return after
     names = [each.name for each in fields(new)]
-    return replace(
+    return with_fields(
         stored,
         **{name: getattr(after, name) for name in names if not same_value(getattr(before, name), getattr(new, name))},
     )
@@ -48,4 +49,4 @@ def mirrored_project(project: Project, motion_id: str) -> Project:
         }
         for name in ("constraints", "contacts")
     }
-    return replace(project, **changed)
+    return with_fields(project, **changed)

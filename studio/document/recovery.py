@@ -2,12 +2,14 @@
 
 import json
 import sqlite3
+from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 from pathlib import Path
 from typing import Any
 
+from studio.core.changed_records import with_fields
 from studio.core.errors import StudioError
 from studio.core.names import counted
 from studio.core.stage.project import Project
@@ -15,6 +17,7 @@ from studio.document.commands.replace import Edit, applied
 from studio.document.file_lock import FileLock
 from studio.document.journal import JournalEntry, StateHash, files_of, lock_of, remove_session, steps_of
 from studio.document.playhead import PlayheadState
+from studio.io.json_text import JsonObject
 from studio.io.npy import array_of
 from studio.io.project.archive import Stamp
 from studio.io.project.entity_json import entity_of, parsed, project_of
@@ -193,6 +196,12 @@ def _stamp(told: str | None) -> Stamp:
         return 0, 0, 0
 
 
+StoredRow = tuple[Any, ...]
+"""Row of a table of the journal."""
+LoadArray = Callable[[str], Array]
+"""Returns the array of a name; raises ValueError if the journal has none."""
+
+
 def _begun(told: str | None, otherwise: datetime) -> datetime:
     try:
         return datetime.fromtimestamp(float(told or ""))
@@ -200,7 +209,7 @@ def _begun(told: str | None, otherwise: datetime) -> datetime:
         return otherwise
 
 
-def _readable(connection: sqlite3.Connection, question: str) -> list[Any]:
+def _readable(connection: sqlite3.Connection, question: str) -> list[StoredRow]:
     """Rows up to the first that cannot be read; who asks knows how many there should be."""
     rows = []
     try:
@@ -254,7 +263,7 @@ def _foreign(connection: sqlite3.Connection) -> dict[str, bytes]:
     return dict(connection.execute(select, (name,)).fetchone() for name in names)
 
 
-def _state(content: bytes, state: str, load: Any, hashes: StateHash, foreign: dict[str, bytes]) -> Project | None:
+def _state(content: bytes, state: str, load: LoadArray, hashes: StateHash, foreign: dict[str, bytes]) -> Project | None:
     """A snapshot's project, or None when it is not what was written."""
     try:
         project = project_of(parsed(content, "snapshot"), load).project
@@ -262,10 +271,10 @@ def _state(content: bytes, state: str, load: Any, hashes: StateHash, foreign: di
         return None
     if hashes.of(project) != state:
         return None
-    return replace(project, carried={**project.carried, "members": foreign}) if foreign else project
+    return with_fields(project, carried={**project.carried, "members": foreign}) if foreign else project
 
 
-def _replayed(base: Project | None, rows: list[Any], load: Any, hashes: StateHash) -> Recovered | None:
+def _replayed(base: Project | None, rows: list[StoredRow], load: LoadArray, hashes: StateHash) -> Recovered | None:
     if base is None:
         return None
     project = base
@@ -284,7 +293,7 @@ def _replayed(base: Project | None, rows: list[Any], load: Any, hashes: StateHas
     return Recovered(project, base, tuple(steps))
 
 
-def _edit(record: dict[str, Any], project: Project, load: Any) -> Edit:
+def _edit(record: JsonObject, project: Project, load: LoadArray) -> Edit:
     collection, entity_id = record["collection"], record["id"]
     new = None if record["new"] is None else entity_of(collection, record["new"], load)
     return Edit(collection, entity_id, project.get(collection, entity_id), new, record["place"])

@@ -10,7 +10,7 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.performers.rows import frame_count_of, timing_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.project import Project
-from studio.engine.wanted import Prepare, Wanted, player_of, wanted_of
+from studio.engine.body_request import BodyRequest, Prepare, body_request_of, player_of
 
 if TYPE_CHECKING:
     from studio.live.planting import Planted
@@ -26,7 +26,7 @@ class Driven:
         self._prepare = prepare
         self._sources: dict[str, PoseSource] = {}
         self._shown: dict[str, AdaptedMotion] = {}
-        self._requests: dict[str, tuple[Wanted, AdaptRequest]] = {}
+        self._requests: dict[str, tuple[BodyRequest, AdaptRequest]] = {}
         self._planted: dict[str, Planted] = {}
         self.problems: dict[str, str] = {}
         """Sentence by performer id: the reason why the performer cannot play its input."""
@@ -73,7 +73,7 @@ class Driven:
             ground = project.ground.seen_from(performer.position, performer.heading)
             return driven(AdaptRequest(pose, body, ground=ground), 0, pose, planted, clock)
         known = results.get(key)
-        wanted = wanted_of(project, key, (key,), results.get)
+        wanted = body_request_of(project, key, (key,), results.get)
         if wanted is None or known is None:
             raise StudioError(f"{performer.name} follows somebody who is not solved yet.")
         if key not in self._requests or self._requests[key][0] != wanted:

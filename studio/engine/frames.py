@@ -21,11 +21,11 @@ from studio.core.solver.performers.rows import frame_count_of, timing_of
 from studio.core.solver.performers.stage import leaders_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.project import Performer, Project
+from studio.engine.body_request import BodyRequest, Prepare, body_request_of, player_of
 from studio.engine.solve_cache import SolveCache
-from studio.engine.wanted import Prepare, Wanted, player_of, wanted_of
 
 Solve = Callable[[AdaptRequest, int, int | None], AdaptedMotion]
-Circle = tuple[str, ...]
+Cycle = tuple[str, ...]
 """Performers that follow each other and are solved together; usually one alone."""
 
 BUDGET = 0.002
@@ -46,7 +46,7 @@ class Frame:
     """A row of a performer's motion as ``project`` asks it; ``asked_at`` as ``Live.asked_at``."""
 
     project: Project
-    wanted: Wanted
+    wanted: BodyRequest
     row: int
     motion: AdaptedMotion
     asked_at: float
@@ -58,11 +58,11 @@ class Outcome:
     processor seconds.
     """
 
-    circle: Circle
+    cycle: Cycle
     project: Project
     asked_at: float
     frames: Mapping[str, Frame] = field(default_factory=dict)
-    current: Mapping[str, Wanted] = field(default_factory=dict)
+    current: Mapping[str, BodyRequest] = field(default_factory=dict)
     spent: float = 0.0
 
 
@@ -76,43 +76,43 @@ class Instant:
     seconds: float
     asked_at: float
     results: Mapping[str, AdaptedMotion]
-    answered: Mapping[str, Wanted]
+    answered: Mapping[str, BodyRequest]
     frames: dict[str, Frame]
     prepare: Prepare
     solve: Solve
 
-    def solved(self, circle: Circle) -> Outcome:
+    def solved(self, cycle: Cycle) -> Outcome:
         """The frames of a circle as they are asked now."""
         begun, project = time.thread_time(), self.project
-        rows = {key: row_at(project, project.performers[key], self.seconds) for key in circle}
-        asked = {key: wanted_of(project, key, circle, self._seen) for key in circle}
+        rows = {key: row_at(project, project.performers[key], self.seconds) for key in cycle}
+        asked = {key: body_request_of(project, key, cycle, self._seen) for key in cycle}
         wanted = {key: each for key, each in asked.items() if each is not None}
-        known = {key: frame for key in circle if (frame := self.frames.get(key)) and frame.row == rows[key]}
-        if len(wanted) < len(circle):
-            return Outcome(circle, project, self.asked_at)
+        known = {key: frame for key in cycle if (frame := self.frames.get(key)) and frame.row == rows[key]}
+        if len(wanted) < len(cycle):
+            return Outcome(cycle, project, self.asked_at)
         if all(self.answered.get(key) == each for key, each in wanted.items()):
-            current = {key: self.answered[key] for key in circle}
-            return Outcome(circle, project, self.asked_at, current=current)
+            current = {key: self.answered[key] for key in cycle}
+            return Outcome(cycle, project, self.asked_at, current=current)
         if {key: each.wanted for key, each in known.items()} == wanted:
             same = {key: replace(each, project=project, asked_at=self.asked_at) for key, each in known.items()}
-            return Outcome(circle, project, self.asked_at, same)
+            return Outcome(cycle, project, self.asked_at, same)
         try:
-            motions = self._motions(circle, wanted, rows)
+            motions = self._motions(cycle, wanted, rows)
         except StudioError:
-            return Outcome(circle, project, self.asked_at)  # the solve of the whole motion tells of it
-        frames = {key: Frame(project, wanted[key], rows[key], motions[key], self.asked_at) for key in circle}
+            return Outcome(cycle, project, self.asked_at)  # the solve of the whole motion tells of it
+        frames = {key: Frame(project, wanted[key], rows[key], motions[key], self.asked_at) for key in cycle}
         self.frames.update(frames)
-        return Outcome(circle, project, self.asked_at, frames, spent=time.thread_time() - begun)
+        return Outcome(cycle, project, self.asked_at, frames, spent=time.thread_time() - begun)
 
     def _motions(
-        self, circle: Circle, wanted: Mapping[str, Wanted], rows: Mapping[str, int]
+        self, cycle: Cycle, wanted: Mapping[str, BodyRequest], rows: Mapping[str, int]
     ) -> Mapping[str, AdaptedMotion]:
         players = {key: player_of(self.project, key, each, self.prepare) for key, each in wanted.items()}
 
         def solve(key: str, request: AdaptRequest) -> AdaptedMotion:
             return self.solve(replace(request, eased=False), rows[key], rows[key])
 
-        if len(circle) == 1:
+        if len(cycle) == 1:
             motions = {key: solve(key, each.request) for key, each in players.items()}
         else:
             at_rows = {key: replace(each, frame=rows[key]) for key, each in players.items()}
@@ -128,7 +128,10 @@ class Frames:
     """Newest frame of every performer whose whole motion is not yet solved for the present request."""
 
     def __init__(
-        self, prepare: SolveCache[tuple[NormalizedMotion, Morphology]], solve: Solve, answered: Mapping[str, Wanted]
+        self,
+        prepare: SolveCache[Capture, tuple[NormalizedMotion, Morphology]],
+        solve: Solve,
+        answered: Mapping[str, BodyRequest],
     ) -> None:
         """``answered``: request that each performer's newest whole motion answers; it changes as results arrive."""
         self._prepare, self._solve, self._answered = prepare, solve, answered
@@ -137,9 +140,9 @@ class Frames:
         """Latest outcome, by performer, in which the newest whole motion is up to date."""
         self._whole_at: dict[str, float] = {}
         """Time of the request that the newest whole motion answers, by performer."""
-        self._costs: dict[Circle, float] = {}
+        self._costs: dict[Cycle, float] = {}
         """Processor seconds of the last solved frame, by cycle."""
-        self._looked_at: dict[Circle, float] = {}
+        self._looked_at: dict[Cycle, float] = {}
         """Time of the request of the last outcome, by cycle."""
         self._driven: set[str] = set()
 
@@ -179,8 +182,8 @@ class Frames:
         project: Project,
         seconds: float,
         asked_at: float,
-        first: Sequence[Circle],
-        others: Sequence[Circle],
+        first: Sequence[Cycle],
+        others: Sequence[Cycle],
         results: Mapping[str, AdaptedMotion],
         driven: Mapping[str, AdaptedMotion],
     ) -> Callable[[], Sequence[Outcome]] | None:
@@ -194,56 +197,64 @@ class Frames:
             self._frames.clear()  # who followed somebody that was driven follows its clips again
         self._driven = {*driven}
         frames = {key: frame for key, frame in self._frames.items() if key not in driven}
-        known = {**results, **driven}, dict(self._answered), frames
-        instant = Instant(project, seconds, asked_at, *known, self._prepare, self._solve)
-        begun, solved, left, moving = time.thread_time(), False, list[Circle](), {*driven}
+        instant = Instant(
+            project=project,
+            seconds=seconds,
+            asked_at=asked_at,
+            results={**results, **driven},
+            answered=dict(self._answered),
+            frames=frames,
+            prepare=self._prepare,
+            solve=self._solve,
+        )
+        begun, solved, left, moving = time.thread_time(), False, list[Cycle](), {*driven}
         for whole in (*first, *others):
-            circle = tuple(key for key in whole if key not in driven)
-            if not all(key in results and self._is_prepared(project, key) for key in circle):
+            cycle = tuple(key for key in whole if key not in driven)
+            if not all(key in results and self._is_prepared(project, key) for key in cycle):
                 continue  # nothing of it is seen yet
-            follows = bool(moving) and any(leaders_of(project, key) & moving for key in circle)
-            if not (solved or left or follows) and self._is_seen(circle, project, seconds):
+            follows = bool(moving) and any(leaders_of(project, key) & moving for key in cycle)
+            if not (solved or left or follows) and self._is_seen(cycle, project, seconds):
                 continue  # nor has anybody moved whom it may follow
-            moving |= {*circle} if follows else set()
+            moving |= {*cycle} if follows else set()
             elapsed, limit = time.thread_time() - begun, LONG_SECONDS if whole in first else BUDGET
-            has_room = elapsed + self._costs.get(circle, 0.0) <= limit and not _is_long(circle, project)
-            waits = bool(left) and any(leaders_of(project, key) & {*chain(*left)} for key in circle)
+            has_room = elapsed + self._costs.get(cycle, 0.0) <= limit and not _is_long(cycle, project)
+            waits = bool(left) and any(leaders_of(project, key) & {*chain(*left)} for key in cycle)
             if not follows and (waits or not has_room):
-                left.append(circle)
+                left.append(cycle)
                 continue
-            outcome = instant.solved(circle)
+            outcome = instant.solved(cycle)
             solved |= bool(outcome.spent)
             self._put(outcome)
         turn = self._turn_of(left, first, project)
-        return (lambda: [instant.solved(circle) for circle in turn]) if turn else None
+        return (lambda: [instant.solved(cycle) for cycle in turn]) if turn else None
 
-    def _turn_of(self, left: list[Circle], first: Sequence[Circle], project: Project) -> list[Circle]:
+    def _turn_of(self, left: list[Cycle], first: Sequence[Cycle], project: Project) -> list[Cycle]:
         """Cycles to solve in the background next: the first edited one and half of the rest, least recent first.
 
         All of them if any follows a leader, so that followers stay with their leaders.
         """
-        if any(leaders_of(project, key) for circle in left for key in circle):
+        if any(leaders_of(project, key) for cycle in left for key in cycle):
             return left
-        ahead = [circle for circle in left if circle in first][:1]
+        ahead = [cycle for cycle in left if cycle in first][:1]
         rest = sorted((each for each in left if each not in ahead), key=lambda each: self._looked_at.get(each, 0.0))
         return ahead + rest[: (len(rest) + 1) // 2]
 
     def take(self, outcomes: Iterable[Outcome]) -> list[str]:
         """Store outcomes solved in the background that are not older than the present ones; ids with new frames."""
-        news = [outcome for outcome in outcomes if all(self._is_older(key, outcome) for key in outcome.circle)]
+        news = [outcome for outcome in outcomes if all(self._is_older(key, outcome) for key in outcome.cycle)]
         for outcome in news:
             self._put(outcome)
-        return [key for outcome in news if outcome.spent for key in outcome.circle]
+        return [key for outcome in news if outcome.spent for key in outcome.cycle]
 
     def _is_older(self, performer_id: str, outcome: Outcome) -> bool:
         whole_at = self._whole_at.get(performer_id, 0.0)
         return self.asked_at(performer_id) <= outcome.asked_at and whole_at < outcome.asked_at
 
     def _put(self, outcome: Outcome) -> None:
-        self._looked_at[outcome.circle] = outcome.asked_at
+        self._looked_at[outcome.cycle] = outcome.asked_at
         if outcome.spent:
-            self._costs[outcome.circle] = outcome.spent
-        for key in outcome.circle:
+            self._costs[outcome.cycle] = outcome.spent
+        for key in outcome.cycle:
             self.drop(key)
         self._frames |= outcome.frames
         self._current |= dict.fromkeys(outcome.current, outcome)
@@ -251,13 +262,13 @@ class Frames:
     def _is_prepared(self, project: Project, performer_id: str) -> bool:
         return all(map(self._prepare.holds, _captures_of(project, project.performers[performer_id])))
 
-    def _is_seen(self, circle: Circle, project: Project, seconds: float) -> bool:
+    def _is_seen(self, cycle: Cycle, project: Project, seconds: float) -> bool:
         """True if the frames, or the whole motions, of a cycle are up to date with ``project``."""
-        if all(self._is_current(key, project) for key in circle):
+        if all(self._is_current(key, project) for key in cycle):
             return True
-        rows = {key: row_at(project, project.performers[key], seconds) for key in circle}
-        frames = {key: frame for key in circle if (frame := self._frames.get(key))}
-        return len(frames) == len(circle) and all(
+        rows = {key: row_at(project, project.performers[key], seconds) for key in cycle}
+        frames = {key: frame for key in cycle if (frame := self._frames.get(key))}
+        return len(frames) == len(cycle) and all(
             frame.project is project and frame.row == rows[key] for key, frame in frames.items()
         )
 
@@ -269,8 +280,8 @@ class Frames:
         return outcome.project is project and outcome.current[performer_id] is self._answered.get(performer_id)
 
 
-def _is_long(circle: Circle, project: Project) -> bool:
-    performers = [project.performers[key] for key in circle]
+def _is_long(cycle: Cycle, project: Project) -> bool:
+    performers = [project.performers[key] for key in cycle]
     frames = sum(frame_count_of(project, each) for each in performers)
     pieces = sum(clip.repeats for each in performers for clip in each.all_clips)
     return frames + PIECE_FRAMES * pieces > MANY_FRAMES

@@ -3,7 +3,6 @@
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from PySide6.QtCore import QCoreApplication, QObject, QTimer, Signal
@@ -19,15 +18,15 @@ from studio.core.solver.performers.stage import in_order, leaders_of
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Performer, Project
 from studio.document.document import Document
+from studio.engine.body_request import BodyRequest, Prepare, body_request_of, player_of
 from studio.engine.driven import Driven
-from studio.engine.frames import Circle, Frames, Outcome, Solve
+from studio.engine.frames import Cycle, Frames, Outcome, Solve
 from studio.engine.hand import Hand, Rest
 from studio.engine.live_play import LivePlay
 from studio.engine.scheduler import SolveScheduler
 from studio.engine.solve_cache import SolveCache
 from studio.engine.solver_kernels import SolverKernels
 from studio.engine.standing_solver import StandingSolver
-from studio.engine.wanted import Prepare, Wanted, player_of, wanted_of
 from studio.startup.kernel_warm_up import WarmUp
 
 WINDOW_SECONDS = 0.75
@@ -60,7 +59,7 @@ class Solved:
     """A worker's answers by performer, to what, when that was asked (``time.monotonic``), whether for whole motions."""
 
     adapted: Mapping[str, AdaptedMotion]
-    wanted: Mapping[str, Wanted]
+    wanted: Mapping[str, BodyRequest]
     asked_at: float
     whole: bool
 
@@ -69,7 +68,7 @@ class LiveAdaptation(QObject):
     """Asks for a solve whenever something changes that a visible performer depends on."""
 
     adapted = Signal(str)
-    told_changed = Signal()
+    reported_changed = Signal()
     busy_changed = Signal(bool)
     interactive_changed = Signal(bool)
 
@@ -90,9 +89,9 @@ class LiveAdaptation(QObject):
         self._standing = StandingSolver()
         self._solve, self._realise = solve or self._standing, realise
         self._kernels = SolverKernels(warm_up, self)
-        self._wanted: dict[str, Wanted] = {}
+        self._wanted: dict[str, BodyRequest] = {}
         self._results: dict[str, AdaptedMotion] = {}
-        self._answered: dict[str, Wanted] = {}
+        self._answered: dict[str, BodyRequest] = {}
         self._told: dict[str, AdaptedMotion] = {}
         self._failures: dict[str, str] = {}
         self._sources: dict[str, tuple[Capture, AdaptedMotion | None]] = {}
@@ -161,7 +160,7 @@ class LiveAdaptation(QObject):
 
     def _kernels_changed(self) -> None:
         self._refresh(whole=True)
-        self.told_changed.emit()
+        self.reported_changed.emit()
 
     def failure(self, performer_id: str) -> str:
         """As ``Live.failure``."""
@@ -181,18 +180,18 @@ class LiveAdaptation(QObject):
         if self.play.running:
             self.play.drawn()
             return
-        circles, known = self._by_need(project), (self._results, self.driven.shown)
-        left = self._frames.bring(project, seconds, self._changed_at, *circles, *known)
+        first, others = self._by_need(project)
+        left = self._frames.bring(project, seconds, self._changed_at, first, others, self._results, self.driven.shown)
         if left is not None:
             self._beside.request(_FRAMES, self._document.revision, left)
 
-    def _by_need(self, project: Project) -> tuple[list[Circle], list[Circle]]:
+    def _by_need(self, project: Project) -> tuple[list[Cycle], list[Cycle]]:
         """Performers who are worked on and whom these follow, then all others; leaders before who follows."""
-        circles = [circle for circle in _circles_of(project) if self._kernels.can_solve(project, circle)]
-        playing = [key for circle in circles for key in circle]
+        cycles = [cycle for cycle in _cycles_of(project) if self._kernels.can_solve(project, cycle)]
+        playing = [key for cycle in cycles for key in cycle]
         active = [key for key in playing if key == self._document.active_performer_id]
         first = dict.fromkeys((*in_order(project, active), *in_order(project, self._selected(playing))))
-        return [each for each in first if each in circles], [each for each in circles if each not in first]
+        return [each for each in first if each in cycles], [each for each in cycles if each not in first]
 
     def _selected(self, performer_ids: Iterable[str]) -> list[str]:
         """Performers who are worked on: the selected ones, else the one that is active."""
@@ -215,8 +214,8 @@ class LiveAdaptation(QObject):
         frame = self._frames.get(performer_id)
         return frame is None or not (frame.wanted.eased and frame.wanted.asked)
 
-    def told(self, performer_id: str) -> AdaptedMotion | None:
-        """As ``Live.told``: read anew a tenth of a second after results have come, or have become out of date."""
+    def reported(self, performer_id: str) -> AdaptedMotion | None:
+        """As ``Live.reported``: read anew a tenth of a second after results have come, or have become out of date."""
         told = self._told.get(performer_id)
         if self.interactive:
             return told
@@ -233,12 +232,12 @@ class LiveAdaptation(QObject):
         performer = project.performers.get(performer_id)
         if performer is None or not performer.clips or project.missing_references(performer):
             return False
-        circle = next((each for each in self._circles if performer_id in each), (performer_id,))
-        return wanted_of(project, performer_id, circle, self._results.get) == wanted
+        cycle = next((each for each in self._circles if performer_id in each), (performer_id,))
+        return body_request_of(project, performer_id, cycle, self._results.get) == wanted
 
     def _tell_results(self) -> None:
         self._told = dict(self._results)
-        self.told_changed.emit()
+        self.reported_changed.emit()
 
     def motion(self, motion_id: str) -> NormalizedMotion:
         """A motion of the project without its actor's body."""
@@ -262,7 +261,7 @@ class LiveAdaptation(QObject):
 
     def show_until_solved(self, motions: Mapping[str, AdaptedMotion]) -> None:
         """Show what is known already of performers, whose solves may have to wait for the kernels."""
-        for key in motions.keys() & {key for circle in self._circles for key in circle}:
+        for key in motions.keys() & {key for cycle in self._circles for key in cycle}:
             self._results[key] = motions[key]
             self.adapted.emit(key)
 
@@ -316,7 +315,7 @@ class LiveAdaptation(QObject):
             self._turn.start(WINDOW_MILLISECONDS if self._interactive else 0)
 
     def _begin_anew(self) -> None:
-        together = (_TOGETHER.join(circle) for circle in self._circles)
+        together = (_TOGETHER.join(cycle) for cycle in self._circles)
         for key in (*together, *(_SOURCE + motion_id for motion_id in self._sources)):
             self._scheduler.forget(key)
         self._beside.forget(_FRAMES)
@@ -335,60 +334,58 @@ class LiveAdaptation(QObject):
     def _refresh(self, whole: bool) -> None:
         """Ask for all that has changed: ``whole`` motions, or windows as long as a hand moves."""
         project = self._document.project
-        circles = _circles_of(project)
-        self._leaders = {
-            leader for circle in circles for key in circle for leader in leaders_of(project, key) - {*circle}
-        }
-        for key in self._wanted.keys() - {key for circle in circles for key in circle}:
+        cycles = _cycles_of(project)
+        self._leaders = {leader for cycle in cycles for key in cycle for leader in leaders_of(project, key) - {*cycle}}
+        for key in self._wanted.keys() - {key for cycle in cycles for key in cycle}:
             for held in (self._wanted, self._results, self._answered, self._asked_at, self._failures):
                 held.pop(key, None)
             self._frames.drop(key)
-        for circle in self._circles - {*circles}:
-            self._scheduler.forget(_TOGETHER.join(circle))
-        self._circles, self._unfinished = {*circles}, self._unfinished & {*circles}
-        for circle in sorted(circles, key=lambda circle: not self._selected(circle)):  # first who is worked on
-            self._request(circle, whole)
+        for cycle in self._circles - {*cycles}:
+            self._scheduler.forget(_TOGETHER.join(cycle))
+        self._circles, self._unfinished = {*cycles}, self._unfinished & {*cycles}
+        for cycle in sorted(cycles, key=lambda cycle: not self._selected(cycle)):  # first who is worked on
+            self._request(cycle, whole)
         self._tell_busy()
 
-    def _request(self, circle: tuple[str, ...], whole: bool) -> None:
+    def _request(self, cycle: tuple[str, ...], whole: bool) -> None:
         project = self._document.project
-        wanted = {key: wanted_of(project, key, circle, self._results.get) for key in circle}
+        wanted = {key: body_request_of(project, key, cycle, self._results.get) for key in cycle}
         known = {key: each for key, each in wanted.items() if each is not None}
         same = all(self._wanted.get(key) == each for key, each in known.items())
-        if len(known) < len(circle) or (same and not (whole and circle in self._unfinished)):
+        if len(known) < len(cycle) or (same and not (whole and cycle in self._unfinished)):
             return
         if not same:
             self._wanted |= known
-        if not self._kernels.can_solve(project, circle):
-            self._unfinished.add(circle)  # until the kernels are there
+        if not self._kernels.can_solve(project, cycle):
+            self._unfinished.add(cycle)  # until the kernels are there
             return
-        known = {key: self._wanted[key] for key in circle}
-        stages = self._stages(project, circle, known, whole)
+        known = {key: self._wanted[key] for key in cycle}
+        stages = self._stages(project, cycle, known, whole)
         if stages:
             if not self._telling.isActive():
                 self._telling.start()
-            self._scheduler.request(_TOGETHER.join(circle), self._document.revision, *stages)
+            self._scheduler.request(_TOGETHER.join(cycle), self._document.revision, *stages)
 
     def _stages(
-        self, project: Project, circle: tuple[str, ...], wanted: Mapping[str, Wanted], whole: bool
+        self, project: Project, cycle: tuple[str, ...], wanted: Mapping[str, BodyRequest], whole: bool
     ) -> tuple[Callable[[], Solved], ...]:
         """Stages of a solve: all frames, or first the frames round the playhead, unsmoothed, where the rest is
         unchanged.
         """
-        asked_at, base = self._changed_at, self._results.get(circle[0])
-        if whole or base is None or not _fits(base, wanted[circle[0]], project):
-            self._unfinished.discard(circle)
+        asked_at, base = self._changed_at, self._results.get(cycle[0])
+        if whole or base is None or not _fits(base, wanted[cycle[0]], project):
+            self._unfinished.discard(cycle)
             return (lambda: self._solved(project, wanted, asked_at, 0, None),)
-        self._unfinished.add(circle)
-        stands = wanted[circle[0]].stands_as(self._answered.get(circle[0]))
-        if len(circle) > 1 or not stands or not self._selected(circle):
+        self._unfinished.add(cycle)
+        stands = wanted[cycle[0]].stands_as(self._answered.get(cycle[0]))
+        if len(cycle) > 1 or not stands or not self._selected(cycle):
             return ()  # what costs most with every move, and who is not worked on, waits for the hand to rest
-        first, last = self._window(project, wanted[circle[0]].performer)
+        first, last = self._window(project, wanted[cycle[0]].performer)
         exact = {key: replace(each, eased=False) for key, each in wanted.items()}
 
         def window() -> Solved:
             solved = self._solved(project, exact, asked_at, first, last)
-            return replace(solved, adapted={circle[0]: merged(base, solved.adapted[circle[0]])})
+            return replace(solved, adapted={cycle[0]: merged(base, solved.adapted[cycle[0]])})
 
         return (window,)
 
@@ -401,7 +398,7 @@ class LiveAdaptation(QObject):
         return self._realise(*self._prepared(capture))
 
     def _solved(
-        self, project: Project, wanted: Mapping[str, Wanted], asked_at: float, first: int, last: int | None
+        self, project: Project, wanted: Mapping[str, BodyRequest], asked_at: float, first: int, last: int | None
     ) -> Solved:
         players = {key: player_of(project, key, each, self._prepare) for key, each in wanted.items()}
         if len(players) == 1:
@@ -419,7 +416,7 @@ class LiveAdaptation(QObject):
         reach = round(WINDOW_SECONDS * timing.frame_rate)
         return max(frame - reach, 0), frame + reach
 
-    def _take(self, key: str, _revision: int, answer: Any) -> None:
+    def _take(self, key: str, _revision: int, answer: Solved | AdaptedMotion) -> None:
         if key.startswith(_EXPECTED):
             return
         if isinstance(answer, Solved):
@@ -442,7 +439,7 @@ class LiveAdaptation(QObject):
                 self.adapted.emit(performer_id)
 
     def _take_frames(self, _key: str, _revision: int, outcomes: Sequence[Outcome]) -> None:
-        there = [outcome for outcome in outcomes if outcome.circle in self._circles]
+        there = [outcome for outcome in outcomes if outcome.cycle in self._circles]
         for performer_id in self._frames.take(there):
             self.adapted.emit(performer_id)
 
@@ -455,7 +452,7 @@ class LiveAdaptation(QObject):
             self._failures[performer_id] = str(error)
             self._results.pop(performer_id, None)  # what it played before is not what is asked
             self.adapted.emit(performer_id)
-        self._document.problem.emit(str(error))
+        self._document.problem_reported.emit(str(error))
         self._telling.start()
 
     def _tell_busy(self) -> None:
@@ -474,7 +471,7 @@ def _raise(_key: str, _revision: int, error: Exception) -> None:
     raise error
 
 
-def _circles_of(project: Project) -> tuple[tuple[str, ...], ...]:
+def _cycles_of(project: Project) -> tuple[tuple[str, ...], ...]:
     """All who play on the stage, leaders first; those who follow each other together."""
     playing = [
         key
@@ -495,7 +492,7 @@ def merged(whole: AdaptedMotion, window: AdaptedMotion) -> AdaptedMotion:
     return replace(whole, **body, **arrays)
 
 
-def _fits(whole: AdaptedMotion, wanted: Wanted, project: Project) -> bool:
+def _fits(whole: AdaptedMotion, wanted: BodyRequest, project: Project) -> bool:
     return (
         whole.frame_count == frame_count_of(project, wanted.performer)
         and len(whole.residuals) == len(wanted.asked)

@@ -33,10 +33,10 @@ class Live(Protocol):
         """The stage as it plays live."""
 
     @property
-    def told_changed(self) -> SignalInstance:
-        """Signal(): ``told`` has a new value."""
+    def reported_changed(self) -> SignalInstance:
+        """Signal(): ``reported`` has a new value."""
 
-    def told(self, performer_id: str) -> AdaptedMotion | None:
+    def reported(self, performer_id: str) -> AdaptedMotion | None:
         """Motion from which every view reports the residuals, so that all show the same number at one moment.
 
         None while the present request is not solved for the whole clip; during a drag, the newest result.

@@ -175,7 +175,7 @@ class LivePlay(QObject):
                 self.state_changed.emit(key, state)
         for key, sentence in self.moment.failures.items():
             if self._failed.get(key) != sentence:
-                self._document.problem.emit(sentence)
+                self._document.problem_reported.emit(sentence)
         self._failed = dict(self.moment.failures)
         self.stepped.emit()
 
@@ -183,7 +183,7 @@ class LivePlay(QObject):
         self.end()
         if not isinstance(error, StudioError):
             raise error
-        self._document.problem.emit(str(error))
+        self._document.problem_reported.emit(str(error))
 
 
 class _Worker:

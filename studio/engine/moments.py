@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from studio.core.changed_records import with_fields
 from studio.core.constraints.balance import Support
 from studio.core.constraints.base import BodyPoint, Constraint, Vector
 from studio.core.constraints.follow import Follow, FollowBody, FollowPerformer, FollowProp, FollowTracked
@@ -46,25 +46,24 @@ class TargetContext:
     def moved(self, constraint: Constraint, place: Vector) -> Constraint:
         """Constraint with its target moved to ``place`` now, by a key, centre or offset; unchanged if it has none."""
         name = constraint.shown.held_by
-        target: Any = getattr(constraint, name, None)
-        held: dict[str, Any]
-        if (own := own_place_of(target)) is not None:
+        target: Place | None = getattr(constraint, name, None)
+        held: dict[str, object]
+        if target is not None and (own := own_place_of(target)) is not None:
             now = self.fixed(constraint)
             held = {} if now is None else {name: self._moved_own(target, own, getattr(now, name), place)}
-            return replace(constraint, **held)
+            return with_fields(constraint, **held)
         if not isinstance(target, tuple | KeyedPlace | ProceduralPlace | Follow):
             return constraint
         track = self.track(target) if isinstance(target, Follow) else None
         flat = isinstance(target, tuple) and len(target) == 2
         held = {name: place[:2] if flat else moved_target(target, place, self.pose.seconds, track)}
-        return replace(constraint, **held)
+        return with_fields(constraint, **held)
 
     def with_target_rotation(self, constraint: Constraint, turn: Quaternion) -> Constraint:
         """Orientation constraint with its target rotated to ``turn`` now, as by ``moved``."""
         target = getattr(constraint, "target")  # noqa: B009 - only an orientation comes here
         track = self.track(target) if isinstance(target, Follow) else None
-        held: dict[str, Any] = {"target": turned_target(target, turn, self.pose.seconds, track)}
-        return replace(constraint, **held)
+        return with_fields(constraint, target=turned_target(target, turn, self.pose.seconds, track))
 
     def own_place(self, point: BodyPoint, place: Vector, seconds: float) -> OwnPlace | None:
         """``place`` relative to each body's own ``point`` at ``seconds``; None while the grounded body is not known."""

@@ -24,6 +24,8 @@ from studio.engine.live_interface import Live
 FloatArray = NDArray[np.float64]
 CLOSING, CLOSING_STEPS = 0.2, 9
 """Seconds in which hands change from the grip of one clip to that of the next, and in how many steps."""
+PATH_RATE = 15.0
+"""Hertz at which paths over the stage are sampled."""
 Results = Callable[[str], AdaptedMotion | None]
 """The newest adapted motion by id, or None while there is none."""
 
@@ -183,6 +185,22 @@ def seen_now(document: Document, live: Live) -> tuple[Project, float, dict[str, 
         return moment.staged, moment.seconds, posed_performers(moment.staged, live.shown, moment.seconds)
     project, time = document.project, document.playhead.time
     return project, time, posed_performers(project, live.shown, time, live.result)
+
+
+def root_paths(project: Project, result_of: Results) -> dict[str, FloatArray]:
+    """(T, 2) metres by which the root of each performer that has an adapted motion is away from its place on the stage,
+    as it faces where its motion does, from the beginning to the end of all clips.
+    """
+    clips = [clip for performer in project.performers.values() for clip in performer.clips]
+    end = max((clip.start + clip.length(project.frame_rate_of(clip)) for clip in clips), default=0.0)
+    times = np.arange(0.0, end, 1.0 / PATH_RATE)
+    paths = {}
+    for performer_id, performer in project.performers.items():
+        motion = result_of(performer_id) if performer.clips else None
+        if motion is not None:
+            timing = timing_of(project, performer)
+            paths[performer_id] = motion.positions[[row_at(motion, timing, time) for time in times], 0, :2]
+    return paths
 
 
 def resting_performers(project: Project, posed: Mapping[str, Posed]) -> dict[str, Posed]:

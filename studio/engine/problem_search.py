@@ -1,7 +1,6 @@
 """Summary and problems of the stage, measured beside the window and kept up to date while somebody looks."""
 
 from functools import partial
-from typing import Any
 
 from PySide6.QtCore import QObject, QThreadPool, QTimer, Signal
 
@@ -36,7 +35,7 @@ class ProblemSearch(QObject):
         self._rest = QTimer(self, singleShot=True, interval=REST_MS)
         self._rest.timeout.connect(self._measure)
         self._measured.connect(self._take)
-        live.told_changed.connect(self._changed)
+        live.reported_changed.connect(self._changed)
         live.adapted.connect(self._source_came)
         document.project_opened.connect(self._changed)
 
@@ -75,7 +74,7 @@ class ProblemSearch(QObject):
             self._rest.start()
             return
         project = self._document.project
-        motions = {key: motion for key in project.performers if (motion := self._live.told(key)) is not None}
+        motions = {key: motion for key in project.performers if (motion := self._live.reported(key)) is not None}
         played = {clip.motion_id for key in motions for clip in project.performers[key].clips}
         sources = {key: source for key in played if (source := self._live.source(key)) is not None}
         self._lacks_source = len(sources) < len(played)
@@ -90,7 +89,7 @@ class ProblemSearch(QObject):
         except Exception as error:  # noqa: BLE001 - a thread has nobody above it; the sentence is shown
             self._measured.emit(number, error)
 
-    def _take(self, number: int, result: Any) -> None:
+    def _take(self, number: int, result: tuple[SummaryRow, ...] | Exception) -> None:
         if number != self._number:
             return
         self._is_fresh, self._asked = True, False

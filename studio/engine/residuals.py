@@ -60,7 +60,7 @@ class Residual:
 
 
 @dataclass(frozen=True, eq=False)
-class Missed:
+class ConstraintResiduals:
     """Residuals of a constraint in frames of its own motion, from ``first_frame`` on, at ``frame_rate``. ``amounts``
     (F,) metres or radians, NaN where inactive.
     """
@@ -70,7 +70,9 @@ class Missed:
     amounts: FloatArray
 
 
-def missed_by(project: Project, performer_id: str, motion: AdaptedMotion | None, constraint_id: str) -> Missed | None:
+def residuals_on(
+    project: Project, performer_id: str, motion: AdaptedMotion | None, constraint_id: str
+) -> ConstraintResiduals | None:
     """Residual of a constraint on a body; None without a result, or where it does not apply.
 
     Where a performer plays its motion more than once, the worse one counts.
@@ -86,7 +88,9 @@ def missed_by(project: Project, performer_id: str, motion: AdaptedMotion | None,
         return None
     composite = motion.composite
     if composite is None or composite.is_plain:
-        return Missed(motion.first_frame, motion.frame_rate, np.fmax.reduce(motion.residuals[rows], axis=0))
+        return ConstraintResiduals(
+            motion.first_frame, motion.frame_rate, np.fmax.reduce(motion.residuals[rows], axis=0)
+        )
     clip = performer.clips[asked[rows[0]].clip]
     capture = project.captures[project.motions[clip.motion_id].capture_id]
     amounts = np.full(capture.frame_count, np.nan)
@@ -100,10 +104,10 @@ def missed_by(project: Project, performer_id: str, motion: AdaptedMotion | None,
         )  # on into parts of a split clip
         own = np.rint(each.motion_frames(frames, composite.timing)).astype(np.int64).clip(0, capture.frame_count - 1)
         np.fmax.at(amounts, own, motion.residuals[row, frames - motion.first_frame])
-    return Missed(0, capture.frame_rate, amounts)
+    return ConstraintResiduals(0, capture.frame_rate, amounts)
 
 
-def is_asked(project: Project, performer_id: str, constraint_id: str) -> bool:
+def applies_to(project: Project, performer_id: str, constraint_id: str) -> bool:
     """True if a constraint applies to a performer: enabled, on a motion that it plays, and in scope."""
     constraint, performer = project.constraints[constraint_id], project.performers[performer_id]
     return constraint.enabled and any(
@@ -121,7 +125,7 @@ def worst_residual(
     project: Project, performer_id: str, motion: AdaptedMotion | None, constraint_id: str
 ) -> Residual | None:
     """Worst residual in the frames that the performer plays; None if the constraint is inactive or not yet solved."""
-    missed = missed_by(project, performer_id, motion, constraint_id)
+    missed = residuals_on(project, performer_id, motion, constraint_id)
     if missed is None:
         return None
     constraint = project.constraints[constraint_id]

@@ -3,35 +3,36 @@
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Iterable
-from typing import Any, Generic, TypeVar
+from typing import Generic, TypeVar
 
+Key = TypeVar("Key")
 Result = TypeVar("Result")
 
 
-class _Slot(Generic[Result]):
-    def __init__(self, key: Any) -> None:
+class _Slot(Generic[Key, Result]):
+    def __init__(self, key: Key) -> None:
         self.key = key
         self.lock = threading.Lock()
         self.results: list[Result] = []
 
 
-class SolveCache(Generic[Result]):
+class SolveCache(Generic[Key, Result]):
     """``compute(key)`` by the identity of ``key``; threads that ask at once share one computation.
 
     The ``size`` keys that were used last are held. An exception is not kept: it comes again when asked again.
     """
 
-    def __init__(self, compute: Callable[[Any], Result], size: int = 32) -> None:
+    def __init__(self, compute: Callable[[Key], Result], size: int = 32) -> None:
         self._compute, self._size = compute, size
-        self._slots: OrderedDict[int, _Slot[Result]] = OrderedDict()
+        self._slots: OrderedDict[int, _Slot[Key, Result]] = OrderedDict()
         self._lock = threading.Lock()
 
-    def holds(self, key: Any) -> bool:
+    def holds(self, key: Key) -> bool:
         """True if the result for ``key`` is cached."""
         slot = self._slots.get(id(key))
         return slot is not None and bool(slot.results)
 
-    def __call__(self, key: Any) -> Result:
+    def __call__(self, key: Key) -> Result:
         """The result for ``key``; raises what ``compute`` raises."""
         with self._lock:
             slot = self._slots.setdefault(id(key), _Slot(key))
@@ -43,7 +44,7 @@ class SolveCache(Generic[Result]):
                 slot.results.append(self._compute(key))
             return slot.results[0]
 
-    def keep(self, keys: Iterable[Any]) -> None:
+    def keep(self, keys: Iterable[Key]) -> None:
         """Let go of what is held for any other key."""
         kept = {id(each) for each in keys}
         with self._lock:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body.body_shape import moving_body_by_shape
 from studio.core.body.body_sides import LIMB_PARTS, exchanged_limbs
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_positions
@@ -18,10 +19,12 @@ from studio.core.captures.confidence import Confidence
 from studio.core.captures.motion_faults import clean_motion
 from studio.core.captures.reference_pose import ReferencePose, find_reference_pose, stand_up
 from studio.core.errors import StudioError
+from studio.core.names import readable
 from studio.core.rotations import IDENTITY_QUATERNION, normalized
-from studio.io.figure.body_maps import FoundBody, similar_joints
+from studio.io.figure.body_maps import FoundBody, named_sides, similar_joints
 from studio.io.guessing import guess_first_frame, guess_floor
 from studio.io.importing import ImportOptions
+from studio.io.up_axis import FILE_AXES, axis_called, turn_to_world
 
 FloatArray = NDArray[np.float64]
 
@@ -39,6 +42,20 @@ def loose_guesses(feet: Collection[int], hands: Collection[int], behind: float) 
         moved = "The body does not go with them there; it was put where the ends of its shanks meet them."
         guesses[0] = replace(guesses[0], reason=f"{guesses[0].reason} {moved}", confidence=Confidence.LIKELY)
     return guesses
+
+
+def body_by_shape_in(skeleton: Skeleton, rest: FloatArray, points: FloatArray, up_axis: str | None) -> FoundBody | None:
+    """The body that stands like one at rest (J, 3), whatever its joints are called; None where none does.
+
+    ``points`` (F, J, 3), both in the file's axes, tell which knees are the left ones. Any axis may be up unless the
+    user says which one is.
+    """
+    sides = named_sides(skeleton)
+    for axis in (axis_called(up_axis),) if up_axis else FILE_AXES:
+        by_shape = moving_body_by_shape(skeleton, rest @ turn_to_world(axis).T, points, sides)
+        if by_shape is not None:
+            return FoundBody(by_shape, "", ())
+    return None
 
 
 def body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) -> list[Guess]:
@@ -96,7 +113,7 @@ def stood_capture(read: ReadJoints, found: FoundBody, options: ImportOptions, gu
             reason = (
                 f"Joints move in their parents by up to {np.degrees(swing):.0f} degrees; bones point where they are."
             )
-            guesses.append(Guess("moving offsets", "followed", reason))
+            guesses.append(Guess("moving offsets", "followed", reason, Confidence.SURE))
         read = cleaned_joints(replace(read, poses=poses), found.body_map, options, guesses)
         poses = read.poses
     first_frame, guess = guess_first_frame(read.positions, read.frame_rate)
@@ -104,7 +121,7 @@ def stood_capture(read: ReadJoints, found: FoundBody, options: ImportOptions, gu
     floor = floor_of(read, first_frame, found.body_map, options, guesses)
     reference = reference_of(read.skeleton, poses, found.body_map, options, guesses)
     return Capture(
-        name=read.path.stem,
+        name=readable(read.path.stem),
         source=read.path.name,
         skeleton=read.skeleton,
         poses=poses,
@@ -127,7 +144,7 @@ def cleaned_joints(read: ReadJoints, body_map: BodyMap, options: ImportOptions, 
         return read
     if not options.clean:
         reason = f"It has {faults.words}. Clean motion (--clean) takes that off, as from poses estimated in images."
-        guesses.append(Guess("cleaning", "none", reason))
+        guesses.append(Guess("cleaning", "none", reason, Confidence.LIKELY))
         return read
     repair = f"{read.path.name} was cleaned. It had {faults.words}."
     return replace(read, poses=poses, positions=joint_positions(read.skeleton, poses), repairs=(*read.repairs, repair))
@@ -179,9 +196,9 @@ def chosen_reference(
     if chosen == "zero":
         stood = stand_up(skeleton, zero, body_map) if body_map else None
         return zero if stood is None else stood
-    if not (chosen.isdecimal() and int(chosen) < poses.frame_count):
+    if not (chosen.isdecimal() and float(chosen) < poses.frame_count):
         raise StudioError(
-            f"'{chosen}' is not a reference pose. Choose 'zero' or a frame from 0 to {poses.frame_count - 1}."
+            f"'{chosen[:40]}' is not a reference pose. Choose 'zero' or a frame from 0 to {poses.frame_count - 1}."
         )
     rotations: FloatArray = poses.local_rotations[int(chosen)]
     return rotations

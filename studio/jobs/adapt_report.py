@@ -5,7 +5,6 @@ import time
 from collections import Counter
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +17,8 @@ from studio.core.quality.motion_measures import ADDED_MEASURES
 from studio.core.quality.report import (
     BLOCKED_BY_CLEARANCE,
     BLOCKED_BY_CONTACTS,
+    BLOCKED_BY_CORRECTIONS,
+    BLOCKED_BY_FOLLOWED,
     BLOCKED_BY_LIMITS,
     BLOCKED_BY_NOTHING,
     BLOCKED_BY_REACH,
@@ -34,8 +35,8 @@ from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import Standing
 from studio.core.solver.warm_up import warm_up
 from studio.core.stage.placement import Placement
+from studio.io.json_text import JsonObject
 
-Record = dict[str, Any]
 FloatArray = NDArray[np.float64]
 
 REACHED_MM, REACHED_DEG = 1000.0 * MET_BY_UNIT["m"], math.degrees(MET_BY_UNIT["rad"])
@@ -49,13 +50,15 @@ OTHERS = {
     BLOCKED_BY_TOUCHES: "touches",
     BLOCKED_BY_CLEARANCE: "clearance",
     BLOCKED_BY_TOLERANCE: "tolerance",
+    BLOCKED_BY_CORRECTIONS: "corrections",
+    BLOCKED_BY_FOLLOWED: "followed character",
 }
 """Causes other than another constraint that keep a constraint from being met, by code; None for no cause."""
 
 
 def character_report(
     request: AdaptRequest, source: AdaptedMotion, first_frame: int, *, by_frame: bool = False
-) -> tuple[AdaptedMotion, Record]:
+) -> tuple[AdaptedMotion, JsonObject]:
     """Adapted motion from ``first_frame`` on, and the record of its metrics."""
     warm(request.morphology.still)
     start = time.perf_counter()
@@ -66,18 +69,18 @@ def character_report(
     return adapted, {**record, "microseconds_per_frame": 1e6 * seconds / adapted.frame_count}
 
 
-def place_record(place: Placement) -> Record:
+def place_record(place: Placement) -> JsonObject:
     """Record of a character's place on the stage: metres along X and Y, degrees about Z."""
     return {"position": list(place.position), "heading_deg": math.degrees(place.heading)}
 
 
 def figures(
     standing: Standing, request: AdaptRequest, adapted: AdaptedMotion, source: AdaptedMotion, by_frame: bool
-) -> Record:
+) -> JsonObject:
     """Record of an adapted motion's quality metrics, some relative to its ``source``, and of its constraints."""
     report = report_of(standing, request, adapted)
     quality = worst_of(report.slides, report.heights)
-    record: Record = {
+    record: JsonObject = {
         "slide_mm": 1000.0 * quality.slide,
         "float_mm": 1000.0 * max(quality.rise, 0.0),
         "penetration_mm": 1000.0 * max(quality.penetration, -float(report.lowest.min()), 0.0),
@@ -96,9 +99,9 @@ def figures(
     return record
 
 
-def measure_records(adapted: AdaptedMotion, by_frame: bool) -> Record:
+def measure_records(adapted: AdaptedMotion, by_frame: bool) -> JsonObject:
     """Record of each plug-in's measure by title: unit, mean and greatest value, or the error of one that failed."""
-    record: Record = {}
+    record: JsonObject = {}
     for title, measure in ADDED_MEASURES.items():
         try:
             values = measure.of(adapted)
@@ -121,7 +124,7 @@ def warm(body: Morphology) -> None:
     warm_up(body)
 
 
-def frame_records(report: Report) -> Record:
+def frame_records(report: Report) -> JsonObject:
     """Metrics of feet, knees and balance, one number per frame from the first adapted one; null where there is none."""
     slides, depths = 1000.0 * report.slides, 1000.0 * np.maximum(-report.heights, 0.0)
     return {
@@ -136,7 +139,9 @@ def frame_records(report: Report) -> Record:
     }
 
 
-def constraint_records(request: AdaptRequest, adapted: AdaptedMotion, report: Report, by_frame: bool) -> list[Record]:
+def constraint_records(
+    request: AdaptRequest, adapted: AdaptedMotion, report: Report, by_frame: bool
+) -> list[JsonObject]:
     """Record of each constraint: number of frames in which it is fully active and in which it is met, its worst
     residual in the former, and for the frames in which it is not met the number blocked by each cause.
 
@@ -151,7 +156,7 @@ def constraint_records(request: AdaptRequest, adapted: AdaptedMotion, report: Re
         misses, kept_by = report.misses[row], [_winner(int(code), request.constraints) for code in report.winners[row]]
         missed = asked & ~(misses <= MET_BY_UNIT[constraint.unit])
         worst = np.nanmax(misses[asked], initial=-math.inf)
-        record: Record = {"name": constraint.name, "kind": constraint.kind}
+        record: JsonObject = {"name": constraint.name, "kind": constraint.kind}
         record |= residual_record(constraint, float(worst) if math.isfinite(worst) else None)
         record |= {"frames_asked": int(asked.sum()), "frames_held": int(asked.sum() - missed.sum())}
         if asked.any():
@@ -178,7 +183,7 @@ def _least(values: FloatArray) -> float | None:
     return float(known.min()) if len(known) else None
 
 
-def residual_record(constraint: Constraint, residual: float | None) -> Record:
+def residual_record(constraint: Constraint, residual: float | None) -> JsonObject:
     """Record of a residual given in metres or radians, by the constraint's unit; None where there is none."""
     is_angle = constraint.unit == "rad"
     shown = None if residual is None else math.degrees(residual) if is_angle else 1000.0 * residual

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain, count
 from pathlib import Path
-from typing import Any
 
 from studio.core.captures.annotations import Annotations
 from studio.core.captures.capture import Capture
@@ -20,6 +19,7 @@ from studio.core.normalized.normalize import detected_contacts, normalize
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.source import source_motion
 from studio.io.importing import ImportOptions, known_of_motion, load_character, read_capture
+from studio.io.json_text import JsonObject
 from studio.io.project.character_file import bundled_characters
 from studio.io.registry import ReadCapture, known_formats
 
@@ -81,7 +81,7 @@ def made_ready(capture: Capture, annotations: Annotations | None = None) -> Read
     return ReadyCapture(capture, *normalize(capture), annotations)
 
 
-def cleaning_records(capture: Capture) -> list[dict[str, Any]]:
+def cleaning_records(capture: Capture) -> list[JsonObject]:
     """Reports of the cleaning steps on the markers from which a body was found; empty for any other capture."""
     if capture.markers is None or capture.body_map is None:
         return []

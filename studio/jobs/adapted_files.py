@@ -12,10 +12,11 @@ from studio.core.stage.placement import Placement
 from studio.io.export import take_of_actor, take_of_adapted, write_take
 from studio.io.export_options import ExportOptions
 from studio.io.importing import ImportOptions
+from studio.io.json_text import JsonObject
 from studio.io.project.constraint_file import ConstraintFile, read_constraints
 from studio.io.project.ground_file import read_ground
 from studio.io.registry import known_formats
-from studio.jobs.adapt_report import Record, character_report, place_record
+from studio.jobs.adapt_report import character_report, place_record
 from studio.jobs.adaptation import (
     ADAPTED_MOTION_ID,
     ReadyCapture,
@@ -119,7 +120,7 @@ def file_name(capture: Path, key: str, suffix: str) -> str:
     return f"{capture.stem}_{key}{suffix}"
 
 
-def adapt_file(path: Path, settings: AdaptSettings, cast: Cast, folder: Path) -> Record:
+def adapt_file(path: Path, settings: AdaptSettings, cast: Cast, folder: Path) -> JsonObject:
     """Adapt one capture to all of the cast, write their files into ``folder``, and return the report."""
     own = None if settings.constraints is None else read_constraints(settings.constraints, ADAPTED_MOTION_ID)
     ready = ready_capture(path, settings.reading, all_frames=settings.all_frames)
@@ -166,7 +167,7 @@ def _requests(
 
 def _adapt_to(
     cast: Cast, key: str, ready: ReadyCapture, request: AdaptRequest, settings: AdaptSettings, path: Path
-) -> Record:
+) -> JsonObject:
     """Write the file of one character, and return its part of the report."""
     place, character = cast.places[key], cast.characters[key]
     adapted, record = character_report(request, ready.source, ready.capture.first_frame, by_frame=settings.by_frame)

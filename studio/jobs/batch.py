@@ -7,10 +7,11 @@ from pathlib import Path
 
 from studio.core.errors import StudioError
 from studio.core.names import counted
+from studio.io.json_text import JsonObject
 from studio.jobs.adaptation import make_folder
 from studio.jobs.adapted_files import AdaptSettings
 from studio.jobs.batch_cluster import run_there
-from studio.jobs.batch_jobs import REPORTS, BatchJob, Record, done_before, find_jobs
+from studio.jobs.batch_jobs import REPORTS, BatchJob, done_before, find_jobs
 from studio.jobs.batch_summary import PAGE, TABLE, write_summary
 from studio.jobs.batch_workers import run_here
 
@@ -49,7 +50,7 @@ class BatchResult:
     """Records of all files of a batch, in the order of their names."""
 
     out: Path
-    records: tuple[Record, ...]
+    records: tuple[JsonObject, ...]
     unchanged: int
 
     @property
@@ -112,7 +113,7 @@ def run_batch(
 
 def _run(
     jobs: Sequence[BatchJob], settings: BatchSettings, waited: Callable[[], object]
-) -> Generator[Record, None, None]:
+) -> Generator[JsonObject, None, None]:
     if not jobs:
         return
     if settings.scheduler is None:

@@ -4,7 +4,8 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 
 from studio.core.errors import StudioError
-from studio.jobs.batch_jobs import BatchJob, Record, died, work
+from studio.io.json_text import JsonObject
+from studio.jobs.batch_jobs import BatchJob, died, work
 from studio.startup.process import prepare_process
 
 _PATIENCE = 10.0
@@ -13,7 +14,7 @@ CLUSTER_POLL_SECONDS = 0.1
 """Seconds between two looks at what is done."""
 
 
-def run_there(jobs: Sequence[BatchJob], scheduler: str, waited: Callable[[], object]) -> Iterator[Record]:
+def run_there(jobs: Sequence[BatchJob], scheduler: str, waited: Callable[[], object]) -> Iterator[JsonObject]:
     """Record of each job as soon as the workers of the ``scheduler`` at that address have done it.
 
     The job of a worker that dies is given to another one.

@@ -6,16 +6,14 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
-from typing import Any
 
 from studio import __version__
 from studio.core.errors import StudioError
 from studio.io.beside import read_bytes
-from studio.io.json_text import write_json
+from studio.io.json_text import JsonObject, write_json
 from studio.io.registry import known_formats
 from studio.jobs.adapted_files import AdaptSettings, adapt_file
 
-Record = dict[str, Any]
 REPORTS = "reports"
 """Subfolder of the batch's folder with a report for each capture."""
 
@@ -63,10 +61,10 @@ def find_jobs(source: Path, out: Path, settings: AdaptSettings) -> list[BatchJob
     return jobs
 
 
-def done_before(job: BatchJob) -> Record | None:
+def done_before(job: BatchJob) -> JsonObject | None:
     """Record of an earlier run with the same inputs, whose files are still as it wrote them; None if there is none."""
     try:
-        record: Record = json.loads(job.report.read_bytes())
+        record: JsonObject = json.loads(job.report.read_bytes())
         written = dict(record["written"])
         same = record["digest"] == job.digest and all(_hash(Path(path)) == known for path, known in written.items())
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
@@ -74,10 +72,10 @@ def done_before(job: BatchJob) -> Record | None:
     return record if same else None
 
 
-def work(job: BatchJob) -> Record:
+def work(job: BatchJob) -> JsonObject:
     """Adapt one capture in this process and return its record; an error is reported in the record and stops nothing."""
     start = perf_counter()
-    record: Record = {"name": job.name, "digest": job.digest}
+    record: JsonObject = {"name": job.name, "digest": job.digest}
     try:
         record |= adapt_file(job.capture, job.settings, job.settings.cast(), job.folder)
         record["written"] = {each["file"]: _hash(Path(each["file"])) for each in record["characters"]}
@@ -91,12 +89,12 @@ def work(job: BatchJob) -> Record:
     return record
 
 
-def failure(job: BatchJob, error: str) -> Record:
+def failure(job: BatchJob, error: str) -> JsonObject:
     """Record of a capture that could not be adapted."""
     return {"name": job.name, "digest": job.digest, "error": error, "characters": []}
 
 
-def died(job: BatchJob) -> Record:
+def died(job: BatchJob) -> JsonObject:
     """Record of a capture on which the worker processes died."""
     return failure(job, f"{job.name}: every worker that was given this file died of it. Look at it alone.")
 

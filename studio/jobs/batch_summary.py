@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from studio.core.names import counted
-from studio.io.replacing import write_whole
+from studio.io.json_text import JsonObject
+from studio.io.replacing import write_text
 
-Record = dict[str, Any]
-Row = dict[str, Any]
+Row = JsonObject
 
 TABLE, PAGE = "summary.csv", "summary.html"
 SUMMARY_COLUMNS = (
@@ -32,16 +32,16 @@ SMALLEST_SCALE = 0.1
 STYLE = "body{font:14px sans-serif;margin:2em;color:#222}table{border-collapse:collapse}td{padding:2px 12px 2px 0}"
 
 
-def rows_of(records: Sequence[Record]) -> list[Row]:
+def rows_of(records: Sequence[JsonObject]) -> list[Row]:
     """Row for each capture and character; one with the error for a capture that failed."""
     return [row for record in records for row in _rows(record)]
 
 
-def write_summary(folder: Path, records: Sequence[Record]) -> None:
+def write_summary(folder: Path, records: Sequence[JsonObject]) -> None:
     """Write ``summary.csv`` and ``summary.html`` into ``folder``. Raises StudioError if they cannot be written."""
     rows = rows_of(records)
     write_rows(folder / TABLE, rows)
-    write_whole(folder / PAGE, _page(records, rows).encode())
+    write_text(folder / PAGE, _page(records, rows))
 
 
 def write_rows(path: Path, rows: Sequence[Row]) -> None:
@@ -50,10 +50,10 @@ def write_rows(path: Path, rows: Sequence[Row]) -> None:
     writer = csv.DictWriter(table, SUMMARY_COLUMNS)
     writer.writeheader()
     writer.writerows(rows)
-    write_whole(path, table.getvalue().encode())
+    write_text(path, table.getvalue())
 
 
-def _rows(record: Record) -> list[Row]:
+def _rows(record: JsonObject) -> list[Row]:
     shared = {"capture": record["name"], "error": record.get("error"), "seconds": record.get("seconds")}
     shared |= {key: record.get(key) for key in ("frames", "frame_rate")}
     rows = []
@@ -71,7 +71,7 @@ def _short(value: Any) -> Any:
     return float(f"{value:.6g}") if isinstance(value, float) else value
 
 
-def _page(records: Sequence[Record], rows: Sequence[Row]) -> str:
+def _page(records: Sequence[JsonObject], rows: Sequence[Row]) -> str:
     failed = [record for record in records if "error" in record]
     names = list(dict.fromkeys(row["character"] for row in rows if row["character"]))
     colours = {name: CHART_COLOURS[place % len(CHART_COLOURS)] for place, name in enumerate(names)}

@@ -14,10 +14,11 @@ from multiprocessing.process import BaseProcess
 
 from studio.core.solver.request import AdaptRequest
 from studio.io.importing import GUESS_ALL
+from studio.io.json_text import JsonObject
 from studio.io.project.character_file import bundled_characters
 from studio.jobs.adapt_report import character_report
 from studio.jobs.adaptation import ready_capture
-from studio.jobs.batch_jobs import BatchJob, Record, died, work
+from studio.jobs.batch_jobs import BatchJob, died, work
 from studio.resources_folder import example_captures_folder
 from studio.startup.process import prepare_process
 
@@ -86,7 +87,7 @@ def load_kernels() -> None:
     character_report(request, ready.source, ready.capture.first_frame, by_frame=False)
 
 
-def run_here(jobs: Sequence[BatchJob], count: int | None, waited: Callable[[], object]) -> Iterator[Record]:
+def run_here(jobs: Sequence[BatchJob], count: int | None, waited: Callable[[], object]) -> Iterator[JsonObject]:
     """Record of each job as soon as it is done, the largest captures first, by ``count`` processes; None for as many as
     cores.
 
@@ -127,11 +128,11 @@ def run_here(jobs: Sequence[BatchJob], count: int | None, waited: Callable[[], o
             worker.end()
 
 
-def _answer(worker: Worker) -> Record | None:
+def _answer(worker: Worker) -> JsonObject | None:
     """Record of a worker's job; None if it died."""
     worker.job = None
     try:
-        record: Record = worker.pipe.recv()
+        record: JsonObject = worker.pipe.recv()
     except (EOFError, OSError):
         return None
     return record

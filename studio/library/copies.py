@@ -9,7 +9,7 @@ import numpy as np
 from studio.library.catalogue import CatalogueClip, LibraryTake
 
 
-def takes_once(takes: Collection[LibraryTake], clips: Iterable[CatalogueClip]) -> set[int]:
+def distinct_takes(takes: Collection[LibraryTake], clips: Iterable[CatalogueClip]) -> set[int]:
     """Numbers of ``takes`` without copies; of equal ones that whose file exists, then that with most
     confirmed labels.
     """

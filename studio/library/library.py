@@ -17,7 +17,7 @@ from studio.io.npy import stored_array, write_stored
 from studio.io.replacing import write_whole
 from studio.library.catalogue import Actor, Catalogue, CatalogueClip, LibraryTake
 from studio.library.clip_labels import ClipLabel, Kind
-from studio.library.copies import takes_once
+from studio.library.copies import distinct_takes
 from studio.library.hitting import HitPath
 
 FloatArray = NDArray[np.float64]
@@ -67,7 +67,7 @@ class Library:
         """
         with catalogue.unchanging():
             takes, actors, known = catalogue.takes(), catalogue.actors(), catalogue.clips()
-        kept = takes_once(takes.values(), known)
+        kept = distinct_takes(takes.values(), known)
         strikes = [
             clip
             for clip in known

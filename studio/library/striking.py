@@ -129,11 +129,11 @@ class Tried:
 
 def tried(found: Sequence[Result], asked: StrikeQuery) -> list[Tried]:
     """Search results, solved: those that hit before those that do not, each in the order of ``found``."""
-    all_tried = [Tried(each, missed_by(each, asked)) for each in found]
+    all_tried = [Tried(each, solved_residual(each, asked)) for each in found]
     return sorted(all_tried, key=lambda each: not each.hits)
 
 
-def missed_by(found: Result, asked: StrikeQuery) -> float:
+def solved_residual(found: Result, asked: StrikeQuery) -> float:
     """Residual of the hit in metres after solving, played from the query's pose: with its contacts, and smoothed."""
     pose, place = asked.pose, np.asarray(asked.place, dtype=np.float64)
     held = replace(pose, channels=np.repeat(pose.channels, round(POSE_HOLD_SECONDS * pose.frame_rate), axis=0))

@@ -90,7 +90,7 @@ class Coming:
 
     def plan(self, before: Standing, rows: NDArray[np.int64]) -> Plan:
         """Plan inertialised from the frames ``rows`` of ``before``."""
-        standing, first = self.takes.led(before, rows), self.takes.first
+        standing, first = self.takes.inertialised(before, rows), self.takes.first
         if self.found is None or self.strike is None:
             return Plan(self.state, standing, first)
         return Plan(self.state, standing, first, Blow.of(self.found), self.strike.constraint, self.strike.hit)

@@ -175,6 +175,7 @@ class Foothold:
         measures = sole_rows(self.body, self.side)
         pivot = heel_pivot(measures) if state == HEEL_STANDS else toe_pivot(measures, seen.toe)
         place = seen.ankle + pivot.offsets(seen.foot, seen.toe)
+        lowest = seen.ankle + pivot._replace(ahead=0.0).offsets(seen.foot, seen.toe)
         if held is None:
             soles = soles_of(seen.ankle[None], seen.foot[None], sole_rows(self.body, self.side))
             planes = planes_under(self.ground, soles)
@@ -183,7 +184,7 @@ class Foothold:
         else:
             tilt, at = held.tilt, held.place
         normal = tilt[:, 2]
-        level = at[2] - normal[:2] @ (place[:2] - at[:2]) / normal[2]
+        level = at[2] - normal[:2] @ (lowest[:2] - at[:2]) / normal[2]
         return _Print(state, pivot, np.array([*place[:2], level]), tilt)
 
     def _aimed(self, own: FootPose) -> FootPose:
@@ -211,7 +212,7 @@ class Foothold:
         """Difference (3, 3) from the ``aimed`` to the ``shown`` foot: displacement of the pivot (m), rotation vectors
         of foot and toes.
         """
-        place = shown.ankle - aimed.ankle + self._pivot.offsets(shown.foot - aimed.foot, shown.toe - aimed.toe)
+        place = shown.ankle + self._pivot.offsets(*shown[1:]) - aimed.ankle - self._pivot.offsets(*aimed[1:])
         turns = [Rotation.from_matrix(a @ b.T).as_rotvec() for a, b in zip(shown[1:], aimed[1:], strict=True)]
         return np.array([place, *turns])
 
@@ -222,7 +223,8 @@ class Foothold:
             Rotation.from_rotvec(foot).as_matrix() @ aimed.foot,
             Rotation.from_rotvec(toe).as_matrix() @ aimed.toe,
         )
-        return FootPose(aimed.ankle + way + self._pivot.offsets(aimed.foot - turned, aimed.toe - bent), turned, bent)
+        place = aimed.ankle + self._pivot.offsets(*aimed[1:]) + way
+        return FootPose(place - self._pivot.offsets(turned, bent), turned, bent)
 
     def _left(self, before: FloatArray, last: FloatArray) -> FloatArray:
         """Rest of a gap (3,) at this time; while the foot stands it closes without overshoot."""

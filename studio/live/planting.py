@@ -116,8 +116,21 @@ class Planted:
         contacts = tuple(
             ContactInterval("live", point, 0, last) for point, bit in BITS.items() if self.states[point.side] & bit
         )
-        known = request.volume, request.actor, request.limited, contact
-        standing = Standing(motion, body, contacts, ground, footing, (), None, positions, rotations, *known)
+        standing = Standing(
+            motion=motion,
+            morphology=body,
+            contacts=contacts,
+            ground=ground,
+            footing=footing,
+            holds=(),
+            arms=None,
+            positions=positions,
+            rotations=rotations,
+            volume=request.volume,
+            actor=request.actor,
+            limited=request.limited,
+            self_contact=contact,
+        )
         return standing.with_arms_right([slice(0, last + 1)])
 
 

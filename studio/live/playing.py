@@ -70,7 +70,7 @@ class Playing:
         Hands that touch each other, or the body, keep their contacts.
         """
         contact = self.standing.self_contact
-        return replace(self.standing, self_contact=contact and replace(contact, rooms=None))
+        return replace(self.standing, self_contact=contact and replace(contact, clearances=None))
 
 
 def own_row(project: Project, key: str, prepare: Prepare) -> Playing:
@@ -102,7 +102,7 @@ def taken_over(project: Project, key: str, before: Playing, frame: int, tracks: 
     made = take_over(
         before.standing, seen, pieces, lambda stands: standing_of(unasked_request(project, key, stands, prepare))
     )
-    standing, first = made.led(before.standing, seen), made.first
+    standing, first = made.inertialised(before.standing, seen), made.first
     composite = replace(made.composite, contacts=standing.contacts)
     playing = Playing(composite, standing, _asked(project, key, composite, standing, frozenset()))
     begins = playing.time_of(first)

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from studio.core.body.morphology import AnimatedMorphology
 from studio.core.captures.contacts import FOOT_POINTS, on_ground
 from studio.core.grounds.ground import Ground
-from studio.core.normalized.compose import Composite, go_on, led_on
+from studio.core.normalized.compose import Composite, continued_by, go_on
 from studio.core.normalized.encode import encode
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import MotionPiece
-from studio.core.solver.standing.inertialisation import Stance, led_from
+from studio.core.solver.standing.inertialisation import Stance, inertialised_from
 from studio.core.solver.standing.stand import Standing, stand
 
 LAST_POSE_SECONDS = 2.0
@@ -41,9 +41,9 @@ class Takeover:
     first: int
     seconds: float
 
-    def led(self, before: Standing, rows: NDArray[np.int64]) -> Standing:
+    def inertialised(self, before: Standing, rows: NDArray[np.int64]) -> Standing:
         """Grounded motion inertialised from the frames ``rows`` of ``before``, the last ones shown."""
-        return led_from(self.standing, self.first, Stance.of(before, rows), self.seconds)
+        return inertialised_from(self.standing, self.first, Stance.of(before, rows), self.seconds)
 
 
 def take_over(
@@ -52,7 +52,7 @@ def take_over(
     """Takeover by ``pieces`` after the frames ``rows`` (SPEED_FRAMES,) of ``before``; ``stood`` grounds a composite."""
     begins, ease = pieces[0].start, pieces[0].ease
     shown = _shown(before, rows, begins)
-    composite = led_on(shown, pieces)
+    composite = continued_by(shown, pieces)
     if any(each.point not in FOOT_POINTS for each in on_ground((*shown.contacts, *composite.contacts))):
         # a body supported by hands, knees or seat as well may turn over: its blend is grounded as a whole
         composite = go_on(shown, _played(before, int(rows[-1])), pieces)
@@ -67,8 +67,15 @@ def _shown(before: Standing, rows: NDArray[np.int64], start: float) -> MotionPie
     """
     standing, rate = before, before.motion.frame_rate
     if not standing.ground.is_level:
-        known = standing.motion, standing.morphology, standing.contacts, Ground(), standing.volume, standing.actor
-        standing = stand(*known, standing.limited)
+        standing = stand(
+            standing.motion,
+            standing.morphology,
+            standing.contacts,
+            Ground(),
+            standing.volume,
+            standing.actor,
+            standing.limited,
+        )
     frame = rows[-1]
     body = standing.morphology
     still = body.at(frame) if isinstance(body, AnimatedMorphology) else body

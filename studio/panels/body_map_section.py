@@ -76,7 +76,10 @@ class BodyMapSection(Section):
     """Form section of the body map, folded at first, since most maps are right."""
 
     def __init__(
-        self, editor: Editor, find: Callable[[], MappedBody | None], put: Callable[[Mapping[str, str], str], None]
+        self,
+        editor: Editor[object],
+        find: Callable[[], MappedBody | None],
+        put: Callable[[Mapping[str, str], str], None],
     ) -> None:
         super().__init__("Body map")
         self._editor, self._find, self._put = editor, find, put
@@ -116,7 +119,7 @@ class BodyMapSection(Section):
         self._preset = Choice("Preset", [(family, family.name) for family in naming_families()])
         self._preset.setPlaceholderText("Names of joints as in…")
         self._preset.setCurrentIndex(-1)
-        self._preset.chosen.connect(self._choose_preset)
+        self._preset.value_chosen.connect(self._choose_preset)
         self.add_row("Preset", self._preset)
         self.add_row("File", press_button("Load…", self._ask_load), press_button("Save…", self._ask_save))
         spine = [part for part in body.joints if part.startswith("spine")]
@@ -125,7 +128,7 @@ class BodyMapSection(Section):
                 continue
             words = part.replace("_", " ").capitalize()
             choice = Choice(words, [])
-            choice.chosen.connect(partial(self._map, part, words))
+            choice.value_chosen.connect(partial(self._map, part, words))
             self.add_row(words, choice)
             self._choices[part] = choice
         self.refresh()
@@ -163,7 +166,7 @@ class BodyMapSection(Section):
         try:
             found = find_preset(body.skeleton, body.positions[None], family)
         except StudioError as error:
-            self._editor.document.problem.emit(f"{error}")
+            self._editor.document.problem_reported.emit(f"{error}")
             return
         self._apply(found.to_json(body.skeleton), f"Map {body.name} by names of {family.name}")
 
@@ -190,7 +193,7 @@ class BodyMapSection(Section):
         try:
             names = read_body_map(path)
         except StudioError as error:
-            self._editor.document.problem.emit(f"{error}")
+            self._editor.document.problem_reported.emit(f"{error}")
             return
         if body is not None:
             self._apply(names, f"Load body map of {body.name}")
@@ -202,10 +205,10 @@ class BodyMapSection(Section):
             if body is not None:
                 write_json(path, body.joints)
         except StudioError as error:
-            self._editor.document.problem.emit(f"{error}")
+            self._editor.document.problem_reported.emit(f"{error}")
 
 
-def capture_section(editor: Editor) -> BodyMapSection:
+def capture_section(editor: Editor[Capture]) -> BodyMapSection:
     """Section for the capture that ``editor`` shows."""
 
     def put(names: Mapping[str, str], text: str) -> None:
@@ -215,7 +218,7 @@ def capture_section(editor: Editor) -> BodyMapSection:
 
 
 def character_section(
-    editor: Editor, character_id: Callable[[], str], remap: Callable[[str, Mapping[str, str], str], None]
+    editor: Editor[object], character_id: Callable[[], str], remap: Callable[[str, Mapping[str, str], str], None]
 ) -> BodyMapSection:
     """Section for a character that ``editor`` shows, alone or as that of a performer.
 

@@ -1,12 +1,11 @@
 """Form of a saved camera: its name, the key that recalls it, and its placement."""
 
 import math
-from dataclasses import replace
-from typing import Any
 
 from PySide6.QtWidgets import QCheckBox, QLineEdit
 
-from studio.core.stage.saved_camera import CAMERA_SLOTS
+from studio.core.changed_records import with_fields
+from studio.core.stage.saved_camera import CAMERA_SLOTS, SavedCamera
 from studio.document.document import Document
 from studio.document.stored_cameras import give_slot
 from studio.engine.live_interface import Live
@@ -17,7 +16,7 @@ from studio.panels.fields import Choice, NumberField, Section
 NO_SLOT = "none"
 
 
-class CameraEditor(Editor):
+class CameraEditor(Editor[SavedCamera]):
     """Name, key and placement of a saved camera."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
@@ -27,7 +26,9 @@ class CameraEditor(Editor):
         self._name.editingFinished.connect(self._rename)
         section.add_row("Name", self._name)
         self._slot = Choice("Key", [(NO_SLOT, "None"), *((str(slot), f"Camera {slot}") for slot in CAMERA_SLOTS)])
-        self._slot.chosen.connect(lambda slot: give_slot(document, entity_id, None if slot == NO_SLOT else int(slot)))
+        self._slot.value_chosen.connect(
+            lambda slot: give_slot(document, entity_id, None if slot == NO_SLOT else int(slot))
+        )
         section.add_row("Key", self._slot)
         self._target = VectorRow(self, section, "Looks at", lambda target: self._place(target=target))
         self._distance = self.bind(
@@ -60,8 +61,8 @@ class CameraEditor(Editor):
         self._elevation.show_value(math.degrees(placement.elevation))
         self._parallel.setChecked(placement.parallel)
 
-    def _place(self, **values: Any) -> None:
-        self.change(f"Place {self.entity.name}", placement=replace(self.entity.placement, **values))
+    def _place(self, **values: object) -> None:
+        self.change(f"Place {self.entity.name}", placement=with_fields(self.entity.placement, **values))
 
     def _rename(self) -> None:
         name = self._name.text().strip()

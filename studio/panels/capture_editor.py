@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from html import escape
-from typing import Any
 
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QWidget
@@ -25,20 +24,20 @@ REFERENCES = (("zero", "Zero pose"), ("here", "Frame at the playhead"))
 UP_AXIS_CHOICES = tuple((axis, f"{axis} up") for axis in ("X", "Y", "Z", "-X", "-Y", "-Z"))
 
 
-class CaptureEditor(Editor):
+class CaptureEditor(Editor[Capture]):
     """Facts, guesses that can be overruled, repairs. Unit and axis need the file to be read again."""
 
-    reimport_wanted = Signal(str, object)
+    reimport_requested = Signal(str, object)
     """Capture id, {option: value}."""
-    markers_wanted = Signal(str)
+    markers_requested = Signal(str)
     """Capture id."""
-    character_wanted = Signal(str)
+    character_requested = Signal(str)
     """Capture id: its actor is to become a character."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         self._facts = Section("Capture")
-        self._actor = press_button("Make a character", lambda: self.character_wanted.emit(self.entity_id))
+        self._actor = press_button("Make a character", lambda: self.character_requested.emit(self.entity_id))
         self._actor.setToolTip("The captured actor as a character of exactly these measures")
         self._facts.head.addWidget(self._actor)
         self._values = {name: labelled("", "value") for name in ("File", "Frames", "Length", "Joints")}
@@ -48,7 +47,7 @@ class CaptureEditor(Editor):
         self._add_options()
         self._markers = labelled("", "value")
         self._markers.setWordWrap(True)
-        open_markers = press_button("Open…", lambda: self.markers_wanted.emit(self.entity_id), "link")
+        open_markers = press_button("Open…", lambda: self.markers_requested.emit(self.entity_id), "link")
         open_markers.setAccessibleName("Open markers")
         self._marker_section = Section("Markers")
         self._marker_section.head.addWidget(open_markers)
@@ -62,12 +61,12 @@ class CaptureEditor(Editor):
     def _add_options(self) -> None:
         section = Section("Import settings")
         self._unit = Choice("Unit", UNIT_CHOICES)
-        self._unit.chosen.connect(lambda unit: self._ask(unit=unit))
+        self._unit.value_chosen.connect(lambda unit: self._ask(unit=unit))
         self._axis = Choice("Up axis", UP_AXIS_CHOICES)
-        self._axis.chosen.connect(lambda axis: self._ask(up_axis=axis))
+        self._axis.value_chosen.connect(lambda axis: self._ask(up_axis=axis))
         self._reference = Choice("Reference pose", REFERENCES)
         self._reference.setPlaceholderText("As guessed")
-        self._reference.chosen.connect(self._ask_reference)
+        self._reference.value_chosen.connect(self._ask_reference)
         self._rate = self.bind(
             NumberField("Frame rate", "Hz", 1.0, 1000.0, 1.0, 3),
             self._changer("Set frame rate", lambda capture, value: capture.with_frame_rate(value)),
@@ -149,8 +148,8 @@ class CaptureEditor(Editor):
     def _ask_reference(self, which: str) -> None:
         self._ask(reference="zero" if which == "zero" else str(self.document.playhead.frame))
 
-    def _ask(self, **option: Any) -> None:
-        self.reimport_wanted.emit(self.entity_id, option)
+    def _ask(self, **option: object) -> None:
+        self.reimport_requested.emit(self.entity_id, option)
         self.refresh()
 
 

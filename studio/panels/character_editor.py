@@ -9,8 +9,10 @@ from PySide6.QtWidgets import QLineEdit
 from studio.core.body.growth import KeyedProportions
 from studio.core.body.morphology import Morphology, Proportions
 from studio.core.captures.remarks import remarks_on_body
+from studio.core.changed_records import with_fields
 from studio.core.mesh.character import Character
 from studio.core.mesh.skin import Blending
+from studio.core.stage.project import Performer
 from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.panels.body_map_section import character_section
@@ -58,7 +60,7 @@ def grip_words(grip: float) -> str:
 class BodySection(Section):
     """All proportions of one character; every picture follows while a slider moves."""
 
-    def __init__(self, editor: Editor, character_id: Callable[[], str]) -> None:
+    def __init__(self, editor: Editor[Character | Performer], character_id: Callable[[], str]) -> None:
         super().__init__("Body")
         self._editor, self._character_id = editor, character_id
         reset = press_button("Reset", lambda: self._put(BUILD, f"Reset body of {self._character.name}"), "link")
@@ -66,10 +68,10 @@ class BodySection(Section):
         self.head.addWidget(reset)
         self._preset = Choice("Preset", [(values, name) for name, values in PRESETS.items()])
         self._preset.setPlaceholderText("Own measures")
-        self._preset.chosen.connect(self._choose)
+        self._preset.value_chosen.connect(self._choose)
         self.add_row("Preset", self._preset)
         self._blending = Choice("Skinning", BLENDINGS)
-        self._blending.chosen.connect(self._blend)
+        self._blending.value_chosen.connect(self._blend)
         self.add_row("Skinning", self._blending)
         self._grip = ValueSlider("Grip", -1.0, 1.0)
         self._grip.slider.setToolTip("From open through relaxed hands to fists. Double-click to reset.")
@@ -125,7 +127,7 @@ class BodySection(Section):
             self.refresh_now()
 
     def _set(self, name: str, words: str, factor: float) -> None:
-        proportions = replace(self._character.proportions_at(self._growth.now), **{name: factor})
+        proportions = with_fields(self._character.proportions_at(self._growth.now), **{name: factor})
         self._put(proportions, f"Set {words.lower()} of {self._character.name}")
 
     def _choose(self, values: Proportions) -> None:
@@ -148,10 +150,10 @@ class BodySection(Section):
         self._editor.put_other("characters", self._character_id(), make, text)
 
 
-class CharacterEditor(Editor):
+class CharacterEditor(Editor[Character]):
     """Form of a character that no performer plays."""
 
-    remap_wanted = Signal(str, object, str)
+    remap_requested = Signal(str, object, str)
     """Character id, {part: joint}, text of the undo step."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
@@ -163,7 +165,7 @@ class CharacterEditor(Editor):
         self._body = BodySection(self, lambda: self.entity_id)
         self.column.addWidget(section)
         self.column.addWidget(self._body)
-        self._body_map = character_section(self, lambda: self.entity_id, self.remap_wanted.emit)
+        self._body_map = character_section(self, lambda: self.entity_id, self.remap_requested.emit)
         self.column.addWidget(self._body_map)
         self.finish()
 

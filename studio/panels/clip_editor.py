@@ -1,17 +1,17 @@
 """Form of a clip: its frames, start, speed and placement; for a layer the body region."""
 
 import math
-from dataclasses import replace
+from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 from PySide6.QtCore import QSignalBlocker
 from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QWidget
 
+from studio.core.changed_records import with_fields
 from studio.core.errors import StudioError
 from studio.core.mesh.hand_shapes import FIST_GRIP, HALF_CLOSED_GRIP, OPEN_GRIP, RELAXED_GRIP
 from studio.core.stage.clip import FASTEST_CLIP, MOST_REPEATS, SLOWEST_CLIP, Clip
-from studio.core.stage.clip_row import begun_at, ended_at, players_of
+from studio.core.stage.clip_row import ClipEdit, begun_at, ended_at, players_of
 from studio.document import clip_edits
 from studio.document.document import Document
 from studio.engine.live_interface import Live
@@ -30,7 +30,7 @@ GRIP_CHOICES = (
 )
 
 
-class ClipEditor(Editor):
+class ClipEditor(Editor[Clip]):
     """Form of a clip; an edit changes the clip for all performers that play it."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
@@ -69,14 +69,14 @@ class ClipEditor(Editor):
         section.add_row("Mirrored", self._mirrored)
         self._grip = Choice("Hands", GRIP_CHOICES)
         self._grip.setToolTip("How the hands of mannequins are held while the clip plays")
-        self._grip.chosen.connect(lambda grip: self._set("Hold hands of", grip=grip))
+        self._grip.value_chosen.connect(lambda grip: self._set("Hold hands of", grip=grip))
         section.add_row("Hands", self._grip)
         section.add_wide(self._buttons())
         return section
 
     def _placing(self) -> Section:
         section = Section("Where it plays")
-        self._joined = self._box("After previous clip", lambda on: self._set("Join", joined=on))
+        self._joined = self._box("After previous clip", lambda on: self._set("ClipAlignment", joined=on))
         section.add_row("Placement", self._joined)
         turn = NumberField("Turn", "°", -360.0, 360.0, 1.0, 1)
         self._turn = self._number(turn, "Turn", "", turn=math.radians(1.0))
@@ -105,7 +105,7 @@ class ClipEditor(Editor):
             row.addWidget(press_button(text, run), 1)
         return buttons
 
-    def _box(self, text: str, put: Any) -> QCheckBox:
+    def _box(self, text: str, put: Callable[[bool], None]) -> QCheckBox:
         box = QCheckBox(text)
         box.toggled.connect(put)
         return box
@@ -145,7 +145,7 @@ class ClipEditor(Editor):
         """True for performers, which play clips, and for motions, which name them."""
         return collection in ("performers", "motions")
 
-    def _edit(self, edit: Any, verb: str, rest: str = "") -> None:
+    def _edit(self, edit: ClipEdit, verb: str, rest: str = "") -> None:
         text = f"{verb} {clip_edits.name_of(self.document.project, self.entity)} {rest}".strip()
 
         def edit_all() -> None:
@@ -155,8 +155,8 @@ class ClipEditor(Editor):
 
         self._say(edit_all)
 
-    def _set(self, verb: str, rest: str = "", **values: Any) -> None:
-        self._edit(lambda clip: (replace(clip, **values),), verb, rest)
+    def _set(self, verb: str, rest: str = "", **values: object) -> None:
+        self._edit(lambda clip: (with_fields(clip, **values),), verb, rest)
 
     def _set_first(self, frame: float) -> None:
         project = self.document.project
@@ -190,14 +190,14 @@ class ClipEditor(Editor):
     def _duplicate(self) -> None:
         self._select(lambda: clip_edits.duplicate_clip(self.document, self.entity_id))
 
-    def _select(self, make: Any) -> None:
+    def _select(self, make: Callable[[], str]) -> None:
         """Select the active performer and the clip whose id ``make`` returns."""
         performer_id = self.document.active_performer_id or ""
         self._say(lambda: self.document.selection.set(("performers", performer_id), ("clips", make())))
 
-    def _say(self, run: Any) -> None:
+    def _say(self, run: Callable[[], object]) -> None:
         try:
             run()
         except StudioError as error:
-            self.document.problem.emit(str(error))
+            self.document.problem_reported.emit(str(error))
             self.refresh()

@@ -89,9 +89,9 @@ class ClipForm(QScrollArea):
         self.line.begun.connect(lambda: self._steps.append(self.label))
         self.line.dragged.connect(self._replace_last)
         self.line.marked.connect(self.figures.stress)
-        self.limb.chosen.connect(self._choose_limb)
-        self.kind.chosen.connect(lambda kind: self._put(replace(self.label, kind=kind)))
-        self.segment.chosen.connect(lambda segment: self._put(replace(self.label, segment=segment)))
+        self.limb.value_chosen.connect(self._choose_limb)
+        self.kind.value_chosen.connect(lambda kind: self._put(replace(self.label, kind=kind)))
+        self.segment.value_chosen.connect(lambda segment: self._put(replace(self.label, segment=segment)))
         self.tags.editingFinished.connect(self._read_tags)
         for mark, field in self.frames.items():
             field.begun.connect(lambda: self._steps.append(self.label))

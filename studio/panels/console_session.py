@@ -10,7 +10,7 @@ import traceback
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from PySide6.QtCore import QObject, Qt, Signal
+from PySide6.QtCore import QObject, Qt, Signal, SignalInstance
 
 from studio.core.errors import StudioError
 from studio.document.document import Document
@@ -31,7 +31,7 @@ class WindowThread(QObject):
         self._home = threading.get_ident()
         self._asked.connect(self._run, Qt.ConnectionType.QueuedConnection)
 
-    def run(self, work: Callable[[], Any]) -> Any:
+    def run(self, work: Callable[[], object]) -> object:
         """Result of ``work``, run on the window's thread. Raises its error, or SystemExit once the window is closed."""
         if threading.get_ident() == self._home:
             return work()
@@ -49,10 +49,10 @@ class WindowThread(QObject):
 
 
 class _Call:
-    def __init__(self, work: Callable[[], Any]) -> None:
+    def __init__(self, work: Callable[[], object]) -> None:
         self._work = work
         self.done = threading.Event()
-        self.result: Any = None
+        self.result: object = None
         self.error: BaseException | None = None
 
     def __call__(self) -> None:
@@ -70,7 +70,7 @@ class OnWindowThread:
     def __init__(self, target: QObject, thread: WindowThread) -> None:
         self._target, self._thread = target, thread
 
-    def __getattr__(self, name: str) -> Any:
+    def __getattr__(self, name: str) -> object:
         value = getattr(self._target, name)
         if isinstance(value, QObject):
             return OnWindowThread(value, self._thread)
@@ -110,7 +110,7 @@ class ConsoleSession(QObject):
         self._document = document
         self._window = WindowThread()
         self._running: threading.Thread | None = None
-        self.namespace: dict[str, Any] = {}
+        self.namespace: dict[str, object] = {}
         self.ended.connect(self._end)  # on the window's thread, after all that was written
 
     @property
@@ -181,7 +181,7 @@ class ConsoleSession(QObject):
                 self.namespace["_"] = value
                 print(repr(value))
 
-    def _beginning(self) -> dict[str, Any]:
+    def _beginning(self) -> dict[str, object]:
         from studio import api  # late: scripts are rare, and it loads what renders and searches
 
         document: Any = DocumentOnWindowThread(self._document, self._window)
@@ -191,7 +191,7 @@ class ConsoleSession(QObject):
 class _Output(io.TextIOBase):
     """Standard output that goes to a signal."""
 
-    def __init__(self, written: Any) -> None:
+    def __init__(self, written: SignalInstance) -> None:
         self._written = written
 
     def write(self, text: str) -> int:

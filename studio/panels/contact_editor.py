@@ -24,14 +24,16 @@ KEPT = {
 """Sentence on the property kept by a contact that is not with the ground, by the member of its point."""
 
 
-class ContactEditor(Editor):
+class ContactEditor(Editor[ContactInterval]):
     """Form of a contact: point, first and last frame."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Contact")
         self._point = Choice("Point", [(point, contact_words(point)) for point in CONTACT_POINTS])
-        self._point.chosen.connect(lambda point: self.change(f"Move contact to {contact_words(point)}", point=point))
+        self._point.value_chosen.connect(
+            lambda point: self.change(f"Move contact to {contact_words(point)}", point=point)
+        )
         section.add_row("Point", self._point)
         self._first = self.bind(NumberField("First frame", "", 0, 1e6, 1, 0), self._set_first)
         self._last = self.bind(NumberField("Last frame", "", 0, 1e6, 1, 0), self._set_last)

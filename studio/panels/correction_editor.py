@@ -18,7 +18,7 @@ RANGE_FIELDS = ("Start", "Full from", "Full until", "End")
 TURN_AXES = ("x", "y", "z")
 
 
-class CorrectionEditor(Editor):
+class CorrectionEditor(Editor[Correction]):
     """Form of a correction."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
@@ -38,7 +38,7 @@ class CorrectionEditor(Editor):
         self._above.setToolTip(
             "Below, constraints still hold and planted feet stay; above, the pose is left as corrected."
         )
-        self._above.chosen.connect(lambda above: self._change("Reorder", above=above))
+        self._above.value_chosen.connect(lambda above: self._change("Reorder", above=above))
         section.add_row("Order", self._above)
         self._weight = self.bind(
             NumberField("Weight", "%", 0.0, PER_CENT, 1.0, 0),

@@ -2,13 +2,14 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import replace
-from typing import Any
+from typing import Generic, Protocol, TypeVar, cast
 
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
+from studio.core.changed_records import with_fields
 from studio.core.errors import StudioError
+from studio.core.stage.project import Entity
 from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.panels.fields import NumberField, labelled
@@ -18,7 +19,18 @@ EDITED_TOGETHER = ("constraints", "contacts", "clips", "performers", "props")
 """Collections whose selected entities are edited together."""
 
 
-class Editor(QWidget):
+EditedT_co = TypeVar("EditedT_co", covariant=True)
+"""Shown by a form: an entity, or a part of one."""
+
+
+class Named(Protocol):
+    """Anything with a name that texts of undo steps tell."""
+
+    @property
+    def name(self) -> str: ...
+
+
+class Editor(QWidget, Generic[EditedT_co]):
     """The form of one entity. It keeps no copy: ``refresh`` fetches, ``change`` replaces."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
@@ -59,9 +71,9 @@ class Editor(QWidget):
         return self._gesture
 
     @property
-    def entity(self) -> Any:
-        """The entity as the active clip shows it now."""
-        return self.document.shown_project.get(self.collection, self.entity_id)
+    def entity(self) -> EditedT_co:
+        """The entity as the active clip shows it now; None once it is deleted."""
+        return cast(EditedT_co, self.document.shown_project.get(self.collection, self.entity_id))
 
     def refresh(self) -> None:
         """Show the entity as it is now."""
@@ -70,11 +82,12 @@ class Editor(QWidget):
         """True if a change of that entity is to be shown here."""
         return (collection, entity_id) == (self.collection, self.entity_id)
 
-    def change(self, text: str, **values: Any) -> None:
+    def change(self, text: str, **values: object) -> None:
         """Replace the entity by a copy with some values changed; a refused edit is reported as a message."""
-        self.put(lambda: replace(self.entity, **values), text)
+        entity = cast(Entity, self.entity)  # what is no entity of its own is changed by the form of its owner
+        self.put(lambda: with_fields(entity, **values), text)
 
-    def put(self, make: Callable[[], Any], text: str) -> None:
+    def put(self, make: Callable[[], Entity], text: str) -> None:
         """As ``change``, for a new entity that is made in another way."""
         others = [key for key in self.together if key != self.entity_id] if self.collection in EDITED_TOGETHER else []
         before = self.entity
@@ -85,7 +98,7 @@ class Editor(QWidget):
                 edited = with_edit(self.document.shown_project.get(self.collection, key), before, after)
                 self.document.replace_shown(self.collection, key, edited, text)
 
-    def put_other(self, collection: str, entity_id: str, make: Callable[[], Any], text: str) -> None:
+    def put_other(self, collection: str, entity_id: str, make: Callable[[], Entity], text: str) -> None:
         """As ``put``, for an entity that belongs to this one."""
         with self._objections_told():
             self.document.replace_shown(collection, entity_id, make(), text, self._gesture)
@@ -96,7 +109,7 @@ class Editor(QWidget):
         try:
             yield
         except (ValueError, StudioError) as error:
-            self.document.problem.emit(f"{error}")
+            self.document.problem_reported.emit(f"{error}")
             self.refresh()
 
     def begin(self) -> None:
@@ -128,7 +141,7 @@ class Editor(QWidget):
         self.tell_together()
 
 
-class PlainEditor(Editor):
+class PlainEditor(Editor[Entity]):
     """Fallback form for a kind without an editor of its own: the entity's values as text."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:

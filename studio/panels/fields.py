@@ -207,7 +207,7 @@ class NumberField(QDoubleSpinBox):
 class Choice(QComboBox):
     """A list of (value, text) to choose from; ``chosen`` comes only from the user."""
 
-    chosen = Signal(object)
+    value_chosen = Signal(object)
 
     def __init__(self, name: str, items: Iterable[tuple[object, str]]) -> None:
         super().__init__()
@@ -217,7 +217,7 @@ class Choice(QComboBox):
         self._values: list[object] = []
         for value, text in items:
             self.add(value, text)
-        self.activated.connect(lambda place: self.chosen.emit(self._values[place]))
+        self.activated.connect(lambda place: self.value_chosen.emit(self._values[place]))
 
     def add(self, value: object, text: str) -> None:
         """Add a choice."""
@@ -270,7 +270,7 @@ class Choice(QComboBox):
 class Segments(QWidget):
     """Two to four exclusive buttons in one row."""
 
-    chosen = Signal(object)
+    value_chosen = Signal(object)
 
     def __init__(self, name: str, items: Sequence[tuple[object, str]]) -> None:
         super().__init__()
@@ -287,7 +287,7 @@ class Segments(QWidget):
             button.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
             self._group.addButton(button, index)
             row.addWidget(button, 1)
-        self._group.idClicked.connect(lambda index: self.chosen.emit(self._values[index]))
+        self._group.idClicked.connect(lambda index: self.value_chosen.emit(self._values[index]))
 
     def show_value(self, value: object) -> None:
         """Show the value that the document has."""

@@ -67,14 +67,14 @@ GROUND_PLACES: dict[type[Ground], tuple[str, str]] = {
 }
 
 
-class GroundEditor(Editor):
+class GroundEditor(Editor[Ground]):
     """A kind to choose, the height, and below it the measures of that kind."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Ground")
         self._kind = Choice("Kind of ground", [(kind, words) for kind, words in GROUND_CHOICES if kind in MADE_HERE])
-        self._kind.chosen.connect(self._choose)
+        self._kind.value_chosen.connect(self._choose)
         section.add_row("Kind", self._kind)
         self._height = self.bind(
             NumberField("Height", "m", -10.0, 10.0, 0.01, 3),

@@ -2,12 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 from PySide6.QtWidgets import QCheckBox
 
 from studio.core.body.growth import KeyedProportions
+from studio.core.body.morphology import Proportions
 from studio.core.mesh.character import Character
+from studio.core.stage.project import Performer
 from studio.panels.constraint_editors.target_rows import KeyRow
 from studio.panels.editor import Editor
 from studio.panels.fields import Section
@@ -16,7 +17,9 @@ from studio.panels.fields import Section
 class GrowthRow(KeyRow):
     """A box that says whether a character's proportions are keyed over the stage's time, and a row with the keys."""
 
-    def __init__(self, editor: Editor, section: Section, character_id: Callable[[], str]) -> None:
+    def __init__(
+        self, editor: Editor[Character | Performer], section: Section, character_id: Callable[[], str]
+    ) -> None:
         self._character_id = character_id
         self._over_time = QCheckBox("keyed over time")
         self._over_time.setAccessibleName("Body is keyed over time")
@@ -62,7 +65,7 @@ class GrowthRow(KeyRow):
             KeyedProportions((now,), (held,)) if keyed else held, "Key the body of" if keyed else "Fix body of"
         )
 
-    def _change(self, value: Any, text: str) -> None:
+    def _change(self, value: Proportions | KeyedProportions, text: str) -> None:
         character = self._character
         make = lambda: replace(character, proportions=value)  # noqa: E731
         self._editor.put_other("characters", self._character_id(), make, f"{text} {character.name}")

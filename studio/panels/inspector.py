@@ -25,7 +25,7 @@ from studio.panels.prop_editor import PropEditor
 from studio.panels.sound_editor import SoundEditor
 from studio.panels.stage_editor import StageEditor
 
-ENTITY_EDITORS: dict[str, Callable[[Document, Live, str, str], Editor]] = {
+ENTITY_EDITORS: dict[str, Callable[[Document, Live, str, str], Editor[object]]] = {
     "captures": CaptureEditor,
     "characters": CharacterEditor,
     "clips": ClipEditor,
@@ -45,7 +45,7 @@ DRAGGED_MILLISECONDS = 100
 """Milliseconds between two updates of the form during a drag, since bodies are updated first."""
 
 
-def _silence(editor: Editor) -> None:
+def _silence(editor: Editor[object]) -> None:
     """End what is done with a form whose entity is gone: a button that is let go, a name that is left count no more."""
     if editor.gesture is not None:
         editor.end()
@@ -56,13 +56,13 @@ def _silence(editor: Editor) -> None:
 class Inspector(QScrollArea):
     """Shows one editor and keeps it fresh."""
 
-    reimport_wanted = Signal(str, object)
+    reimport_requested = Signal(str, object)
     """Capture id, {option: value}: the file is to be read otherwise."""
-    markers_wanted = Signal(str)
+    markers_requested = Signal(str)
     """Capture id: its markers are to be shown."""
-    character_wanted = Signal(str)
+    character_requested = Signal(str)
     """Capture id: its actor is to become a character."""
-    remap_wanted = Signal(str, object, str)
+    remap_requested = Signal(str, object, str)
     """Character id, {part: joint}, text of the undo step: the character is to be bound anew."""
 
     def __init__(self, document: Document, live: Live) -> None:
@@ -73,7 +73,7 @@ class Inspector(QScrollArea):
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setAccessibleName("Inspector")
         self.document, self.live = document, live
-        self.editor: Editor | None = None
+        self.editor: Editor[object] | None = None
         document.selection.changed.connect(self._show_current)
         document.entity_changed.connect(self._entity_changed)
         document.project_opened.connect(self._show_current)
@@ -93,11 +93,11 @@ class Inspector(QScrollArea):
             return
         self.editor = self._make(collection, entity_id)
         if isinstance(self.editor, CaptureEditor):
-            self.editor.reimport_wanted.connect(self.reimport_wanted)
-            self.editor.markers_wanted.connect(self.markers_wanted)
-            self.editor.character_wanted.connect(self.character_wanted)
+            self.editor.reimport_requested.connect(self.reimport_requested)
+            self.editor.markers_requested.connect(self.markers_requested)
+            self.editor.character_requested.connect(self.character_requested)
         if isinstance(self.editor, CharacterEditor | PerformerEditor):
-            self.editor.remap_wanted.connect(self.remap_wanted)
+            self.editor.remap_requested.connect(self.remap_requested)
         if editor is not None:
             # It may be in the middle of an event of its own: it stays a child until the event loop lets it go.
             self.takeWidget()
@@ -108,7 +108,7 @@ class Inspector(QScrollArea):
             editor.deleteLater()
         self.setWidget(self.editor)
 
-    def _make(self, collection: str, entity_id: str) -> Editor:
+    def _make(self, collection: str, entity_id: str) -> Editor[object]:
         if not collection:
             return StageEditor(self.document, self.live)
         if collection == "constraints":

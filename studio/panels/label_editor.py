@@ -2,13 +2,14 @@
 
 from PySide6.QtWidgets import QLineEdit
 
+from studio.core.captures.annotations import Label
 from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section
 
 
-class LabelEditor(Editor):
+class LabelEditor(Editor[Label]):
     """Form of a label: name, first and last frame."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:

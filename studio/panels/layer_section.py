@@ -1,11 +1,10 @@
 """Form section of a layer's settings beyond its clip: body region, weight, fades, and if it is additive."""
 
-from typing import Any
-
 from PySide6.QtCore import QSignalBlocker
 from PySide6.QtWidgets import QCheckBox
 
 from studio.core.errors import StudioError
+from studio.core.stage.clip import Clip
 from studio.core.stage.layer import Region
 from studio.document import clip_edits
 from studio.panels.editor import Editor
@@ -15,11 +14,11 @@ from studio.panels.fields import PER_CENT, Choice, NumberField, Section, labelle
 class LayerSection(Section):
     """Part of the form of a clip that is a layer."""
 
-    def __init__(self, editor: Editor) -> None:
+    def __init__(self, editor: Editor[Clip]) -> None:
         super().__init__("Layer")
         self._editor = editor
         self._region = Choice("Plays on", [(region, region.capitalize()) for region in Region])
-        self._region.chosen.connect(lambda region: self._put("Layer on another region", region=region))
+        self._region.value_chosen.connect(lambda region: self._put("Layer on another region", region=region))
         self.add_row("Plays on", self._region)
         self._weight = editor.bind(
             NumberField("Weight", "%", 0.0, PER_CENT, 1.0, 0),
@@ -64,11 +63,11 @@ class LayerSection(Section):
         for widget in (self._reference, self._reference_row):
             widget.setVisible(layer.additive)
 
-    def _put(self, text: str, **values: Any) -> None:
+    def _put(self, text: str, **values: object) -> None:
         editor = self._editor
         words = f"{text} {clip_edits.name_of(editor.document.project, editor.entity)}"
         try:
             clip_edits.edit_layer(editor.document, editor.entity_id, words, editor.gesture, **values)
         except StudioError as error:
-            editor.document.problem.emit(str(error))
+            editor.document.problem_reported.emit(str(error))
             self.refresh()

@@ -156,7 +156,7 @@ class SearchField(QLineEdit):
 class LibraryPanel(QWidget):
     """The dock's content. ``wanted`` asks to play a capture on the bodies that are shown."""
 
-    wanted = Signal(str)
+    performance_requested = Signal(str)
 
     def __init__(self, document: Document) -> None:
         super().__init__()
@@ -292,6 +292,6 @@ class LibraryPanel(QWidget):
 
     def _open(self, row: LibraryRow) -> None:
         if row.item is not None and row.item[0] == "captures":
-            self.wanted.emit(row.item[1])
+            self.performance_requested.emit(row.item[1])
         elif row.shown is not None:
             self._toggle(row)

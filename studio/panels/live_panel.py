@@ -52,19 +52,19 @@ class InputRow:
 class LivePanel(QScrollArea):
     """The dock's content; every signal is something that the user asks for."""
 
-    listen_wanted = Signal(int, str)
+    listen_requested = Signal(int, str)
     """Port, address."""
-    replay_wanted = Signal()
-    record_wanted = Signal()
-    close_wanted = Signal(str)
+    replay_requested = Signal()
+    record_requested = Signal()
+    close_requested = Signal(str)
     sender_switched = Signal(str, str, bool)
     """Input, address, on."""
     body_driven = Signal(str, str)
     """Performer, input; without one its own clips play."""
     head_tracked = Signal(str, str, str)
     """Input, names with commas between them, prop; without an input nothing is tracked."""
-    performer_looked_at = Signal(str)
-    streaming_wanted = Signal(bool, str, int)
+    performer_shown = Signal(str)
+    streaming_requested = Signal(bool, str, int)
     """On, address, first port."""
 
     def __init__(self, port: int, loopback: str, out_port: int) -> None:
@@ -78,7 +78,7 @@ class LivePanel(QScrollArea):
         self.address = Choice("From", ((loopback, "This computer only"), ("0.0.0.0", "The network, as you allow")))
         self.address.setToolTip("The network: its senders are listed, and each is accepted once you switch it on")
         self.inputs = self._make_list()
-        self.record = press_button("Record…", self.record_wanted.emit)
+        self.record = press_button("Record…", self.record_requested.emit)
         self.performer, self.body = Choice("Body", ()), Choice("Driven by", ((None, OWN_CLIPS),))
         self.head, self.prop = Choice("Head from", ((None, NO_INPUT),)), Choice("Drives", ((None, NO_PROP),))
         self.names = QLineEdit("Head")
@@ -172,7 +172,7 @@ class LivePanel(QScrollArea):
         buttons = QHBoxLayout()
         buttons.setContentsMargins(FIELD_ICON_PX, 0, FIELD_ICON_PX, 0)
         for button in (
-            press_button("Replay…", self.replay_wanted.emit),
+            press_button("Replay…", self.replay_requested.emit),
             self.record,
             press_button("Close", self._close),
         ):
@@ -196,26 +196,26 @@ class LivePanel(QScrollArea):
 
     def _connect(self) -> None:
         self.inputs.itemChanged.connect(self._changed)
-        self.performer.chosen.connect(lambda key: self.performer_looked_at.emit(str(key)))
-        self.body.chosen.connect(self._drive)
+        self.performer.value_chosen.connect(lambda key: self.performer_shown.emit(str(key)))
+        self.body.value_chosen.connect(self._drive)
         for field in (self.head, self.prop):
-            field.chosen.connect(lambda _: self._track())
+            field.value_chosen.connect(lambda _: self._track())
         self.names.editingFinished.connect(self._track)
-        self.stream.toggled.connect(lambda _: self._stream())
-        self.out_address.editingFinished.connect(self._stream)
-        self.out_port.edited.connect(lambda _: self._stream())
+        self.stream.toggled.connect(self.ask_to_stream)
+        self.out_address.editingFinished.connect(lambda: self.ask_to_stream(self.stream.isChecked()))
+        self.out_port.edited.connect(lambda _: self.ask_to_stream(self.stream.isChecked()))
 
     def _drive(self, key: str | None) -> None:
         if self.performer.value is not None:
             self.body_driven.emit(str(self.performer.value), key or "")
 
     def _listen(self) -> None:
-        self.listen_wanted.emit(round(self.port.value()), str(self.address.value))
+        self.listen_requested.emit(round(self.port.value()), str(self.address.value))
 
     def _close(self) -> None:
         item = self.inputs.currentItem() or self.inputs.topLevelItem(0)
         if item is not None:
-            self.close_wanted.emit(item.data(0, KEY_ROLE))
+            self.close_requested.emit(item.data(0, KEY_ROLE))
 
     def _changed(self, item: QTreeWidgetItem, column: int) -> None:
         sender = item.data(0, SENDER_ROLE)
@@ -226,10 +226,9 @@ class LivePanel(QScrollArea):
     def _track(self) -> None:
         self.head_tracked.emit(str(self.head.value or ""), self.names.text(), str(self.prop.value or ""))
 
-    def _stream(self) -> None:
-        self.streaming_wanted.emit(
-            self.stream.isChecked(), self.out_address.text().strip(), round(self.out_port.value())
-        )
+    def ask_to_stream(self, on: bool) -> None:
+        """Ask that bodies are streamed to the address that the fields have, or no longer."""
+        self.streaming_requested.emit(on, self.out_address.text().strip(), round(self.out_port.value()))
 
 
 def _fill(item: QTreeWidgetItem, name: str, rate: float, age: float | None) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from PySide6.QtCore import QSignalBlocker, Signal
 from PySide6.QtWidgets import QCheckBox, QLabel, QLineEdit
 
+from studio.core.stage.project import Performer
 from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.panels.body_map_section import character_section
@@ -16,10 +17,10 @@ from studio.panels.fields import Choice, NumberField, Section, labelled
 PLACEMENT_LIMIT = 1000.0
 
 
-class PerformerEditor(Editor):
+class PerformerEditor(Editor[Performer]):
     """Performer and character in one form: to the animator they are one body."""
 
-    remap_wanted = Signal(str, object, str)
+    remap_requested = Signal(str, object, str)
     """Character id, {part: joint}, text of the undo step."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
@@ -32,7 +33,7 @@ class PerformerEditor(Editor):
         self._name.editingFinished.connect(self._rename)
         section.add_row("Name", self._name)
         self._cast = Choice("Played by", [])
-        self._cast.chosen.connect(self._recast)
+        self._cast.value_chosen.connect(self._recast)
         section.add_row("Played by", self._cast)
         self._plays: QLabel = labelled("", "value")
         section.add_row("Plays", self._plays)
@@ -68,7 +69,7 @@ class PerformerEditor(Editor):
         self._body = BodySection(self, lambda: self.entity.character_id)
         self.column.addWidget(section)
         self.column.addWidget(self._body)
-        self._body_map = character_section(self, lambda: self.entity.character_id, self.remap_wanted.emit)
+        self._body_map = character_section(self, lambda: self.entity.character_id, self.remap_requested.emit)
         self.column.addWidget(self._body_map)
         self.finish()
 

@@ -38,8 +38,8 @@ class PoseMapView(QWidget):
     """
 
     opened = Signal()
-    looked_at = Signal(int)
-    chosen = Signal(int)
+    group_highlighted = Signal(int)
+    pose_chosen = Signal(int)
 
     def __init__(self) -> None:
         super().__init__()
@@ -80,7 +80,7 @@ class PoseMapView(QWidget):
         found = self._at(event.position())
         if found >= 0 and event.button() == Qt.MouseButton.LeftButton:
             self._clicked = found
-            self.chosen.emit(found)
+            self.pose_chosen.emit(found)
             self.update()
 
     def leaveEvent(self, _: QEvent) -> None:
@@ -101,7 +101,7 @@ class PoseMapView(QWidget):
         if group != self._under:
             self._under = group
             self.setCursor(Qt.CursorShape.PointingHandCursor if group >= 0 else Qt.CursorShape.ArrowCursor)
-            self.looked_at.emit(group)
+            self.group_highlighted.emit(group)
             self.update()
 
     def _at(self, place: QPointF) -> int:

@@ -27,7 +27,7 @@ class _Cell(QTableWidgetItem):
 class ProblemTable(QWidget):
     """``chosen`` is emitted with a row and the aspect of the cell that is clicked or entered."""
 
-    chosen = Signal(object, str)
+    problem_chosen = Signal(object, str)
 
     def __init__(self, search: ProblemSearch) -> None:
         super().__init__()
@@ -88,7 +88,7 @@ class ProblemTable(QWidget):
     def _choose(self, line: int, column: int) -> None:
         cell = self.table.item(line, column)
         if cell is not None:
-            self.chosen.emit(cell.data(ROW), cell.data(ASPECT))
+            self.problem_chosen.emit(cell.data(ROW), cell.data(ASPECT))
 
     def showEvent(self, event: QShowEvent) -> None:
         """Resume updates now that the table is visible."""

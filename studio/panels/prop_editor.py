@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from PySide6.QtWidgets import QCheckBox, QLineEdit, QWidget
@@ -37,7 +36,7 @@ PLACE_CHOICES = (
 RIGHT_HAND = BodyPoint(BodyPart.RIGHT_HAND)
 
 
-class PropEditor(Editor):
+class PropEditor(Editor[Prop]):
     """Shape, size, place on the stage; numbers are those at the playhead."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
@@ -47,18 +46,18 @@ class PropEditor(Editor):
         self._name.editingFinished.connect(self._rename)
         section.add_row("Name", self._name)
         self._shape = Choice("Shape", ())
-        self._shape.chosen.connect(lambda shape: self.change(f"Shape of {self.entity.name}", shape=shape))
+        self._shape.value_chosen.connect(lambda shape: self.change(f"Shape of {self.entity.name}", shape=shape))
         section.add_row("Shape", self._shape)
         self._size = VectorRow(self, section, "Size", self._resize)
         self._size.set_least(LEAST_PROP_SIZE)
         self._where = Choice("Where", PLACE_CHOICES)
-        self._where.chosen.connect(self._place)
+        self._where.value_chosen.connect(self._place)
         section.add_row("Where", self._where)
         self._holder = Choice("By whom", ())
-        self._holder.chosen.connect(self._give)
+        self._holder.value_chosen.connect(self._give)
         self._holder_row = section.add_row("By whom", self._holder)
         self._point = Choice("Point", [(point, name.capitalize()) for point, name in POINT_NAMES.items()])
-        self._point.chosen.connect(self._fix)
+        self._point.value_chosen.connect(self._fix)
         self._point_row = section.add_row("Point", self._point)
         self._held, self._always = labelled("", "value"), press_button("always", self._hold_always)
         self._held_row = section.add_row("Held", self._held, self._always)
@@ -153,7 +152,7 @@ class PropEditor(Editor):
         if name and name != self.entity.name:
             self.change(f"Rename {self.entity.name}", name=name)
 
-    def _set(self, verb: str, **values: Any) -> None:
+    def _set(self, verb: str, **values: object) -> None:
         self.change(f"{verb} {self.entity.name}", **values)
 
     def _put_made(self, verb: str, make: Callable[[], Prop]) -> None:
@@ -186,7 +185,7 @@ class PropEditor(Editor):
         project = self.document.project
         holder = posed_performers(project, self.live.result, self.document.playhead.time).get(performer_id)
         if holder is None:
-            self.document.problem.emit("No body can hold it yet. Show a body that plays a motion first.")
+            self.document.problem_reported.emit("No body can hold it yet. Show a body that plays a motion first.")
             self.refresh()
         elif where == Carried.kind:
             self._put_made("Hold", lambda: self._meanwhile(between_hands(self.entity, performer_id, holder)))
@@ -218,7 +217,7 @@ class PropEditor(Editor):
 
     def _delete_key(self) -> None:
         """Delete the key at the playhead, unless it is the last one."""
-        changes: dict[str, Any] = {}
+        changes: dict[str, Keys] = {}
         for name in ("position", "heading", "tilt"):
             keyed = getattr(self.entity, name)
             place = keyed.key_at(self.document.playhead.time) if isinstance(keyed, Keys) else None

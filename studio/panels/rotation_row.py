@@ -20,7 +20,11 @@ class RotationRow:
     """Degrees about the X, then the Y, then the Z axis of a ``space``; ``put`` takes the rotation (x, y, z, w)."""
 
     def __init__(
-        self, editor: Editor, section: Section, space: str, put: Callable[[tuple[float, float, float, float]], None]
+        self,
+        editor: Editor[object],
+        section: Section,
+        space: str,
+        put: Callable[[tuple[float, float, float, float]], None],
     ) -> None:
         self._put = put
         self._fields = [

@@ -2,6 +2,8 @@
 
 from collections.abc import Callable
 
+from studio.core.captures.contacts import ContactInterval
+from studio.core.constraints.base import Constraint
 from studio.core.constraints.scope import EVERYONE, Scope
 from studio.core.stage.clip_row import players_of
 from studio.core.stage.project import Project
@@ -14,11 +16,13 @@ UNPLAYED_CLIP = "A clip that nobody plays"
 class ScopeRow:
     """Choice of scope: all who play the motion, one performer, or one clip; ``put`` takes the user's choice."""
 
-    def __init__(self, editor: Editor, section: Section, put: Callable[[Scope], None]) -> None:
+    def __init__(
+        self, editor: Editor[Constraint | ContactInterval], section: Section, put: Callable[[Scope], None]
+    ) -> None:
         self._editor = editor
         self._choice = Choice("Applies to", ())
         self._choice.setToolTip("All who play this motion, one of them wherever it plays it, or one clip alone.")
-        self._choice.chosen.connect(put)
+        self._choice.value_chosen.connect(put)
         section.add_row("Applies to", self._choice)
 
     def refresh(self) -> None:

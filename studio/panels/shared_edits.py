@@ -1,9 +1,10 @@
 """An edit of one of several selected things, applied to the others as well."""
 
 from collections.abc import Iterable
-from dataclasses import fields, is_dataclass, replace
-from typing import Any
+from dataclasses import fields, is_dataclass
 
+from studio.core.changed_records import RecordT, with_fields
+from studio.core.stage.project import Entity
 from studio.document.commands.replace import same_value
 
 INDIVIDUAL = frozenset(
@@ -13,7 +14,7 @@ INDIVIDUAL = frozenset(
 _WORDS = {"enabled": "on or off", "scope": "applies to", "end_segment": "end"}
 
 
-def with_edit(other: Any, before: Any, after: Any) -> Any:
+def with_edit(other: RecordT, before: object, after: object) -> RecordT:
     """``other`` with the values in which ``after`` differs from ``before``, and no others."""
     names = [each.name for each in fields(other) if each.name not in INDIVIDUAL]
     edits = {
@@ -23,16 +24,17 @@ def with_edit(other: Any, before: Any, after: Any) -> Any:
         and hasattr(after, name)
         and not same_value(getattr(before, name), getattr(after, name))
     }
-    return replace(other, **edits)
+    return with_fields(other, **edits)
 
 
-def _edited(other: Any, before: Any, after: Any) -> Any:
+def _edited(other: object, before: object, after: object) -> object:
     """A value with the parts that were edited; all of ``after`` where the values are of different kinds."""
     if type(other) is type(before) is type(after):
-        if isinstance(after, tuple) and len(other) == len(before) == len(after):
-            parts = zip(other, before, after, strict=True)
-            return tuple(one if same_value(old, new) else _edited(one, old, new) for one, old, new in parts)
-        if is_dataclass(after):
+        if isinstance(other, tuple) and isinstance(before, tuple) and isinstance(after, tuple):
+            if len(other) == len(before) == len(after):
+                parts = zip(other, before, after, strict=True)
+                return tuple(one if same_value(old, new) else _edited(one, old, new) for one, old, new in parts)
+        elif is_dataclass(other) and not isinstance(other, type):
             try:
                 return with_edit(other, before, after)
             except ValueError:
@@ -40,7 +42,7 @@ def _edited(other: Any, before: Any, after: Any) -> Any:
     return after
 
 
-def different_fields(entities: Iterable[Any]) -> list[str]:
+def different_fields(entities: Iterable[Entity]) -> list[str]:
     """Words for the fields in which entities differ."""
     first, *others = entities
     return [

@@ -2,13 +2,14 @@
 
 from PySide6.QtWidgets import QLineEdit
 
+from studio.core.stage.sound_track import SoundTrack
 from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section, labelled
 
 
-class SoundEditor(Editor):
+class SoundEditor(Editor[SoundTrack]):
     """Name, begin, and what was found in the file."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:

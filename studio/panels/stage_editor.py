@@ -13,7 +13,7 @@ FIRST_HINTS = (
 )
 
 
-class StageEditor(Editor):
+class StageEditor(Editor[None]):
     """Form with a few hints."""
 
     def __init__(self, document: Document, live: Live) -> None:

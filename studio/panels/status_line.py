@@ -13,8 +13,8 @@ SECONDS_BEFORE_PERCENT = 10
 class ProgressLine(QWidget):
     """The running job with its share, and a way to stop it."""
 
-    cancel_wanted = Signal(int)
-    told = Signal(str, float)
+    cancel_requested = Signal(int)
+    message_posted = Signal(str, float)
     """Words and share of the job that is shown; empty words when none runs."""
 
     def __init__(self) -> None:
@@ -66,17 +66,17 @@ class ProgressLine(QWidget):
         self._bar.setValue(round(share * 1000))
         self._bar.setAccessibleName(f"{words}, {share:.0%}")
         self.setVisible(bool(self._jobs))
-        self.told.emit(words, share)
+        self.message_posted.emit(words, share)
 
     def _ask(self) -> None:
         for task in list(self._jobs)[-1:]:
-            self.cancel_wanted.emit(task)
+            self.cancel_requested.emit(task)
 
 
 class StatusLine(QStatusBar):
     """Frame, rate and guesses at the left; the journal at the right."""
 
-    report_wanted = Signal()
+    report_requested = Signal()
     """The guesses were clicked."""
 
     def __init__(self, document: Document) -> None:
@@ -84,7 +84,7 @@ class StatusLine(QStatusBar):
         self.setSizeGripEnabled(False)
         self.document = document
         self._time, self._rate, self._told, self._journal = (QLabel() for _ in range(4))
-        self._guesses = press_button("", self.report_wanted.emit, "link")
+        self._guesses = press_button("", self.report_requested.emit, "link")
         self.progress = ProgressLine()
         for label in (self._time, self._rate, self._told):
             label.setContentsMargins(8, 0, 8, 0)

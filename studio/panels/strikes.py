@@ -25,11 +25,11 @@ class Strikes(QWidget):
     what it is; ``looked_at`` tells that the mouse is over it or the keys are at it; -1 when over none.
     """
 
-    folder_wanted = Signal()
-    wanted = Signal()
-    chosen = Signal(int)
+    folder_requested = Signal()
+    search_requested = Signal()
+    strike_chosen = Signal(int)
     opened = Signal(int)
-    looked_at = Signal(int)
+    strike_highlighted = Signal(int)
 
     def __init__(self, limbs: Iterable[tuple[object, str]], kinds: Iterable[tuple[object, str]]) -> None:
         super().__init__()
@@ -40,7 +40,7 @@ class Strikes(QWidget):
         self.target = Choice("Target", ((None, ALL),))
         self.aim = Segments("Aim", ((True, "Follows"), (False, "Frozen")))
         self.aim.setToolTip("A strike aims at where its target is at the hit, or at where it was when you asked")
-        self.aim.chosen.connect(self._choose_aim)
+        self.aim.value_chosen.connect(self._choose_aim)
         self.follows = True
         """True if a strike follows its target until the hit, False if it aims at the target's present position."""
         self.aim.show_value(True)
@@ -49,7 +49,7 @@ class Strikes(QWidget):
             Choice("Kind", ((None, "Any kind"), *kinds)),
         )
         for choice in (self.target, self.limb, self.kind):
-            choice.chosen.connect(lambda _: self.wanted.emit())
+            choice.value_chosen.connect(lambda _: self.search_requested.emit())
         for name, fields in (("Target", [self.target]), ("Aim", [self.aim]), ("Strike", [self.limb, self.kind])):
             section.add_row(name, *fields)
         column = QVBoxLayout(self)
@@ -62,7 +62,9 @@ class Strikes(QWidget):
         column.addWidget(self.hint)
         self.results = self._make_results()
         column.addWidget(self.results, 1)
-        self.use = press_button("Use on the selected performer", lambda: self.chosen.emit(self.results.currentRow()))
+        self.use = press_button(
+            "Use on the selected performer", lambda: self.strike_chosen.emit(self.results.currentRow())
+        )
         self.use.setToolTip("Play it on this body from the playhead on, blended in and driven to the target")
         self.use.setEnabled(False)
         self.correct = press_button("Label…", lambda: self.opened.emit(self.results.currentRow()))
@@ -111,13 +113,13 @@ class Strikes(QWidget):
     def _look(self, row: int) -> None:
         if row != self._looked:
             self._looked = row
-            self.looked_at.emit(row)
+            self.strike_highlighted.emit(row)
 
     def _choose_aim(self, follows: bool) -> None:
         self.follows = follows
 
     def _activate(self, row: int) -> None:
-        (self.chosen if self._usable else self.opened).emit(row)
+        (self.strike_chosen if self._usable else self.opened).emit(row)
 
     def _current_changed(self, row: int) -> None:
         self.use.setEnabled(row >= 0 and self._usable)
@@ -141,7 +143,7 @@ class Strikes(QWidget):
     def _buttons(self) -> QHBoxLayout:
         row = QHBoxLayout()
         row.setContentsMargins(FIELD_ICON_PX, 4, FIELD_ICON_PX, 4)
-        for text, signal in (("Add folder…", self.folder_wanted), ("Find", self.wanted)):
+        for text, signal in (("Add folder…", self.folder_requested), ("Find", self.search_requested)):
             row.addWidget(press_button(text, signal.emit))
         return row
 

@@ -101,4 +101,4 @@ def try_edit(shown: RowContext, run: Callable[[], None]) -> None:
     try:
         run()
     except StudioError as error:
-        shown.document.problem.emit(str(error))
+        shown.document.problem_reported.emit(str(error))

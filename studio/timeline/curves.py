@@ -15,7 +15,7 @@ from studio.core.solver.performers.rows import timing_of
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Project
 from studio.engine.residual_measures import LENGTH_MEASURE, Measure, measure_of
-from studio.engine.residuals import missed_by
+from studio.engine.residuals import residuals_on
 from studio.timeline.axis import AXIS_MARGIN, TimeAxis
 from studio.timeline.error_strips import strip_of
 from studio.timeline.shown import RowContext
@@ -123,7 +123,7 @@ class CurveQuery:
     def _times(self, performer_id: str, adapted: AdaptedMotion) -> FloatArray:
         """(F,) seconds on the stage of what there are values of."""
         if self.quantity is Quantity.ERROR and self.constraint_id:
-            missed = missed_by(self.project, performer_id, adapted, self.constraint_id)
+            missed = residuals_on(self.project, performer_id, adapted, self.constraint_id)
             if missed is not None:
                 frames = missed.first_frame + np.arange(len(missed.amounts))
                 return np.asarray(self.subject.to_stage(frames / missed.frame_rate))

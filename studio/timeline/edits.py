@@ -171,7 +171,7 @@ def _shifted(shown: RowContext, constraint: Constraint, handle: ItemPart, frames
 def handle_words(shown: RowContext) -> str:
     """The handle that has the keyboard, for who cannot see it: ``Kick target, full, 0.667 s · frame 20``."""
     current = shown.document.selection.current
-    entity: Any = shown.project.get(*current) if current else None
+    entity = shown.project.get(*current) if current else None
     if entity is None or shown.handle is None:
         return "Timeline"
     rate = shown.subject.frame_rate

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Project
 from studio.engine.residual_measures import LENGTH_MEASURE, Measure, measure_of
-from studio.engine.residuals import missed_by
+from studio.engine.residuals import residuals_on
 
 
 class StripState(StrEnum):
@@ -79,7 +79,7 @@ STATES = tuple(StripState)
 
 def strip_of(project: Project, performer_id: str, result: AdaptedMotion | None, constraint_id: str) -> Strip | None:
     """The strip of a constraint in a body's newest result; None while there is none, or it is not asked."""
-    missed = missed_by(project, performer_id, result, constraint_id)
+    missed = residuals_on(project, performer_id, result, constraint_id)
     if missed is None:
         return None
     times = (missed.first_frame + np.arange(len(missed.amounts))) / missed.frame_rate

@@ -1,7 +1,5 @@
 """Tooltips of the timeline: a sentence with units for each place."""
 
-from typing import Any
-
 from PySide6.QtCore import QPointF
 
 from studio.core.stage.clip_row import players_of
@@ -33,7 +31,7 @@ def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
         case "constraints":
             return _constraint_text(sheet, hit, position)
         case "contacts":
-            contact: Any = sheet.shown.project.contacts[hit.id]
+            contact = sheet.shown.project.contacts[hit.id]
             rate = sheet.shown.subject.frame_rate
             seconds = (contact.last - contact.first) / rate
             alone = f", of {sheet.shown.subject_name} alone" if contact.scope.is_narrow else ""
@@ -75,7 +73,7 @@ def strip_text(sheet: Sheet, constraint_id: str, performer_id: str, frame: int) 
     name = sheet.shown.project.performers[performer_id].name
     if strip is None:
         return (
-            f"{name}: {unsolved_words(sheet.shown.live)}" if sheet.shown.is_asked(constraint_id, performer_id) else ""
+            f"{name}: {unsolved_words(sheet.shown.live)}" if sheet.shown.applies_to(constraint_id, performer_id) else ""
         )
     if strip.state_at(frame) == StripState.INACTIVE:
         return ""
@@ -155,7 +153,7 @@ def _hold_text(sheet: Sheet, hit: Hit, position: QPointF) -> str:
 
 
 def _constraint_text(sheet: Sheet, hit: Hit, position: QPointF) -> str:
-    entity: Any = sheet.shown.project.constraints[hit.id]
+    entity = sheet.shown.project.constraints[hit.id]
     rate = sheet.shown.subject.frame_rate
     if hit.part in HANDLES:
         time = time_of(entity.activation, hit.part)

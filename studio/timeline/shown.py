@@ -13,7 +13,7 @@ from studio.core.stage.project import Project
 from studio.document.document import Document
 from studio.document.keyed_fields import KeyRef
 from studio.engine.live_interface import Live
-from studio.engine.residuals import Residual, is_asked, worst_residual
+from studio.engine.residuals import Residual, applies_to, worst_residual
 from studio.timeline.axis import TimeAxis
 from studio.timeline.error_strips import Strip, strip_of
 from studio.timeline.subject import Subject
@@ -148,15 +148,15 @@ class RowContext:
 
     def strip(self, constraint_id: str, performer_id: str) -> Strip | None:
         """Strip of a constraint on a body; None while it is not known or the constraint is not active."""
-        return strip_of(self.project, performer_id, self.live.told(performer_id), constraint_id)
+        return strip_of(self.project, performer_id, self.live.reported(performer_id), constraint_id)
 
-    def is_asked(self, constraint_id: str, performer_id: str) -> bool:
+    def applies_to(self, constraint_id: str, performer_id: str) -> bool:
         """True if a constraint applies to a body."""
-        return is_asked(self.project, performer_id, constraint_id)
+        return applies_to(self.project, performer_id, constraint_id)
 
     def residual(self, constraint_id: str, performer_id: str) -> Residual | None:
         """The worst miss of a constraint on a body."""
-        return worst_residual(self.project, performer_id, self.live.told(performer_id), constraint_id)
+        return worst_residual(self.project, performer_id, self.live.reported(performer_id), constraint_id)
 
 
 def within(point: QPointF, x: float, y: float, reach: float) -> bool:

@@ -23,18 +23,18 @@ class Timeline(QWidget):
     ``told`` carries what is under the mouse, in words for the status line.
     """
 
-    told = Signal(str)
-    wanted = Signal(str)
+    message_posted = Signal(str)
+    action_requested = Signal(str)
     """The id of an action."""
 
     def __init__(self, document: Document, live: Live, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.transport = Transport(document, live.play, self)
-        self.transport.wanted.connect(self.wanted)
+        self.transport.action_requested.connect(self.action_requested)
         self.transport.dope.clicked.connect(self.set_dope)
         self.transport.curves.clicked.connect(self.edit_curves)
         self.tracks = TrackCanvas(document, live, self)
-        self.tracks.told.connect(self.told)
+        self.tracks.message_posted.connect(self.message_posted)
         self._closed = False
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
@@ -94,7 +94,7 @@ class Timeline(QWidget):
         """State of a body's strip at a frame of the motion."""
         shown = self._sheet().shown
         strip = shown.strip(constraint_id, performer_id)
-        unknown = StripState.UNKNOWN if shown.is_asked(constraint_id, performer_id) else StripState.INACTIVE
+        unknown = StripState.UNKNOWN if shown.applies_to(constraint_id, performer_id) else StripState.INACTIVE
         return strip.state_at(frame) if strip else unknown
 
     def fit(self) -> None:

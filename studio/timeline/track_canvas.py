@@ -47,7 +47,7 @@ Modifier = Qt.KeyboardModifier
 class TrackCanvas(TrackView):
     """``told`` carries what is under the mouse, in words."""
 
-    told = Signal(str)
+    message_posted = Signal(str)
     strike_dropped = Signal(int, str, float)
     """Place in the list of strikes, performer, seconds of the stage."""
 
@@ -58,7 +58,7 @@ class TrackCanvas(TrackView):
         self._hovered = ""
         document.entity_changed.connect(self._hover_again)
         document.project_opened.connect(self._hover_again)
-        live.told_changed.connect(self._hover_again)
+        live.reported_changed.connect(self._hover_again)
         self.axis.changed.connect(self._hover_again)
         self.scroll_bar.valueChanged.connect(self._hover_again)
         self.setMouseTracking(True)
@@ -72,7 +72,7 @@ class TrackCanvas(TrackView):
             self.gesture = None
         self.document.entity_changed.disconnect(self._hover_again)
         self.document.project_opened.disconnect(self._hover_again)
-        self.live.told_changed.disconnect(self._hover_again)
+        self.live.reported_changed.disconnect(self._hover_again)
         super().leave()
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
@@ -185,13 +185,13 @@ class TrackCanvas(TrackView):
         if event.isAccepted() and self.sheet is not None:
             time = self._dropped_at(event)
             name = "Strike" if motion_id is None else self.document.project.motions[motion_id].name
-            self.told.emit(f"{name} from {moment(time * self.axis.frame_rate, time)}")
+            self.message_posted.emit(f"{name} from {moment(time * self.axis.frame_rate, time)}")
 
     def dropEvent(self, event: QDropEvent) -> None:
         """A clip from there on, in the row under the mouse; beside all rows, where the active one's ends."""
         motion_id, strike, row = self._dropped(event), strike_in(event.mimeData()), self._clip_row(event)
         event.setAccepted(motion_id is not None or (strike is not None and row is not None))
-        self.told.emit("")
+        self.message_posted.emit("")
         if strike is not None and row is not None:
             self.strike_dropped.emit(strike, row, self._dropped_at(event))
         if motion_id is None or self.sheet is None:
@@ -296,14 +296,14 @@ class TrackCanvas(TrackView):
         self.gesture.modifiers = event.modifiers()
         self.gesture.update(event.position(), bool(event.modifiers() & Modifier.AltModifier))
         if self.gesture.mark is not None:
-            self.told.emit(self.gesture.mark.text)
+            self.message_posted.emit(self.gesture.mark.text)
         if not isinstance(self.gesture, Scrub):
             self.update()
 
     def end_gesture(self) -> None:
         """The drag is over, one way or the other."""
         self.gesture = None
-        self.told.emit("")
+        self.message_posted.emit("")
         self._set_cursor(self.mouse)
         self.lay_out()
 
@@ -316,7 +316,7 @@ class TrackCanvas(TrackView):
             return
         self._set_cursor(event.position())
         text = self._hovered = hover_text(self.sheet, self.picture.plot, event.position())
-        self.told.emit(text)
+        self.message_posted.emit(text)
         if text and is_value(self.sheet, event.position()):
             self._show_tooltip(event.position().toPoint(), text)
         elif QToolTip.isVisible():
@@ -337,14 +337,14 @@ class TrackCanvas(TrackView):
         text = hover_text(self.sheet, self.picture.plot, self.mouse) if self.sheet and self.underMouse() else ""
         if text != self._hovered:
             self._hovered = text
-            self.told.emit(text)
+            self.message_posted.emit(text)
             QToolTip.hideText()
 
     def leaveEvent(self, event: QEvent) -> None:
         """Nothing is under the mouse any more."""
         if self._hovered and self.gesture is None:
             self._hovered = ""
-            self.told.emit("")
+            self.message_posted.emit("")
             QToolTip.hideText()
         super().leaveEvent(event)
 

@@ -72,7 +72,7 @@ class TrackView(QWidget):
         document.keys.changed.connect(self._redraw_all)
         playhead.changed.connect(self._move_playhead)
         playhead.range_changed.connect(self.lay_out)
-        self.live.told_changed.connect(self._show_results)
+        self.live.reported_changed.connect(self._show_results)
         self.live.play.running_changed.connect(self._redraw_all)
         self.axis.changed.connect(self._redraw_all)
         self.picture.plot.arrived.connect(partial(self._redraw, PLOT))
@@ -87,7 +87,7 @@ class TrackView(QWidget):
         document.keys.changed.disconnect(self._redraw_all)
         playhead.changed.disconnect(self._move_playhead)
         playhead.range_changed.disconnect(self.lay_out)
-        self.live.told_changed.disconnect(self._show_results)
+        self.live.reported_changed.disconnect(self._show_results)
         self.live.play.running_changed.disconnect(self._redraw_all)
         self.picture.close()
 

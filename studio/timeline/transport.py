@@ -1,7 +1,6 @@
 """The transport row: play, step, loop, speed, where the playhead stands, and the range that plays."""
 
 from collections.abc import Callable
-from typing import Any
 
 import qtawesome
 from PySide6.QtCore import QSignalBlocker, QSize, Qt, Signal
@@ -11,6 +10,7 @@ from PySide6.QtWidgets import QComboBox, QDoubleSpinBox, QHBoxLayout, QLabel, QS
 from studio.document import colours
 from studio.document.document import Document
 from studio.document.playhead import INITIAL_PLAYHEAD
+from studio.engine.live_play import LivePlay
 from studio.timeline.shown import ROW_LABEL_WIDTH
 from studio.timeline.time_words import rate
 from studio.timeline.timecode import TIMECODE, frame_of_timecode, timecode
@@ -23,9 +23,9 @@ LAST_FRAME = 9_999_999
 class Transport(QWidget):
     """Shows and moves the document's playhead, and says whether the stage plays live; ``wanted`` are ids of actions."""
 
-    wanted = Signal(str)
+    action_requested = Signal(str)
 
-    def __init__(self, document: Document, play: Any, parent: QWidget | None = None) -> None:
+    def __init__(self, document: Document, play: LivePlay, parent: QWidget | None = None) -> None:
         """``play`` as ``Live.play``."""
         super().__init__(parent)
         self.playhead, self._play = document.playhead, play
@@ -63,8 +63,10 @@ class Transport(QWidget):
         self.loop = _button("mdi6.repeat", "Loop", self._set_loop)
         self.loop.setCheckable(True)
         self.loop.setChecked(playhead.loop)
-        self.live = _button("mdi6.broadcast", "Play live", lambda: self.wanted.emit("play_live"))
-        self.record = _button("mdi6.record-circle-outline", "Record a take", lambda: self.wanted.emit("record_take"))
+        self.live = _button("mdi6.broadcast", "Play live", lambda: self.action_requested.emit("play_live"))
+        self.record = _button(
+            "mdi6.record-circle-outline", "Record a take", lambda: self.action_requested.emit("record_take")
+        )
         self.dope = _button("mdi6.rhombus-split-outline", "Dope sheet: the keys of the selection", lambda: None)
         self.curves = _button("mdi6.chart-bell-curve", "Curve editor: the values of the selection", lambda: None)
         for button in (self.live, self.record, self.dope, self.curves):

@@ -2,7 +2,7 @@
 
 import math
 from concurrent.futures import Future
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import pyvista as pv
 
@@ -18,7 +18,7 @@ from studio.viewport.live_mesh import LiveMesh
 from studio.viewport.seams import FIELD, draw_seams, panel_field
 
 
-def make_actor(mesh: LiveMesh, colour: str) -> Any:
+def make_actor(mesh: LiveMesh, colour: str) -> pv.Actor:
     """An actor that draws ``mesh`` in one colour."""
     actor = pv.Actor(mapper=pv.DataSetMapper(mesh.polydata))
     actor.mapper.scalar_visibility = False
@@ -27,7 +27,7 @@ def make_actor(mesh: LiveMesh, colour: str) -> Any:
     return actor
 
 
-def place(actor: Any, placement: Placement) -> None:
+def place(actor: pv.Actor, placement: Placement) -> None:
     """Put what an actor draws in motion space onto the stage."""
     actor.SetPosition(placement.position[0], placement.position[1], 0.0)
     actor.SetOrientation(0.0, 0.0, math.degrees(placement.heading))
@@ -59,7 +59,7 @@ class BodyVisual:
             draw_seams(self.skin_actors[0], character.colour)
         else:
             self.skin_actors = material_actors(self._whole.mesh, character.skin.triangles, look)
-        self.bones_actor: Any = None
+        self.bones_actor: pv.Actor | None = None
         self._coarse: DrawnSkin | None = None
         self._coarse_skin: Future[SkinnedMesh] | None = None
         self._posing: tuple[object, ...] = ()
@@ -104,10 +104,10 @@ class BodyVisual:
         self._character = character
 
     @property
-    def actors(self) -> list[Any]:
+    def actors(self) -> list[pv.Actor]:
         return [*self.skin_actors, *([self.bones_actor] if self.bones_actor is not None else [])]
 
-    def make_bones(self, layout: BodyLayout) -> Any:
+    def make_bones(self, layout: BodyLayout) -> pv.Actor:
         """The bones' actor, made when first asked for."""
         self._bones = BoneFigure(layout)
         self.bones_actor = make_actor(self._bones.mesh, self._character.colour)
@@ -121,7 +121,7 @@ class BodyVisual:
             place(actor, posed.placement)
         if self.bones_actor is not None:
             self.bones_actor.SetVisibility(bones)
-        if bones and self._bones is not None:
+        if bones and self._bones is not None and self.bones_actor is not None:
             self._bones.pose(motion.positions[row])
             place(self.bones_actor, posed.placement)
             return

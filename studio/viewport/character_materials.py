@@ -1,7 +1,5 @@
 """The materials of a character: an actor for each, with its base colour and its texture."""
 
-from typing import Any
-
 import numpy as np
 import pyvista as pv
 from numpy.typing import NDArray
@@ -15,7 +13,7 @@ _HOLES = """//VTK::TCoord::Impl
 """
 
 
-def material_actors(mesh: LiveMesh, triangles: NDArray[np.int32], look: Appearance) -> list[Any]:
+def material_actors(mesh: LiveMesh, triangles: NDArray[np.int32], look: Appearance) -> list[pv.Actor]:
     """An actor for every material that some triangles of ``mesh`` have."""
     pictures: dict[tuple[int, bool], pv.Texture | None] = {}
     actors = []

@@ -1,7 +1,5 @@
 """The floor: a plane that fades into the distance, metre lines, the axes' first metre, and soft shadows."""
 
-from typing import Any
-
 import numpy as np
 import pyvista as pv
 from numpy.typing import NDArray
@@ -25,7 +23,7 @@ SHADOW_LIFT, LINE_LIFT = 0.0015, 0.003
 """The shadow picture has this many cells a side and reaches this many metres from its middle."""
 
 
-def make_plane() -> Any:
+def make_plane() -> pv.PolyData:
     """A round floor of 120 m, its colour fading to the horizon's."""
     radii = np.array([0.0, 12.0, 30.0, 60.0, 120.0])
     angles = np.linspace(0, 2 * np.pi, 49)[:-1]
@@ -46,7 +44,7 @@ def make_plane() -> Any:
     return plane
 
 
-def make_sky() -> Any:
+def make_sky() -> pv.PolyData:
     """A sphere of 150 m seen from within: the floor's far colour at the horizon, lighter above."""
     sky = pv.Sphere(radius=150.0, theta_resolution=24, phi_resolution=24)
     height = np.clip(sky.points[:, 2] / 150.0 / 0.35, 0, 1)[:, None]
@@ -55,7 +53,7 @@ def make_sky() -> Any:
     return sky
 
 
-def make_lines() -> Any:
+def make_lines() -> pv.PolyData:
     """Metre lines in pieces of a metre, fading out towards the rim; X and Y tinted along the axes."""
     reach = np.arange(-GRID_REACH, GRID_REACH + 1)
     pieces, tints = [], []

@@ -1,7 +1,8 @@
 """Bodies seen through, in one colour each: onion skins and kept moments."""
 
 from collections.abc import Callable, Sequence
-from typing import Any
+
+import pyvista as pv
 
 from studio.core.mesh.character import Character
 from studio.core.mesh.skin import gripping, skin_vertices
@@ -19,7 +20,7 @@ class GhostBody:
         self.character = character
         self._skin = coarse_skin(character.skin)
         self._mesh = LiveMesh(len(self._skin.vertices), self._skin.triangles)
-        self.actor: Any = make_actor(self._mesh, character.colour)
+        self.actor = make_actor(self._mesh, character.colour)
         self._posing: tuple[object, ...] = ()
 
     def show(self, ghost: Ghost, character: Character) -> None:
@@ -43,7 +44,7 @@ class GhostBody:
 class GhostBodies:
     """As many ghosts as each ``sync`` is given; meshes are used again."""
 
-    def __init__(self, add: Callable[[Any], None], remove: Callable[[Any], None]) -> None:
+    def __init__(self, add: Callable[[pv.Actor], None], remove: Callable[[pv.Actor], None]) -> None:
         self._add, self._remove = add, remove
         self._bodies: list[GhostBody] = []
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 import pyvista as pv
@@ -19,7 +18,7 @@ FloatBuffer = NDArray[np.float32]
 class LiveMesh:
     """A polydata over ``points`` and ``normals`` (V, 3): write into them, then call ``touch``."""
 
-    def __init__(self, vertex_count: int, triangles: NDArray[np.integer[Any]]) -> None:
+    def __init__(self, vertex_count: int, triangles: NDArray[np.integer]) -> None:
         self.points: FloatBuffer = np.zeros((vertex_count, 3), dtype=np.float32)
         self.normals: FloatBuffer = np.zeros((vertex_count, 3), dtype=np.float32)
         self._vtk_points = vtkPoints()
@@ -28,7 +27,7 @@ class LiveMesh:
         self._parts: list[pv.PolyData] = []
         self.polydata = self.part(triangles)
 
-    def part(self, triangles: NDArray[np.integer[Any]]) -> pv.PolyData:
+    def part(self, triangles: NDArray[np.integer]) -> pv.PolyData:
         """Another polydata over the same points, of these triangles alone."""
         polydata = pv.PolyData()
         polydata.SetPoints(self._vtk_points)
@@ -74,7 +73,7 @@ class LiveLines:
             self._polydata.point_data.active_scalars_name = "colour"
 
 
-def flat_actor(polydata: pv.PolyData) -> Any:
+def flat_actor(polydata: pv.PolyData) -> pv.Actor:
     """An actor that draws a polydata in the colours of its points, untouched by light."""
     mapper = pv.DataSetMapper(polydata)
     mapper.SetColorModeToDirectScalars()

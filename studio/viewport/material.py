@@ -1,7 +1,5 @@
 """Shading of surfaces: one lamp by the camera, and in the shader a sky and a soft rim."""
 
-from typing import Any
-
 import pyvista as pv
 
 _SHADED = """//VTK::Light::Impl
@@ -24,9 +22,9 @@ class SkyShading:
     """Gives actors the material; ``turn`` tells their shaders which way is up for the present camera."""
 
     def __init__(self) -> None:
-        self._actors: dict[int, Any] = {}
+        self._actors: dict[int, pv.Actor] = {}
 
-    def give(self, actor: Any) -> None:
+    def give(self, actor: pv.Actor) -> None:
         """Smooth, slightly shiny."""
         surface = actor.GetProperty()
         surface.SetAmbient(0.16)
@@ -38,7 +36,7 @@ class SkyShading:
         shader.AddFragmentShaderReplacement("//VTK::Light::Impl", True, _SHADED, False)
         self._actors[id(actor)] = actor
 
-    def take(self, actor: Any) -> None:
+    def take(self, actor: pv.Actor) -> None:
         """Forget an actor."""
         self._actors.pop(id(actor), None)
 

@@ -1,7 +1,7 @@
 """Things that a gizmo can move: targets, props, performers. Each knows its axes and changes the document."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -249,6 +249,63 @@ class PlacedPerformer(Movable):
 
     def _put(self, performer: Performer, verb: str, gesture: int) -> None:
         self._document.replace("performers", self._id, performer, f"{verb} {performer.name} on the stage", gesture)
+
+
+class SelectedTogether(Movable):
+    """Things of a kind that are selected together: the gizmo is that of the last one, the others go along."""
+
+    def __init__(self, document: Document, words: str, lead: Movable, others: Sequence[Movable]) -> None:
+        self._document, self._words, self._lead, self._all = document, words, lead, (lead, *others)
+        self._begins = [each.placement.to_stage(each.place) for each in self._all]
+        self.placement, self.flat, self.yields = lead.placement, lead.flat, lead.yields
+        self.moves, self.rotates, self.heading_only, self.scales = (
+            lead.moves, lead.rotates, lead.heading_only, lead.scales,
+        )  # fmt: skip
+
+    @property
+    def place(self) -> FloatArray:
+        """(3,) position of the last one in its space."""
+        return self._lead.place
+
+    @property
+    def pivot(self) -> FloatArray:
+        """(3,) stage point about which the last one is rotated; each is about its own."""
+        return self._lead.pivot
+
+    @property
+    def own_axes(self) -> FloatArray:
+        """(3, 3) axes of the last one."""
+        return self._lead.own_axes
+
+    @property
+    def parent_axes(self) -> FloatArray:
+        """(3, 3) axes of what carries the last one."""
+        return self._lead.parent_axes
+
+    def move(self, place: FloatArray, gesture: int) -> None:
+        """Put the last one at ``place``, and the others as far from where they were."""
+        moved = self.placement.to_stage(place) - self._begins[0]
+        with self._document.group(f"Move {self._words}", gesture):
+            for each, begin in zip(self._all, self._begins, strict=True):
+                each.move(each.placement.to_motion(begin + moved), gesture)
+
+    def rotate(self, rotation: FloatArray, gesture: int) -> None:
+        """Rotate each about its own pivot."""
+        with self._document.group(f"Turn {self._words}", gesture):
+            for each in self._all:
+                each.rotate(rotation, gesture)
+
+    def scale(self, factors: FloatArray, gesture: int) -> None:
+        """Resize each along its own axes."""
+        with self._document.group(f"Resize {self._words}", gesture):
+            for each in self._all:
+                each.scale(factors, gesture)
+
+    def put_back(self, gesture: int) -> None:
+        """Put all as they were."""
+        with self._document.group(f"Move {self._words}", gesture):
+            for each in self._all:
+                each.put_back(gesture)
 
 
 def is_keyed(constraint: Constraint) -> bool:

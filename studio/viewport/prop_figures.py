@@ -8,7 +8,7 @@ from studio.core.stage.prop import Prop, PropShape
 from studio.core.stage.prop_shapes import FloatArray, fitted, unit_surface
 
 
-def unit_mesh(prop: Prop) -> Any:
+def unit_mesh(prop: Prop) -> pv.PolyData:
     """The surface of a prop's shape; faces share no corners where edges are sharp."""
     if prop.shape is PropShape.MESH and prop.mesh is not None:
         return _polygons(fitted(prop.mesh), prop.mesh.triangles)
@@ -18,5 +18,6 @@ def unit_mesh(prop: Prop) -> Any:
     return mesh
 
 
-def _polygons(vertices: FloatArray, triangles: Any) -> Any:
-    return pv.PolyData.from_regular_faces(vertices, triangles)
+def _polygons(vertices: FloatArray, triangles: Any) -> pv.PolyData:
+    surface: pv.PolyData = pv.PolyData.from_regular_faces(vertices, triangles)
+    return surface

@@ -2,10 +2,10 @@
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
+from studio.core.changed_records import with_fields
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import Constraint, Vector
 from studio.core.constraints.kinds import CONSTRAINT_KINDS
@@ -212,8 +212,7 @@ def tilt_of(moment: TargetContext, constraint: Constraint, name: str) -> FloatAr
     """(3, 3) rotation from a stored direction of a constraint, its value ``name``, to that of the playhead."""
     columns = []
     for axis in np.eye(3).tolist():
-        along: dict[str, Any] = {name: tuple(axis)}
-        fixed = moment.fixed(replace(constraint, **along))
+        fixed = moment.fixed(with_fields(constraint, **{name: tuple(axis)}))
         assert fixed is not None
         columns.append(np.array(getattr(fixed, name)))
     return np.stack(columns, axis=1)

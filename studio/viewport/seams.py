@@ -1,7 +1,6 @@
 """Seams of a plain skin: dark lines between the panels of the body, which show how its segments turn."""
 
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 import pyvista as pv
@@ -44,7 +43,7 @@ def panel_signs(layout: BodyLayout) -> NDArray[np.float32]:
     return signs
 
 
-def draw_seams(actor: Any, colour: str) -> None:
+def draw_seams(actor: pv.Actor, colour: str) -> None:
     """Let ``actor`` draw the field of its mesh as panels and seams of this colour."""
     actor.mapper.lookup_table = _table(colour)
     actor.mapper.scalar_range = (-1.0, 1.0)

@@ -12,37 +12,47 @@ from studio.engine.performance import Posed
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.gizmo import Gizmo, Space
 from studio.viewport.handles import floor_under
-from studio.viewport.movables import Movable, PlacedPerformer, PlacedProp
+from studio.viewport.movables import Movable, PlacedPerformer, PlacedProp, SelectedTogether
 from studio.viewport.rotate_gizmo import RotateGizmo
 from studio.viewport.rotated_targets import target_of_kind
 from studio.viewport.scale_gizmo import ScaleGizmo
 
+KIND_WORDS = {"performers": "characters", "constraints": "targets"}
+"""Words for things of a kind where they are not those of their collection."""
 AnyGizmo = Gizmo | RotateGizmo | ScaleGizmo
 
 
 def selected_movable(document: Document, posed: Mapping[str, Posed], *, picking: bool = False) -> Movable | None:
-    """The thing that the gizmo moves: the current selection, if it can be moved.
+    """The thing that the gizmo moves: the current selection, if it can be moved, with the others of its kind.
 
     A body is not while a joint of it is picked, beside which its handle would lie.
     """
-    project, pose = document.project, posed.get(document.active_performer_id or "")
-    collection, entity_id = document.selection.current or ("", "")
+    collection, current = document.selection.current or ("", "")
+    if picking and collection == "performers":
+        return None
+    lead = _movable(document, posed, collection, current)
+    if lead is None:
+        return None
+    selected = document.selection.of(collection)
+    found = [_movable(document, posed, collection, key) for key in selected if key != current]
+    others = [each for each in found if each is not None]
+    words = f"{len(others) + 1} {KIND_WORDS.get(collection, collection)}"
+    return SelectedTogether(document, words, lead, others) if others else lead
+
+
+def _movable(document: Document, posed: Mapping[str, Posed], collection: str, entity_id: str) -> Movable | None:
+    """A prop, body or target, as something that a gizmo moves; None if it is not seen now or has no place."""
+    project, active = document.project, posed.get(document.active_performer_id or "")
     if collection == "props" and entity_id in project.props:
         return PlacedProp(document, entity_id, posed)
-    if pose is None:
-        return None
-    floor = floor_under(project, pose)
-    if collection == "performers":
-        return (
-            None
-            if picking or entity_id not in project.performers
-            else PlacedPerformer(document, entity_id, pose, floor)
-        )
-    moment = TargetContext(project, posed, pose)
+    if collection == "performers" and entity_id in posed:
+        pose = posed[entity_id]
+        return PlacedPerformer(document, entity_id, pose, floor_under(project, pose))
     constraint = project.constraints.get(entity_id) if collection == "constraints" else None
-    if constraint is not None and pose.mirrored:
-        constraint = mirrored_constraint(constraint)
-    now = moment.fixed(constraint) if constraint else None
+    if active is None or constraint is None or constraint.motion_id != active.motion_id:
+        return None
+    moment, floor = TargetContext(project, posed, active), floor_under(project, active)
+    now = moment.fixed(mirrored_constraint(constraint) if active.mirrored else constraint)
     if now is None:
         return None
     kind = target_of_kind(now)

@@ -12,7 +12,9 @@ from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 
 from studio.core.grounds.ground import Ground
 from studio.core.mesh.character import Character
+from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.stage.project import Project
+from studio.core.stage.prop import PropShape
 from studio.core.stage.prop_shapes import PROP_COLOUR
 from studio.engine.performance import Posed
 from studio.engine.prop_places import PropPose
@@ -43,8 +45,8 @@ class StageScene:
         self._shading = SkyShading()
         self._bodies: dict[str, BodyVisual] = {}
         self._ghosts = GhostBodies(self._add_shaded, self._remove)
-        self._props: dict[str, Any] = {}
-        self._looks: dict[str, Any] = {}
+        self._props: dict[str, pv.Actor] = {}
+        self._looks: dict[str, tuple[PropShape, TriangleMesh | None]] = {}
         self._shadows = SoftShadows()
         self._plane, self._grid = flat_actor(make_plane()), flat_actor(make_lines())
         self._plane.prop.culling = "back"
@@ -120,7 +122,7 @@ class StageScene:
         self.plotter.close()
         self.plotter.deep_clean()
 
-    def _add(self, actor: Any) -> None:
+    def _add(self, actor: pv.Actor) -> None:
         """Draw an actor before the backdrop, which is then hidden behind it at no cost."""
         backdrop = (
             self._grid,
@@ -136,11 +138,11 @@ class StageScene:
         for drawn in (actor, *backdrop):
             renderer.AddActor(drawn)
 
-    def _add_shaded(self, actor: Any) -> None:
+    def _add_shaded(self, actor: pv.Actor) -> None:
         self._shading.give(actor)
         self._add(actor)
 
-    def _remove(self, actor: Any) -> None:
+    def _remove(self, actor: pv.Actor) -> None:
         self._shading.take(actor)
         self.plotter.renderer.RemoveActor(actor)
 

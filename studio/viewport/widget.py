@@ -408,7 +408,7 @@ class Viewport(Canvas):
         if not self._framed and (self.posed or self.resting):
             # Results come one by one: the view is settled when every body is there.
             expected = (key for key, one in project.performers.items() if one.visible and one.clips)
-            self._framed = bool(self.posed) and all(self._live.told(key) is not None for key in expected)
+            self._framed = bool(self.posed) and all(self._live.reported(key) is not None for key in expected)
             self._open()
         bodies, size = self.posed | self.resting, self.view_size
         self._glide.start(self.camera, self._newcomers.camera_for(project.performers, bodies, self.camera, size))
@@ -445,7 +445,7 @@ class Viewport(Canvas):
             *kept_ghosts(project, self.posed, self._kept),
         ]
 
-    def _told_changed(self) -> None:
+    def _reported_changed(self) -> None:
         if not self._live.interactive:
             self._tell_problem()
         if not self._framed:
@@ -453,7 +453,7 @@ class Viewport(Canvas):
 
     def _tell_problem(self) -> None:
         """As the strips have it: at the same moment by the same answers."""
-        self._problem = worst_problem(self._document.project, self._live.told)
+        self._problem = worst_problem(self._document.project, self._live.reported)
         self._chips.tell_problem(self._problem.sentence if self._problem else None)
 
     def _open(self) -> None:
@@ -565,7 +565,7 @@ class Viewport(Canvas):
             (document.playhead.changed, self._playhead_moved),
             (document.playhead.playing_changed, self.show_again),
             (self._live.adapted, self._adapted),
-            (self._live.told_changed, self._told_changed),
+            (self._live.reported_changed, self._reported_changed),
             (self._live.interactive_changed, self.show_again),
             (self._live.play.stepped, self.show_again),
             (self._live.play.running_changed, self.show_again),

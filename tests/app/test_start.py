@@ -4,6 +4,8 @@ import os
 import subprocess
 import sys
 
+import pytest
+
 from tests.architecture.sources import ROOT
 
 LATE = "numba", "scipy", "vtkmodules", "pyvista", "pyqtgraph", "matplotlib", "PIL", "studio.core.solver.adapt"
@@ -15,21 +17,25 @@ def test_the_window_opens_before_what_computes_and_draws_is_loaded():
     assert done.stdout.split() == []
 
 
-def test_the_3d_view_says_nothing_of_folders_and_fonts_it_does_not_use(tmp_path):
-    (tmp_path / "file").write_text("")
-    nowhere = os.environ | {"MPLCONFIGDIR": str(tmp_path / "file" / "matplotlib")}
-    script = "from studio.app import application; application.import_viewport(); import matplotlib.pyplot"
-    done = subprocess.run(
-        (sys.executable, "-c", script), cwd=ROOT, capture_output=True, text=True, env=nowhere, check=True
-    )
-    assert done.stderr == ""
-
-
-def test_the_3d_view_draws_before_what_only_others_need_is_loaded():
+@pytest.fixture(scope="module")
+def view_imported(tmp_path_factory):
+    """The process that has loaded the 3D view, its late modules printed, and then a library for charts as well."""
     later = "scipy.ndimage", "scipy.interpolate", "scipy.spatial", "pyqtgraph", "studio.core.solver.adapt"
     script = (
         "import sys; from studio.app import application; application.import_viewport();"
-        f"print(*({{*{later}}} & sys.modules.keys()))"
+        f"print(*({{*{later}}} & sys.modules.keys())); import matplotlib.pyplot"
     )
-    done = subprocess.run((sys.executable, "-c", script), cwd=ROOT, capture_output=True, text=True, check=True)
-    assert done.stdout.split() == []
+    file = tmp_path_factory.mktemp("charts") / "file"
+    file.write_text("")
+    nowhere = os.environ | {"MPLCONFIGDIR": str(file / "matplotlib")}
+    return subprocess.run(
+        (sys.executable, "-c", script), cwd=ROOT, capture_output=True, text=True, env=nowhere, check=True
+    )
+
+
+def test_the_3d_view_says_nothing_of_folders_and_fonts_it_does_not_use(view_imported):
+    assert view_imported.stderr == ""
+
+
+def test_the_3d_view_draws_before_what_only_others_need_is_loaded(view_imported):
+    assert view_imported.stdout.split() == []

@@ -1,3 +1,4 @@
+import gc
 from collections.abc import Iterator
 
 import pytest
@@ -7,7 +8,9 @@ from tests.architecture.sources import functions_of, tree_of
 
 @pytest.fixture(scope="package", autouse=True)
 def trees_dropped() -> Iterator[None]:
-    """Drop the syntax trees after the tests of this folder: the collector would visit them in all later tests."""
+    """Keep Python's collector off while there are syntax trees, which it would visit many times, then drop them."""
+    gc.disable()
     yield
     functions_of.cache_clear()
     tree_of.cache_clear()
+    gc.enable()

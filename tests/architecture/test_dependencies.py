@@ -4,6 +4,7 @@ import ast
 import re
 import sys
 import tomllib
+from functools import cache
 from importlib.metadata import packages_distributions
 
 from tests.architecture import sources
@@ -34,18 +35,21 @@ def distribution_names(requirements):
 
 
 def imported(files):
-    """Names of the packages from outside that files import, wherever in them."""
+    """Names of the packages from outside that files import."""
+    return set().union(*map(imported_by, files))
+
+
+@cache
+def imported_by(file):
+    """Names of the packages from outside that a file imports, wherever in it."""
     found = set()
-    for file in files:
-        for node in ast.walk(tree_of(file)):
-            if isinstance(node, ast.Import):
-                found |= {alias.name for alias in node.names}
-            elif isinstance(node, ast.ImportFrom) and not node.level:
-                found.add(node.module)
-            elif (
-                isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "importorskip"
-            ):
-                found.add(ast.literal_eval(node.args[0]))
+    for node in ast.walk(tree_of(file)):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and not node.level:
+            found.add(node.module)
+        elif isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "importorskip":
+            found.add(ast.literal_eval(node.args[0]))
     return {name.split(".")[0] for name in found} - sys.stdlib_module_names
 
 

@@ -17,7 +17,7 @@ from studio.core.solver.performers.performing import Performance, perform
 from studio.core.stage.clip import Clip
 from studio.core.stage.clip_row import split
 from studio.core.stage.project import Performer, Project
-from studio.engine.residuals import missed_by
+from studio.engine.residuals import residuals_on
 from studio.jobs.performances import prepared
 from studio.library.scenes.stagehand import bodies, material
 
@@ -74,6 +74,6 @@ def test_what_a_clip_ends_in_the_middle_of_goes_before_it_ends() -> None:
 
 def test_what_is_missed_in_both_parts_of_a_split_clip_is_told_of_both() -> None:
     parts = split(WHOLE, 60.0, 2.2, (f"part {number}" for number in count()))
-    missed = missed_by(staged(*parts, reach=REACH), "one", played(*parts, reach=REACH).adapted, "reach")
+    missed = residuals_on(staged(*parts, reach=REACH), "one", played(*parts, reach=REACH).adapted, "reach")
     assert missed is not None
     assert np.isfinite(missed.amounts[145:190]).all()

@@ -193,7 +193,7 @@ def test_who_carries_adds_up_to_everything_and_passes_on_smoothly() -> None:
     )  # fmt: skip
     carrying = find_support(motion, BODY, contacts, Ground(), np.ones((120, BODY.layout.point_count, 3)), TURNS)
     assert carrying is not None
-    share = carrying.feet_share
+    share = carrying.feet_fraction
     assert share[0] == pytest.approx(1.0)
     assert share[70:].max() < 1e-9
     assert (np.diff(share) < 1e-12).all()

@@ -22,7 +22,7 @@ from studio.core.mesh.skin import fit_skin, skin_vertices
 from studio.core.mesh.volume import BodyVolume, fitted_volume, usual_volume
 from studio.core.rigs.character_skeleton import t_pose_rotations
 from studio.core.solver.adapt import adapt, place_of
-from studio.core.solver.asking.clearance import rest_rooms, rooms
+from studio.core.solver.asking.clearance import clearances, rest_clearances
 from studio.core.solver.asking.self_contact import self_contact_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.project.character_file import bundled_characters
@@ -165,8 +165,8 @@ def test_fingers_that_alone_are_too_deep_bend_out() -> None:
 
 def test_arms_of_a_wide_body_come_out_of_it_and_nothing_else_moves() -> None:
     before, after = solved(), solved(clear())
-    assert rooms(before).min() < 0.0
-    assert rooms(after).min() > -1e-3
+    assert clearances(before).min() < 0.0
+    assert clearances(after).min() > -1e-3
     assert after.residuals.max() < 1e-3
     layout = STOCKY.morphology.layout
     arms = [layout.collar(side) + bone for side in range(2) for bone in (2, 3, 4)]
@@ -176,13 +176,13 @@ def test_arms_of_a_wide_body_come_out_of_it_and_nothing_else_moves() -> None:
 
 def test_arms_are_not_asked_farther_out_than_their_body_has_them_at_rest() -> None:
     thick = replace(STOCKY.volume, girths=6.0 * STOCKY.volume.girths)
-    at_rest = rest_rooms(STOCKY.morphology, thick)
+    at_rest = rest_clearances(STOCKY.morphology, thick)
     assert at_rest.min() < -0.05
     actor = CHARACTERS["tall_man"].morphology
     contact = self_contact_of(WALK, STOCKY.morphology, (), thick, actor, clears=True)
     assert contact is not None
-    assert contact.rooms is not None
-    assert (contact.rooms[0] <= at_rest).all()
+    assert contact.clearances is not None
+    assert (contact.clearances[0] <= at_rest).all()
 
 
 def test_any_window_gives_what_the_whole_clip_gives() -> None:
@@ -196,15 +196,15 @@ def test_it_fades_in_monotonely() -> None:
     depths = []
     for share in np.linspace(0.0, 1.0, 6):
         activation = ActivationCurve(-share, 1.0 - share, 100.0, 100.0, "linear") if share < 1.0 else ALWAYS
-        depths.append(rooms(solved(clear(activation), frames=(0, 0))).min())
+        depths.append(clearances(solved(clear(activation), frames=(0, 0))).min())
     assert (np.diff(depths) >= -1e-9).all()
-    assert depths[0] == rooms(solved(frames=(0, 0))).min()
+    assert depths[0] == clearances(solved(frames=(0, 0))).min()
 
 
 def test_a_margin_is_kept_and_one_arm_leaves_the_other_alone() -> None:
     before, after = solved(), solved(clear(margin=0.02, arms="left"))
     layout = STOCKY.morphology.layout
-    assert rooms(after)[:, 0].min() > 0.019
+    assert clearances(after)[:, 0].min() > 0.019
     right = slice(layout.collar(1), layout.collar(1) + 5)
     assert np.array_equal(after.positions[:, right], before.positions[:, right])
 
@@ -218,7 +218,7 @@ def test_the_higher_priority_has_its_way(reach_priority: int) -> None:
         assert place_of(WRIST, adapted)[0] == pytest.approx(target, abs=2e-4)
         assert adapted.residuals[1, 0] > 0.05
     else:
-        assert rooms(adapted)[0, 1].min() > -1e-3
+        assert clearances(adapted)[0, 1].min() > -1e-3
         assert adapted.residuals[0, 0] > 0.05
 
 

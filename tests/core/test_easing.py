@@ -110,12 +110,12 @@ def test_frames_jolt_as_much_when_they_are_solved_as_when_they_are_eased() -> No
     activations = constraint_activations(wishes.constraints, STANDING[4])
     window = SolvedWindow(STANDING[4], wishes.constraints, activations, wishes.tracks, BOUND, slice(0, 90))
     window.solve()
-    assert window.may_jolt
+    assert window.may_exceed_peaks
     solve, layout = window.whole, BEFORE[4].morphology.layout
     turns = LimbCoordinates(layout, STANDING[4].rotations, limits_of(BODIES[4])).turns_of(
         window.answer(slice(0, 90))[1]
     )
-    measured = solve.jolts_of(solve.states, turns)
+    measured = solve.peaks_of(solve.states, turns)
     looked = solve.sharp[:, 2] > 0.0  # others turn so little that nobody looked
     assert 3 < looked.sum() < 88
     assert solve.sharp[:, :2] == pytest.approx(measured[:, :2])
@@ -195,6 +195,21 @@ def test_a_wish_that_sways_brings_what_a_lever_needs_to_follow_it(hertz: float, 
     highest = np.max(push * np.abs(np.sin(angles)) + speed**2 * np.cos(angles) ** 2 / LEVER) / LEVER
     assert brings[0, 0, 60:-60].max() == pytest.approx(highest, rel=0.02)
     assert not brings[1].any()
+
+
+@pytest.mark.parametrize("metres", [0.01, 0.1, 2.0])
+def test_a_ramp_brings_as_much_as_the_angle_that_it_fades_in(metres: float) -> None:
+    """A ramp of 0.3 s was allowed 64 rad/s2 for a target 1 cm off: a new constraint on a calm neck jolted."""
+    rate, count = 120.0, 240
+    times, still = np.arange(count) / rate, rest_pose(WOMAN)
+    positions, rotations = (np.broadcast_to(each, (count, *each.shape)) for each in still)
+    place = still[0][WOMAN.layout.wrist(1)] + [metres, 0.0, 0.0]
+    targets = Targets(times, {}, lambda: positions[:, 0], WOMAN.leg_length)
+    rows = pack_tasks([target("right_forearm", tuple(place))], WOMAN.layout, targets)
+    ramp = ActivationCurve(0.5, 0.8, 1.2, 1.5).at(times)
+    brings = target_accelerations(rows, 0, ramp[None], positions, rotations, WOMAN, rate)[1, 0].max()
+    sharpest = np.abs(np.diff(ramp, 2)).max() * rate**2
+    assert brings == pytest.approx(min(metres / LEVER, 1.0) * sharpest, rel=0.1)
 
 
 @pytest.mark.parametrize("name", ["adult_woman", "child"])

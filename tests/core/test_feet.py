@@ -89,7 +89,7 @@ def test_what_stands_stays_where_it_is(seed: int) -> None:
     feet = _levelled(steps)
     ankles = _planted(steps, feet)
     toes = ankles + feet @ SOLE.foot
-    heels = ankles + [SOLE.heel_below_ankle(foot) for foot in feet]
+    heels = ankles + [SOLE.pad_below_ankle(foot) for foot in feet]
     for bit, track in ((twin.HEEL, heels), (twin.TOE, toes)):
         for stretch in twin.stretches((steps.states & bit) != 0):
             still = track[stretch, :2]

@@ -12,6 +12,8 @@ from studio.core.kernels.limbs.legs import place_leg, required_root_lowering
 from studio.core.kernels.limbs.limb import SOFT_IK_THRESHOLD, SOLE_SOFT_IK_THRESHOLD
 from studio.core.kernels.records import LegTargets, Pose
 from studio.core.kernels.solve_clip import place_frames
+from studio.core.kernels.support.foot_anchoring import anchor_ankles
+from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS
 from studio.core.normalized.realize import realize
 from studio.core.solver.standing.blends import release_weight, smooth_drops
 from studio.core.solver.standing.footing import find_footing, foot_states, leg_extensions, root_follow
@@ -192,3 +194,19 @@ def test_hips_over_two_flat_feet_go_where_legs_that_lean_keep_their_lengths(near
 
 def test_hips_over_feet_that_stand_as_in_the_motion_stay() -> None:
     assert not root_follow(np.zeros((2, 120, 3)), np.full((2, 120), 3), 60.0, POSITIONS, BODY).any()
+
+
+@pytest.mark.parametrize("degrees", [-60.0, 60.0])
+@pytest.mark.parametrize("along", [-0.035, -0.02, -0.005])
+def test_a_foot_that_turns_on_its_heel_turns_about_the_heels_pad(along: float, degrees: float) -> None:
+    """``along`` metres from the ankle towards the toes the actor's foot turns on; the heel's edge is at -0.05."""
+    headings = np.radians(degrees) * np.clip((np.arange(120.0) - 42.0) / 30.0, 0.0, 1.0)
+    feet = np.tile(np.eye(3), (120, 1, 1))
+    feet[:, 0, 0] = feet[:, 1, 1] = np.cos(headings)
+    feet[:, 1, 0] = np.sin(headings)
+    feet[:, 0, 1] = -feet[:, 1, 0]
+    ankles, anchored = [0.0, 0.0, 0.08] - along * feet[:, :, 0], np.empty((120, 3))
+    states = np.where(np.abs(np.arange(120) - 57) <= 15, HEEL_STANDS, SOLE_STANDS)
+    sole, level = np.array([[0.12, 0.0, -0.06, 0.08, 0.05, 0.06]]), np.zeros(120)
+    anchor_ankles(ankles, feet, states, sole, level, level, 6, anchored)
+    assert np.linalg.norm(anchored - ankles, axis=1).max() < 0.02

@@ -1,6 +1,7 @@
 """Kinds of ground: heights, normals, the same seen from elsewhere; what is no ground is refused."""
 
 import math
+from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -30,6 +31,21 @@ SMOOTH = ("flat", "bumps")
 
 def places(seed: int, count: int = 40) -> np.ndarray:
     return np.random.default_rng(seed).uniform(-2.5, 2.5, (count, 2))
+
+
+def test_whole_numbers_of_metres_are_kept_as_floats_for_which_kernels_are_compiled() -> None:
+    for ground in (
+        Ground(1),
+        Slope(1, 1, 2),
+        Steps(1, 1, 1, 5),
+        Bumps(1, 1, 1, 3),
+        HeightMap(1),
+        SurfaceMesh(1, CORNERS, TRIANGLES),
+    ):
+        of_floats = [field.name for field in fields(ground) if field.type is float]
+        assert "height" in of_floats
+        assert {type(getattr(ground, name)) for name in of_floats} == {float}
+    assert type(Steps(1, 1, 1, 5).count) is int
 
 
 @pytest.mark.parametrize("name", GROUNDS)

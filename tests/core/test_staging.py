@@ -52,3 +52,21 @@ def test_a_row_is_known_from_what_a_user_has_arranged():
     turned = ROW | {"body 1": replace(ROW["body 1"], heading=0.5)}
     assert not is_unarranged(moved)
     assert not is_unarranged(turned)
+
+
+@pytest.mark.parametrize("missing", [["body 1"], ["body 0"], ["body 2"]])
+def test_a_row_of_which_some_are_missing_is_still_one(missing):
+    row = {key: each for key, each in lined_up(ROW, 0.4).items() if key not in missing}
+    assert is_unarranged(row)
+
+
+@pytest.mark.parametrize("travel", [0.0, 1.1, -2.0])
+def test_those_whose_paths_cross_begin_farther_apart(travel):
+    across = np.array([-math.sin(travel), math.cos(travel)])
+    times = np.linspace(0.0, 1.0, 30)[:, None]
+    paths = {"body 0": 0.0 * times * across, "body 1": 3.0 * times * across, "body 2": -2.0 * times * across}
+    row = lined_up(ROW, travel, paths)
+    tracks = [np.array(each.position) + paths[key] for key, each in row.items()]
+    for one, other in ((0, 1), (0, 2), (1, 2)):
+        assert np.linalg.norm(tracks[one] - tracks[other], axis=1).min() > 0.75
+    assert is_unarranged(row)

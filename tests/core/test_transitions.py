@@ -15,7 +15,7 @@ from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import contact_quality, swing_depths
 from studio.core.solver.adapt import hold
 from studio.core.solver.standing.held_foot import FootPath, HeldFoot, heel_pivot
-from studio.core.solver.standing.inertialisation import Stance, led_from
+from studio.core.solver.standing.inertialisation import Stance, inertialised_from
 from studio.core.solver.standing.stepping import FootFlight, flights_of
 from tests.core.test_compose import BODY, EXAMPLES, PERMITTED, cut, example, local_accelerations, peaks, standing
 
@@ -116,7 +116,7 @@ def test_who_goes_on_the_other_way_round_turns_there_in_one_way() -> None:
         feet=around @ own.feet,
         toes=around @ own.toes,
     )
-    pelvis = led_from(stands, first, seen).rotations[first - 1 :, 0]
+    pelvis = inertialised_from(stands, first, seen).rotations[first - 1 :, 0]
     steps = Rotation.from_matrix(pelvis[1:] @ np.swapaxes(pelvis[:-1], 1, 2)).magnitude()
     assert steps.max() * stands.motion.frame_rate < 4.0 * np.pi
 
@@ -157,13 +157,12 @@ def test_a_foot_that_is_held_while_its_own_motion_walks_on_does_not_slide() -> N
     """It slid by 57 mm where its own turned on its heel after a stride."""
     states = np.repeat([3, 0, 1], [20, 10, 30])
     frames = np.arange(60)
-    heel = np.array([-0.05, 0.0, -0.08])
+    sole = np.array([[0.13, 0.0, -0.06, 0.08, 0.05, 0.06]])
     turns = turning_about(np.array([0.0, 0.0, 1.0]), np.clip(frames - 30, 0, 30) / 30.0)
     came_down = np.clip((frames - 20) / 10.0, 0.0, 1.0)[:, None] * [0.8, 0.0, 0.0]
-    own = FootPath(came_down - turns @ heel, turns, turns)
+    own = FootPath(came_down - heel_pivot(sole).offsets(turns, turns), turns, turns)
     across = turning_about(np.array([0.0, 0.0, 1.0]), np.full(2, 1.2))
     seen = FootPath(np.tile([0.3, 0.2, 0.08], (2, 1)), across, across)
-    sole = np.array([[0.13, 0.0, -0.06, 0.08, 0.05, 0.06]])
     foot = HeldFoot(own, states, seen, 3, sole, np.full(2, 100.0), 60.0)
     path, _ = foot.path(FootFlight(60, 60, 0.3, held=True), 0.3, np.arange(1, 61) / 60.0)
     heels = path.places(heel_pivot(sole))[31:]

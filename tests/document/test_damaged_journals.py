@@ -132,7 +132,7 @@ def test_a_journal_that_was_taken_away_begins_anew_and_is_safe_only_then(
     edit(document)
     assert document.journal.flush()
     (tmp_path / "state").rename(tmp_path / "elsewhere")
-    with qtbot.waitSignal(document.problem) as told:
+    with qtbot.waitSignal(document.problem_reported) as told:
         pass
     assert "Save the project now" in told.args[0]
     assert document.journal_state == "Backup stopped - save the project"
@@ -155,7 +155,7 @@ def test_a_journal_stopped_by_a_full_disk_goes_on_when_there_is_room(
         raise sqlite3.OperationalError("database or disk is full")
 
     monkeypatch.setattr(journals.Journal, "_insert", full)
-    with qtbot.waitSignal(document.problem):
+    with qtbot.waitSignal(document.problem_reported):
         document.add("props", Prop("First"), "Add")
     monkeypatch.setattr(journals.Journal, "_insert", insert)
     qtbot.waitUntil(lambda: document.journal_state.startswith("All changes backed up"))

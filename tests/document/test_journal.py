@@ -278,7 +278,7 @@ def test_a_second_window_has_the_project_for_reading(make_document: Any, tmp_pat
 def test_a_journal_that_cannot_be_written_is_told(make_document: Any, tmp_path: Path, qtbot: Any) -> None:
     (tmp_path / "file").write_text("in the way")
     document = make_document(folder=tmp_path / "file" / "state")
-    with qtbot.waitSignal(document.problem) as told:
+    with qtbot.waitSignal(document.problem_reported) as told:
         document.add("props", Prop("Box"), "Add")
     assert "Save the project" in told.args[0]
     assert document.journal_state == "Backup stopped - save the project"
@@ -324,7 +324,7 @@ def test_a_damaged_project_is_not_saved_over_its_file(make_document: Any, tmp_pa
     path.write_bytes(path.read_bytes()[:-300])
     told: list[str] = []
     other = make_document(folder=tmp_path / "other")
-    other.problem.connect(told.append)
+    other.problem_reported.connect(told.append)
     other.open(path)
     assert told
     with pytest.raises(StudioError, match="Save As"):

@@ -17,7 +17,7 @@ def test_who_cannot_be_adapted_says_why_and_the_others_play(qapp):
     bare = Performer("Lost", first.character_id, (Clip("bare", 0, 10, id="bare clip"),))
     document = Document(project.with_entity("performers", "lost", bare))
     said = []
-    document.problem.connect(said.append)
+    document.problem_reported.connect(said.append)
     live = LiveAdaptation(document)
     assert live.wait(60.0)
     assert live.result("performer 0") is not None

@@ -124,7 +124,7 @@ def test_volumes_of_bodies_are_measured_beside_the_window_as_a_project_opens(
         measured.append(threading.current_thread())
         return fitted_volume(*skin)
 
-    monkeypatch.setattr("studio.engine.wanted.fitted_volume", noted)
+    monkeypatch.setattr("studio.engine.body_request.fitted_volume", noted)
     scene = make_scene(characters=2)
     scene.document.new(make_project(characters=5, frames=FRAMES))
     assert scene.live.wait()
@@ -255,31 +255,31 @@ def test_during_a_drag_the_newest_edit_wins_and_the_last_is_solved_whole(make_sc
 def test_what_is_asked_anew_is_not_told_of_before_it_is_solved(make_scene: Any) -> None:
     scene = make_scene(characters=2)
     scene.live.wait()
-    assert scene.live.told("performer 0") is scene.live.result("performer 0")
+    assert scene.live.reported("performer 0") is scene.live.result("performer 0")
     scene.solver.hold.clear()
     document, asked = scene.document, scene.document.project.constraints["constraint 0"]
     document.replace("constraints", "constraint 0", replace(asked, target=(9.0, 9.0, 9.0)), "Move target")
-    assert scene.live.told("performer 0") is None  # at once, before the engine has had its turn
+    assert scene.live.reported("performer 0") is None  # at once, before the engine has had its turn
     scene.live.wait(0.3)
-    assert scene.live.told("performer 0") is None
+    assert scene.live.reported("performer 0") is None
     assert scene.live.result("performer 0") is not None  # the old pose stays on show
     scene.solver.hold.set()
     scene.live.wait()
-    assert scene.live.told("performer 0") is scene.live.result("performer 0")
+    assert scene.live.reported("performer 0") is scene.live.result("performer 0")
     document.replace("performers", "performer 0", replace(document.project.performers["performer 0"], name="X"), "X")
-    assert scene.live.told("performer 0") is not None  # a name asks nothing
+    assert scene.live.reported("performer 0") is not None  # a name asks nothing
 
 
 def test_all_views_are_told_of_one_answer_at_one_moment(make_scene: Any) -> None:
     scene = make_scene(characters=1)
     scene.live.wait()
-    before = scene.live.told("performer 0")
+    before = scene.live.reported("performer 0")
     scene.live.interactive = True
     scene.raise_ground(0.2)
     told = [before]
     heard: list[bool] = []
-    scene.live.adapted.connect(lambda key: heard.append(scene.live.told(key) is told[-1]))
-    scene.live.told_changed.connect(lambda: told.append(scene.live.told("performer 0")))
+    scene.live.adapted.connect(lambda key: heard.append(scene.live.reported(key) is told[-1]))
+    scene.live.reported_changed.connect(lambda: told.append(scene.live.reported("performer 0")))
     scene.live.wait()
     assert all(heard)  # a newer pose; what is told of the constraints changes for all views together
     assert told[-1] is scene.live.result("performer 0")
@@ -321,7 +321,7 @@ def test_the_source_is_the_capture_on_its_actors_body(make_scene: Any) -> None:
 def test_a_capture_that_cannot_be_normalised_is_told_in_its_sentence(make_scene: Any) -> None:
     scene = make_scene(characters=1)
     told: list[str] = []
-    scene.document.problem.connect(told.append)
+    scene.document.problem_reported.connect(told.append)
     scene.document.replace("captures", "capture", make_capture("lamp", body_map=None), "Replace capture")
     scene.live.wait()
     assert told == ["'lamp' has no body map."]
@@ -414,7 +414,7 @@ def test_bodies_stand_while_the_kernels_of_constraints_are_still_compiled(qapp: 
     kernels = SimpleNamespace(grounded=True, ready=False, stop=lambda _patience: None)
     live = LiveAdaptation(document, solver.prepare, solver.solve, solver.realise, warm_up=cast(WarmUp, kernels))
     live.wait(0.5)
-    assert live.told("performer 0") is live.result("performer 0") is not None
+    assert live.reported("performer 0") is live.result("performer 0") is not None
     document.replace("grounds", GROUND_ID, Ground(0.2), "Raise ground")
     live.bring(0.0)
     assert live.shown("performer 0").positions[0, 0, 0] == 0.2  # type: ignore[union-attr]
@@ -424,11 +424,11 @@ def test_bodies_stand_while_the_kernels_of_constraints_are_still_compiled(qapp: 
     live.bring(0.0)
     live.wait(0.5)
     assert (len(solver.windows), live.result("performer 0")) == (solved, known)
-    assert live.told("performer 0") is None
-    assert live.told("performer 1") is not None
+    assert live.reported("performer 0") is None
+    assert live.reported("performer 1") is not None
     assert unsolved_words(live) == "waits for the solver"
     kernels.ready = True
     assert live.wait()
-    assert live.told("performer 0") is live.result("performer 0") is not known
+    assert live.reported("performer 0") is live.result("performer 0") is not known
     assert unsolved_words(live) == "not solved yet"
     live.close()

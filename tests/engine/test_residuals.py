@@ -13,7 +13,7 @@ from studio.core.curves.activation import ActivationCurve
 from studio.core.solver.performers.rows import composite_of
 from studio.core.solver.request import AdaptedMotion
 from studio.engine.live_adaptation import normalised
-from studio.engine.residuals import missed_by, worst_residual
+from studio.engine.residuals import residuals_on, worst_residual
 from studio.panels.constraint_editors.worst_residuals import residuals_of, words_of
 from studio.viewport.problem import worst_problem
 from tests.builders import make_constraint, make_contact, make_morphology, make_project
@@ -70,8 +70,8 @@ def test_frames_that_are_not_played_do_not_count():
 
 def test_an_answer_to_an_older_question_is_not_read():
     project = project_of(make_constraint())
-    assert missed_by(project, "performer 0", answer(), "c") is None
-    assert missed_by(project, "performer 0", None, "c") is None
+    assert residuals_on(project, "performer 0", answer(), "c") is None
+    assert residuals_on(project, "performer 0", None, "c") is None
     assert worst_residual(project, "performer 0", answer(), "c") is None
 
 
@@ -87,8 +87,8 @@ def test_an_answer_to_a_row_of_other_clips_is_not_read_though_it_asks_as_much():
     twice, after = playing(replace(clip, repeats=2)), playing(clip, replace(clip, start=5.0))
     composite = composite_of(twice, "performer 0", lambda _: motion)
     told = replace(answer(peaks(f10=0.04), peaks(f10=0.04)), composite=composite)
-    assert missed_by(twice, "performer 0", told, "c") is not None
-    assert missed_by(after, "performer 0", told, "c") is None
+    assert residuals_on(twice, "performer 0", told, "c") is not None
+    assert residuals_on(after, "performer 0", told, "c") is None
     assert worst_problem(after, lambda _: told) is None
 
 
@@ -96,7 +96,7 @@ def test_viewport_and_inspector_tell_the_same_number_and_frame():
     project = project_of(make_constraint(name="Wrist"))
     motion = answer(peaks(f3=0.9, f10=0.04))
     problem = worst_problem(project, lambda _: motion)
-    [line] = residuals_of(project, SimpleNamespace(told=lambda _: motion, ready=True), "c")
+    [line] = residuals_of(project, SimpleNamespace(reported=lambda _: motion, ready=True), "c")
     assert (problem.residual.amount, problem.frame) == pytest.approx((line.worst.amount, line.worst.frame))
     assert problem.sentence == "Body 0: 40 mm short of 'Wrist' at frame 10"
     assert words_of(line) == "short by 40 mm at 10"

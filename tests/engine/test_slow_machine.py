@@ -184,4 +184,4 @@ def test_after_release_the_one_body_that_was_dragged_is_solved_once(begin: Any) 
     drag.live.interactive = False
     assert drag.live.wait(100.0)
     assert drag.count == 1
-    assert drag.live.told(ACTIVE) is drag.live.result(ACTIVE)
+    assert drag.live.reported(ACTIVE) is drag.live.result(ACTIVE)

@@ -36,7 +36,7 @@ def test_a_mesh_becomes_the_shape_of_the_selected_area(qtbot, bench, tmp_path):
     document, path = bench.document, tmp_path / "rock.obj"
     path.write_text(OBJ)
     said = []
-    bench.said.connect(lambda message: said.append(message.sentence))
+    bench.message_posted.connect(lambda message: said.append(message.sentence))
     with pytest.raises(StudioError, match="Select an area"):
         put_area_mesh(bench, path)
     document.selection.set(("constraints", "area"))

@@ -69,7 +69,7 @@ def joints_of(character):
 def test_a_wrong_map_is_mended_by_naming(section, hero):
     found, document, key = section
     family = next(each for each in naming_families() if each.name.startswith("VRM"))
-    found._preset.chosen.emit(family)
+    found._preset.value_chosen.emit(family)
     wait_for_tasks(found)
     assert joints_of(document.project.characters[key]) == hero.joints
     document.undo_stack.undo()

@@ -82,7 +82,7 @@ def test_ctrl_z_after_a_drag_takes_back_the_drag_and_no_edit_of_the_project(stri
 def test_another_limb_brings_its_own_kind_and_segments(striking):
     form = striking.labelling.form
     other = Limb.RIGHT_LEG if form.label.limb.is_arm else Limb.LEFT_ARM
-    form.limb.chosen.emit(other)
+    form.limb.value_chosen.emit(other)
     wanted = (Kind.KICK, HitSegment.BALL) if other is Limb.RIGHT_LEG else (Kind.PUNCH, HitSegment.FIST)
     assert (form.label.limb, form.label.kind, form.label.segment) == (other, *wanted)
     assert form.kind.value is wanted[0]
@@ -110,7 +110,7 @@ def test_what_is_confirmed_is_in_the_catalogue_and_outlasts_indexing(striking, w
 def test_what_is_no_strike_is_found_no_more(striking, window, qtbot):
     form = striking.labelling.form
     count = len(striking.library.clips)
-    form.kind.chosen.emit(Kind.NONE)
+    form.kind.value_chosen.emit(Kind.NONE)
     qtbot.mouseClick(form.confirm, LEFT)
     wait_until_idle(qtbot, window)
     assert len(striking.library.clips) == count - 1

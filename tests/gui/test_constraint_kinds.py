@@ -198,7 +198,7 @@ def test_a_distance_at_a_wrist_is_to_the_other_one_and_at_an_ankle_to_a_place(st
 def test_a_point_has_no_distance_from_itself_and_the_form_says_so(studio, qtbot):
     _, document, inspector = studio
     before = add(studio, "distance")
-    with qtbot.waitSignal(document.problem) as told:
+    with qtbot.waitSignal(document.problem_reported) as told:
         choose(inspector, "Distance from", "Right wrist")
     assert "no distance from itself" in told.args[0]
     assert current(document) is before
@@ -440,7 +440,7 @@ def targets_of_all(studio):
 def test_a_target_is_made_to_follow_each_kind_of_thing_from_the_form(studio):
     _, document, inspector = studio
     told = []
-    document.problem.connect(told.append)
+    document.problem_reported.connect(told.append)
     target = add(studio, "position").target
     place = numbers_of(inspector, "Target")
     choose(inspector, "Target is", "Follow prop")

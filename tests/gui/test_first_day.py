@@ -13,7 +13,11 @@ from studio.app.actions import MENUS
 from studio.app.application import import_views, show_views
 from studio.core.captures.contacts import ContactInterval, Touch
 from studio.core.stage.prop import Prop
+from studio.core.stage.staging import SPACING, side_by_side
+from studio.engine.performance import root_paths
+from studio.io.bvh.writer import write_bvh
 from studio.panels.message_strip import Lifetime
+from tests.builders import make_capture
 from tests.gui.viewport_use import LEFT, NONE, joint_pixel
 from tests.gui.window_use import drop, wait_until_idle
 
@@ -162,3 +166,59 @@ def test_line_up_puts_bodies_across_their_way_as_one_step(window, qtbot, walk):
     assert document.undo_stack.count() == count + 1
     document.undo_stack.undo()
     assert document.project.performers["performer 1"].position == (3.0, 0.4)
+
+
+def travelling(folder, name, heading):
+    """A BVH file of a body that goes three metres in a heading."""
+    capture = make_capture(frames=60)
+    moves = np.array(capture.poses.local_translations)
+    moves[:, 0, :2] = np.linspace(0.0, 3.0, 60)[:, None] * [np.cos(heading), np.sin(heading)]
+    write_bvh(folder / name, capture.skeleton, replace(capture.poses, local_translations=moves), capture.frame_rate)
+    return folder / name
+
+
+def test_bodies_of_which_some_play_another_take_are_lined_up_and_do_not_meet(window, qtbot, tmp_path):
+    document = window.bench.document
+    first, second = document.project.performers
+    row = side_by_side(document.project.characters).values()
+    for key, stood in zip((first, second), row, strict=True):
+        document.replace("performers", key, replace(document.project.performers[key], position=stood.position), "Row")
+    drop(window, travelling(tmp_path, "ahead.bvh", 0.0))
+    wait_until_idle(qtbot, window)
+    shown = document.project.performers[second]
+    document.replace("performers", second, replace(shown, visible=False), "Hide")
+    drop(window, travelling(tmp_path, "across.bvh", np.pi / 2))
+    wait_until_idle(qtbot, window)
+    places = [np.array(each.position) for each in document.project.performers.values()]
+    assert document.project.performers[second].clips != document.project.performers[first].clips
+    assert np.abs(places[0] - places[1]) == pytest.approx([SPACING, 0.0], abs=1e-6)
+    window.actions_by_id.by_id["show_all"].trigger()
+    assert window.bench.live.wait(300.0)
+    window.actions_by_id.by_id["line_up"].trigger()
+    assert window.bench.live.wait(300.0)
+    paths = root_paths(document.project, window.bench.live.result)
+    one, other = (np.array(each.position) + paths[key] for key, each in document.project.performers.items())
+    assert np.linalg.norm(one - other, axis=1).min() > 0.75
+
+
+def test_line_up_puts_bodies_of_a_mirrored_walk_across_the_way_that_is_seen(window, qtbot, tmp_path):
+    document = window.bench.document
+    drop(window, travelling(tmp_path, "aslant.bvh", np.pi / 4))
+    wait_until_idle(qtbot, window)
+    document.selection.set(("clips", next(iter(document.project.performers.values())).clips[0].id))
+    QTest.keyClick(window, Qt.Key.Key_M, CONTROL)
+    assert window.bench.live.wait(300.0)
+    window.actions_by_id.by_id["line_up"].trigger()
+    first, second = (np.array(each.position) for each in document.project.performers.values())
+    path = next(iter(root_paths(document.project, window.bench.live.result).values()))
+    assert (path[-1] - path[0])[1] < -1.0
+    assert (path[-1] - path[0]) @ (second - first) == pytest.approx(0.0, abs=0.1)
+
+
+def test_what_is_said_of_a_stored_view_goes_with_the_next_edit(window):
+    import_views()
+    show_views(window)
+    QTest.keyClick(window.bench.viewport, Qt.Key.Key_F5, Qt.KeyboardModifier.ShiftModifier)
+    assert window.strip.text.startswith("The view is stored")
+    window.bench.document.add("props", Prop("Box", position=(0.6, 0.0, 0.2)), "Add box")
+    assert window.strip.text == ""

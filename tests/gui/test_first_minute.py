@@ -55,7 +55,7 @@ def move(widget, place):
 def misses(window, constraint_id):
     """Metres by which each performer misses the target in its worst frame of the hold."""
     project, live = window.bench.document.project, window.bench.live
-    worst = {key: worst_residual(project, key, live.told(key), constraint_id) for key in project.performers}
+    worst = {key: worst_residual(project, key, live.reported(key), constraint_id) for key in project.performers}
     assert all(each.fully_active for each in worst.values())
     return {key: each.amount for key, each in worst.items()}
 

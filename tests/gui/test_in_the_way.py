@@ -2,12 +2,14 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from PySide6.QtCore import QMimeData, QPoint, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDragLeaveEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
+from studio.app.application import import_views, show_views
 from studio.app.strike_edit import _known_capture
 from studio.panels.library_delegate import EYE_WIDTH
 from tests.builders import make_capture, make_project
@@ -108,3 +110,16 @@ def test_the_menus_of_props_and_of_the_library_are_their_own(window):
     assert "Add box" in [action.text() for action in menus["Prop"]]
     assert "Find a strike in the library…" in [action.text() for action in menus["Library"]]
     assert not {"Add box", "Pick prop up at playhead"} & {action.text() for action in menus["Constraint"]}
+
+
+def test_boxes_that_are_added_one_after_another_lie_beside_each_other(window):
+    import_views()
+    show_views(window)
+    document, add = window.bench.document, window.actions_by_id.by_id["add_box"]
+    for _ in range(3):
+        add.trigger()
+    places = np.array([each.position for each in document.project.props.values()])
+    apart = np.linalg.norm(places[:, None] - places, axis=-1)[np.triu_indices(3, 1)]
+    assert apart.min() >= 0.4
+    assert apart.max() < 1.2
+    assert places[:, 2] == pytest.approx(0.2)

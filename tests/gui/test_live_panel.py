@@ -104,7 +104,7 @@ def test_the_panel_tells_senders_and_counts_and_switches_them_off(control, windo
 
 def test_what_comes_is_recorded_and_replayed_as_a_source_of_its_own(control, window, qtbot, tmp_path):
     said = []
-    window.bench.said.connect(lambda message: said.append(message.sentence))
+    window.bench.message_posted.connect(lambda message: said.append(message.sentence))
     path = tmp_path / "take.osc"
     control.record(path)
     send(control, cap(1.0))
@@ -132,7 +132,7 @@ def test_another_recording_ends_the_one_before_it_whole(control, window, qtbot, 
 
 def test_a_port_that_is_taken_is_a_sentence_and_nothing_else(control, window):
     said = []
-    window.bench.said.connect(lambda message: said.append(message.sentence))
+    window.bench.message_posted.connect(lambda message: said.append(message.sentence))
     control.listen(control.sources["1"].feeder.port)
     assert "Choose another port" in said[-1]
     assert list(control.sources) == ["1"]
@@ -170,7 +170,7 @@ class SeenViewport:
 
 def test_the_camera_goes_with_a_head_from_where_it_was_and_back(control, window, qtbot):
     said = []
-    window.bench.said.connect(lambda message: said.append(message.sentence))
+    window.bench.message_posted.connect(lambda message: said.append(message.sentence))
     control.track_camera(True)
     assert "No head is being tracked" in said[-1]
     window.bench.set_viewport(SeenViewport())

@@ -138,7 +138,7 @@ def test_another_project_ends_it(playing):
 def test_nothing_plays_live_before_the_solver_is_there_and_the_window_says_so(playing, monkeypatch):
     play, said = playing.bench.live.play, []
     play.end()
-    playing.bench.said.connect(lambda message: said.append(message.sentence))
+    playing.bench.message_posted.connect(lambda message: said.append(message.sentence))
     monkeypatch.setattr(play, "_ready", lambda: False)
     playing.actions_by_id.by_id["play_live"].trigger()
     assert not play.running

@@ -376,7 +376,7 @@ def test_without_earlier_work_that_is_said(qtbot, window, tmp_path):
 
 def test_an_exception_that_nobody_caught_is_a_sentence_in_the_strip(qtbot, window):
     hooks = ProblemHooks()
-    hooks.told.connect(window.bench.say)
+    hooks.message_posted.connect(window.bench.say)
     try:
         sys.excepthook(KeyError, KeyError("hips"), None)
         assert "KeyError: 'hips'" in window.strip.text

@@ -151,7 +151,7 @@ def test_a_step_is_added_tried_and_applied(qtbot, window, dialog) -> None:
     for role in LEGS:
         put(dialog, role)
     before = len(dialog.steps.steps)
-    dialog.steps.add.chosen.emit(LowPass)
+    dialog.steps.add.value_chosen.emit(LowPass)
     assert len(dialog.steps.steps) == before + 1
     qtbot.waitUntil(lambda: len(dialog.steps._reports) == before + 1, timeout=PATIENCE)
     assert dialog.steps._reports[-1].summary.startswith("Smoothed at 8 Hz")
@@ -192,7 +192,7 @@ def test_a_body_is_read_otherwise_without_its_file(qtbot, window, dialog, tmp_pa
     dialog.solve()
     qtbot.waitUntil(lambda: capture_of(window, dialog).body_map is not None, timeout=PATIENCE)
     (tmp_path / "walk.c3d").unlink()
-    window.inspector.reimport_wanted.emit(dialog._capture_id, {"floor": 0.25})
+    window.inspector.reimport_requested.emit(dialog._capture_id, {"floor": 0.25})
     qtbot.waitUntil(lambda: capture_of(window, dialog).floor == 0.25, timeout=PATIENCE)
     assert capture_of(window, dialog).markers.marker_map == dialog.assistant.marker_map
 

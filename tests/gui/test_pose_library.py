@@ -116,7 +116,7 @@ def test_the_name_is_typed_in_the_list_and_the_file_has_it(window, poses, tmp_pa
 
 def test_without_a_body_that_plays_a_sentence_says_what_to_do(window, poses):
     said = []
-    window.bench.said.connect(lambda message: said.append(message.sentence))
+    window.bench.message_posted.connect(lambda message: said.append(message.sentence))
     [key] = window.bench.document.project.performers
     window.bench.document.remove("performers", key, "Delete performer")
     QTest.mouseClick(poses.panel.apply, Qt.MouseButton.LeftButton)

@@ -71,7 +71,7 @@ def test_preferences_are_kept_and_what_makes_no_sense_in_the_file_is_left_aside(
 
 def test_a_map_that_is_chosen_and_a_key_that_is_typed_act_at_once(window):
     dialog = PreferencesDialog(window.bench)
-    dialog.map.chosen.emit("blender")
+    dialog.map.value_chosen.emit("blender")
     action = window.actions_by_id.by_id
     assert action["move_tool"].shortcut().toString() == "G"
     assert "G" not in {each.toString() for each in action["ghost"].shortcuts()}
@@ -164,7 +164,7 @@ def test_new_constraints_act_for_the_whole_clip_if_that_is_preferred(studio):
 
 def test_help_opens_the_guide_or_says_where_it_is(window, monkeypatch):
     opened, said = [], []
-    window.bench.said.connect(lambda message: said.append(message.sentence))
+    window.bench.message_posted.connect(lambda message: said.append(message.sentence))
     monkeypatch.setattr(QDesktopServices, "openUrl", lambda url: opened.append(url.toLocalFile()) or len(opened) == 1)
     QTest.keyClick(window, Qt.Key.Key_F1)
     assert opened == [str(guide_file())]

@@ -36,7 +36,7 @@ def stage(qtbot):
     search = ProblemSearch(document, live)
     bench = Bench(document, live)
     tour, table = ProblemTour(bench, search, bench), ProblemTable(search)
-    table.chosen.connect(tour.show)
+    table.problem_chosen.connect(tour.show)
     qtbot.addWidget(table)
     yield document, live, search, bench, tour, table
     search.close()
@@ -82,7 +82,7 @@ def test_problems_are_in_the_order_of_their_weight_and_each_is_named_once(stage)
 def test_next_problem_goes_to_the_worst_then_on_and_previous_back(stage, qtbot):
     document, _, search, bench, tour, _ = stage
     said = []
-    bench.said.connect(lambda message: said.append(message.sentence))
+    bench.message_posted.connect(lambda message: said.append(message.sentence))
     with qtbot.waitSignal(search.found, timeout=PATIENCE):
         tour.go(1)
     first = search.problems[0]
@@ -104,9 +104,9 @@ def test_a_problem_that_is_mended_leaves_the_tour_and_the_worst_that_remains_is_
     assert worst.row.name == "Far"
     off = replace(document.project.constraints["far"], enabled=False)
     document.replace("constraints", "far", off, "Turn off")
-    live.told_changed.emit()
+    live.reported_changed.emit()
     said = []
-    bench.said.connect(lambda message: said.append(message.sentence))
+    bench.message_posted.connect(lambda message: said.append(message.sentence))
     with qtbot.waitSignal(search.found, timeout=PATIENCE):
         tour.go(1)
     assert said[-1].startswith("Problem 1 of")
@@ -154,7 +154,7 @@ def test_a_stage_that_changes_while_it_is_measured_is_measured_again_for_the_key
     def changing(*arguments):
         measured.append(arguments)
         if len(measured) == 1:
-            live.told_changed.emit()
+            live.reported_changed.emit()
         return summary_of(*arguments)
 
     monkeypatch.setattr("studio.engine.problem_search.summary_of", changing)

@@ -103,7 +103,7 @@ def test_a_file_whose_kind_was_corrected_is_read_no_more_often(qtbot, window, tm
     put(tmp_path / "first.bvh")
     drop(window, tmp_path / "first.bvh")
     wait_until_idle(qtbot, window)
-    window.inspector.reimport_wanted.emit(list(window.bench.document.project.captures)[-1], {"unit": "inch"})
+    window.inspector.reimport_requested.emit(list(window.bench.document.project.captures)[-1], {"unit": "inch"})
     wait_until_idle(qtbot, window)
     put(tmp_path / "second.bvh")
     times = watched(tmp_path / "second.bvh")

@@ -34,7 +34,7 @@ def test_after_reopening_a_moved_and_renamed_source_is_read_again(qtbot, window,
     (tmp_path / "project" / "takes").mkdir(parents=True)
     reopen(window, tmp_path / "project" / "scene.studio")
     moved = walk.rename(tmp_path / "project" / "takes" / "renamed.bvh")
-    window.inspector.reimport_wanted.emit(imported, {"unit": "inch"})
+    window.inspector.reimport_requested.emit(imported, {"unit": "inch"})
     wait_until_idle(qtbot, window)
     assert window.bench.document.project.captures[imported].unit == "inch"
     assert window.bench.sources[imported] == moved
@@ -47,7 +47,7 @@ def test_the_message_of_a_missing_source_offers_to_relink_it_and_goes_on(
     reopen(window, tmp_path / "project" / "scene.studio")
     (tmp_path / "far" / "away" / "deep").mkdir(parents=True)
     moved = walk.rename(tmp_path / "far" / "away" / "deep" / "other.bvh")
-    window.inspector.reimport_wanted.emit(imported, {"unit": "inch"})
+    window.inspector.reimport_requested.emit(imported, {"unit": "inch"})
     wait_until_idle(qtbot, window)
     assert window.strip.text.startswith("The source file of walk cannot be found. Relink it")
     before = window.bench.document.undo_stack.count()
@@ -89,7 +89,7 @@ def test_relinking_tells_where_a_source_lies_that_is_found(qtbot, window, walk, 
 
 def test_a_source_that_was_edited_where_it_lies_is_read_and_told(qtbot, window, walk, imported):
     write_take(take_of_capture(make_capture(frames=9)), walk)
-    window.inspector.reimport_wanted.emit(imported, {"unit": "inch"})
+    window.inspector.reimport_requested.emit(imported, {"unit": "inch"})
     wait_until_idle(qtbot, window)
     assert window.bench.document.project.captures[imported].frame_count == 9
     assert "has changed since it was read before" in window.strip.text

@@ -62,7 +62,7 @@ def test_storing_again_replaces_the_camera_and_undo_brings_the_first_one_back(se
 
 def test_a_key_without_a_camera_says_how_to_store_one(seen):
     said = []
-    seen.bench.said.connect(lambda message: said.append(message.sentence))
+    seen.bench.message_posted.connect(lambda message: said.append(message.sentence))
     press(seen, Qt.Key.Key_F8)
     assert said == ["No camera is stored as 4 yet. Store the view by View > Store camera 4."]
 

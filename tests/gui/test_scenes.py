@@ -8,7 +8,7 @@ from tests.patience import PATIENCE
 
 def test_the_fight_opens_from_the_menu_with_its_eight_fighters_and_their_clips(window, qtbot):
     said = []
-    window.bench.said.connect(lambda message: said.append(message.sentence))
+    window.bench.message_posted.connect(lambda message: said.append(message.sentence))
     window.actions_by_id.by_id["scene_fight_training"].trigger()
     document, live = window.bench.document, window.bench.live
     qtbot.waitUntil(lambda: len(document.project.performers) == 8, timeout=PATIENCE)

@@ -70,7 +70,7 @@ def test_a_target_that_moves_is_hit_where_it_is_then(striking, window, qtbot):
 
 def test_a_frozen_target_is_hit_where_it_was_when_it_was_asked(striking, window, qtbot):
     document, key = window.bench.document, window.bench.document.active_performer_id
-    striking.panel.aim.chosen.emit(False)
+    striking.panel.aim.value_chosen.emit(False)
     dropped_on(striking, window, qtbot, key)
     prop_id, prop = next(iter(document.project.props.items()))
     document.replace("props", prop_id, replace(prop, position=(2.0, 1.0, 0.5)), "Move")
@@ -80,7 +80,7 @@ def test_a_frozen_target_is_hit_where_it_was_when_it_was_asked(striking, window,
 
 def test_a_face_can_be_struck_but_not_ones_own(striking, window, qtbot):
     said = []
-    window.bench.said.connect(lambda message: said.append(message.sentence))
+    window.bench.message_posted.connect(lambda message: said.append(message.sentence))
     document, panel = window.bench.document, striking.panel
     one, other = list(document.project.performers)[:2]
     striker = replace(document.project.performers[other], position=(0.0, 0.0), heading=0.0)

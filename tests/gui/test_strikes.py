@@ -131,7 +131,7 @@ def test_who_aims_at_its_own_face_is_told_to_choose_another_target(striking, win
 
 def test_a_folder_without_use_is_told_and_nothing_changes(striking, window, qtbot, tmp_path):
     said = []
-    window.bench.said.connect(lambda message: said.append(message.sentence))
+    window.bench.message_posted.connect(lambda message: said.append(message.sentence))
     (tmp_path / "takes").mkdir()
     (tmp_path / "takes" / "broken.bvh").write_text("HIERARCHY nothing")
     before = window.bench.document.project
@@ -144,7 +144,7 @@ def test_a_folder_without_use_is_told_and_nothing_changes(striking, window, qtbo
 
 def test_a_folder_that_is_cancelled_leaves_what_was_read_by_then_in_the_list(striking, window, qtbot, monkeypatch):
     said = []
-    window.bench.said.connect(lambda message: said.append(message.sentence))
+    window.bench.message_posted.connect(lambda message: said.append(message.sentence))
     report = Progress.report
 
     def cancelled_before_the_third(progress, fraction, text=""):

@@ -423,7 +423,7 @@ def test_10_the_three_worst_misses_of_a_scene_are_found_and_mended_by_keys(user,
     mended = []
     for _ in range(6):  # a peak that comes of a miss goes with it: N passes it by
         QTest.qWait(LOOKED_AT_MS)
-        with qtbot.waitSignal(user.window.bench.said, timeout=PATIENCE):
+        with qtbot.waitSignal(user.window.bench.message_posted, timeout=PATIENCE):
             user.press(Qt.Key.Key_N)
         collection, key = user.document.selection.current
         if collection != "constraints":

@@ -75,7 +75,7 @@ def test_a_time_catches_on_the_playhead_even_between_frames(document, timeline, 
 
 def test_a_drag_tells_its_time_and_frame(timeline, hand, qtbot):
     hand.press(timeline.handle_point("kick", "full"))
-    with qtbot.waitSignal(timeline.told) as told:
+    with qtbot.waitSignal(timeline.message_posted) as told:
         hand.move(pixels(timeline, 12))
     assert timeline.tracks.gesture.mark.text.endswith("0.700 s · frame 42")
     assert "frame" in told.args[0]
@@ -202,7 +202,7 @@ def point_at(widget, place):
 
 def test_hover_texts_go_when_what_they_tell_of_goes(document, timeline, live):
     said = []
-    timeline.told.connect(said.append)
+    timeline.message_posted.connect(said.append)
     row = timeline.row_rect("constraints", "kick")
     point_at(timeline.tracks, QPoint(60, row.center().y()))
     assert said[-1].startswith("Kick target")

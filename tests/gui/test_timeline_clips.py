@@ -172,7 +172,7 @@ def test_a_split_at_the_playhead_asks_of_both_parts_what_was_asked_of_the_clip(d
 
 def test_a_split_beside_the_clip_is_refused_in_a_sentence(document, timeline, qtbot):
     document.playhead.set_frame(0)
-    with qtbot.waitSignal(document.problem) as said:
+    with qtbot.waitSignal(document.problem_reported) as said:
         choose(timeline, place(timeline, SECOND, 100), "Split at playhead")
     assert "Move the playhead into it" in said.args[0]
     assert document.undo_stack.count() == 0
@@ -207,7 +207,7 @@ def test_a_clip_is_added_from_the_menu_where_it_was_opened(document, timeline):
 def test_a_motion_that_is_removed_while_the_menu_is_open_is_told_of(document, timeline, qtbot, what):
     chosen = entry(timeline, place(timeline, SECOND, 70), what, "Other")
     document.remove("motions", "other", "Remove motion")
-    with qtbot.waitSignal(document.problem) as said:
+    with qtbot.waitSignal(document.problem_reported) as said:
         chosen.trigger()
     assert "has been removed" in said.args[0]
     QApplication.activePopupWidget() and QApplication.activePopupWidget().close()
@@ -227,7 +227,7 @@ def test_what_is_removed_while_its_menu_is_open_is_told_of(document, timeline, q
     else:
         clip_edits.remove_clips(document, ("kick",), "Delete")
     before = document.project
-    with qtbot.waitSignal(document.problem) as said:
+    with qtbot.waitSignal(document.problem_reported) as said:
         chosen.trigger()
     assert f"The {gone} has been removed" in said.args[0]
     assert document.project is before
@@ -315,7 +315,7 @@ def test_a_selected_constraint_brings_the_clip_of_which_it_is_asked(document, ti
 def test_who_cannot_be_adapted_is_shown_as_such_and_the_others_as_ever(document, timeline, live):
     before = timeline.grab().toImage()
     live.failures[SECOND] = "It follows 'Nobody', who could not be adapted."
-    live.told_changed.emit()
+    live.reported_changed.emit()
     after = timeline.grab().toImage()
     points = {key: timeline.tracks.mapTo(timeline, place(timeline, key, 120)) for key in (FIRST, SECOND)}
     assert after.pixelColor(points[FIRST]) == before.pixelColor(points[FIRST])

@@ -9,7 +9,7 @@ from studio.core.solver.adapt import adapt
 from studio.core.solver.performers.performing import perform
 from studio.core.stage.layer import Layer, Region
 from studio.document import clip_edits
-from studio.engine.wanted import wanted_of
+from studio.engine.body_request import body_request_of
 from studio.io.project.project_file import new_document_id, read_project, write_project
 from studio.jobs.performances import prepared
 from studio.panels.inspector import Inspector
@@ -94,7 +94,7 @@ def test_it_is_split_duplicated_and_deleted_as_clips_are(document, layer):  # no
 
 def test_whose_layers_change_is_solved_anew(document, layer):  # noqa: F811
     def wanted():
-        return wanted_of(document.project, SECOND, (SECOND,), lambda _: None)
+        return body_request_of(document.project, SECOND, (SECOND,), lambda _: None)
 
     before = wanted()
     clip_edits.edit_layer(document, layer, "Weight", weight=0.5)

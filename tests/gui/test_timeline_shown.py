@@ -31,7 +31,7 @@ def test_the_strip_of_a_body_follows_its_residual(timeline, live):
 def test_pointing_at_a_strip_tells_the_millimetres(timeline, live, qtbot):
     live.errors["performer 1"] = {"kick": 0.042}
     timeline.tracks.document.playhead.set_frame(43)  # its line does not hide what it lies over
-    with qtbot.waitSignal(timeline.told) as told:
+    with qtbot.waitSignal(timeline.message_posted) as told:
         QTest.mouseMove(timeline.tracks, timeline.strip_point("kick", "performer 1", 43))
     assert told.args == ["Body 1: 42 mm at frame 43"]
 
@@ -39,7 +39,7 @@ def test_pointing_at_a_strip_tells_the_millimetres(timeline, live, qtbot):
 def test_pointing_at_a_name_tells_who_misses_the_constraint_most(timeline, live, qtbot):
     live.errors = {"performer 0": {"kick": 0.004}, "performer 1": {"kick": 0.042}}
     row = timeline.row_rect("constraints", "kick")
-    with qtbot.waitSignal(timeline.told) as told:
+    with qtbot.waitSignal(timeline.message_posted) as told:
         QTest.mouseMove(timeline.tracks, QPoint(60, row.center().y()))
     assert told.args == ["Kick target: Body 1 42 mm at frame 30"]
 
@@ -52,14 +52,14 @@ def strip_colour(timeline, frame):
 def test_strips_are_painted_anew_soon_after_a_result(qtbot, timeline, live):
     held = strip_colour(timeline, 40)
     live.errors["performer 1"] = {"kick": 0.042}
-    live.told_changed.emit()
+    live.reported_changed.emit()
     qtbot.waitUntil(lambda: strip_colour(timeline, 40).red() > 150 > held.red())
 
 
 def test_a_body_that_is_not_solved_yet_is_hatched_and_nobody_says_held(timeline, live):
     green = strip_colour(timeline, 40)
     live.unsolved.add("performer 1")
-    live.told_changed.emit()
+    live.reported_changed.emit()
     place = timeline.strip_point("kick", "performer 1", 40)
     picture = timeline.tracks.grab().toImage()
     line = {picture.pixelColor(place + QPoint(dx, 0)).name() for dx in range(12)}
@@ -100,7 +100,7 @@ def test_a_dragged_curve_is_drawn_with_every_move_and_its_label_when_results_are
     document.selection.set(("constraints", "kick"))
     timeline.grab()
     drawn.clear()
-    live.told_changed.emit()
+    live.reported_changed.emit()
     timeline.grab()
     assert sorted(drawn) == ["_paint_content", "_paint_label"]
 
@@ -352,7 +352,7 @@ def test_what_no_body_does_is_marked_on_the_ruler_and_told_there(qtbot, document
     picture = timeline.tracks.grab().toImage()
     assert picture.pixelColor(there, ruler.bottom()) == QColor(colours.PARTLY)
     assert picture.pixelColor(there + round(pixels(timeline, 5)), ruler.bottom()) != QColor(colours.PARTLY)
-    with qtbot.waitSignal(timeline.told) as told:
+    with qtbot.waitSignal(timeline.message_posted) as told:
         QTest.mouseMove(timeline.tracks, QPoint(there, ruler.center().y()))
     assert told.args == ["The hips jump by up to 51 cm in a frame. Frame 50."]
 

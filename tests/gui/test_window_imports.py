@@ -112,11 +112,11 @@ def test_read_with_another_unit_the_capture_is_replaced_as_one_undo_step(qtbot, 
     wait_until_idle(qtbot, window)
     capture_id = list(document.project.captures)[-1]
     document.selection.set(("captures", capture_id))
-    window.inspector.reimport_wanted.emit(capture_id, {"unit": "inch"})
+    window.inspector.reimport_requested.emit(capture_id, {"unit": "inch"})
     wait_until_idle(qtbot, window)
     assert document.project.captures[capture_id].unit == "inch"
     assert document.history == ("Import walk.bvh", "Read walk with unit inch")
-    window.inspector.reimport_wanted.emit(capture_id, {"reference": "3"})
+    window.inspector.reimport_requested.emit(capture_id, {"reference": "3"})
     wait_until_idle(qtbot, window)
     assert document.history[-1] == "Read walk with reference 3"
     assert document.project.captures[capture_id].unit == "inch"
@@ -131,7 +131,7 @@ def test_what_is_corrected_in_a_report_holds_for_the_next_file_of_its_kind(qtbot
     wait_until_idle(qtbot, window)
     capture_id = list(document.project.captures)[-1]
     floor = document.project.captures[capture_id].floor
-    window.inspector.reimport_wanted.emit(capture_id, {"unit": "inch"})
+    window.inspector.reimport_requested.emit(capture_id, {"unit": "inch"})
     wait_until_idle(qtbot, window)
     document.replace("captures", capture_id, document.project.captures[capture_id].with_floor(0.25), "Set floor")
     second = walk.with_name("second.bvh")
@@ -162,7 +162,7 @@ def test_a_correction_that_is_undone_is_not_remembered(qtbot, window, walk):
 
 
 def test_a_capture_whose_file_is_not_known_is_not_read_again_but_said_so(qtbot, window):
-    window.inspector.reimport_wanted.emit("capture", {"unit": "cm"})
+    window.inspector.reimport_requested.emit("capture", {"unit": "cm"})
     wait_until_idle(qtbot, window)
     assert "cannot be found. Relink it" in window.strip.text
 
@@ -171,7 +171,7 @@ def test_a_double_click_on_a_capture_plays_it_on_the_visible_characters(qtbot, w
     document = window.bench.document
     drop(window, walk)
     wait_until_idle(qtbot, window)
-    window.library.wanted.emit("capture")
+    window.library.performance_requested.emit("capture")
     assert {p.clips[0].motion_id for p in document.project.performers.values()} == {"motion"}
     assert document.history[-1] == "Play Walk"
 
@@ -206,7 +206,7 @@ def test_a_noisy_take_is_offered_a_cleaning_that_one_click_applies_and_undo_take
     assert "was cleaned. It had 1 spike;" in cleaned.repairs[-1]
     assert window.strip.text == repair_words(cleaned)
     assert document.history[-1] == "Clean spike"
-    window.inspector.reimport_wanted.emit(capture_id, {"unit": "inch"})
+    window.inspector.reimport_requested.emit(capture_id, {"unit": "inch"})
     wait_until_idle(qtbot, window)
     assert "was cleaned" in document.project.captures[capture_id].repairs[-1]  # the other setting keeps it
     QTest.keyClick(window, Qt.Key.Key_Z, CONTROL)

@@ -86,6 +86,89 @@ def test_names_with_a_number_behind_are_understood(spelling: str) -> None:
     assert named_sides(skeleton)[found.body_map[BodyPart.LEFT_FOOT]] == 1
 
 
+NAMINGS = {
+    "MikuMikuDance": (
+        "下半身 上半身 上半身2 首 頭", "{j}腕 {j}ひじ {j}手首", "{j}足 {j}ひざ {j}足首 {j}つま先"),
+    "MikuMikuDance in Blender": (
+        "センター 上半身 上半身2 首 頭", "腕.{S} ひじ.{S} 手首.{S}", "足.{S} ひざ.{S} 足首.{S} つま先.{S}"),
+    "MikuMikuDance in English": (
+        "center upper_body upper_body2 neck head", "arm_{S} elbow_{S} wrist_{S}", "leg_{S} knee_{S} ankle_{S} toe_{S}"),
+    "VRChat": (
+        "Hips Spine Chest Neck Head", "{Side}_arm {Side}_elbow {Side}_wrist",
+        "{Side}_leg {Side}_knee {Side}_ankle {Side}_toe"),
+    "Meta Movement": (
+        "Hips SpineLower Chest Neck Head", "{Side}ArmUpper {Side}ArmLower {Side}HandWrist",
+        "{Side}UpperLeg {Side}LowerLeg {Side}FootAnkle {Side}FootBall"),
+    "Source": (
+        "pelvis spine_0 spine_1 neck_0 head", "arm_upper_{S} arm_lower_{S} hand_{S}",
+        "leg_upper_{S} leg_lower_{S} ankle_{S} ball_{S}"),
+    "Second Life": (
+        "mPelvis mTorso mChest mNeck mHead", "mShoulder{Side} mElbow{Side} mWrist{Side}",
+        "mHip{Side} mKnee{Side} mAnkle{Side} mFoot{Side}"),
+    "Advanced Skeleton": (
+        "Root_M Spine1_M Chest_M Neck_M Head_M", "Shoulder_{S} Elbow_{S} Wrist_{S}",
+        "Hip_{S} Knee_{S} Ankle_{S} Toes_{S}"),
+    "sides before an underscore": (
+        "C_hip_jnt C_spine_jnt C_chest_jnt C_neck_jnt C_head_jnt", "{lf}_shoulder_jnt {lf}_elbow_jnt {lf}_wrist_jnt",
+        "{lf}_hip_jnt {lf}_knee_jnt {lf}_ankle_jnt {lf}_ball_jnt"),
+    "Theia": (
+        "pelvis abdomen thorax neck head", "{s}_uarm {s}_larm {s}_hand", "{s}_thigh {s}_shank {s}_foot {s}_toes"),
+    "Rigify": (
+        "DEF-spine DEF-spine.001 DEF-spine.002 DEF-spine.004 DEF-spine.006",
+        "DEF-upper_arm.{S} DEF-forearm.{S} DEF-hand.{S}", "DEF-thigh.{S} DEF-shin.{S} DEF-foot.{S} DEF-toe.{S}"),
+    "Mixamo": (
+        "mixamorigHips mixamorigSpine mixamorigSpine1 mixamorigNeck mixamorigHead",
+        "mixamorig{Side}Arm mixamorig{Side}ForeArm mixamorig{Side}Hand",
+        "mixamorig{Side}UpLeg mixamorig{Side}Leg mixamorig{Side}Foot mixamorig{Side}ToeBase"),
+}  # fmt: skip
+"""Names of the trunk, and of arms and legs of either side."""
+
+
+def _called(trunk: str, arm: str, leg: str) -> dict[str, str]:
+    """Names by those of the stick figure."""
+    words = [*trunk.split()]
+    for limb in (arm, leg):
+        for side, j, lf in (("left", "左", "lf"), ("right", "右", "rt")):
+            words += limb.format(s=side[0], S=side[0].upper(), Side=side.title(), j=j, lf=lf).split()
+    return dict(zip(NAMES, words, strict=True))
+
+
+@pytest.mark.parametrize("frame", ["{name}", "{name}_0{number}", "Bob{name}", "Group_1:Char_A:{name}"])
+@pytest.mark.parametrize("naming", NAMINGS)
+def test_the_names_of_other_programs_are_understood_behind_any_beginning(naming: str, frame: str) -> None:
+    called = {
+        own: frame.format(name=name, number=place)
+        for place, (own, name) in enumerate(_called(*NAMINGS[naming]).items())
+    }
+    skeleton, points = _skeleton([(called[name], called[parent] if parent else None, place)
+                                  for (name, parent, _), place in zip(JOINTS, POINTS, strict=True)])  # fmt: skip
+    found = find_body(skeleton, points).body_map
+    assert found is not None
+    shown = {part: skeleton.names[joint] for part, joint in found.parts.items()}
+    ours = {"UpperArm": "UPPER_ARM", "LowerArm": "FOREARM", "Hand": "HAND", "UpperLeg": "THIGH", "LowerLeg": "SHANK",
+            "Foot": "FOOT", "Toes": "TOE"}  # fmt: skip
+    right = {BodyPart.PELVIS: called["hips"], BodyPart.NECK: called["neck"], BodyPart.HEAD: called["head"]}
+    right |= {BodyPart[f"{side.upper()}_{part}"]: called[side + name]
+              for side in ("left", "right") for name, part in ours.items()}  # fmt: skip
+    assert shown == right
+
+
+def test_the_ball_of_a_foot_is_its_toe_joint_where_the_tip_of_the_toes_is_one_too() -> None:
+    called = _called("hip spine chest neck head", "{Side}Shoulder {Side}Elbow {Side}Wrist",
+                     "{Side}Hip {Side}Knee {Side}Ankle {Side}Ball")  # fmt: skip
+    joints = [(called[name], called[parent] if parent else None, place)
+              for (name, parent, _), place in zip(JOINTS, POINTS, strict=True)]  # fmt: skip
+    tips = [(called[side + "Toes"].replace("Ball", "Toe"), called[side + "Toes"],
+             POINTS[NAMES.index(side + "Toes")] + [0.07, 0.0, 0.0]) for side in ("left", "right")]  # fmt: skip
+    skeleton, points = _skeleton([*joints, *tips])
+    found = find_body(skeleton, points).body_map
+    assert found is not None
+    assert [skeleton.names[found[part]] for part in (BodyPart.LEFT_TOE, BodyPart.RIGHT_TOE)] == [
+        "LeftBall",
+        "RightBall",
+    ]
+
+
 def _loose() -> tuple[Skeleton, np.ndarray]:
     """The stick figure whose feet hang from a root below its hips."""
     joints = [

@@ -195,6 +195,19 @@ REPAIRED = {
         3,
         "line 20: 1 row lacks numbers; what is missing was filled from the rows before and after.",
     ),
+    **{
+        word: (
+            _rows(word),
+            3,
+            "line 20: 1 row lacks numbers; what is missing was filled from the rows before and after.",
+        )
+        for word in ("1,#QNAN", "-1,#IND", "#N/A", "NA", "(null)", "---", "-", "?", "*", "missing")
+    },
+    "a row that begins with a word behind a hash": (
+        bvh_text([ROW, " ".join(["#N/A"] * 9), ROW]),
+        3,
+        "line 20: 1 row lacks numbers; what is missing was filled from the rows before and after.",
+    ),
     "decimal commas and the word of a German C library": (
         bvh_text(
             [ROW.replace(".", ","), ROW.replace("90", "1.#IND").replace(".", ","), ROW.replace(".", ",")],
@@ -252,6 +265,11 @@ REPAIRED = {
     ),
     "glued offset": (
         bvh_text(hierarchy=HIERARCHY.replace("0 20 0", "0.0-20.5 0")),
+        3,
+        "take.bvh, line 8: numbers stand there without a blank",
+    ),
+    "an offset without a blank behind its word": (
+        bvh_text(hierarchy=HIERARCHY.replace("OFFSET 0 20 0", "OFFSET-0.5-20.5 0")),
         3,
         "take.bvh, line 8: numbers stand there without a blank",
     ),
@@ -387,6 +405,30 @@ PLAIN = bvh_text()
 )
 def test_other_marks_between_numbers_change_no_number(tmp_path: Path, case: str) -> None:
     assert np.array_equal(_read(tmp_path, REPAIRED[case][0]).frames, _read(tmp_path, PLAIN).frames)
+
+
+@pytest.mark.parametrize(
+    "written",
+    [
+        ("MOTION", "MOTION:"),
+        ("Frames: 3", "Frames = 3"),
+        ("Frames: 3", "Frames=3"),
+        ("Frame Time: ", "Frame_Time: "),
+        ("Frame Time: ", "Frame Time = "),
+        ("position", "translation"),
+        ("position", "_Position"),
+        ("rotation", "rot"),
+    ],
+)
+def test_other_spellings_of_words_change_no_number(tmp_path: Path, written: tuple[str, str]) -> None:
+    file, plain = _read(tmp_path, PLAIN.replace(*written)), _read(tmp_path, PLAIN)
+    assert np.array_equal(file.frames, plain.frames)
+    assert (file.channels, file.frame_time, file.repairs) == (plain.channels, plain.frame_time, plain.repairs)
+
+
+@pytest.mark.parametrize("codec", ["utf-16", "utf-16-le", "utf-16-be", "utf-32", "utf-32-le", "utf-8-sig"])
+def test_letters_of_several_bytes_are_read_with_a_mark_or_without(tmp_path: Path, codec: str) -> None:
+    assert np.array_equal(_read(tmp_path, PLAIN.encode(codec)).frames, _read(tmp_path, PLAIN).frames)
 
 
 def test_glued_numbers_are_those_that_stand_apart(tmp_path: Path) -> None:

@@ -67,6 +67,21 @@ def test_a_map_said_by_hand_makes_a_body_of_bare_markers() -> None:
     assert load_capture_of(unnamed, GUESS_ALL).body_map is None
 
 
+@pytest.mark.parametrize("hidden", [(), ("elbow", "shoulder"), ("hip",)])
+def test_every_guess_about_markers_says_how_far_it_can_be_trusted(hidden: tuple[str, ...]) -> None:
+    trial, _ = made_trial()
+    labels = tuple(
+        f"*{place}" if any(word in label for word in hidden) else label for place, label in enumerate(trial.labels)
+    )
+    points = trial.points.copy()
+    points[:5] = np.nan
+    two = tuple(f"Ann:{label}" for label in labels[: len(labels) // 2]) + labels[len(labels) // 2 :]
+    for named in (labels, two):
+        capture = load_capture_of(replace(trial, labels=named, points=points), GUESS_ALL)
+        assert capture.guesses
+        assert all(guess.confidence for guess in capture.guesses), [guess.title for guess in capture.guesses]
+
+
 def load_capture_of(trial, options):
     from studio.core.markers.take import MarkerTake
     from studio.io.markers.maps import find_map

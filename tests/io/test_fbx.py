@@ -76,6 +76,20 @@ def test_frames_without_numbers_are_filled_and_told(tmp_path: Path, bad: str) ->
     assert np.abs(places[5, same] - around).max() < np.abs(expected[5] - around).max() + 0.01
 
 
+@pytest.mark.parametrize("kind", ["without attributes", "as nulls"])
+def test_joints_that_are_no_bones_are_read_where_they_hang_from_each_other(tmp_path: Path, kind: str) -> None:
+    text = fbx_text()
+    if kind == "as nulls":
+        text = text.replace('"LimbNode"', '"Null"').replace('"Skeleton"', '"Null"')
+    else:
+        text = "\n".join(line for line in text.splitlines() if not line.startswith("NodeAttribute"))
+    (tmp_path / "take.fbx").write_text(text)
+    (tmp_path / "bones.fbx").write_text(fbx_text())
+    capture, plain = load_capture(tmp_path / "take.fbx"), load_capture(tmp_path / "bones.fbx")
+    assert capture.body_map == plain.body_map
+    assert np.array_equal(joint_world(capture.skeleton, capture.poses)[0], joint_world(plain.skeleton, plain.poses)[0])
+
+
 def test_what_the_user_knows_better_than_the_file_holds(tmp_path: Path) -> None:
     (tmp_path / "take.fbx").write_text(fbx_text())
     capture = load_capture(tmp_path / "take.fbx", ImportOptions(unit="inch", frame_rate=25.0))
@@ -86,7 +100,7 @@ REFUSED = {
     "a text": (b"; FBX 7.4.0 project file\nDear diary", "it has no skeleton|could not be read as FBX"),
     "cut off in the joints": (fbx_text().encode()[:1500], "could not be read as FBX|it has no skeleton"),
     "binary cut off": (b"Kaydara FBX Binary  \0\x1a\0\xe8\x1c\0\0" + b"\xff" * 40, "could not be read as FBX"),
-    "no joints": (fbx_text().replace('"LimbNode"', '"Null"').encode(), "it has no skeleton"),
+    "no joints": (fbx_text().replace('"LimbNode"', '"Camera"').encode(), "it has no skeleton"),
     "a take of three hundred years": (
         fbx_text().replace('"LocalStop", "KTime", "Time", "",', '"LocalStop", "KTime", "Time", "",4444444').encode(),
         "it says that it has [0-9]+ frames",

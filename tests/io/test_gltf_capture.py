@@ -20,6 +20,8 @@ from studio.io.export import take_of_capture, write_take
 from studio.io.gltf.animation import AnimationTrack
 from studio.io.importing import ImportOptions, load_capture, read_file
 from studio.io.registry import ReadCapture, ReadCharacter
+from studio.io.up_axis import turn_to_world
+from studio.resources_folder import example_captures_folder
 from tests.builders import make_capture
 
 TENTH_OF_A_MILLIMETRE = 1e-4
@@ -88,6 +90,42 @@ def test_a_unit_and_a_rate_can_be_overruled(tmp_path):
     half = load_capture(tmp_path / "walk.glb", ImportOptions(unit="0.5", frame_rate=30.0))
     assert half.frame_count == 15
     assert np.ptp(world(half)[0, :, 2]) == pytest.approx(0.5 * np.ptp(world(make_capture())[0, :, 2]), abs=1e-4)
+
+
+@pytest.mark.parametrize("rate", [23.976, 29.97, 30.0, 59.94])
+def test_a_rate_that_is_no_whole_number_is_not_rounded(tmp_path, rate):
+    write_take(take_of_capture(make_capture(frame_rate=rate)), tmp_path / "walk.glb")
+    assert load_capture(tmp_path / "walk.glb").frame_rate == pytest.approx(rate, abs=1e-3)
+
+
+@pytest.mark.parametrize("axis", ["Z", "X", "-Y"])
+def test_a_body_without_names_is_found_whatever_axis_is_up(tmp_path, axis):
+    walk = load_capture(example_captures_folder() / "walk_turn.bvh")
+    write_take(take_of_capture(walk), tmp_path / "walk.glb")
+    raw = bytearray((tmp_path / "walk.glb").read_bytes())
+    length = struct.unpack_from("<I", raw, 12)[0]
+    root, binary = json.loads(raw[20 : 20 + length]), raw[28 + length :]
+    turn = turn_to_world(axis).T @ turn_to_world("Y")
+    for number, node in enumerate(root["nodes"]):
+        node["name"] = f"n{number}"
+        for member in ("translation", "rotation"):
+            if member in node:
+                node[member][:3] = (turn @ node[member][:3]).tolist()
+    samplers = root["animations"][0]["samplers"]
+    for accessor in {sampler["output"] for sampler in samplers}:
+        about = root["accessors"][accessor]
+        start = root["bufferViews"][about["bufferView"]].get("byteOffset", 0) + about.get("byteOffset", 0)
+        width = {"VEC3": 3, "VEC4": 4}[about["type"]]
+        keys = np.frombuffer(binary, "<f4", about["count"] * width, start).reshape(-1, width)
+        keys[:, :3] = keys[:, :3] @ turn.T
+    root["buffers"][0] = {"uri": "walk.bin", "byteLength": len(binary)}
+    (tmp_path / "walk.bin").write_bytes(binary)
+    (tmp_path / "walk.gltf").write_text(json.dumps(root))
+    found = load_capture(tmp_path / "walk.gltf")
+    assert (found.up_axis, found.floor) == (axis, pytest.approx(walk.floor, abs=0.01))
+    assert [np.ptp(world(each)[:, each.body_map[BodyPart.HEAD], 2]) for each in (found, walk)] == pytest.approx(
+        [np.ptp(world(walk)[:, walk.body_map[BodyPart.HEAD], 2])] * 2, abs=1e-4
+    )
 
 
 def test_keys_are_followed_as_they_say():

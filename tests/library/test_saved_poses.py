@@ -101,11 +101,11 @@ def posed(layout, seed):
 
 def turned_by(layout, rotations, turns):
     """World rotations with segments turned in their own axes, vertebrae sharing the abdomen's turn."""
-    from studio.core.solver.correction_layer import segment_turns, with_segments_turned
+    from studio.core.solver.correction_layer import PosedFrames, segment_turns, with_segments_turned
 
     batch = {part: np.array([turn]) for part, turn in turns.items()}
-    points = np.zeros((1, layout.point_count, 3))
-    return with_segments_turned(layout, points, rotations[None], segment_turns(layout, batch))[1][0]
+    frame = PosedFrames(np.zeros((1, layout.point_count, 3)), rotations[None])
+    return with_segments_turned(layout, frame, segment_turns(layout, batch)).rotations[0]
 
 
 @pytest.mark.parametrize("other_spine", [2, 3, 4, 6])

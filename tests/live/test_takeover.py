@@ -11,6 +11,7 @@ from studio.core.grounds.slope import Slope
 from studio.core.kernels.support.sole import HEEL_STANDS, TOE_STANDS
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.runs import runs_of
+from studio.core.solver.standing.held_foot import heel_pivot
 from studio.core.solver.standing.stepping import flights_of
 from studio.core.solver.standing.swing_foot_path import Sole
 from studio.core.stage.clip import Clip
@@ -73,8 +74,8 @@ def slide_of(shown: Shown) -> float:
     positions, rotations, worst = np.array(shown.positions), np.array(shown.rotations), 0.0
     for side in range(2):
         ankle, foot = body.layout.ankle(side), body.layout.spine_count + 12 + 4 * side
-        heel = np.array([-body.heel_length[side], 0.0, -body.ankle_height[side]])
-        heels = (positions[:, ankle] + rotations[:, foot] @ heel)[:, :2]
+        pad = heel_pivot(sole_rows(body, side)).offsets(rotations[:, foot], rotations[:, foot + 1])
+        heels = (positions[:, ankle] + pad)[:, :2]
         toes = np.linalg.norm(np.diff(positions[:, ankle + 1 : ankle + 3, :2], axis=0), axis=2).min(axis=1)
         for first, stop in _stands(shown, ankle):
             worst = max(worst, np.linalg.norm(heels[first:stop] - heels[first], axis=1).max())

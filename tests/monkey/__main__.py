@@ -96,7 +96,7 @@ class Soak:
         settings.folder = self.folder / "files"
         import_views()
         window = make_window(settings, Document(journal_folder=journals))
-        window.bench.said.connect(self.said)
+        window.bench.message_posted.connect(self.said)
         window.show()
         window.resize(1000, 640)
         fill_window(window, [], journals)

@@ -188,7 +188,7 @@ def test_a_state_that_could_not_be_added_has_no_name_to_type(panel, document, qt
 
 def test_a_name_that_is_taken_is_refused_in_a_sentence(document, panel, hand):
     told = []
-    document.problem.connect(told.append)
+    document.problem_reported.connect(told.append)
     QTest.mouseDClick(hand.port, LEFT, NONE, hand.at("Strike"))
     [field] = hand.port.findChildren(QLineEdit)
     QTest.keyClicks(field, "Guard")
@@ -271,7 +271,7 @@ def test_who_has_none_is_offered_ready_made_ones(document, panel, qtbot):
     document.selection.set(("performers", SECOND))
     button = next(each for each in panel.findChildren(QPushButton) if each.text() == "Ward off when attacked")
     assert button.isVisible()
-    with qtbot.waitSignal(panel.wanted) as asked:
+    with qtbot.waitSignal(panel.action_requested) as asked:
         QTest.mouseClick(button, LEFT)
     assert asked.args == ["ward_off"]
 
@@ -314,7 +314,7 @@ def test_a_transition_waits_for_what_its_form_says(document, inspector):
 
 def test_the_only_condition_cannot_be_removed(document, inspector):
     told = []
-    document.problem.connect(told.append)
+    document.problem_reported.connect(told.append)
     document.selection.set(("performers", FIRST), ("transitions", "fighter/0"))
     form = inspector.current_form()
     QTest.mouseClick(next(each for each in form.findChildren(QPushButton) if each.text() == "Remove"), LEFT)

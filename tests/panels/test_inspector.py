@@ -28,7 +28,7 @@ class FakeLive(QObject):
     """Results as a test wants them."""
 
     adapted = Signal(str)
-    told_changed = Signal()
+    reported_changed = Signal()
 
     ready = True
 
@@ -40,7 +40,7 @@ class FakeLive(QObject):
     def result(self, performer_id):
         return self.results.get(performer_id)
 
-    told = result
+    reported = result
 
 
 def segment_place(part):
@@ -181,7 +181,7 @@ def test_locking_the_last_free_part_is_refused_in_a_sentence(inspector, document
     document.selection.set(("constraints", "constraint 0"))
     figure = inspector.findChild(BodyFigure)
     QTest.mouseClick(figure, LEFT, pos=segment_place(BodyPart.RIGHT_CLAVICLE))
-    with qtbot.waitSignal(document.problem) as told:
+    with qtbot.waitSignal(document.problem_reported) as told:
         QTest.mouseClick(figure, LEFT, pos=segment_place(BodyPart.RIGHT_FOREARM))
     assert "without any free part" in told.args[0]
     assert document.project.constraints["constraint 0"].chain.limb == 1.0
@@ -232,7 +232,7 @@ def test_a_tied_constraint_shares_the_place_of_the_one_above_and_has_a_weight_am
 def test_a_tie_that_would_double_a_constraint_is_refused_in_a_sentence(inspector, document, qtbot):
     document.selection.set(("constraints", "constraint 1"))
     tie = inspector.findChild(QCheckBox, "tie")
-    with qtbot.waitSignal(document.problem) as told:
+    with qtbot.waitSignal(document.problem_reported) as told:
         QTest.mouseClick(tie, LEFT, pos=QPoint(8, 8))
     assert "asks the same as 'Target 0'" in told.args[0]
     assert not tie.isChecked()
@@ -305,7 +305,7 @@ def test_a_guess_about_the_frame_rate_can_be_overruled(inspector, document):
 def test_another_unit_asks_for_the_file_to_be_read_again(inspector, document, qtbot):
     document.selection.set(("captures", "capture"))
     unit = named(inspector, QComboBox, "Unit")
-    with qtbot.waitSignal(inspector.reimport_wanted) as asked:
+    with qtbot.waitSignal(inspector.reimport_requested) as asked:
         unit.setCurrentIndex(unit.findText("centimetres"))
         unit.activated.emit(unit.currentIndex())
     assert asked.args == ["capture", {"unit": "cm"}]

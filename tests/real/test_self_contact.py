@@ -13,7 +13,7 @@ from studio.core.normalized.normalize import detected_contacts
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.quality.motion_quality import rises
 from studio.core.solver.adapt import adapt
-from studio.core.solver.asking.clearance import actor_rooms, rooms
+from studio.core.solver.asking.clearance import actor_clearances, clearances
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.standing.stand import standing_of
 from studio.io.project.character_file import bundled_characters
@@ -43,8 +43,8 @@ def _adapted(stem: str, body: str, clears: bool):
 @pytest.mark.parametrize("stem", ["run", "dance", *outside(*TAKES)])
 def test_arms_are_out_of_the_body_where_the_actors_are(stem, body):
     capture, motion, actor = taken(named(stem))
-    own, _ = actor_rooms(motion, actor.morphology)
-    room = rooms(_adapted(stem, body, clears=True))
+    own, _ = actor_clearances(motion, actor.morphology)
+    room = clearances(_adapted(stem, body, clears=True))
     deep = np.where(own >= 0.0, np.maximum(-room, 0.0), 0.0)[capture.first_frame :]
     assert deep.max() < 0.005
 
@@ -54,8 +54,8 @@ def test_arms_are_out_of_the_body_where_the_actors_are(stem, body):
 def test_a_hand_on_the_hip_does_not_sink_in_with_its_fingers(body):
     """Fingers that lie along the forearm in the capture go into the actor themselves; longer ones go no deeper."""
     capture, motion, actor = taken(named("bvh11_cmu131_metres"))
-    own, _ = actor_rooms(motion, actor.morphology)
-    depth = -rooms(_adapted("bvh11_cmu131_metres", body, clears=True))[capture.first_frame :]
+    own, _ = actor_clearances(motion, actor.morphology)
+    depth = -clearances(_adapted("bvh11_cmu131_metres", body, clears=True))[capture.first_frame :]
     deeper = depth.max(axis=(1, 2)) + own.min()
     assert (deeper > 0.02).mean() < 0.01
 

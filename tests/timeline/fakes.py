@@ -29,7 +29,7 @@ def make_result(project, errors, motion_id="motion"):
 
 class FakeLive(QObject):
     adapted = Signal(str)
-    told_changed = Signal()
+    reported_changed = Signal()
 
     ready = True
 
@@ -53,7 +53,7 @@ class FakeLive(QObject):
     def failure(self, performer_id):
         return self.failures.get(performer_id, "")
 
-    def told(self, performer_id):
+    def reported(self, performer_id):
         return None if performer_id in self.unsolved else self.result(performer_id)
 
     def result(self, performer_id):

@@ -40,7 +40,7 @@ class StandingLive(QObject):
     """The engine's part, played by bodies that stand."""
 
     adapted = Signal(str)
-    told_changed = Signal()
+    reported_changed = Signal()
     interactive_changed = Signal(bool)
     ready = True
 
@@ -66,7 +66,7 @@ class StandingLive(QObject):
     def is_eased(self, performer_id: str) -> bool:
         return True
 
-    def told(self, performer_id: str) -> AdaptedMotion | None:
+    def reported(self, performer_id: str) -> AdaptedMotion | None:
         return self.result(performer_id)
 
     def result(self, performer_id: str) -> AdaptedMotion | None:
@@ -78,7 +78,7 @@ class StandingLive(QObject):
     def adapt(self) -> None:
         for performer_id in self._document.project.performers:
             self.adapted.emit(performer_id)
-        self.told_changed.emit()
+        self.reported_changed.emit()
 
 
 def results_of(project: Project) -> dict[str, AdaptedMotion]:

@@ -1,6 +1,7 @@
 """Props: new ones, of a shape or a mesh, and hands that hold them."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -15,7 +16,7 @@ from studio.core.constraints.target import follows_of
 from studio.core.curves.keyed import KeyedPlace
 from studio.core.errors import StudioError
 from studio.core.mesh.triangle_mesh import TriangleMesh
-from studio.core.names import free_name
+from studio.core.names import free_name, readable
 from studio.core.stage.holding import HAND_REACH_SECONDS, THIN, grips, quarters, reaching_time
 from studio.core.stage.project import Performer, Project
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape
@@ -35,6 +36,8 @@ from studio.panels.message_strip import Lifetime
 
 NEW_PROP_DISTANCE = 0.6
 """Metres from a body's root to a new prop."""
+PROP_GAP = 0.1
+"""Metres between a new prop and the one beside it."""
 PROP_REACH = 0.75
 """Leg lengths over the ground from a body's root to a prop that it still reaches."""
 HAND_THICKNESS = 0.02
@@ -80,10 +83,11 @@ def _add(bench: Workbench, prop: Prop) -> None:
         if prop.shape in CARRIED
         else None
     )
-    if grasp is None:
-        prop = _ahead(document, prop, bench.viewport.posed.get(performer_id))
+    grasped = _grasped(_as_broad(prop, grasp.holder), grasp) if grasp is not None else None
+    if grasped is None or _is_taken(document, grasped):
+        grasp, prop = None, _ahead(document, prop, bench.viewport.posed.get(performer_id))
     else:
-        prop = _grasped(_as_broad(prop, grasp.holder), grasp)
+        prop = grasped
     name = free_name(prop.name, {each.name for each in document.project.props.values()})
     document.selection.set(("props", document.add("props", replace(prop, name=name), f"Add {name}")))
     if grasp is not None:
@@ -93,15 +97,27 @@ def _add(bench: Workbench, prop: Prop) -> None:
 
 
 def _ahead(document: Document, prop: Prop, pose: Posed | None) -> Prop:
-    """The prop on the ground ahead of a body, or in the middle of the stage."""
+    """The prop on the ground ahead of a body, or in the middle of the stage; to the right of others that lie there."""
     x, y, heading = 0.0, 0.0, 0.0
     if pose is not None:
         ahead = pose.placement.rotation @ pose.motion.rotations[pose.row, 0, :, 0]
         heading = math.atan2(ahead[1], ahead[0])
         away = NEW_PROP_DISTANCE + max(prop.size[0] / 2 - 0.2, 0.0)
         x, y = (pose.points[0, :2] + away * np.array([math.cos(heading), math.sin(heading)])).tolist()
-    floor = float(document.project.ground.height_at((x, y, 0.0)))
-    return replace(prop, position=(x, y, floor + prop.size[2] / 2), heading=heading)
+    while True:
+        floor = float(document.project.ground.height_at((x, y, 0.0)))
+        lying = replace(prop, position=(x, y, floor + prop.size[2] / 2), heading=heading)
+        if not _is_taken(document, lying):
+            return lying
+        x += (prop.size[1] + PROP_GAP) * math.sin(heading)
+        y -= (prop.size[1] + PROP_GAP) * math.cos(heading)
+
+
+def _is_taken(document: Document, prop: Prop) -> bool:
+    """True if another prop that is not moved lies where a new one would."""
+    others = [each.position for each in document.project.props.values() if isinstance(each.position, tuple)]
+    near = min(prop.size[:2]) / 2
+    return any(float(np.linalg.norm(np.array(each) - np.array(prop.position))) < near for each in others)
 
 
 def _grasped(prop: Prop, grasp: Grasp) -> Prop:
@@ -130,8 +146,8 @@ def add_mesh(bench: Workbench, path: Path) -> None:
     """Read a mesh in the background, then put it on the stage in its own size; one undo step."""
 
     def done(file: MeshFile) -> None:
-        _add(bench, Prop(path.stem, extent(file.mesh), shape=PropShape.MESH, mesh=file.mesh))
-        bench.say(f"{path.name}: {file.guesses}.")
+        _add(bench, Prop(readable(path.stem), extent(file.mesh), shape=PropShape.MESH, mesh=file.mesh))
+        bench.say(f"{path.name}: {file.guesses}.", until=Lifetime.EDITED)
 
     bench.runner.run(f"Reading {path.name}", lambda progress: read_mesh(path), done)
 
@@ -179,13 +195,13 @@ def put_down(bench: Workbench) -> None:
     """Let the holder of the selected prop put it down at the playhead; hands leave it."""
     document, prop_id = bench.document, selected_prop(bench)
     prop, now = document.project.props[prop_id or ""], document.playhead.time
-    begun = [each for each in prop.holds if each.begin is None or each.begin < now]
-    if prop_id is None or not begun:
+    held = [each for each in prop.holds if each.holds_at(now) and each.begin != now and each.end != now]
+    if prop_id is None or not held:
         raise StudioError("Nobody holds the prop here. Select one that is held, and go to a later moment.")
     text = f"Put down {prop.name}"
     with document.group(text):
-        document.replace("props", prop_id, prop.with_holds([*begun[:-1], replace(begun[-1], end=now)]), text)
-        _leave(document, prop_id, begun[-1].performer_id, now, text)
+        document.replace("props", prop_id, prop.with_hold(held[-1], replace(held[-1], end=now)), text)
+        _leave(document, prop_id, held[-1].performer_id, now, text)
 
 
 def _leave(document: Document, prop_id: str, performer_id: str, now: float, text: str) -> None:
@@ -226,8 +242,7 @@ def _hold(bench: Workbench, begin: float | None) -> None:
         grasp = grasp_at(document.project, bench.live.result, performer_id, begin) if begin is not None else None
         heading = None
         if begin is not None:
-            if giver is None:
-                prop, moved = _in_reach(bench, prop, holder, begin, grasp)
+            prop, moved = _in_reach(bench, prop, holder, begin, grasp, posed)
             pose = prop_at(document.project.with_entity("props", prop_id, prop), posed, prop_id, begin)
             heading, reaching = heading_of(pose), reaching_time(wrists_from(pose, holder))
         hold = between_hands(prop, performer_id, holder, heading=heading, lift=grasp.lift(prop) if grasp else None)
@@ -259,17 +274,22 @@ def _hold(bench: Workbench, begin: float | None) -> None:
         bench.say(moved, until=Lifetime.EDITED)
 
 
-def _in_reach(bench: Workbench, prop: Prop, holder: Posed, begin: float, grasp: Grasp | None) -> tuple[Prop, str]:
+def _in_reach(
+    bench: Workbench, prop: Prop, holder: Posed, begin: float, grasp: Grasp | None, posed: Mapping[str, Posed]
+) -> tuple[Prop, str]:
     """The prop where the motion holds a thing, or, where it lies beyond the arms' reach, ahead of the body; what the
-    user is told of that, empty where nothing was moved.
+    user is told of that, empty where nothing was moved and hands reach it.
     """
     document, lies = bench.document, isinstance(prop.position, tuple) and not prop.holds
     if lies and grasp is not None:
         return _grasped(prop, grasp), ""
-    pose = prop_at(document.project, {}, selected_prop(bench) or "", begin)
+    pose = prop_at(document.project, posed, selected_prop(bench) or "", begin)
     beyond = float(np.linalg.norm(pose.place[:2] - holder.points[0, :2])) - max(prop.size[:2]) / 2
-    if prop.holds or beyond <= PROP_REACH * holder.motion.body.leg_length:
+    if beyond <= PROP_REACH * holder.motion.body.leg_length:
         return prop, ""
+    if prop.holds:
+        whom = holder.performer.name
+        return prop, f"{prop.name} is {beyond:.1f} m away: the hands of {whom} do not reach it. Bring {whom} closer."
     nearer = _ahead(document, prop, holder)
     if isinstance(prop.position, KeyedPlace) and isinstance(nearer.position, tuple):
         nearer = replace(prop, position=prop.position.with_key(begin, nearer.position))

@@ -28,7 +28,7 @@ class Guess:
     value: str
     reason: str
     confidence: Confidence | None = None
-    """None where a guess follows from nothing that could be weighed, such as a choice between animations."""
+    """None where the reader of a plug-in does not say it."""
 
     @property
     def title(self) -> str:

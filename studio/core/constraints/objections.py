@@ -49,7 +49,7 @@ def objection(constraint: Constraint, others: Iterable[Constraint]) -> str | Non
                     f"'{constraint.name}' contradicts '{other.name}': both ask for the same point at the same time with"
                     " the same priority. Give one of them another priority or other times."
                 )
-    circle = _circle(constraint, rivals)
+    circle = _follow_cycle(constraint, rivals)
     if circle:
         names = ", ".join(f"'{each.name}'" for each in circle)
         return f"'{constraint.name}' would follow itself in a circle, by {names}. Let one of them stay where it is."
@@ -129,7 +129,7 @@ def _asked(constraint: Constraint) -> tuple[object, ...]:
     return tuple(getattr(constraint, each.name) for each in fields(constraint) if each.name not in _EVERYWHERE)
 
 
-def _circle(constraint: Constraint, others: Sequence[Constraint]) -> list[Constraint]:
+def _follow_cycle(constraint: Constraint, others: Sequence[Constraint]) -> list[Constraint]:
     """Constraints, this one first, by which its own point follows itself."""
     way, found = [constraint], _followed(constraint)
     while found is not None:

@@ -50,7 +50,7 @@ class RuledPlace(ABC):
 
     def at(self, times: ArrayLike) -> FloatArray:
         """Positions (N, 3) in metres at ``times`` (N,) seconds."""
-        x, y, z = self._way((np.asarray(times, dtype=np.float64) - self.since) / self.seconds).T
+        x, y, z = self._offsets((np.asarray(times, dtype=np.float64) - self.since) / self.seconds).T
         c, s = math.cos(self.heading), math.sin(self.heading)
         # No matrix product: on some processors that rounds one row otherwise than many.
         return np.stack([c * x - s * y, s * x + c * y, z], axis=-1) + self.centre
@@ -71,7 +71,7 @@ class RuledPlace(ABC):
         return replace(self, centre=(x, -y, z), heading=-self.heading)
 
     @abstractmethod
-    def _way(self, rounds: FloatArray) -> FloatArray:
+    def _offsets(self, rounds: FloatArray) -> FloatArray:
         """Offsets (N, 3) from the centre after ``rounds`` (N,), with heading 0."""
 
 
@@ -91,7 +91,7 @@ class CirclePlace(RuledPlace):
     def mirrored(self) -> Self:
         return replace(super().mirrored(), tilt=math.pi - self.tilt)
 
-    def _way(self, rounds: FloatArray) -> FloatArray:
+    def _offsets(self, rounds: FloatArray) -> FloatArray:
         angle = 2.0 * np.pi * rounds
         ahead, aside = self.radius * np.cos(angle), self.radius * np.sin(angle)
         return np.stack([ahead, math.cos(self.tilt) * aside, math.sin(self.tilt) * aside], axis=-1)
@@ -110,7 +110,7 @@ class PendulumPlace(RuledPlace):
         PLACE_RANGE.check(self.length, "A pendulum")
         TURN_RANGE.check(self.angle)
 
-    def _way(self, rounds: FloatArray) -> FloatArray:
+    def _offsets(self, rounds: FloatArray) -> FloatArray:
         swing = self.angle * np.cos(2.0 * np.pi * rounds)
         level = np.zeros_like(swing)
         return self.length * np.stack([np.sin(swing), level, 1.0 - np.cos(swing)], axis=-1)
@@ -135,7 +135,7 @@ class NoisePlace(RuledPlace):
         x, y, z = self.reach
         return replace(super().mirrored(), reach=(x, -y, z))
 
-    def _way(self, rounds: FloatArray) -> FloatArray:
+    def _offsets(self, rounds: FloatArray) -> FloatArray:
         paces, phases = _waves(self.seed)
         waves = np.sin(2.0 * np.pi * (rounds[..., None, None] * paces + phases))
         return np.asarray(waves.mean(axis=-1) * np.array(self.reach))

@@ -27,6 +27,9 @@ class Ground:
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
+            if field.type is float and isinstance(value, int):
+                value = float(value)  # kernels are compiled once more for an int
+                object.__setattr__(self, field.name, value)
             if isinstance(value, int | float) and not math.isfinite(value):
                 raise ValueError(f"The ground's {field.name} is a finite number of metres, got {value}.")
             if isinstance(value, float | tuple):

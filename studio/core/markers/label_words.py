@@ -29,44 +29,47 @@ PART_WORDS: tuple[tuple[str, str], ...] = (
     ("wrist centre", rf"wjc|wrist.?{_CENTRE_WORD}|hand{_SEGMENT_WORD}"),
     (
         "inner_knee",
-        rf"fme|mfe|mek|cm|mfc|knm|kne.?m|mknee?|(knee?|k).?{_INNER}|{_INNER}.?(knee?|fem.*)|knee.?med.?epi.*",
+        rf"fme|mfe|mek|cm|mfc|knm|kne.?m|mknee?|(knee?|k|fe).?{_INNER}|{_INNER}.?(knee?|fem.*)|knee.?med.?epi.*",
     ),
-    ("knee", rf"knee?|fle|lfe|lek|lke|cl|lfc|lk|genou|(knee?|k).?{_OUTER}|{_OUTER}.?(knee?|fem.*)|knee.?lat.?epi.*"),
-    ("inner_ankle", rf"tam|mank(le)?|mma?l?|med|(ankl?e?|an|a).?{_INNER}|{_INNER}.?(ankle?|mal(l(eolus)?)?)"),
+    ("knee", rf"knee?|fle|lfe|lek|lke|cl|lfc|lk|genou|(knee?|k|fe).?{_OUTER}|{_OUTER}.?(knee?|fem.*)|knee.?lat.?epi.*"),
+    ("inner_ankle", rf"tam|mank(le)?|mma?l?|med|(ankl?e?|an|a|mal).?{_INNER}|{_INNER}.?(ank(le?)?|mal(l(eolus)?)?)"),
     (
         "ankle",
-        rf"ankl?e?|fal|lma?l?|ml|mall?(eolus)?|cheville|(ankl?e?|an|a).?{_OUTER}|{_OUTER}.?(ankle?|mal(l(eolus)?)?)",
+        rf"ankl?e?|fal|lma?l?|ml|mall?(eolus)?|cheville|(ankl?e?|an|a|mal).?{_OUTER}|{_OUTER}.?(ank(le?)?|mal(l(eolus)?)?)",
     ),
-    ("heel", r"hee?l?|[pd]he|heel.?(back|foot)|cal(c(aneus|aneum)?)?|fcc|ca|h|talon"),
+    ("heel", r"hee?l?|[pd]he|heel.?(back|foot|prox\w*|top|cent(er|re))|cal(c(aneus|aneum)?)?|fcc|ca|h|talon"),
     (
         "inner_toe",
-        r"f?mth?1|fm1|mh1|mtp1|[1i](st)?.?(met|mt|mh|mtp)|1st|fmh|d1m|fm|(toe|forefoot|foot|ft).?(in|m|med)|first.?met.*",
+        r"f?mth?1|fm1|mh1|mtp1|[1i](st)?.?(met(atarsal)?|mt|mh|mtp)|1st|fmh|d1m|fm|(toe|forefoot|foot|ft).?(in|m|med)|first.?met.*|metatarsal.?1",
     ),
     (
         "outer_toe",
-        r"f?mth?5|fm5|mh5|mtp5|5(th)?.?(met|mt|mh|mtp|meta)|5th|vmh?|d5m|fl|(toe|forefoot|foot|ft).?(out|l|lat)|fifth.?met.*",
+        r"f?mth?5|fm5|mh5|mtp5|5(th)?.?(meta?|metatarsal|mt|mh|mtp)|5th|vmh?|d5m|fl|(toe|forefoot|foot|ft).?(out|l|lat)|fifth.?met.*|metatarsal.?5",
     ),
     ("met", r"met\d*|mt"),
     (
         "toe",
-        r"toe|toe.?(tip|base)|foot.?index|to|toes|big.?toe|hal(lux)?|hlx|f?mth?[23]|fm[23]|mh[23]|[23](nd|rd)?.?(met|mt|mh|mtp)|2nd|smh?|"
+        r"toe|(toe|foot).?tip|toe.?base|metatarsal.?[23]|foot.?index|to|toes|big.?toe|hal(lux)?|hlx|f?mth?[23]|fm[23]|mh[23]|[23](nd|rd)?.?(met(atarsal)?|mt|mh|mtp)|2nd|smh?|"
         r"foo\d*|fore.?foot|ball|second.?met.*|orteil",
     ),
     ("foot", r"ft\d*|foot\d*"),
     ("thigh", r"bar.?1|thi(gh)?\d*|th\d*|femur\d*|uleg\d*|tha[pd]|thia[pd]"),
     ("shank", r"bar.?2|sha(nk)?\d*|shi?n\d*|ti?b(ia)?\d*|ttc|fax|sk\d*|lleg\d*|tia[pd]|tiba[pd]"),
-    ("hip", r"hip|gt(ro?)?|ftc|troch(anter)?|greater.?troch.*|gr.?troch.*|tro|hanche"),
-    ("shoulder", r"sho(ulder)?|should|[cs]aj|acr(omi\w*)?|ac|acrom|shoulder.?top|sho.?top|[eé]paule"),
-    ("inner_elbow", rf"elb(ow)?.?{_INNER}|hme|mhe|mee|mel|elm|em|el.?m|melb(ow)?|{_INNER}.?(elb(ow)?|epi.*)"),
-    ("elbow", rf"elb(ow)?|hle|lhe|lee|lel|ell|el|cou(de)?|elb(ow)?.?{_OUTER}|lelb(ow)?|{_OUTER}.?(elb(ow)?|epi.*)"),
+    ("hip", rf"hip|hip.?{_OUTER}|gt(ro?)?|ftc|troch(anter)?|greater.?troch.*|gr.?troch.*|tro|hanche"),
+    ("shoulder", r"sho(ulder)?|should|[cs]aj|sa[ae]|acr(omi\w*)?|ac|acrom|shoulder.?top|sho.?top|[eé]paule"),
+    ("inner_elbow", rf"elb(ow)?.?{_INNER}|hme|mhe|mee|mel|elm|em|el.?m|melb(ow)?|{_INNER}.?(elb(ow)?|hum.*epi.*)"),
+    (
+        "elbow",
+        rf"elb(ow)?|hle|lhe|lee|lel|ell|el|cou(de)?|elb(ow)?.?{_OUTER}|lelb(ow)?|{_OUTER}.?(elb(ow)?|hum.*epi.*)|ael",
+    ),
     (
         "wrist",
-        r"wra|wrist?.?(a|thumb|rad(ius)?|m|in|inner|int|la?t|lateral)|rsp?|rhe|(fa.?)?rad(ius|ial)?(.?sty(loid)?)?|"
+        r"wra|wts|wrist?.?(a|thumb|rad(ius)?|m|in|inner|int|la?t|lateral)|rsp?|rhe|(fa.?)?rad(ius|ial)?(.?sty(loid)?)?|"
         r"(l|la?t|lateral).?w(rist)?|wrr?|wm",
     ),
     (
         "outer_wrist",
-        r"wrb|wrist?.?(b|uln(a)?|l|out|outer|ext|me?d|medial)|usp?|uhe|(fa.?)?uln(ar?)?(.?sty(loid)?)?|"
+        r"wrb|wps|wrist?.?(b|uln(a)?|l|out|outer|ext|me?d|medial)|usp?|uhe|(fa.?)?uln(ar?)?(.?sty(loid)?)?|"
         r"(m|me?d|medial).?w(rist)?|wr?u|wl",
     ),
     ("wrists", r"wri(st)?\d*|mai|poignet"),
@@ -89,15 +92,17 @@ MIDDLE_WORDS: tuple[tuple[str, str], ...] = (
 )
 """The same for labels of the body's middle, which name no side."""
 INITIALS: tuple[tuple[str, str], ...] = (
-    ("knee", r"le|k"),
-    ("inner_knee", r"me"),
-    ("ankle", r"a"),
-    ("elbow", r"e|le"),
-    ("inner_elbow", r"me"),
-    ("shoulder", r"a|s"),
+    ("knee", rf"le|lep|kn?|{_OUTER}.?epi.*"),
+    ("inner_knee", rf"me|mep|{_INNER}.?epi.*"),
+    ("ankle", r"an?"),
+    ("elbow", rf"e|le|lep|{_OUTER}.?epi.*"),
+    ("inner_elbow", rf"me|mep|{_INNER}.?epi.*"),
+    ("shoulder", r"a|sh?"),
     ("outer_wrist", r"u"),
     ("wrist", r"r|w"),
     ("toe", r"t"),
+    ("inner_toe", r"(toe|t|m).?1"),
+    ("outer_toe", r"(toe|t|m).?5"),
 )
 """The same for letters that sets use differently: each stands for the first part that no other label names."""
 _FRENCH = (("left", "gauche"), ("right", "droite"), ("right", "droit"), ("left", "g"), ("right", "d"))

@@ -15,6 +15,8 @@ from studio.core.rotations import normalized
 
 FloatArray = NDArray[np.float64]
 
+PROPOSED = "proposed by names and places"
+"""Name of the maps of sets that nobody knows."""
 _ACROSS = 0.7
 """Cosine of the angle from straight across the body within which two markers are on either side of a joint."""
 _ALONG = 0.5
@@ -68,7 +70,7 @@ def propose_map(trial: Trial, subject: str = "") -> MarkerMap:
     for side in SIDE_WORDS:
         if behind := markers.pop(f"{side}_sacrum", sacrum):
             markers.setdefault(f"{side}_back_hip", behind)
-    return MarkerMap("proposed by names and places", {r: m for r, m in markers.items() if r in ROLE}, centres)
+    return MarkerMap(PROPOSED, {r: m for r, m in markers.items() if r in ROLE}, centres)
 
 
 def _by_words(trial: Trial, subject: str) -> _Found:

@@ -15,7 +15,7 @@ from studio.core.captures.contacts import spans_of
 from studio.core.curves.activation import EaseShape, ease
 from studio.core.kernels import layout as at
 from studio.core.normalized.differences import blended, difference, moved
-from studio.core.normalized.joining import FootStep, Join
+from studio.core.normalized.joining import ClipAlignment, FootStep
 from studio.core.normalized.pieces import PIECE_CONTACT_POINTS, ChannelSource, HeldPose, Mask, PieceSource
 from studio.core.normalized.row import AssembledRow
 from studio.core.normalized.transition import Inertialisation, joint_peaks
@@ -46,11 +46,11 @@ class BlendedRow(AssembledRow):
     def _hold(self, until: int) -> None:
         held = HeldPose(self.channels[self.end - 1], self.stands[:, self.end - 1])
         transition = self._transition(held, self.end, until - 1)
-        self._take_over(held, self.end, until - 1, transition, Join(self.placement))
+        self._take_over(held, self.end, until - 1, transition, ClipAlignment(self.placement))
 
     def _follow(self, source: PieceSource, first: int, last: int) -> int:
         shared = (first, min(self.end - 1, last)) if first < self.end - 1 else (self.end - 1, self.end - 1)
-        found = self._join(source, first, *shared)
+        found = self._alignment(source, first, *shared)
         self.placement, takes_over = found.placement, source.placed(found.placement)
         transition = self._transition(takes_over, first, last)
         if self._fades(transition, first, last, found):
@@ -60,7 +60,7 @@ class BlendedRow(AssembledRow):
             self._take_over(takes_over, first, last, transition, found, source.piece.ease)
         return first
 
-    def _fade(self, source: ChannelSource, first: int, last: int, found: Join) -> None:
+    def _fade(self, source: ChannelSource, first: int, last: int, found: ClipAlignment) -> None:
         """Cross-fade from the assembled frames to a piece that overlaps them."""
         stop = min(self.end, last + 1)
         frames = np.arange(first, last + 1)
@@ -75,7 +75,7 @@ class BlendedRow(AssembledRow):
         first: int,
         last: int,
         transition: Inertialisation,
-        found: Join,
+        found: ClipAlignment,
         seconds: float = 0.0,
     ) -> None:
         """Let a piece take over at ``first``, the end of the assembled frames; the difference decays in ``seconds``, or
@@ -101,14 +101,14 @@ class BlendedRow(AssembledRow):
         peaks = np.maximum(self.peaks, joint_peaks(source.channels(np.arange(first, last + 1)), rate))
         return Inertialisation.of(gaps[-1], (gaps[-1] - gaps[0]) * rate, peaks)
 
-    def _fades(self, transition: Inertialisation, first: int, last: int, found: Join) -> bool:
+    def _fades(self, transition: Inertialisation, first: int, last: int, found: ClipAlignment) -> bool:
         """True if a piece overlaps the assembled frames for as long as a blend needs."""
         if first > self.end - 2:
             return False
         needed = max(transition.seconds, step_seconds(found))
         return needed <= (min(self.end, last + 1) - first) / self.timing.frame_rate
 
-    def _go_on(self, channels: FloatArray, stands: Mask, first: int, blending: int, found: Join) -> None:
+    def _go_on(self, channels: FloatArray, stands: Mask, first: int, blending: int, found: ClipAlignment) -> None:
         """Write ``channels`` and the contacts ``stands`` from ``first`` on; ``blending`` of the frames are a blend."""
         old_until, new_from = first + int(OLD_UNTIL * blending), first + int(np.ceil(NEW_FROM * blending))
         flights = planned_steps(found.steps, min(old_until, self.end - 1), new_from)
@@ -140,7 +140,7 @@ class BlendedRow(AssembledRow):
                 self.stands[row, (c if meets else max(c, lands)) : d + 1] = True
 
 
-def step_seconds(found: Join) -> float:
+def step_seconds(found: ClipAlignment) -> float:
     """Seconds that the steps of a join need."""
     return sum(BLEND_STEP_SECONDS + each.way for each in found.steps)
 

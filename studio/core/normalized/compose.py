@@ -87,7 +87,7 @@ def go_on(shown: MotionPiece, played: NormalizedMotion, pieces: Sequence[MotionP
     return _filled(row, ordered)
 
 
-def led_on(shown: MotionPiece, pieces: Sequence[MotionPiece]) -> Composite:
+def continued_by(shown: MotionPiece, pieces: Sequence[MotionPiece]) -> Composite:
     """``pieces`` placed to follow ``shown``, whose own frames are replaced by earlier ones of the first piece."""
     row = AssembledRow(*_empty([shown, *pieces]))
     row.add(shown)

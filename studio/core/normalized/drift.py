@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from studio.core.captures.capture import Capture, Guess
+from studio.core.captures.confidence import Confidence
 from studio.core.normalized.normalize import sole_heights
 
 REPORTED_DRIFT = 0.01
@@ -22,4 +23,5 @@ def with_drift_told(capture: Capture) -> Capture:
     drift = floor_drift(capture)
     if drift < REPORTED_DRIFT:
         return capture
-    return replace(capture, guesses=(*capture.guesses, Guess("floor drift", f"{100.0 * drift:.1f} cm", REASON)))
+    guess = Guess("floor drift", f"{100.0 * drift:.1f} cm", REASON, Confidence.SURE)
+    return replace(capture, guesses=(*capture.guesses, guess))

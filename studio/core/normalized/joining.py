@@ -46,7 +46,7 @@ class FootStep:
 
 
 @dataclass(frozen=True)
-class Join:
+class ClipAlignment:
     """Placement of the new motion on the ground, and the steps of the feet that it needs, in their order."""
 
     placement: Planar
@@ -55,7 +55,7 @@ class Join:
 
 def join(
     first: FloatArray, second: FloatArray, both_stand: NDArray[np.bool_], spine_places: FloatArray, shares: FloatArray
-) -> Join:
+) -> ClipAlignment:
     """Placement that aligns channels ``second`` (F, C) with ``first`` (F, C), frame by frame, and the steps it needs.
 
     ``both_stand`` (F, 4) is True where a point of ``FOOT_POINTS`` stands in both; ``shares`` (F,) are the frames'
@@ -64,14 +64,14 @@ def join(
     """
     old, new = (_points(channels, spine_places) for channels in (first, second))
     placement = _least_squares(old, new, shares[:, None] * _weights(both_stand))
-    misses = [_miss(old, new, placement, both_stand, side) for side in range(2)]
+    misses = [_foot_distance(old, new, placement, both_stand, side) for side in range(2)]
     if max(misses) < SAME_PLACE:
-        return Join(placement)
+        return ClipAlignment(placement)
     alone = [both_stand & (np.arange(4) // 2 == side) for side in range(2)]
     tries = [_least_squares(old, new, shares[:, None] * _weights(each)) for each in alone]
-    left = [_miss(old, new, placement, both_stand, 1 - kept) for kept, placement in enumerate(tries)]
+    left = [_foot_distance(old, new, placement, both_stand, 1 - kept) for kept, placement in enumerate(tries)]
     kept = int(left[1] < left[0])  # the foot that leaves the other the shorter way
-    return Join(tries[kept], (FootStep(1 - kept, left[kept]),))
+    return ClipAlignment(tries[kept], (FootStep(1 - kept, left[kept]),))
 
 
 def stepping_there(
@@ -80,12 +80,12 @@ def stepping_there(
     both_stand: NDArray[np.bool_],
     spine_places: FloatArray,
     placement: Planar,
-) -> Join:
+) -> ClipAlignment:
     """Join with a given ``placement``: feet step there, unless one has to go farther than ``FOOT_STEP_LIMIT``."""
     old, new = (_points(channels, spine_places) for channels in (first, second))
-    ways = [_miss(old, new, placement, both_stand, side) for side in range(2)]
+    ways = [_foot_distance(old, new, placement, both_stand, side) for side in range(2)]
     steps = tuple(FootStep(side, way) for side, way in enumerate(ways) if way >= SAME_PLACE)
-    return Join(placement, steps if max(ways) < FOOT_STEP_LIMIT else ())
+    return ClipAlignment(placement, steps if max(ways) < FOOT_STEP_LIMIT else ())
 
 
 def _points(channels: FloatArray, spine_places: FloatArray) -> FloatArray:
@@ -124,7 +124,7 @@ def _middle(points: FloatArray, weights: FloatArray) -> FloatArray:
     return np.asarray(np.einsum("fp,fpk->k", weights, points) / weights.sum())
 
 
-def _miss(old: FloatArray, new: FloatArray, placed: Planar, both_stand: NDArray[np.bool_], side: int) -> float:
+def _foot_distance(old: FloatArray, new: FloatArray, placed: Planar, both_stand: NDArray[np.bool_], side: int) -> float:
     """Median distance in leg lengths between a foot's points in both motions while they stand; 0 if they never do."""
     standing = both_stand & (np.arange(4) // 2 == side)
     aside = np.linalg.norm(_turned(new, placed.turn) + placed.offset - old, axis=2)[:, 4:]

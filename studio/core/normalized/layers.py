@@ -16,7 +16,7 @@ from studio.core.kernels import layout as at
 from studio.core.normalized.blending import Flight, planned_steps, raise_feet, step_seconds
 from studio.core.normalized.compose import Composite, compose_pieces
 from studio.core.normalized.differences import blended, difference, moved
-from studio.core.normalized.joining import Join, Planar, join, stepping_there
+from studio.core.normalized.joining import ClipAlignment, Planar, join, stepping_there
 from studio.core.normalized.mirror import mirrored
 from studio.core.normalized.pieces import PIECE_CONTACT_POINTS, Mask, MotionPiece
 from studio.core.normalized.resample import Resampled
@@ -76,7 +76,7 @@ class _Over:
             return self._row
         below = self._row.motion.channels[self._frames]
         own = Resampled(self._own.motion, self._places).at(self._own.timing.frames_at(self._times))
-        comes, goes = Join(Planar()), Join(Planar())
+        comes, goes = ClipAlignment(Planar()), ClipAlignment(Planar())
         if self._overlay.additive:
             own = self._added(below, own)
         elif Region.LEGS in self._overlay.region.parts:
@@ -105,7 +105,7 @@ class _Over:
         by[:, at.HIPS], by[:, at.HIPS + 1] = np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y
         return moved(below, by)
 
-    def _placed(self, below: FloatArray, own: FloatArray) -> tuple[FloatArray, Join, Join]:
+    def _placed(self, below: FloatArray, own: FloatArray) -> tuple[FloatArray, ClipAlignment, ClipAlignment]:
         """Clip placed so that its legs stand as those below at its begin, and the steps as it fades in and out."""
         count = max(round(MOST_TRANSITION / 2 * self._row.timing.frame_rate), 1)
         both = (self._stands(self._row)[FOOT_ROWS] & self._own_stands()[FOOT_ROWS])[:, self._frames].T
@@ -115,7 +115,7 @@ class _Over:
             own = placed(own, comes.placement.turn, np.array(comes.placement.offset))
         return own, comes, stepping_there(own[end], below[end], both[end], self._places, Planar())
 
-    def _flights(self, shares: FloatArray, comes: Join, goes: Join) -> list[Flight]:
+    def _flights(self, shares: FloatArray, comes: ClipAlignment, goes: ClipAlignment) -> list[Flight]:
         """Flights of the feet that step while the layer fades in and out, in the row's frames."""
         share, middle = shares / self._overlay.weight, len(shares) // 2
         first = self._frames[0]

@@ -15,7 +15,7 @@ from studio.core.captures.contacts import FOOT_POINTS, ContactInterval, spans_of
 from studio.core.curves.activation import EaseShape, ease
 from studio.core.kernels import layout as at
 from studio.core.normalized.differences import difference
-from studio.core.normalized.joining import FOOT_STEP_LIMIT, Join, Planar, join, stepping_there
+from studio.core.normalized.joining import FOOT_STEP_LIMIT, ClipAlignment, Planar, join, stepping_there
 from studio.core.normalized.motion import Change
 from studio.core.normalized.pieces import (
     AS_IT_IS,
@@ -79,7 +79,7 @@ class AssembledRow:
         """Add a piece after the assembled frames, and replace these by the earlier frames of the piece's motion."""
         first, last = self.end, round((piece.end - self.timing.begin) * self.timing.frame_rate)
         source = PieceSource(piece, self.spine_places, self.timing)
-        self.placement = self._join(source, first, first - 1, first - 1).placement
+        self.placement = self._alignment(source, first, first - 1, first - 1).placement
         self.played.append(Played(piece, first, max(last, first), self.placement))
         frames = np.arange(self.played[-1].last + 1)
         there = self.played[-1].motion_frames(frames, self.timing) > -0.5 * piece.speed
@@ -95,7 +95,7 @@ class AssembledRow:
             for first, last in spans_of(mask)
         )
 
-    def _join(self, source: PieceSource, begins: int, first: int, last: int) -> Join:
+    def _alignment(self, source: PieceSource, begins: int, first: int, last: int) -> ClipAlignment:
         """Placement and steps of a piece that ``begins`` in a frame, from both motions in ``first`` to ``last``."""
         frames = np.arange(first, last + 1)
         both = (self.stands[FOOT_ROWS][:, frames] & source.stands(frames)[FOOT_ROWS] & self._stay(source, last)).T
@@ -141,7 +141,7 @@ class AssembledRow:
         """Add a piece that takes over at ``first`` or later, at the latest where the row ends; return that frame."""
         if not self._goes_on(source, first):
             first = self._most_alike(source, first, min(self.end, last))
-            self.placement = self._join(source, first, first - 1, first - 1).placement
+            self.placement = self._alignment(source, first, first - 1, first - 1).placement
             there = source.placed(self.placement).channels(np.array([first - 1]))
             way = float(np.linalg.norm((there[0] - self.channels[first - 1])[at.HIPS : at.HIPS + 2]))
             self._change(Change(first, source.piece.ease, way > FOOT_STEP_LIMIT, planned=not source.piece.ease))

@@ -53,16 +53,16 @@ RESTS_FOR = 0.6
 
 
 @dataclass(frozen=True, eq=False)
-class Spots:
+class PalmPositions:
     """Position of a palm relative to one capsule of its body, in every frame.
 
     ``along`` (F,) part of the capsule's length, ``ways`` (F, 3) out of it in the axes of the segment that carries its
-    begin, ``rooms`` (F,) metres from surface to surface.
+    begin, ``clearances`` (F,) metres from surface to surface.
     """
 
     along: FloatArray
     ways: FloatArray
-    rooms: FloatArray
+    clearances: FloatArray
 
 
 def palm(side: int, body: Morphology, positions: FloatArray) -> FloatArray:
@@ -71,9 +71,9 @@ def palm(side: int, body: Morphology, positions: FloatArray) -> FloatArray:
     return np.asarray(positions[:, wrist] + PALM_SURFACE_PROBE * (positions[:, wrist + 1] - positions[:, wrist]))
 
 
-def spots(
+def palm_positions(
     side: int, capsule: int, body: Morphology, volume: BodyVolume, positions: FloatArray, rotations: FloatArray
-) -> Spots:
+) -> PalmPositions:
     """A palm beside a capsule of ``volume``, of posed bodies (F, P, 3), (F, S, 3, 3)."""
     begin, end = (_end(volume, capsule, end, body, positions, rotations) for end in range(2))
     axis, way = end - begin, palm(side, body, positions) - begin
@@ -82,7 +82,7 @@ def spots(
     distance = np.maximum(np.linalg.norm(away, axis=1), 1e-9)
     first, last = volume.radii[capsule]
     local = np.einsum("fji,fj->fi", rotations[:, volume.segments[capsule, 0]], away / distance[:, None])
-    return Spots(along, local, distance - first - along * (last - first) - volume.girths[3])
+    return PalmPositions(along, local, distance - first - along * (last - first) - volume.girths[3])
 
 
 def _end(
@@ -109,10 +109,10 @@ def find_touches(
     for side, name in enumerate(("left", "right")):
         parts = {}
         for part, capsules in CAPSULES_OF.items():
-            near = [spots(side, capsule, actor, volume, positions, rotations) for capsule in capsules]
-            rests, rooms = _resting(near, actor.leg_length, motion.frame_rate)
+            near = [palm_positions(side, capsule, actor, volume, positions, rotations) for capsule in capsules]
+            rests, clearances = _resting(near, actor.leg_length, motion.frame_rate)
             hangs = part in ("hips", "thigh") and _hanging(side, actor, positions, rotations)
-            parts[part] = rests & ~np.asarray(hangs), rooms
+            parts[part] = rests & ~np.asarray(hangs), clearances
         found |= {Touch(f"{name}_hand_on_{part}"): mask & free[side] for part, mask in _nearest(parts).items()}
     least = {Touch.HANDS_TOGETHER: PASSING, Touch.HANDS_ON_THING: SHORTEST_HOLD}
     for touch, mask in found.items():
@@ -152,16 +152,16 @@ def _hanging(side: int, actor: Morphology, positions: FloatArray, rotations: Flo
     return np.asarray((length > HANGING[0] * actor.arm[side].sum()) & (down > HANGING[1] * length))
 
 
-def _resting(near: list[Spots], leg: float, rate: float) -> tuple[Mask, FloatArray]:
+def _resting(near: list[PalmPositions], leg: float, rate: float) -> tuple[Mask, FloatArray]:
     """(F,) where a palm rests beside any of some capsules, and how far it is from the nearest."""
-    rooms = np.min([each.rooms for each in near], axis=0)
+    clearances = np.min([each.clearances for each in near], axis=0)
     speeds = np.min([_speed(each, rate) for each in near], axis=0)
-    return _between(rooms / leg, *HAND_REST_DISTANCE) & (speeds < LYING_STILL * leg), rooms
+    return _between(clearances / leg, *HAND_REST_DISTANCE) & (speeds < LYING_STILL * leg), clearances
 
 
-def _speed(spot: Spots, rate: float) -> FloatArray:
+def _speed(spot: PalmPositions, rate: float) -> FloatArray:
     """(F,) metres a second at which a palm goes round a capsule or away from it."""
-    return _speed_of(spot.ways * (spot.rooms + 0.1)[:, None], rate)
+    return _speed_of(spot.ways * (spot.clearances + 0.1)[:, None], rate)
 
 
 def _speed_of(track: FloatArray, rate: float) -> FloatArray:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from studio.core.body.morphology import at_frames, sole_rows
 from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.grounds.ground import Ground
+from studio.core.kernels.support.sole import HEEL_PAD
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.body_support import contact_height, track_of
 from studio.core.solver.standing.footprints import planes_under, soles_of
@@ -101,7 +102,7 @@ def _stood_on(ball: FloatArray, tip: FloatArray, normals: FloatArray, stances: _
 def _standing_foot(
     adapted: AdaptedMotion, point: ContactPoint, stances: _Stances, ground: Ground
 ) -> tuple[FloatArray, FloatArray]:
-    """Slide and height of a heel, or of the lower one of ball and tip of the toes.
+    """Slide of the pad of a heel and height of its edge, or both of the lower one of ball and tip of the toes.
 
     Over an edge the ground is the plane on which the foot stands.
     """
@@ -131,7 +132,9 @@ def _standing_foot(
         edges = np.column_stack([soles[:, 1], planes.heights])[of]
         heights = np.where(over[of], np.einsum("nk,nk->n", sole - edges, normals), heights)
     if point.is_heel:
-        return _slide(sole, normals, stances), heights
+        heading = _along(foot[:, :, 0], normals)
+        heading /= np.maximum(np.linalg.norm(heading, axis=1, keepdims=True), 1e-9)
+        return _slide(sole + HEEL_PAD * measures[:, 4:5] * heading, normals, stances), heights
     tip = Sole.of(ankle, foot, adapted.rotations[frames, segment + 1], measures).points[:, -1]
     tips = (tip[:, 2] - worn_height(ground, tip)) * normals[:, 2]
     return _slide(_stood_on(toe, tip, normals, stances), normals, stances), np.minimum(heights, tips)

@@ -17,7 +17,7 @@ from studio.core.kernels.support.sole import SOLE_STANDS
 from studio.core.mesh.volume import usual_volume
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import angular_acceleration
-from studio.core.solver.asking.clearance import rest_rooms, rooms
+from studio.core.solver.asking.clearance import clearances, rest_clearances
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.footing import foot_states
 
@@ -208,8 +208,8 @@ def _reaches(body: Morphology) -> FloatArray:
 def _inside(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
     """Sleeves, skirts and thick arms that are in each other at rest may be so as deep in motion."""
     body, volume = adapted.morphology, adapted.volume or usual_volume(adapted.morphology)
-    allowed = np.minimum(rest_rooms(body, volume), min(0.0, float(rooms(source).min())))
-    return max(0.0, float((allowed - rooms(adapted)).max()))
+    allowed = np.minimum(rest_clearances(body, volume), min(0.0, float(clearances(source).min())))
+    return max(0.0, float((allowed - clearances(adapted)).max()))
 
 
 def _segments(adapted: AdaptedMotion, source: AdaptedMotion) -> list[tuple[int, int]]:

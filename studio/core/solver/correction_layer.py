@@ -8,6 +8,7 @@ and the legs are placed on their ankles as those of the motion were.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +35,14 @@ FloatArray = NDArray[np.float64]
 Turns = Mapping[int, FloatArray]
 """Rotation offsets (N, 3, 3) by segment, in the segment's own axes."""
 
+
+class PosedFrames(NamedTuple):
+    """Frames of a body: positions of points (N, P, 3) in metres, rotations of segments (N, S, 3, 3)."""
+
+    positions: FloatArray
+    rotations: FloatArray
+
+
 LIMB_CHANNELS = slice(at.CLAVICLE, at.HEAD_SHIFT)
 """Channels of arms and legs: what places limbs on their ends reads them."""
 
@@ -59,21 +68,21 @@ def corrected(standing: Standing, corrections: tuple[Correction, ...]) -> Standi
     drops = np.zeros(len(times))
     for run in runs_of(acting):
         window = slice(*run)
-        before = standing.positions[window], standing.rotations[window]
-        posed = _posed(standing, below, window, *before)
-        channels[window, LIMB_CHANNELS] = _limb_channels(standing, window, *posed)
+        before = PosedFrames(standing.positions[window], standing.rotations[window])
+        posed = _posed(standing, below, window, before)
+        channels[window, LIMB_CHANNELS] = _limb_channels(standing, window, posed)
         _release_feet(standing, footing, window, before, posed)
         drops[window] = _lowering(standing, footing, window, before, posed)
-        positions[window], rotations[window] = posed
+        positions[window], rotations[window] = posed.positions, posed.rotations
     channels.setflags(write=False)
     motion = replace(standing.motion, channels=channels)
     drops = smooth_drops(drops, motion.frame_rate)
     for run in runs_of(acting | (drops > 0.0)):
         window = slice(*run)
-        placed = np.array(positions[window]), np.array(rotations[window])
+        placed = PosedFrames(np.array(positions[window]), np.array(rotations[window]))
         rows = at_frames(standing.morphology.rows, window)
         place_frames(rows, drops[window], footing.legs(motion, window), *placed)
-        positions[window], rotations[window] = placed
+        positions[window], rotations[window] = placed.positions, placed.rotations
     return replace(standing, motion=motion, footing=footing, positions=positions, rotations=rotations)
 
 
@@ -87,8 +96,8 @@ def corrected_above(adapted: AdaptedMotion, standing: Standing, request: AdaptRe
     above = [each for each in request.corrections if each.above and each.fractions(times).any()]
     if not above:
         return adapted
-    posed = _posed(standing, above, window, adapted.positions[:], adapted.rotations[:])
-    moved = replace(adapted, positions=posed[0], rotations=posed[1])
+    posed = _posed(standing, above, window, PosedFrames(adapted.positions[:], adapted.rotations[:]))
+    moved = replace(adapted, positions=posed.positions, rotations=posed.rotations)
     if not request.constraints:
         return moved
     targets = targets_of(standing, request.constraints, window, request.tracks)
@@ -112,12 +121,10 @@ def segment_turns(layout: BodyLayout, turns: Mapping[BodyPart, FloatArray]) -> T
 
 
 def with_segments_turned(
-    layout: BodyLayout, positions: FloatArray, rotations: FloatArray, turns: Turns, shift: FloatArray | None = None
-) -> tuple[FloatArray, FloatArray]:
-    """Positions (N, P, 3) and rotations (N, S, 3, 3) with segments turned in their own axes and the root moved by
-    ``shift`` (N, 3) metres.
-    """
-    positions, rotations, original = positions.copy(), rotations.copy(), positions
+    layout: BodyLayout, posed: PosedFrames, turns: Turns, shift: FloatArray | None = None
+) -> PosedFrames:
+    """Frames with segments turned in their own axes and the root moved by ``shift`` (N, 3) metres."""
+    positions, rotations, original = posed.positions.copy(), posed.rotations.copy(), posed.positions
     parents, proximal, distal = layout.parent_segments(), layout.proximal_points(), layout.distal_points()
     deltas: list[FloatArray | None] = []
     if shift is not None:
@@ -137,16 +144,14 @@ def with_segments_turned(
         positions[:, last] = positions[:, first] + _carried(delta, original[:, last] - original[:, first])
         if delta is not None:
             rotations[:, segment] = delta @ own
-    return positions, rotations
+    return PosedFrames(positions, rotations)
 
 
 def _carried(delta: FloatArray | None, vectors: FloatArray) -> FloatArray:
     return vectors if delta is None else np.asarray((delta @ vectors[..., None])[..., 0])
 
 
-def _posed(
-    standing: Standing, corrections: Sequence[Correction], window: slice, positions: FloatArray, rotations: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def _posed(standing: Standing, corrections: Sequence[Correction], window: slice, posed: PosedFrames) -> PosedFrames:
     """Poses of the frames of ``window`` with some corrections, one after the other."""
     layout, times = standing.morphology.layout, standing.motion.times[window]
     heading = standing.motion.channels[window, at.YAW]
@@ -159,8 +164,8 @@ def _posed(
         shift = None
         if each.keys.moves_hips:
             shift = standing.morphology.leg_length * fractions * along_heading(each.keys.hips_at(times), heading)
-        positions, rotations = with_segments_turned(layout, positions, rotations, segment_turns(layout, vectors), shift)
-    return positions, rotations
+        posed = with_segments_turned(layout, posed, segment_turns(layout, vectors), shift)
+    return posed
 
 
 def along_heading(vectors: FloatArray, heading: FloatArray) -> FloatArray:
@@ -170,14 +175,14 @@ def along_heading(vectors: FloatArray, heading: FloatArray) -> FloatArray:
     return np.stack([c * x - s * y, s * x + c * y, z], axis=1)
 
 
-def _limb_channels(standing: Standing, window: slice, positions: FloatArray, rotations: FloatArray) -> FloatArray:
+def _limb_channels(standing: Standing, window: slice, posed: PosedFrames) -> FloatArray:
     """Channels (N, ...) of arms and legs of posed frames."""
     body, rate = standing.morphology, standing.motion.frame_rate
     if not isinstance(body, AnimatedMorphology):
-        return np.asarray(encode(positions, rotations, body, rate).channels[:, LIMB_CHANNELS])
+        return np.asarray(encode(posed.positions, posed.rotations, body, rate).channels[:, LIMB_CHANNELS])
     frames = range(window.start, window.stop)
     rows = [
-        encode(positions[row : row + 1], rotations[row : row + 1], body.at(frame), rate).channels
+        encode(posed.positions[row : row + 1], posed.rotations[row : row + 1], body.at(frame), rate).channels
         for row, frame in enumerate(frames)
     ]
     return np.concatenate(rows)[:, LIMB_CHANNELS]
@@ -187,8 +192,8 @@ def _release_feet(
     standing: Standing,
     footing: Footing,
     window: slice,
-    before: tuple[FloatArray, FloatArray],
-    posed: tuple[FloatArray, FloatArray],
+    before: PosedFrames,
+    posed: PosedFrames,
 ) -> None:
     """Move targets of ankles, feet and toes with the corrected pose as far as contacts release them, in place."""
     layout = standing.morphology.layout
@@ -196,10 +201,10 @@ def _release_feet(
         planted = standing.limb_freedoms[2 + side] == 0.0
         free = release_weight(planted, standing.motion.frame_rate, LET_GO)[window, None]
         ankle, segment = layout.ankle(side), layout.segment(foot)
-        footing.ankles[side, window, :3] += free * (posed[0][:, ankle] - before[0][:, ankle])
+        footing.ankles[side, window, :3] += free * (posed.positions[:, ankle] - before.positions[:, ankle])
         for targets, moved in ((footing.feet, segment), (footing.toes, segment + 1)):
             own = from_matrix(np.asarray(targets[side, window]))
-            delta = multiply(inverse(from_matrix(before[1][:, moved])), from_matrix(posed[1][:, moved]))
+            delta = multiply(inverse(from_matrix(before.rotations[:, moved])), from_matrix(posed.rotations[:, moved]))
             targets[side, window] = to_matrix(multiply(own, from_rotation_vector(free * to_rotation_vector(delta))))
 
 
@@ -207,8 +212,8 @@ def _lowering(
     standing: Standing,
     footing: Footing,
     window: slice,
-    before: tuple[FloatArray, FloatArray],
-    posed: tuple[FloatArray, FloatArray],
+    before: PosedFrames,
+    posed: PosedFrames,
 ) -> FloatArray:
     """Root lowering (N,) in metres that a correction asks of planted legs, beyond what they had."""
     rows = at_frames(standing.morphology.rows, window)

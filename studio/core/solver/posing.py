@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.rotations import from_matrix, from_rotation_vector, shortest_arc, to_matrix, to_rotation_vector
-from studio.core.solver.correction_layer import segment_turns, with_segments_turned
+from studio.core.solver.correction_layer import PosedFrames, segment_turns, with_segments_turned
 
 FloatArray = NDArray[np.float64]
 Turns = dict[BodyPart, FloatArray]
@@ -80,8 +80,9 @@ def _with(
     layout: BodyLayout, positions: FloatArray, rotations: FloatArray, turns: Turns
 ) -> tuple[FloatArray, FloatArray]:
     batch = {part: vector[None] for part, vector in turns.items()}
-    posed = with_segments_turned(layout, positions[None], rotations[None], segment_turns(layout, batch))
-    return posed[0][0], posed[1][0]
+    frame = PosedFrames(positions[None], rotations[None])
+    posed = with_segments_turned(layout, frame, segment_turns(layout, batch))
+    return posed.positions[0], posed.rotations[0]
 
 
 def _bend(root: FloatArray, middle: FloatArray, tip: FloatArray, hinge: FloatArray, wanted: float) -> float:

@@ -151,17 +151,18 @@ class SolvedWindow:
         self._pose(None, noting if frames is None else noting._replace(frames=frames))
 
     @property
-    def may_jolt(self) -> bool:
+    def may_exceed_peaks(self) -> bool:
         """True if any solved frame may exceed the allowed acceleration peaks of the highest level, the
         smallest of all.
         """
         highest = int(self._held > 0)
         peaks = self._solve_of(highest).peaks
-        return self._hides_jolts() or (
-            self.whole.jolts(peaks) and self.whole.jolts(peaks + self._brings_of(self._ranks <= highest)[:, None])
+        return self._hides_peaks() or (
+            self.whole.exceeds_peaks(peaks)
+            and self.whole.exceeds_peaks(peaks + self._brings_of(self._ranks <= highest)[:, None])
         )
 
-    def _hides_jolts(self) -> bool:
+    def _hides_peaks(self) -> bool:
         """True if a level may have acceleration peaks that vanish with lower levels: with self-collision constraints or
         areas.
         """
@@ -215,7 +216,7 @@ class SolvedWindow:
     def _runs(self, window: slice) -> list[tuple[int, int]]:
         """First and past the last row of each run of frames that are smoothed together and touch ``window``."""
         first, last = window.start - self.window.start, window.stop - self.window.start
-        return [run for run in runs_of(self._rooms[-1] > 0.0) if run[0] < last and run[1] > first]
+        return [run for run in runs_of(self._smoothing_weights[-1] > 0.0) if run[0] < last and run[1] > first]
 
     def with_runs(self, window: slice) -> slice:
         """``window`` with all frames that affect its smoothing, as far as they are solved here."""
@@ -223,27 +224,27 @@ class SolvedWindow:
         begins, ends = zip((window.start - first, window.stop - first), *self._runs(window), strict=True)
         return slice(first + min(begins), first + max(ends))
 
-    def ease(self, window: slice) -> None:
+    def smooth(self, window: slice) -> None:
         """Smooth acceleration peaks in ``window``, each run of frames by itself."""
-        margin, first = self._rooms[-1], self.window.start
+        margin, first = self._smoothing_weights[-1], self.window.start
         beyond = round(max(SMOOTHING_WIDTHS) * self.standing.motion.frame_rate)
         for begin, end in self._runs(window):
             wide = slice(max(begin - beyond, 0), min(end + beyond, len(margin)))
             frames = slice(first + wide.start, first + wide.stop)
             if frames == self.window:
-                self._ease(self._solved_levels, self._rooms)
+                self._ease(self._solved_levels, self._smoothing_weights)
                 return
             run = SolvedWindow(self.standing, *self._asked, frames)
-            run._ease([level.within(wide) for level in self._solved_levels], self._rooms[:, wide])
+            run._ease([level.within(wide) for level in self._solved_levels], self._smoothing_weights[:, wide])
             mine, theirs = slice(begin, end), slice(begin - wide.start, end - wide.start)
             self._solved.within(mine).put(run._solved.within(theirs))
 
-    def eases(self, window: slice) -> bool:
+    def smooths(self, window: slice) -> bool:
         """True if any frame of ``window`` is smoothed."""
         return bool(self._runs(window))
 
     @cached_property
-    def _rooms(self) -> FloatArray:
+    def _smoothing_weights(self) -> FloatArray:
         """Smoothing weights (L, F) of the levels, at least those of higher levels, so that these are kept; 0 for
         contacts.
         """
@@ -299,7 +300,7 @@ class SolvedWindow:
         layout = self.standing.morphology.layout
         root_reach = RootReach.of(self.standing.positions[self.window], measures, layout, ankles, self._root_reach)
         charts = LimbCoordinates(layout, self._unsolved[1], limits, levels[-1].solve.limbs)
-        LevelSmoother(levels, self._pose, self._solved, charts, root_reach, rooms).ease()
+        LevelSmoother(levels, self._pose, self._solved, charts, root_reach, rooms).smooth()
 
     @property
     def _solved(self) -> SolvedArrays:

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from studio.core.body.kinematics import joint_world
 from studio.core.body.pose import PoseSequence
@@ -16,6 +17,10 @@ from studio.core.stage.project import Motion, Performer, Project
 
 SPACING = 1.15
 """Metres from one performer to the next."""
+CLEARANCE = 0.8
+"""Metres between the roots of two performers at any time, at least."""
+WIDEST_GAP = 12
+"""Spacings between two neighbours at most: bodies that meet even so are left to the user."""
 LEAST_TRAVEL = 1.0
 """Metres; a motion that goes less far has no direction of travel."""
 SPACING_SAMPLES = 64
@@ -40,40 +45,68 @@ def travel_heading(capture: Capture, first: int, last: int) -> float | None:
     rows = np.linspace(first, last, min(SPACING_SAMPLES, last - first + 1)).round().astype(np.int64)
     poses = PoseSequence(capture.poses.local_rotations[rows], capture.poses.local_translations[rows])
     places, _ = joint_world(capture.skeleton, poses)
-    root = places[:, capture.body_map.spine[0], :2]
-    ways = root - root[0]
+    return path_heading(places[:, capture.body_map.spine[0], :2])
+
+
+def path_heading(path: NDArray[np.float64]) -> float | None:
+    """Heading in radians from the begin of a ``path`` (T, 2) in metres to its farthest point; None if that is near."""
+    ways = path - path[0]
     x, y = ways[np.argmax(np.linalg.norm(ways, axis=1))].tolist()
     return math.atan2(y, x) if math.hypot(x, y) >= LEAST_TRAVEL else None
 
 
-def lined_up(performers: Mapping[str, Performer], travel: float) -> dict[str, Performer]:
+def lined_up(
+    performers: Mapping[str, Performer], travel: float, paths: Mapping[str, NDArray[np.float64]] | None = None
+) -> dict[str, Performer]:
     """The performers in a row across heading ``travel`` about their middle, in the order in which they stand along it.
 
-    They all face as their motion does.
+    They all face as their motion does. ``paths`` (T, 2), metres, are those of their roots from their places at the same
+    times: where two would meet, the gap between them is a larger multiple of the usual one.
     """
     across = np.array([-math.sin(travel), math.cos(travel)])
-    places = np.array([each.position for each in performers.values()])
-    middle = places.mean(axis=0)
-    order = np.argsort(-(places @ across), kind="stable")
-    rank = np.empty(len(order))
-    rank[order] = np.arange(len(order))
-    offsets = SPACING * ((len(order) - 1) / 2 - rank)
-    row = (middle + offsets[:, None] * across).tolist()
-    return {
-        key: replace(each, position=(x, y), heading=0.0)
-        for (key, each), (x, y) in zip(performers.items(), row, strict=True)
-    }
+    keys, places = list(performers), np.array([each.position for each in performers.values()])
+    row: dict[str, float] = {}
+    for place in np.argsort(-(places @ across), kind="stable"):
+        key = keys[place]
+        last = next(reversed(row.values()), SPACING)
+        gaps = (last - SPACING * count for count in range(1, WIDEST_GAP + 1))
+        row[key] = next((gap for gap in gaps if _is_clear(key, gap * across, row, across, paths or {})), last - SPACING)
+    middle = places.mean(axis=0) - np.mean(list(row.values())) * across
+    positions = {key: (middle + offset * across).tolist() for key, offset in row.items()}
+    return {key: replace(each, position=(*positions[key],), heading=0.0) for key, each in performers.items()}
+
+
+def _is_clear(
+    key: str,
+    place: NDArray[np.float64],
+    row: Mapping[str, float],
+    across: NDArray[np.float64],
+    paths: Mapping[str, NDArray[np.float64]],
+) -> bool:
+    """True if a performer that begins at ``place`` (2,) meets none of a ``row``."""
+    if key not in paths:
+        return True
+    for other, offset in row.items():
+        if other in paths:
+            count = min(len(paths[key]), len(paths[other]))
+            apart = place + paths[key][:count] - offset * across - paths[other][:count]
+            if count and float(np.linalg.norm(apart, axis=1).min()) < CLEARANCE:
+                return False
+    return True
 
 
 def is_unarranged(performers: Mapping[str, Performer]) -> bool:
-    """True if the performers stand in a row as ``side_by_side`` or ``lined_up`` puts them."""
+    """True if the performers stand in a row as ``side_by_side`` or ``lined_up`` puts them; some may be missing."""
     places = np.array([each.position for each in performers.values()])
     if len(places) < 2 or any(each.heading for each in performers.values()):
         return False
-    across = places[0] - places[-1]
-    travel = math.atan2(-across[0], across[1])
-    row = [each.position for each in lined_up(performers, travel).values()]
-    return bool(np.allclose(places, row, atol=1e-6))
+    row = places - places[0]
+    end = row[np.argmax(np.linalg.norm(row, axis=1))]
+    if not end.any():
+        return False
+    steps = row @ (end / np.linalg.norm(end)) / SPACING
+    is_spaced = np.allclose(steps, np.round(steps), atol=1e-6) and len({*np.round(steps).tolist()}) == len(steps)
+    return is_spaced and np.allclose(row, np.outer(steps * SPACING, end / np.linalg.norm(end)), atol=1e-6)
 
 
 def staged(

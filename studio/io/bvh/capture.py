@@ -7,7 +7,6 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.body_shape import moving_body_by_shape
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_positions
 from studio.core.body.moving_offsets import with_seen_offsets
@@ -20,12 +19,19 @@ from studio.core.kernels.body.file_channels import change_axes
 from studio.core.rotations import IDENTITY_QUATERNION, normalized
 from studio.core.threads import over_frames
 from studio.io.bvh.reader import read_bvh
-from studio.io.capture_guesses import ReadJoints, body_guesses, loose_guesses, stood_capture, with_sides_right
-from studio.io.figure.body_maps import FoundBody, find_body, loose_feet, loose_hands, named_sides
+from studio.io.capture_guesses import (
+    ReadJoints,
+    body_by_shape_in,
+    body_guesses,
+    loose_guesses,
+    stood_capture,
+    with_sides_right,
+)
+from studio.io.figure.body_maps import find_body, loose_feet, loose_hands
 from studio.io.guessing import Scale, find_unit, guess_frame_rate, leg_and_trunk
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress, ReadCapture
-from studio.io.up_axis import BVH_USE, FILE_AXES, BodyPoints, axis_called, guess_up_axis, said_axis, turn_to_world
+from studio.io.up_axis import BVH_USE, BodyPoints, axis_called, guess_up_axis, said_axis, turn_to_world
 
 FloatArray = NDArray[np.float64]
 
@@ -94,7 +100,7 @@ def capture_of(file: JointRecording, path: Path, options: ImportOptions, progres
         both = both[:, :, hanging.order]
     found = find_body(skeleton, both[0], options.body_map)
     if found.body_map is None:
-        found = _found_by_shape(skeleton, both[0], options) or found
+        found = body_by_shape_in(skeleton, _zero_pose(skeleton), both[0], options.up_axis) or found
     guesses: list[Guess] = body_guesses(skeleton, found, options)
     if not options.body_map:
         found = with_sides_right(found, both[0], guesses)
@@ -117,20 +123,6 @@ def capture_of(file: JointRecording, path: Path, options: ImportOptions, progres
     capture = stood_capture(read, found, options, guesses)
     progress(1.0, f"Loaded {path.name}")
     return capture
-
-
-def _found_by_shape(skeleton: Skeleton, points: FloatArray, options: ImportOptions) -> FoundBody | None:
-    """The body that stands like one with all rotations zero, whatever its joints are called; None where none does.
-
-    ``points`` (F, J, 3) in the file's axes tell which knees are the left ones.
-    """
-    still = PoseSequence(np.tile(IDENTITY_QUATERNION, (1, skeleton.joint_count, 1)), skeleton.offsets[None])
-    rest, sides = joint_positions(skeleton, still)[0], named_sides(skeleton)
-    for axis in (axis_called(options.up_axis),) if options.up_axis else FILE_AXES:
-        by_shape = moving_body_by_shape(skeleton, rest @ turn_to_world(axis).T, points, sides)
-        if by_shape is not None:
-            return FoundBody(by_shape, "", ())
-    return None
 
 
 def to_world(
@@ -171,13 +163,19 @@ def _up_axis(
             words = "Without a human body nothing tells what is up; most files have Y up."
             guesses.append(Guess("up axis", "Y", words, Confidence.DOUBTFUL))
         return said or "Y"
-    still = PoseSequence(np.tile(IDENTITY_QUATERNION, (1, skeleton.joint_count, 1)), skeleton.offsets[None])
-    standing = BodyPoints.of_joints(joint_positions(skeleton, still)[None], body_map)
+    standing = BodyPoints.of_joints(_zero_pose(skeleton)[None, None], body_map)
     rest = normalized(standing.shoulders.mean(axis=2) - standing.ankles.mean(axis=2))[0, 0]
     body = BodyPoints.of_joints(points, body_map)
     guess = guess_up_axis(body, BVH_USE, rest) if said is None else guess_up_axis(body, said_axis(said))
     guesses += [guess] if guess.value != said else []
     return guess.value
+
+
+def _zero_pose(skeleton: Skeleton) -> FloatArray:
+    """Positions (J, 3) of the joints with all rotations zero, in the file's axes."""
+    still = PoseSequence(np.tile(IDENTITY_QUATERNION, (1, skeleton.joint_count, 1)), skeleton.offsets[None])
+    positions: FloatArray = joint_positions(skeleton, still)[0]
+    return positions
 
 
 def _frame_rate(frame_time: float | None, digit: float, options: ImportOptions, guesses: list[Guess]) -> float:

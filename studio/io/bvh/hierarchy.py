@@ -7,10 +7,21 @@ from studio.core.errors import StudioError
 from studio.io.numbers import glued_words, number, parted
 
 _MOST_JOINTS = 4096
-_CHANNELS = {f"{axis}{kind}".lower(): f"{axis}{kind}" for axis in "XYZ" for kind in ("position", "rotation", "scale")}
-_CHANNELS |= {f"{axis}scaling".lower(): f"{axis}scale" for axis in "XYZ"}
-_OFFSET = re.compile(r"\s*OFFSET\b", re.IGNORECASE)
+_KINDS = {
+    "position": ("position", "pos", "translation"),
+    "rotation": ("rotation", "rot"),
+    "scale": ("scale", "scaling"),
+}
+_CHANNELS = {
+    f"{axis}{word}".lower(): f"{axis}{kind}" for axis in "XYZ" for kind, words in _KINDS.items() for word in words
+}
+_OFFSET = re.compile(r"\s*OFFSET(?=[\s\d.+-])", re.IGNORECASE)
 _KEYWORDS = {"ROOT", "JOINT", "END", "OFFSET", "CHANNELS", "MOTION", "{", "}"}
+
+
+def _parted(offset: str) -> str:
+    """The line of an OFFSET with a blank before each of its numbers."""
+    return parted(re.sub(r"(?<=T)(?=[\d.+-])", " ", offset, count=1, flags=re.IGNORECASE))
 
 
 @dataclass
@@ -32,9 +43,9 @@ class _Words:
 
     def __init__(self, name: str, lines: list[str]) -> None:
         self.name = name
-        self.glued = [at for at, line in enumerate(lines, 1) if _OFFSET.match(line) and parted(line) != line]
+        self.glued = [at for at, line in enumerate(lines, 1) if _OFFSET.match(line) and _parted(line) != line]
         """Lines of offsets whose numbers have no blank between them."""
-        whole = (parted(line) if at in self.glued else line for at, line in enumerate(lines, 1))
+        whole = (_parted(line) if at in self.glued else line for at, line in enumerate(lines, 1))
         spaced = (line.replace("{", " { ").replace("}", " } ") for line in whole)
         self._words = [(word, at) for at, line in enumerate(spaced, 1) for word in line.split()]
         self._next = 0
@@ -157,7 +168,7 @@ def _read_channels(hierarchy: Hierarchy, words: _Words, joint: int, where: str) 
     channels: list[str] = []
     for _ in range(int(count)):
         at, word = words.where, words.take("a channel")
-        channel = _CHANNELS.get(word.lower())
+        channel = _CHANNELS.get(word.lower().replace("_", ""))
         if channel is None:
             raise StudioError(
                 f"{at}: '{word[:40]}' is not a channel. Channels are Xposition, Xrotation and so on for Y and Z."

@@ -26,20 +26,22 @@ Progress = Callable[[float, str], None]
 _LARGEST_FILE = 1 << 30
 _LONGEST_HIERARCHY = 1 << 24
 _MOST_NUMBERS = 1 << 28
-_WITHOUT_COLON = re.compile(rb"^\s*(frames|frame\s*time)(?=\s+[\d.])", re.IGNORECASE)
+_WITHOUT_COLON = re.compile(rb"^\s*(frames|frame[ \t_]*time)\s*(?:=\s*|\s)(?=[\d.])", re.IGNORECASE)
 _FRAME_TIME = re.compile(
     r"(?P<over>\+?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(?:\s*/\s*(?P<under>\d+\.?\d*))?"
     r"(?:\s*(?P<unit>ms|millisec\w*|hz|fps))?(?=\s|;|s|$)",
     re.ASCII | re.IGNORECASE,
 )
 """Seconds, or what a unit behind says, as a number or as a fraction."""
+_WIDE, _BEGINNING = ("utf-32-le", "utf-32-be", "utf-16-le", "utf-16-be"), 256
+"""Encodings of several bytes a letter, with or without a mark, and the bytes in which the first word tells them."""
 _SCALE_NOISE = 1e-3
 _DEEDS = {
     "scale": kernel.IGNORED_CHANNEL,
     "position": kernel.POSITION_CHANNEL,
     "rotation": kernel.ROTATION_CHANNEL,
 }  # scales are told as repairs
-_MOTION = re.compile(rb"(?:\A|[\r\n}])[ \t]*(MOTION)[ \t]*(?=[\r\n]|\Z)", re.IGNORECASE)
+_MOTION = re.compile(rb"(?:\A|[\r\n}])[ \t]*(MOTION)[ \t]*:?[ \t]*(?=[\r\n]|\Z)", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -162,8 +164,9 @@ def _content(path: Path) -> bytes:
     content = read_bytes(path, _LARGEST_FILE)
     if not content or content.isspace():
         raise StudioError(f"{path.name} is empty. Export it again.")
-    if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        return content.decode("utf-16", "replace").encode()
+    for codec in _WIDE if b"\0" in content[:_BEGINNING] else ():
+        if "HIERARCHY" in content[:_BEGINNING].decode(codec, "ignore").upper():
+            return content.decode(codec, "replace").lstrip("\ufeff").encode()
     if b"\0" in content:
         raise StudioError(
             f"{path.name}, byte {content.index(0)}: this is binary data, not BVH text. Choose a BVH file."
@@ -206,7 +209,7 @@ def _motion_header(name: str, body: list[bytes], motion_line: int) -> tuple[_Hea
     header = _Header(line=motion_line)
     for at, line in enumerate(body):
         words = _WITHOUT_COLON.sub(rb"\1:", line).decode("utf-8", "replace").replace(":", " : ").split()
-        key = " ".join(words[: words.index(":")]).lower() if ":" in words else ""
+        key = " ".join(words[: words.index(":")]).lower().replace("_", " ") if ":" in words else ""
         if not words:
             continue
         if key == "frames":

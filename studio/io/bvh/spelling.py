@@ -2,7 +2,7 @@
 
 import re
 
-_COMMENT = re.compile(rb"^[ \t]*(?:#|//)[^\r\n]*", re.MULTILINE)
+_COMMENT = re.compile(rb"^[ \t]*(?:#(?!N/A)|//)[^\r\n]*", re.MULTILINE)
 _OFFSETS = re.compile(rb"^[ \t]*OFFSET[^\n]*", re.MULTILINE | re.IGNORECASE)
 _MOTION = re.compile(rb"^[ \t]*MOTION[ \t]*$.*\Z", re.MULTILINE | re.DOTALL | re.IGNORECASE)
 _HEADER = re.compile(rb"^[ \t]*(?:MOTION|FRAMES?\b)[^\n]*", re.MULTILINE | re.IGNORECASE)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.core.markers.trial import Trial
-from studio.core.names import counted
+from studio.core.names import counted, readable
 from studio.io.beside import read_bytes
 from studio.io.c3d.contents import analog_signals, force_plates, labels_and_kinds, marked_events, measures, unit_of
 from studio.io.c3d.parameters import BLOCK_BYTES, Numbers, Parameters, read_parameters
@@ -82,7 +82,7 @@ def read_c3d(path: Path | str, progress: Progress | None = None) -> C3dFile:
     raw = words[:, 4 * header.points :].reshape(header.frames * header.samples, header.channels)
     labels, kinds = labels_and_kinds(path.name, parameters, header.points, repairs)
     trial = Trial(
-        name=path.stem,
+        name=readable(path.stem),
         source=path.name,
         labels=labels,
         kinds=kinds,

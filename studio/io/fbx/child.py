@@ -17,6 +17,8 @@ from studio.io.fbx.objects import all_of, keep, matrix_of
 from studio.io.scene.child_run import MOST_VALUES, run_child
 
 MOST_FBX_JOINTS = 4096
+_SHOWS_NOTHING = ("UNKNOWN", "EMPTY")
+"""Kinds of nodes without mesh, camera or light."""
 
 
 def main(source: str, target: str, what: str) -> None:
@@ -40,6 +42,8 @@ def main(source: str, target: str, what: str) -> None:
     everything = _nodes(scene)
     bound = clustered([node for node, _ in everything]) if drawn else set()
     nodes, parents = _skeleton(everything, bound)
+    if not nodes and len(keep(scene.anim_curves)):
+        nodes, parents = _skeleton(everything, _linked_empties(everything))
     if not nodes:
         sys.exit("it has no skeleton (bones). Rig its mesh first")
     if len(nodes) > MOST_FBX_JOINTS:
@@ -123,6 +127,12 @@ def _skeleton(everything: list[tuple[Any, int]], also: set[int]) -> tuple[list[A
     nodes = [node for node, _ in everything if node.typed_id in wanted]
     places = {node.typed_id: place for place, node in enumerate(nodes)}
     return nodes, [places.get(above[node.typed_id], -1) for node in nodes]
+
+
+def _linked_empties(everything: list[tuple[Any, int]]) -> set[int]:
+    """Ids of nodes that show nothing and have three such above them: joints of programs that write no bones."""
+    above = {node.typed_id: parent for node, parent in everything if keep(node.attrib_type).name in _SHOWS_NOTHING}
+    return {place for place in above if above.get(above.get(above[place], -1), -1) in above}
 
 
 def _values(transform: Any) -> tuple[float, ...]:

@@ -77,7 +77,8 @@ def character_of(figures: Sequence[Figure], options: ImportOptions) -> ReadChara
     body = min(bodies, key=lambda body: body.fault)
     guesses = list(body.guesses)
     if len(bodies) > 1 and body is not bodies[0]:
-        guesses.append(Guess("reference pose", "as shown", "The pose in which the skin was bound is not human."))
+        reason = "The pose in which the skin was bound is not human."
+        guesses.append(Guess("reference pose", "as shown", reason, Confidence.LIKELY))
     try:
         return _embodied(body, guesses)
     except ValueError as error:

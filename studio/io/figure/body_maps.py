@@ -2,6 +2,7 @@
 
 import json
 import re
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -20,13 +21,18 @@ from studio.resources_folder import resources_folder
 FloatArray = NDArray[np.float64]
 
 _SIDES = (
-    {"side": "left", "Side": "Left", "s": "l", "S": "L"},
-    {"side": "right", "Side": "Right", "s": "r", "S": "R"},
+    {"side": "left", "Side": "Left", "s": "l", "S": "L", "j": "左"},
+    {"side": "right", "Side": "Right", "s": "r", "S": "R", "j": "右"},
 )
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[^\W\d_A-Z]+|\d+")
-_SIDE_WORDS = {"left": "left", "l": "left", "lft": "left", "right": "right", "r": "right", "rgt": "right"}
-_NOISE = {"jnt", "joint", "bone", "bind", "def", "org", "skin", "stretch", "x"}
-"""Words by which riggers tell deforming joints from their controls."""
+_NUMBER_BEHIND = re.compile(r"[_.]\d+$")
+_SIDE_WORDS = dict.fromkeys(("left", "l", "lft", "lf", "lt"), "left") | dict.fromkeys(
+    ("right", "r", "rgt", "rt"), "right"
+)
+_NOISE = {"jnt", "joint", "bone", "bind", "def", "org", "skin", "stretch", "fk", "x", "c", "m"}
+"""Words by which riggers tell deforming joints from their controls, and the middle of the body."""
+_SHARED = 0.9
+"""Fraction of the names that share a beginning which says nothing."""
 
 
 @dataclass(frozen=True)
@@ -136,8 +142,7 @@ def named_sides(skeleton: Skeleton) -> NDArray[np.int64]:
     """(J,) 1 for joints whose names say left, -1 for right, 0 for the others."""
     places = {"left": 1, "right": -1}
     found = (
-        next((_sided(part) for part in (name, *_suffixes(name)) if _sided(part)[:1] != " "), "")
-        for name in skeleton.names
+        next((_sided(part) for part in spellings if _sided(part)[:1] != " "), "") for spellings in _spellings(skeleton)
     )
     return np.array([places.get(words.partition(" ")[0], 0) for words in found])
 
@@ -180,12 +185,20 @@ def _plain(name: str) -> str:
 
 
 @lru_cache(maxsize=4096)
-def _sided(name: str) -> str:
-    """The same for ``thigh.L``, ``L_Thigh``, ``LeftThigh`` and ``left_thigh_jnt``: ``left thigh``."""
+def _sided(name: str, order: int = 1) -> str:
+    """The same for ``thigh.L``, ``L_Thigh``, ``LeftThigh`` and ``left_thigh_jnt``: ``left thigh``.
+
+    An ``order`` of -1 takes the words backwards.
+    """
     words = [word.casefold() for word in _WORD.findall(name)]
     sides = {_SIDE_WORDS[word] for word in words if word in _SIDE_WORDS}
-    rest = "".join(word for word in words if word not in _SIDE_WORDS and word not in _NOISE)
+    rest = "".join([word for word in words if word not in _SIDE_WORDS and word not in _NOISE][::order])
     return f"{next(iter(sides), '')} {rest}" if len(sides) < 2 else ""
+
+
+def _reversed(name: str) -> str:
+    """The same for ``arm_upper_L`` as ``_sided`` has for ``upper_arm.L``."""
+    return _sided(name, -1)
 
 
 def _joints_by_name(skeleton: Skeleton) -> dict[str, list[int]]:
@@ -193,16 +206,16 @@ def _joints_by_name(skeleton: Skeleton) -> dict[str, list[int]]:
 
     Last by the name without its number (``lThigh_042``, ``upperarm01.L``): of several in a row the first one.
     """
-    named = [(name, joint) for joint, name in enumerate(skeleton.names) if not skeleton.end_sites[joint]]
-    suffixed = [(suffix, joint) for name, joint in named for suffix in _suffixes(name)]
-    keys = [(_plain(name), joint) for name, joint in (*named, *suffixed)]
-    keys += [(_sided(name), joint) for name, joint in (*named, *suffixed)]
+    of_joints = [(joint, each) for joint, each in enumerate(_spellings(skeleton)) if not skeleton.end_sites[joint]]
+    most = max(len(spellings) for _, spellings in of_joints)
+    spelt = [(each[rank], joint) for rank in range(most) for joint, each in of_joints if rank < len(each)]
+    keys = [(key(name), joint) for key in (_plain, _sided, _reversed) for name, joint in spelt]
     by_name: dict[str, list[int]] = {}
     for key, joint in keys:
         if joint not in by_name.setdefault(key, []):
             by_name[key].append(joint)
     numbered: dict[str, list[int]] = {}
-    for name, joint in (*named, *suffixed):
+    for name, joint in spelt:
         plain = _plain(name), _sided(name)
         for key in {_numberless(name, _plain), _numberless(name, _sided)}.difference(plain):
             above = numbered.setdefault(key, [])
@@ -216,6 +229,22 @@ def _joints_by_name(skeleton: Skeleton) -> dict[str, list[int]]:
 def _numberless(name: str, key: Callable[[str], str]) -> str:
     """The ``key`` of a name without the number that ends it, before or behind its side."""
     return re.sub(r"(part|seg|segment|section|piece)?\d+$", "", key(name)).rstrip()
+
+
+def _spellings(skeleton: Skeleton) -> list[tuple[str, ...]]:
+    """For each joint its name, then without the beginning and the number that most names have, then endings of that."""
+    named = [name for name, end_site in zip(skeleton.names, skeleton.end_sites, strict=True) if not end_site]
+    beginning = _shared_beginning(named)
+    numbered = sum(bool(_NUMBER_BEHIND.search(name)) for name in named) >= _SHARED * len(named)
+    bare = [name.removeprefix(beginning) or name for name in skeleton.names]
+    bare = [_NUMBER_BEHIND.sub("", name) for name in bare] if numbered else bare
+    return [(name, short, *_suffixes(short)) for name, short in zip(skeleton.names, bare, strict=True)]
+
+
+def _shared_beginning(names: list[str]) -> str:
+    """The longest beginning, ``Bob:mixamorig``, that nine tenths of the names share; empty where they share none."""
+    beginnings = Counter(name[:length] for name in names for length in range(len(name) + 1))
+    return max((each for each, count in beginnings.items() if count >= _SHARED * len(names)), key=len)
 
 
 def _suffixes(name: str) -> Iterator[str]:

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.body_shape import moving_body_by_shape
 from studio.core.body.kinematics import joint_positions
 from studio.core.body.pose import PoseSequence
 from studio.core.body.rehanging import over_feet, rehang, rehung
@@ -15,8 +14,15 @@ from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
 from studio.core.rotations import from_matrix, to_matrix
-from studio.io.capture_guesses import ReadJoints, body_guesses, loose_guesses, stood_capture, with_sides_right
-from studio.io.figure.body_maps import FoundBody, find_body, loose_feet, loose_hands, named_sides
+from studio.io.capture_guesses import (
+    ReadJoints,
+    body_by_shape_in,
+    body_guesses,
+    loose_guesses,
+    stood_capture,
+    with_sides_right,
+)
+from studio.io.figure.body_maps import find_body, loose_feet, loose_hands
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.animation import AnimationTrack, read_tracks
 from studio.io.gltf.container import GltfFile, read_gltf
@@ -35,6 +41,7 @@ _SPARSE = 1.0 / 15.0
 """Seconds between keys from which they are an animator's and not a recording's."""
 _USUAL_RATE = 30.0
 _DIGIT = 1e-4
+"""Seconds to which programs round the time of a key."""
 _EVEN = 0.05
 """Parts of a step by which the distances of evenly spaced keys may differ."""
 _SPARE_POSES = 2_500_000
@@ -101,10 +108,8 @@ def _capture(file: GltfFile, options: ImportOptions, progress: Progress) -> Capt
     sample = places[looked_at]
     chosen = {part: figure.names[figure.nodes.index(node)] for part, node in bones.items()}
     found = find_body(skeleton, sample, {**chosen, **(options.body_map or {})} or None)
-    sides = named_sides(skeleton)
-    by_shape = moving_body_by_shape(skeleton, rest, sample, sides) if found.body_map is None else None
-    if by_shape is not None:
-        found = FoundBody(by_shape, "", ())
+    if found.body_map is None:
+        found = body_by_shape_in(skeleton, rest @ to_world, sample, options.up_axis) or found
     guesses += body_guesses(skeleton, found, options)
     if not (bones or options.body_map):
         found = with_sides_right(found, sample, guesses)
@@ -135,7 +140,7 @@ def _first_animation(
             name = animation.text("name") or f"animation {place}"
             others = [each.text("name") for each in animations[:9] if each is not animation]
             reason = f"The file holds {len(animations)}; others are {', '.join(others)}."
-            return tracks, [Guess("animation", name, reason)] if len(animations) > 1 else []
+            return tracks, [Guess("animation", name, reason, Confidence.LIKELY)] if len(animations) > 1 else []
     raise StudioError(f"{file.path.name} holds no animation: there is no motion to read. Export it with one.")
 
 
@@ -168,15 +173,15 @@ def _frame_rate(tracks: list[AnimationTrack], options: ImportOptions, guesses: l
         return options.frame_rate
     densest = max(tracks, key=lambda track: len(track.times)).times
     steps = np.diff(densest)
-    step = float(np.median(steps)) if len(steps) else np.inf
+    step, digit = float(np.median(steps)) if len(steps) else np.inf, _DIGIT
     if len(steps) and np.ptp(steps) < _EVEN * step:  # the mean of even steps is the surest
-        step = float((densest[-1] - densest[0]) / len(steps))
+        step, digit = float((densest[-1] - densest[0]) / len(steps)), _DIGIT / len(steps)
     if step > _SPARSE:
         guesses.append(
             Guess("frame rate", f"{_USUAL_RATE:g} Hz", "The keys are too few to tell a rate.", Confidence.DOUBTFUL)
         )
         return _USUAL_RATE
-    rate, guess = guess_frame_rate(step, _DIGIT)
+    rate, guess = guess_frame_rate(step, digit)
     guesses += [guess] if guess else []
     return rate
 

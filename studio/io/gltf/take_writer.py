@@ -65,11 +65,11 @@ def write_scene(path: Path, scene: "GltfScene", progress: Progress) -> None:
     content.extend(bytes(-len(content) % 4))
     root = scene.document() | {"buffers": [{"byteLength": len(content)}]}
     parts = _gltf if path.suffix.lower() == ".gltf" else _glb
-    write_pieces(path, _told(parts(root, content), len(content), path.name, progress))
+    write_pieces(path, _with_progress(parts(root, content), len(content), path.name, progress))
     progress(1.0, f"Wrote {path.name}")
 
 
-def _told(
+def _with_progress(
     pieces: Iterable[bytes | memoryview], size: int, name: str, progress: Progress
 ) -> Iterator[bytes | memoryview]:
     """The same pieces, telling how far they are on the way to about ``size`` bytes."""

@@ -17,6 +17,7 @@ from studio.core.markers.body_axes import HEAD_MARKERS
 from studio.core.markers.force_plates import plate_loads, plates_height
 from studio.core.markers.label_words import side_and_part
 from studio.core.markers.marker_map import MarkerMap, seen_labels
+from studio.core.markers.proposing import PROPOSED
 from studio.core.markers.roles import ROLE, SIDE_WORDS
 from studio.core.markers.sides import exchanged_places
 from studio.core.markers.solve import SolvedBody, solve_body
@@ -97,10 +98,11 @@ def _body(take: MarkerTake, followed: FollowedBody, options: ImportOptions, gues
         positions[:, solved.skeleton.descendants(toe)] = positions[:, [toe]]  # toes bend where nothing is measured
     floor, floor_guess = _floor(solved, positions, options, trial.frame_rate)
     if options.floor is None and (plate := plates_height(trial, turn, floor)) is not None:
-        floor, floor_guess = (
-            plate,
-            [Guess("floor", f"{plate:.4f} m", "The top of the force plates, as the file says.", Confidence.SURE)],
-        )
+        words, trust = "The top of the force plates, as the file says.", Confidence.SURE
+        if trial.metres_of_plates != trial.metres:
+            words += " Their corners are in another unit than the points: their sides would be no plate's in it."
+            trust = Confidence.LIKELY
+        floor, floor_guess = plate, [Guess("floor", f"{plate:.4f} m", words, trust)]
     guesses += floor_guess
     rate = options.frame_rate or trial.frame_rate
     return Capture(
@@ -226,17 +228,20 @@ def _body_guesses(
             "marker map",
             take.marker_map.name,
             f"{counted(len(used.labels), 'marker')} at {counted(len(used.markers), 'place')}.",
+            Confidence.LIKELY if take.marker_map.name == PROPOSED else Confidence.SURE,
         ),
         Guess(
             "measures",
             followed.measures.words,
             f"Bone widths; the middle of a marker is {1000 * followed.measures.radius:.1f} mm over the skin.",
+            Confidence.SURE if "LKNEEWIDTH" in take.trial.measures else Confidence.LIKELY,
         ),
         Guess(
             "skeleton",
             "bones of constant length",
             f"Its joints lie {1000 * float(np.median(every)):.0f} mm from the joint centres, "
             f"{1000 * float(np.max(every)):.0f} mm at worst: skin moves over bones.{_far_off(off)}",
+            Confidence.of(-float(np.median(every)), -_SKIN, -0.5 * _SKIN),
         ),
         *_side_guesses(take),
     ]
@@ -245,19 +250,20 @@ def _body_guesses(
     subjects = sorted({subject_of(label) for label in take.trial.markers} - {""})
     if len(subjects) > 1:
         reason = f"The file holds {', '.join(subjects)}. Choose under Markers whose body is read."
-        guesses.append(Guess("subject", take.subject or "all together", reason))
+        trust = Confidence.LIKELY if take.subject else Confidence.DOUBTFUL
+        guesses.append(Guess("subject", take.subject or "all together", reason, trust))
     guesses += [
-        Guess(report.title.lower(), report.summary.rstrip("."), "; ".join(report.details))
+        Guess(report.title.lower(), report.summary.rstrip("."), "; ".join(report.details), Confidence.LIKELY)
         for report in followed.reports
         if report.told
     ]
     if first or followed.unseen:
         unseen = counted(followed.unseen, "frame")
         words = f"In {unseen} some place is not seen: it moves straight on as seen from the pelvis."
-        guesses.append(Guess("first frame", str(first), words if followed.unseen else ""))
+        guesses.append(Guess("first frame", str(first), words if followed.unseen else "", Confidence.SURE))
     if left_out := take.trial.frame_count - len(next(iter(followed.joints.values()))):
         reason = f"Of the {take.trial.frame_count} recorded, {left_out} at the end show no body and were left out."
-        guesses.append(Guess("frames", str(take.trial.frame_count - left_out), reason))
+        guesses.append(Guess("frames", str(take.trial.frame_count - left_out), reason, Confidence.SURE))
     return guesses
 
 
@@ -310,7 +316,7 @@ def _not_shown(take: MarkerTake, used: MarkerMap, resting: Sequence[str]) -> Gue
     more = f" and {len(unused) - _SHOWN} more" if len(unused) > _SHOWN else ""
     beside = f" At no place of the map: {', '.join(unused[:_SHOWN])}{more}." if unused else ""
     words = f"{' '.join(sentences)} What is not shown stays in a plain rest.{beside}"
-    return Guess("not shown", " and ".join(resting), words)
+    return Guess("not shown", " and ".join(resting), words, Confidence.DOUBTFUL)
 
 
 def _contents(trial: Trial, markers: int) -> str:
@@ -355,6 +361,7 @@ def _cloud(take: MarkerTake, lacking: str, options: ImportOptions, guesses: list
             "not complete",
             f"The file holds {_contents(trial, len(labels))}. Which markers are which is not known: {lacking}. "
             "Say it under Markers; the map can be saved and used again.",
+            Confidence.DOUBTFUL,
         ),
         Guess(
             "up axis",

@@ -11,7 +11,7 @@ from studio.panels.editor import Editor
 from studio.panels.fields import ROW_HEIGHT, Choice, Section, labelled, press_button
 
 
-class BehaviourEditor(Editor):
+class BehaviourEditor(Editor[Behaviour]):
     """A behaviour as a whole; its states are listed for who works without a mouse."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
@@ -21,7 +21,7 @@ class BehaviourEditor(Editor):
         self._name.editingFinished.connect(self._rename)
         section.add_row("Name", self._name)
         self._start = Choice("Begins in", ())
-        self._start.chosen.connect(lambda name: self.change(f"Begin in {name}", start=name))
+        self._start.value_chosen.connect(lambda name: self.change(f"Begin in {name}", start=name))
         section.add_row("Begins in", self._start)
         self._players = labelled("", "value")
         self._players.setWordWrap(True)
@@ -85,7 +85,7 @@ class BehaviourEditor(Editor):
         try:
             self.document.remove("behaviours", self.entity_id, f"Delete {self.entity.name}")
         except StudioError as error:
-            self.document.problem.emit(str(error))
+            self.document.problem_reported.emit(str(error))
 
     def _select(self, name: str) -> None:
         performers = [item for item in self.document.selection.items if item[0] == "performers"]

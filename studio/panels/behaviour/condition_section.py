@@ -2,12 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 from PySide6.QtWidgets import QLineEdit
 
 from studio.core.body.canonical import BodyPart
+from studio.core.changed_records import with_fields
 from studio.core.constraints.base import BodyPoint
+from studio.core.stage.behaviour import Transition
 from studio.core.stage.conditions import (
     ClipEndCondition,
     Condition,
@@ -29,6 +30,8 @@ CONDITION_KINDS: dict[str, tuple[str, Condition]] = {
     "event": ("An event", EventCondition("attack")),
     "key": ("A key", KeyCondition("K")),
 }
+PutCondition = Callable[[Callable[[], Condition] | None, str], None]
+"""Takes what makes a condition as the user wants it, None to remove it, and the text of the undo step."""
 DEFAULT_POINT = BodyPoint(BodyPart.HEAD)
 DISTANCE_UNITS = ((False, "Metres"), (True, "Leg lengths"))
 
@@ -41,16 +44,16 @@ def kind_of(condition: Condition) -> str:
 
 
 class ConditionSection(Section):
-    """``put`` takes the condition as the user wants it, and the words of the step; None removes it."""
+    """Form of a condition, which is changed through ``put``."""
 
-    def __init__(self, editor: PartEditor, title: str, condition: Condition, put: Callable[[Any, str], None]) -> None:
+    def __init__(self, editor: PartEditor[Transition], title: str, condition: Condition, put: PutCondition) -> None:
         super().__init__(title)
         self._condition, self._put = condition, put
         remove = press_button("Remove", lambda: put(None, "Remove condition"), "link")
         remove.setAccessibleName(f"Remove condition: {title}")
         self.head.addWidget(remove)
         self._kind = Choice("Waits for", [(key, text) for key, (text, _) in CONDITION_KINDS.items()])
-        self._kind.chosen.connect(self._set_kind)
+        self._kind.value_chosen.connect(self._set_kind)
         self.add_row("Waits for", self._kind)
         match condition:
             case DistanceCondition():
@@ -83,7 +86,7 @@ class ConditionSection(Section):
             case KeyCondition():
                 self._name.setText(condition.key)
 
-    def _add_distance(self, editor: PartEditor) -> None:
+    def _add_distance(self, editor: PartEditor[Transition]) -> None:
         self._distance = editor.bind(
             NumberField("Distance", "m", 0.0, 100.0, 0.05), lambda far: self._set("Set distance", distance=far)
         )
@@ -92,10 +95,12 @@ class ConditionSection(Section):
         self._legs.setToolTip(
             "Leg lengths are the mean of both bodies', so that one behaviour fits bodies of any size."
         )
-        self._legs.chosen.connect(lambda legs: self._set_gap(legs=legs))
+        self._legs.value_chosen.connect(lambda legs: self._set_gap(legs=legs))
         self.add_row("Counted in", self._legs)
         self._flat = Choice("Measured", [(True, "Over the ground"), (False, "From point to point")])
-        self._flat.chosen.connect(lambda flat: self._set_gap(flat=flat, point=PELVIS_POINT if flat else DEFAULT_POINT))
+        self._flat.value_chosen.connect(
+            lambda flat: self._set_gap(flat=flat, point=PELVIS_POINT if flat else DEFAULT_POINT)
+        )
         self.add_row("Measured", self._flat)
         self._point = PointChoice("Own point", lambda point: self._set_gap(point=point))
         self._point_caption = self.add_row("Own point", self._point)
@@ -115,18 +120,18 @@ class ConditionSection(Section):
         if self._name.text().strip() != getattr(self._condition, field):
             self._set(f"Set {field}", **{field: self._name.text()})
 
-    def _set_kind(self, kind: Any) -> None:
+    def _set_kind(self, kind: str) -> None:
         new = CONDITION_KINDS[kind][1]
         if isinstance(new, DistanceCondition) and isinstance(self._condition, DistanceCondition):
             new = replace(self._condition, closer=new.closer)
         self._put(lambda: new, "Choose condition")
 
-    def _set(self, text: str, **values: Any) -> None:
-        self._put(lambda: replace(self._condition, **values), text)
+    def _set(self, text: str, **values: object) -> None:
+        self._put(lambda: with_fields(self._condition, **values), text)
 
-    def _set_gap(self, **values: Any) -> None:
+    def _set_gap(self, **values: object) -> None:
         assert isinstance(self._condition, DistanceCondition)
-        self._set("Set distance", gap=replace(self._condition.gap, **values))
+        self._set("Set distance", gap=with_fields(self._condition.gap, **values))
 
     def _set_whom(self, whom: Whom) -> None:
         self._set_gap(whom=whom)

@@ -100,7 +100,7 @@ class Diagram(QGraphicsView):
         try:
             edit_behaviour(self.document, self.behaviour_id, edit, text, gesture)
         except StudioError as error:
-            self.document.problem.emit(str(error))
+            self.document.problem_reported.emit(str(error))
             return False
         return True
 

@@ -144,7 +144,7 @@ class TransitionItem(QGraphicsItem):
     def __init__(self, arrow: Arrow) -> None:
         super().__init__()
         self.arrow, self.hovered = arrow, False
-        self._path, self._angle = _way(arrow)
+        self._path, self._angle = _path_of(arrow)
         self.label = _label(arrow, self._path.pointAtPercent(ALONG))
         self.words = WordsItem(self)
         self.setZValue(1.1 if arrow.selected else 1.0)
@@ -233,7 +233,7 @@ def _aside(arrow: Arrow) -> QPointF:
     return QPointF(-line.dy() / length, line.dx() / length)
 
 
-def _way(arrow: Arrow) -> tuple[QPainterPath, float]:
+def _path_of(arrow: Arrow) -> tuple[QPainterPath, float]:
     """Path of the arrow, and the angle in radians at which it arrives."""
     if arrow.source == arrow.target:
         return _loop(arrow)

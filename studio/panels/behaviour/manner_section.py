@@ -3,12 +3,13 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 from PySide6.QtCore import QSignalBlocker
 from PySide6.QtWidgets import QCheckBox
 
+from studio.core.changed_records import with_fields
 from studio.core.curves.activation import ActivationCurve
+from studio.core.stage.behaviour import State
 from studio.core.stage.manners import WHOLE_CLIP, KeepDistance, LeanAway, Manner, Meet
 from studio.core.stage.project import Project
 from studio.core.stage.whom import Whom
@@ -17,6 +18,8 @@ from studio.panels.behaviour.part_editor import PartEditor, PointChoice, WhomRow
 from studio.panels.fields import Choice, NumberField, Section, press_button
 
 TITLES: dict[type, str] = {KeepDistance: "Keeps its distance", LeanAway: "Leans away", Meet: "Reaches for partner"}
+PutManner = Callable[[Callable[[], Manner] | None, str], None]
+"""Takes what makes a manner as the user wants it, None to remove it, and the text of the undo step."""
 MANNER_LIMIT = 100.0
 TIMES = ("start", "full", "full_end", "end")
 FIRST_MEETING = ActivationCurve(0.0, 0.2, 0.8, 1.0)
@@ -24,9 +27,9 @@ FIRST_MEETING = ActivationCurve(0.0, 0.2, 0.8, 1.0)
 
 
 class MannerSection(Section):
-    """``put`` takes a maker of the manner as the user wants it, and the words of the step; None removes it."""
+    """Form of a manner, which is changed through ``put``."""
 
-    def __init__(self, editor: PartEditor, manner: Manner, put: Callable[[Any, str], None]) -> None:
+    def __init__(self, editor: PartEditor[State], manner: Manner, put: PutManner) -> None:
         super().__init__(TITLES[type(manner)])
         self._manner, self._put = manner, put
         remove = press_button("Remove", lambda: put(None, f"Remove {TITLES[type(manner)].lower()}"), "link")
@@ -44,7 +47,7 @@ class MannerSection(Section):
                 self._add_number("Distance", "distance")
                 self._add_number("Tolerance", "room")
                 self._legs = Choice("Counted in", DISTANCE_UNITS)
-                self._legs.chosen.connect(lambda legs: self._set(legs=legs))
+                self._legs.value_chosen.connect(lambda legs: self._set(legs=legs))
                 self.add_row("Counted in", self._legs)
             case LeanAway():
                 self._add_number("At least", "metres")
@@ -93,15 +96,16 @@ class MannerSection(Section):
             self.add_row(label, *fields)
 
     def _set_time(self, name: str, seconds: float) -> None:
-        assert isinstance(self._manner, Meet)
-        before = self._manner.activation
+        manner = self._manner
+        assert isinstance(manner, Meet)
+        before = manner.activation
         start, full, end, gone = (seconds if each == name else getattr(before, each) for each in TIMES)
         self._put(
-            lambda: replace(self._manner, activation=ActivationCurve(start, full, end, gone, before.shape)), self._words
+            lambda: replace(manner, activation=ActivationCurve(start, full, end, gone, before.shape)), self._words
         )
 
-    def _set(self, **values: Any) -> None:
-        self._put(lambda: replace(self._manner, **values), self._words)
+    def _set(self, **values: object) -> None:
+        self._put(lambda: with_fields(self._manner, **values), self._words)
 
     def _set_whom(self, whom: Whom) -> None:
         self._set(whom=whom)

@@ -21,7 +21,7 @@ NO_BEHAVIOUR_HINT = (
 class BehaviourPanel(QWidget):
     """``wanted`` asks for a ready-made behaviour, by its id."""
 
-    wanted = Signal(str)
+    action_requested = Signal(str)
 
     def __init__(self, document: Document, ready_made: Sequence[tuple[str, str, str]]) -> None:
         """``ready_made``: id, text and tooltip of each behaviour that can be made."""
@@ -89,8 +89,8 @@ class BehaviourPanel(QWidget):
         self._against = labelled("against", "second")
         for choice in (self._choice, self._partner):
             choice.setMinimumContentsLength(14)
-        self._choice.chosen.connect(lambda key: self._let_play(str(key), str(self._partner.value or "")))
-        self._partner.chosen.connect(lambda key: self._let_play(self.diagram.behaviour_id, str(key)))
+        self._choice.value_chosen.connect(lambda key: self._let_play(str(key), str(self._partner.value or "")))
+        self._partner.value_chosen.connect(lambda key: self._let_play(self.diagram.behaviour_id, str(key)))
         self._tools = [
             press_button("Add state", lambda: self.diagram.rename(self.diagram.add_state())),
             press_button("Show all", self.diagram.fit),
@@ -116,7 +116,7 @@ class BehaviourPanel(QWidget):
         row.setContentsMargins(0, 0, 0, 0)
         row.addStretch(1)
         for key, text, tip in ready_made:
-            button = press_button(text, lambda key=key: self.wanted.emit(key))  # type: ignore[misc]
+            button = press_button(text, lambda key=key: self.action_requested.emit(key))  # type: ignore[misc]
             button.setToolTip(tip)
             row.addWidget(button)
         row.addStretch(1)
@@ -133,7 +133,7 @@ class BehaviourPanel(QWidget):
         try:
             let_play(self.document, performer_id, behaviour_id or None, partner_id)
         except StudioError as error:
-            self.document.problem.emit(str(error))
+            self.document.problem_reported.emit(str(error))
         self.document.selection.set(("performers", performer_id))
         self.refresh()
 

@@ -1,12 +1,12 @@
 """Base of the forms of a state and of a transition, which are both parts of a behaviour."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Generic, TypeVar
 
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowPerformer, FollowProp
 from studio.core.errors import StudioError
-from studio.core.stage.behaviour import Behaviour
+from studio.core.stage.behaviour import Behaviour, State, Transition
 from studio.core.stage.project import Project
 from studio.core.stage.whom import PELVIS_POINT, FollowPartner, Whom
 from studio.document.behaviour_commands import BehaviourEdit, behaviour_with, edit_behaviour
@@ -14,8 +14,10 @@ from studio.panels.behaviour.words import point_choices, point_name
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, Section
 
+PartT_co = TypeVar("PartT_co", State, Transition, covariant=True)
 
-class PartEditor(Editor):
+
+class PartEditor(Editor[PartT_co], Generic[PartT_co]):
     """The form of a part of a behaviour."""
 
     @property
@@ -33,7 +35,7 @@ class PartEditor(Editor):
         try:
             edit_behaviour(self.document, self.behaviour_id, edit, text, self._gesture)
         except StudioError as error:
-            self.document.problem.emit(str(error))
+            self.document.problem_reported.emit(str(error))
             self.refresh()
             return False
         return True
@@ -46,9 +48,9 @@ class PartEditor(Editor):
 class PointChoice(Choice):
     """A point of a body; one without a name of its own is added when it is shown."""
 
-    def __init__(self, name: str, put: Callable[[Any], None]) -> None:
+    def __init__(self, name: str, put: Callable[[BodyPoint], None]) -> None:
         super().__init__(name, point_choices())
-        self.chosen.connect(put)
+        self.value_chosen.connect(put)
 
     def show_point(self, point: BodyPoint) -> None:
         """Show the value that the document has."""
@@ -64,7 +66,7 @@ class WhomRows:
         self._whom: Whom = FollowPartner()
         self._put = put
         self._choice = Choice(label, ())
-        self._choice.chosen.connect(self._chosen)
+        self._choice.value_chosen.connect(self._chosen)
         section.add_row(label, self._choice)
         self._point = PointChoice("Its point", lambda point: put(_at(self._whom, point)))
         self._caption = section.add_row("Its point", self._point)
@@ -82,7 +84,7 @@ class WhomRows:
         for widget in (self._point, self._caption):
             widget.setVisible(with_point and not isinstance(whom, FollowProp))
 
-    def _chosen(self, value: Any) -> None:
+    def _chosen(self, value: tuple[str, str]) -> None:
         kind, key = value
         point = getattr(self._whom, "point", PELVIS_POINT)
         made: dict[str, Whom] = {

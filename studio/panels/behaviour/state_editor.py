@@ -2,11 +2,11 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 from PySide6.QtCore import QSignalBlocker
 from PySide6.QtWidgets import QCheckBox, QLineEdit, QVBoxLayout, QWidget
 
+from studio.core.changed_records import with_fields
 from studio.core.stage import behaviour_edits as edits
 from studio.core.stage.behaviour import State
 from studio.core.stage.clip import FASTEST_CLIP, SLOWEST_CLIP, Clip
@@ -16,7 +16,7 @@ from studio.core.stage.project import new_id
 from studio.document.behaviour_commands import state_key
 from studio.document.document import Document
 from studio.engine.live_interface import Live
-from studio.panels.behaviour.manner_section import TITLES, MannerSection
+from studio.panels.behaviour.manner_section import TITLES, MannerSection, PutManner
 from studio.panels.behaviour.part_editor import PartEditor
 from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, labelled
 
@@ -24,7 +24,7 @@ ADD = "Add reaction"
 NEW_MANNERS: dict[str, Manner] = {TITLES[type(each)]: each for each in (KeepDistance(), LeanAway(), Meet())}
 
 
-class StateEditor(PartEditor):
+class StateEditor(PartEditor[State]):
     """Form of a state of a behaviour."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
@@ -39,7 +39,7 @@ class StateEditor(PartEditor):
         row = QVBoxLayout(below)
         row.setContentsMargins(FIELD_ICON_PX, 12, FIELD_ICON_PX, 0)
         self._add = Choice("Add reaction", [(None, ADD), *((title, title) for title in NEW_MANNERS)])
-        self._add.chosen.connect(self._add_manner)
+        self._add.value_chosen.connect(self._add_manner)
         row.addWidget(self._add)
         row.addWidget(labelled("The constraints of the clip act too, as long as the state lasts.", "hint"))
         self.column.addWidget(below)
@@ -63,7 +63,7 @@ class StateEditor(PartEditor):
     def _playing(self) -> Section:
         section = Section("Plays")
         self._clip = Choice("Clip", ())
-        self._clip.chosen.connect(self._choose_clip)
+        self._clip.value_chosen.connect(self._choose_clip)
         section.add_row("Clip", self._clip)
         self._first = self.bind(NumberField("First frame", "", 0, 1e6, 1, 0), lambda frame: self._trim(first=frame))
         self._last = self.bind(NumberField("Last frame", "", 0, 1e6, 1, 0), lambda frame: self._trim(last=frame))
@@ -137,7 +137,7 @@ class StateEditor(PartEditor):
             return None
         return ("clips", clip.id) if clip.id in self.document.project.clips else ("motions", clip.motion_id)
 
-    def _choose_clip(self, choice: Any) -> None:
+    def _choose_clip(self, choice: tuple[str, str] | None) -> None:
         project, clip = self.document.project, None
         if choice is not None and choice[0] == "clips":
             clip = replace(project.clips[choice[1]], start=0.0)
@@ -155,12 +155,12 @@ class StateEditor(PartEditor):
             low, high = (0, clip.last) if name == "first" else (clip.first, count - 1)
             self._set_clip("Trim clip", **{name: min(max(round(number), low), high)})
 
-    def _set_clip(self, text: str, **values: Any) -> None:
+    def _set_clip(self, text: str, **values: object) -> None:
         """Change values of the state's clip; a clip of the project becomes a copy of the state's own."""
         clip = self.entity.clip
         if clip is not None:
             own = new_id() if clip.id in self.document.project.clips else clip.id
-            self._set(text, clip=replace(clip, id=own, **values))
+            self._set(text, clip=with_fields(clip, id=own, **values))
 
     def _begin_here(self, on: bool) -> None:
         name = self.entity.name
@@ -181,11 +181,11 @@ class StateEditor(PartEditor):
         if self.entity is not None and self._event.text().strip() != self.entity.event:
             self._set("Set event", event=self._event.text())
 
-    def _add_manner(self, title: Any) -> None:
+    def _add_manner(self, title: str | None) -> None:
         if title is not None:
             self._set(f"{self.entity.name}: {title.lower()}", manners=(*self.entity.manners, NEW_MANNERS[title]))
 
-    def _putter(self, place: int) -> Callable[[Any, str], None]:
+    def _putter(self, place: int) -> PutManner:
         def put(make: Callable[[], Manner] | None, text: str) -> None:
             state, manners = self.entity, self.entity.manners
 
@@ -196,7 +196,7 @@ class StateEditor(PartEditor):
 
         return put
 
-    def _set(self, text: str, **values: Any) -> None:
+    def _set(self, text: str, **values: object) -> None:
         state = self.entity
         if state is not None:
-            self.edit(lambda old: edits.with_state_put(old, state.name, replace(state, **values)), text)
+            self.edit(lambda old: edits.with_state_put(old, state.name, with_fields(state, **values)), text)

@@ -2,30 +2,30 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
+from studio.core.changed_records import with_fields
 from studio.core.stage import behaviour_edits as edits
 from studio.core.stage.behaviour import LONGEST_BLEND, Transition
 from studio.core.stage.conditions import ClipEndCondition, Condition
 from studio.document.behaviour_commands import place_of, transition_key
 from studio.document.document import Document
 from studio.engine.live_interface import Live
-from studio.panels.behaviour.condition_section import ConditionSection
+from studio.panels.behaviour.condition_section import ConditionSection, PutCondition
 from studio.panels.behaviour.part_editor import PartEditor
 from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, labelled, press_button
 
 
-class TransitionEditor(PartEditor):
+class TransitionEditor(PartEditor[Transition]):
     """Form of a transition. A state takes its first transition whose conditions all hold."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Transition")
         self._source, self._target = Choice("From", ()), Choice("To", ())
-        self._source.chosen.connect(lambda name: self._set("Change start of transition", source=name))
-        self._target.chosen.connect(lambda name: self._set("Change end of transition", target=name))
+        self._source.value_chosen.connect(lambda name: self._set("Change start of transition", source=name))
+        self._target.value_chosen.connect(lambda name: self._set("Change end of transition", target=name))
         section.add_row("From", self._source)
         section.add_row("To", self._target)
         self._blend = self.bind(
@@ -89,7 +89,7 @@ class TransitionEditor(PartEditor):
         for section in self._conditions:
             self._box.addWidget(section)
 
-    def _putter(self, place: int) -> Callable[[Any, str], None]:
+    def _putter(self, place: int) -> PutCondition:
         def put(make: Callable[[], Condition] | None, text: str) -> None:
             conditions = list(self.entity.conditions)
             if make is None:
@@ -114,6 +114,6 @@ class TransitionEditor(PartEditor):
         transition, place = self.entity, self.place
         self.edit(lambda old: edits.with_transition_put(old, place, replace(transition, conditions=make())), text)
 
-    def _set(self, text: str, **values: Any) -> None:
+    def _set(self, text: str, **values: object) -> None:
         transition, place = self.entity, self.place
-        self.edit(lambda old: edits.with_transition_put(old, place, replace(transition, **values)), text)
+        self.edit(lambda old: edits.with_transition_put(old, place, with_fields(transition, **values)), text)

@@ -1,11 +1,12 @@
 """Forms for constraints, found by kind; a kind without one gets the form that all kinds share."""
 
+from studio.core.constraints.base import Constraint
 from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.panels.constraint_editors.common import ConstraintEditor
 
 
-def editor_of_kind(kind: str) -> type[ConstraintEditor]:
+def editor_of_kind(kind: str) -> type[ConstraintEditor[Constraint]]:
     """The form for a kind of constraint."""
     known = CONSTRAINT_KINDS.get(kind)
-    editor: type[ConstraintEditor] = known.editor() if known and known.editor else ConstraintEditor
+    editor: type[ConstraintEditor[Constraint]] = known.editor() if known and known.editor else ConstraintEditor
     return editor

@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 
+from studio.core.changed_records import with_fields
+from studio.core.constraints.base import Constraint
 from studio.core.curves.activation import EaseShape
 from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section, Segments
@@ -12,7 +14,7 @@ LONGEST_ACTIVATION = 3600.0
 class ActivationSection(Section):
     """Four times as people think of them: from, to, ease in, ease out."""
 
-    def __init__(self, editor: Editor) -> None:
+    def __init__(self, editor: Editor[Constraint]) -> None:
         super().__init__("Activation")
         self._editor = editor
         self._start = editor.bind(self._seconds("Start"), self._set_start)
@@ -20,7 +22,7 @@ class ActivationSection(Section):
         self._ease_in = editor.bind(self._seconds("Ease in"), self._set_ease_in)
         self._ease_out = editor.bind(self._seconds("Ease out"), self._set_ease_out)
         self._shape = Segments("Shape", [(shape, shape.value) for shape in EaseShape])
-        self._shape.chosen.connect(self._set_shape)
+        self._shape.value_chosen.connect(self._set_shape)
         self.add_row("From · to  s", self._start, self._end)
         self.add_row("Ease  s", self._ease_in, self._ease_out)
         self.add_row("Shape", self._shape)
@@ -41,7 +43,7 @@ class ActivationSection(Section):
     def _change(self, what: str, **times: float) -> None:
         editor = self._editor
         editor.put(
-            lambda: replace(editor.entity, activation=replace(editor.entity.activation, **times)),
+            lambda: replace(editor.entity, activation=with_fields(editor.entity.activation, **times)),
             f"{what} of {editor.entity.name}",
         )
 

@@ -1,11 +1,10 @@
 """The form of a restricted area: its shape, place and size, and which side is allowed."""
 
 import math
-from typing import Any
 
 from PySide6.QtWidgets import QCheckBox
 
-from studio.core.constraints.area import AreaShape
+from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.panels.constraint_editors.common import ConstraintEditor
 from studio.panels.constraint_editors.target_rows import NumberRows, TargetRows
 from studio.panels.constraint_editors.vector_row import VectorRow
@@ -32,16 +31,16 @@ LEAST_AREA_SIZE = 0.001
 AREA_UP, METRE_SIZE = (0.0, 0.0, 1.0), (1.0, 1.0, 1.0)
 
 
-class AreaEditor(ConstraintEditor):
+class AreaEditor(ConstraintEditor[AreaConstraint]):
     """Only the numbers that the shape uses are shown."""
 
     def add_kind_rows(self, section: Section) -> None:
         """Shape, side, centre, size, heading."""
         self._shape = Choice("Shape", SHAPE_CHOICES)
-        self._shape.chosen.connect(self._set_shape)
+        self._shape.value_chosen.connect(self._set_shape)
         section.add_row("Shape", self._shape)
         self._side = Segments("Point stays", [("outside", "Outside"), ("inside", "Inside"), ("on", "On it")])
-        self._side.chosen.connect(self._set_side)
+        self._side.value_chosen.connect(self._set_side)
         section.add_row("Stays", self._side)
         self._whole = QCheckBox("whole limbs and trunk")
         self._whole.setAccessibleName("Keeps arms, legs and trunk out, not the point alone")
@@ -87,7 +86,7 @@ class AreaEditor(ConstraintEditor):
     def _set_centre(self, place: tuple[float, ...]) -> None:
         self._source.put(place, f"Move {self.entity.name}")
 
-    def _set(self, verb: str, **values: Any) -> None:
+    def _set(self, verb: str, **values: object) -> None:
         self.change(f"{verb} {self.entity.name}", **values)
 
     def _set_whole(self, whole: bool) -> None:

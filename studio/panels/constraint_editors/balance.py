@@ -2,7 +2,7 @@
 
 from PySide6.QtWidgets import QCheckBox
 
-from studio.core.constraints.balance import Support
+from studio.core.constraints.balance import BalanceConstraint, Support
 from studio.panels.constraint_editors.common import ConstraintEditor
 from studio.panels.constraint_editors.present import mass_now
 from studio.panels.constraint_editors.target_rows import TargetRows
@@ -14,7 +14,7 @@ BALANCE_STEP = 0.01
 WIDEST_MARGIN = 10.0
 
 
-class BalanceEditor(ConstraintEditor):
+class BalanceEditor(ConstraintEditor[BalanceConstraint]):
     """The motion's own place, a given one, or the soles that stand."""
 
     has_point = False
@@ -24,7 +24,7 @@ class BalanceEditor(ConstraintEditor):
         self._mode = Segments(
             "Centre of mass", [(OWN_BALANCE, "Source path"), (PLACE_BALANCE, "Target"), (SUPPORT_BALANCE, "Support")]
         )
-        self._mode.chosen.connect(self._set_mode)
+        self._mode.value_chosen.connect(self._set_mode)
         section.add_row("Centre of mass over", self._mode)
         self._source = TargetRows(self, section, "place")
         self._place = VectorRow(self, section, "Place", self._set_place)

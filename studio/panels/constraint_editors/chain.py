@@ -6,6 +6,7 @@ from dataclasses import replace
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QWidget
 
 from studio.core.body.canonical import BodyPart
+from studio.core.changed_records import with_fields
 from studio.core.constraints.base import CHAIN_LINKS, Constraint
 from studio.panels.constraint_editors.body_figure import BodyFigure
 from studio.panels.constraint_editors.segment_weights import SegmentWeights, weight_field
@@ -54,7 +55,7 @@ def _both(*bones: str) -> tuple[BodyPart, ...]:
 class ChainSection(Section):
     """Click a segment to lock or free it; the numbers beside say how freely it moves."""
 
-    def __init__(self, editor: Editor) -> None:
+    def __init__(self, editor: Editor[Constraint]) -> None:
         super().__init__("Chain")
         self._editor = editor
         self._figure = BodyFigure()
@@ -97,7 +98,9 @@ class ChainSection(Section):
             self._weights[link].setAccessibleName(f"Weight of {words}")
             self._weights[link].show_value(getattr(chain, link))
         weights = {segment: getattr(chain, link) for link, many in parts.items() for segment in many}
-        own = {segment: weight for segment, weight in chain.segments if segment != BodyPart.PELVIS}
+        own: dict[BodyPart, float] = {
+            segment: weight for segment, weight in chain.segments if segment != BodyPart.PELVIS
+        }
         self._figure.show_weights(
             {segment: own.get(segment, weight) for segment, weight in weights.items()}, constraint.point
         )
@@ -110,7 +113,7 @@ class ChainSection(Section):
         editor = self._editor
         words = link_words(editor.entity.point.part)[link].lower()
         editor.put(
-            lambda: replace(editor.entity, chain=replace(editor.entity.chain, **{link: weight})),
+            lambda: replace(editor.entity, chain=with_fields(editor.entity.chain, **{link: weight})),
             f"Set weight of {words} for {editor.entity.name}",
         )
 

@@ -2,14 +2,14 @@
 
 from dataclasses import replace
 
-from studio.core.constraints.clear import Arms
+from studio.core.constraints.clear import Arms, ClearConstraint
 from studio.panels.constraint_editors.common import CENTIMETRE, ConstraintEditor
 from studio.panels.fields import NumberField, Section, Segments, labelled
 
 ARM_CHOICES = ((Arms.BOTH, "Both"), (Arms.LEFT, "Left"), (Arms.RIGHT, "Right"))
 
 
-class ClearEditor(ConstraintEditor):
+class ClearEditor(ConstraintEditor[ClearConstraint]):
     """No point and no chain: it is about whole arms and moves nothing else."""
 
     has_point = has_chain = False
@@ -18,13 +18,13 @@ class ClearEditor(ConstraintEditor):
     def add_kind_rows(self, section: Section) -> None:
         """Add the rows of arms, margin and the parts that may move."""
         self._arms = Segments("Arms", ARM_CHOICES)
-        self._arms.chosen.connect(lambda arms: self.change(f"Choose arms of {self.entity.name}", arms=arms))
+        self._arms.value_chosen.connect(lambda arms: self.change(f"Choose arms of {self.entity.name}", arms=arms))
         section.add_row("Arms", self._arms)
         self._margin = self.bind(NumberField("Margin", "cm", 0.0, 50.0, 0.5, 1), self._set_margin)
         self._margin.setToolTip("Room that is left even where the actor touches its body, as for thick clothes")
         section.add_row("Margin", self._margin)
         self._gives = Segments("May move", [(True, "Wrist, elbow"), (False, "Elbow")])
-        self._gives.chosen.connect(self._set_gives)
+        self._gives.value_chosen.connect(self._set_gives)
         section.add_row("May move", self._gives)
         section.add_wide(labelled("Where the actor touches its own body, this body touches itself too.", "hint"))
 

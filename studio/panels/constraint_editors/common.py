@@ -2,11 +2,12 @@
 
 from dataclasses import replace
 from functools import partial
+from typing import Generic, TypeVar
 
 from PySide6.QtWidgets import QCheckBox, QLineEdit
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.base import BodyPoint
+from studio.core.constraints.base import BodyPoint, Constraint
 from studio.core.constraints.scope import Scope
 from studio.core.constraints.target import is_moving
 from studio.document.document import Document
@@ -28,7 +29,10 @@ def point_choices() -> list[tuple[object, str]]:
     return [(point, name.capitalize()) for point, name in POINT_NAMES.items()]
 
 
-class ConstraintEditor(Editor):
+ConstraintT_co = TypeVar("ConstraintT_co", bound=Constraint, covariant=True)
+
+
+class ConstraintEditor(Editor[ConstraintT_co], Generic[ConstraintT_co]):
     """A constraint of any kind; a kind adds its own rows in ``add_kind_rows``."""
 
     has_point = True
@@ -71,7 +75,7 @@ class ConstraintEditor(Editor):
     def _add_point(self) -> None:
         self._point = Choice("Point", point_choices())
         self._point.setToolTip("The point of the body. You can also click a joint in the 3D view and press C.")
-        self._point.chosen.connect(self._set_point)
+        self._point.value_chosen.connect(self._set_point)
         caption = self._section.add_row("Point", self._point)
         self._offset = [
             self.bind(
@@ -138,7 +142,7 @@ class ConstraintEditor(Editor):
         self.change(f"Choose point of {self.entity.name}", point=point)
 
     def _set_offset(self, axis: int, centimetres: float) -> None:
-        offset = list(self.entity.point.offset)
-        offset[axis] = centimetres * CENTIMETRE
-        point = replace(self.entity.point, offset=tuple(offset))
+        point = self.entity.point
+        x, y, z = (centimetres * CENTIMETRE if k == axis else each for k, each in enumerate(point.offset))
+        point = replace(point, offset=(x, y, z))
         self.change(f"Move point of {self.entity.name}", point=point)

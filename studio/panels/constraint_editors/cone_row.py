@@ -2,6 +2,8 @@
 
 import math
 
+from studio.core.constraints.parallel import ParallelConstraint
+from studio.core.constraints.upright import UprightConstraint
 from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section
 
@@ -12,7 +14,7 @@ CONE_LABEL = "Max. angle"
 class ConeRow:
     """The field ``cone`` of a constraint, in degrees; 0 holds the axis exactly."""
 
-    def __init__(self, editor: Editor, section: Section, tip: str) -> None:
+    def __init__(self, editor: Editor[ParallelConstraint | UprightConstraint], section: Section, tip: str) -> None:
         self._editor = editor
         self._field = editor.bind(NumberField(CONE_LABEL, "°", 0.0, WIDEST_CONE, 1.0, 1), self._set)
         self._field.setToolTip(tip)

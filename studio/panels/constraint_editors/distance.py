@@ -2,6 +2,7 @@
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
+from studio.core.constraints.distance import DistanceConstraint
 from studio.engine.point_names import point_words
 from studio.panels.constraint_editors.common import ConstraintEditor, point_choices
 from studio.panels.constraint_editors.present import place_now
@@ -12,7 +13,7 @@ from studio.panels.fields import Choice, NumberField, Section
 OUTSIDE = None
 
 
-class DistanceEditor(ConstraintEditor):
+class DistanceEditor(ConstraintEditor[DistanceConstraint]):
     """Metres, and the other end: a point of the body or a place outside."""
 
     def add_kind_rows(self, section: Section) -> None:
@@ -21,7 +22,7 @@ class DistanceEditor(ConstraintEditor):
         self._length = NumberRows(self, section, "distance")
         section.add_row("Distance", self._distance, self._length.keyed)
         self._other = Choice("Distance from", [(OUTSIDE, "A place outside"), *point_choices()])
-        self._other.chosen.connect(self._set_other)
+        self._other.value_chosen.connect(self._set_other)
         section.add_row("From", self._other)
         self._source = TargetRows(self, section, "other")
         self._place = VectorRow(self, section, "Place", self._set_place)

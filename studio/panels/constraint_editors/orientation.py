@@ -1,12 +1,13 @@
 """Form of an orientation constraint: the target rotation of the segment, as three angles."""
 
+from studio.core.constraints.orientation import OrientationConstraint
 from studio.panels.constraint_editors.common import ConstraintEditor
 from studio.panels.constraint_editors.target_rows import TargetRows
 from studio.panels.fields import Section
 from studio.panels.rotation_row import RotationRow
 
 
-class OrientationEditor(ConstraintEditor):
+class OrientationEditor(ConstraintEditor[OrientationConstraint]):
     """Degrees about the X, Y and Z axes of the motion's space."""
 
     def add_kind_rows(self, section: Section) -> None:

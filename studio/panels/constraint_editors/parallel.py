@@ -4,6 +4,7 @@ from PySide6.QtWidgets import QPushButton
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
+from studio.core.constraints.parallel import ParallelConstraint
 from studio.panels.constraint_editors.common import ConstraintEditor
 from studio.panels.constraint_editors.cone_row import ConeRow
 from studio.panels.constraint_editors.present import turn_now
@@ -11,13 +12,13 @@ from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.fields import Choice, Section, labelled
 
 
-class ParallelEditor(ConstraintEditor):
+class ParallelEditor(ConstraintEditor[ParallelConstraint]):
     """A segment, an axis of each, and a cone in degrees."""
 
     def add_kind_rows(self, section: Section) -> None:
         """Add the rows, and a button that takes the other axis from the pose at the playhead."""
         self._other = Choice("Parallel to", [(part, part.label.capitalize()) for part in BodyPart])
-        self._other.chosen.connect(self._set_other)
+        self._other.value_chosen.connect(self._set_other)
         section.add_row("Parallel to", self._other)
         self._cone = ConeRow(self, section, "Largest angle between both axes: 0 holds them parallel")
         self._axis = VectorRow(self, section, "Axis", self._set_axis, unit="")

@@ -1,12 +1,14 @@
 """Form of a position constraint: the target of the point."""
 
+from studio.core.constraints.look_at import LookAtConstraint
+from studio.core.constraints.position import PositionConstraint
 from studio.panels.constraint_editors.common import ConstraintEditor
 from studio.panels.constraint_editors.target_rows import TargetRows
 from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.fields import Section
 
 
-class PositionEditor(ConstraintEditor):
+class PositionEditor(ConstraintEditor[PositionConstraint | LookAtConstraint]):
     """Form of a position constraint: its target, and the target's current position in metres."""
 
     def add_kind_rows(self, section: Section) -> None:

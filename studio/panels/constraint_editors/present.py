@@ -3,13 +3,13 @@
 import numpy as np
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.base import BodyPoint, Vector
+from studio.core.constraints.base import BodyPoint, Constraint, Vector
 from studio.engine.moments import TargetContext
 from studio.engine.performance import posed_performers
 from studio.panels.editor import Editor
 
 
-def moment_now(editor: Editor) -> TargetContext | None:
+def moment_now(editor: Editor[Constraint]) -> TargetContext | None:
     """The active performer at the playhead, among all others; None while nobody performs."""
     document = editor.document
     posed = posed_performers(document.project, editor.live.result, document.playhead.time)
@@ -17,7 +17,7 @@ def moment_now(editor: Editor) -> TargetContext | None:
     return None if pose is None else TargetContext(document.project, posed, pose)
 
 
-def place_now(editor: Editor, point: BodyPoint) -> Vector | None:
+def place_now(editor: Editor[Constraint], point: BodyPoint) -> Vector | None:
     """Position of a point of the body, metres in the motion's space; None while nobody performs."""
     from studio.core.solver.adapt import place_of  # not before a result is there: it loads kernels
 
@@ -25,7 +25,7 @@ def place_now(editor: Editor, point: BodyPoint) -> Vector | None:
     return None if moment is None else _vector(place_of(point, moment.pose.motion)[moment.pose.row])
 
 
-def mass_now(editor: Editor) -> Vector | None:
+def mass_now(editor: Editor[Constraint]) -> Vector | None:
     """Position of the body's centre of mass, as ``place_now``."""
     from studio.core.quality.metrics import centre_of_mass  # as above
 
@@ -33,7 +33,7 @@ def mass_now(editor: Editor) -> Vector | None:
     return None if moment is None else _vector(centre_of_mass(moment.pose.motion)[moment.pose.row])
 
 
-def turn_now(editor: Editor, part: BodyPart) -> np.ndarray | None:
+def turn_now(editor: Editor[Constraint], part: BodyPart) -> np.ndarray | None:
     """Rotation matrix (3, 3) of a segment in the motion's space; None while nobody performs."""
     moment = moment_now(editor)
     if moment is None:

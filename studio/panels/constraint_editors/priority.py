@@ -4,6 +4,7 @@ from PySide6.QtCore import QSignalBlocker, QSize, Qt
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QAbstractItemView, QCheckBox, QListWidget, QListWidgetItem
 
+from studio.core.constraints.base import Constraint
 from studio.core.errors import StudioError
 from studio.document.priorities import put_priorities, ties_of, ties_with_moved
 from studio.panels.editor import Editor
@@ -34,7 +35,7 @@ class OrderList(QListWidget):
 class PrioritySection(Section):
     """The first is kept exactly before anything is spent on the second."""
 
-    def __init__(self, editor: Editor) -> None:
+    def __init__(self, editor: Editor[Constraint]) -> None:
         super().__init__("Priority")
         self._editor = editor
         self._list = OrderList()
@@ -107,7 +108,7 @@ class PrioritySection(Section):
         try:
             put_priorities(self._editor.document, order, ties, text)
         except StudioError as error:
-            self._editor.document.problem.emit(f"{error}")
+            self._editor.document.problem_reported.emit(f"{error}")
             self.refresh()
 
     def _set_weight(self, weight: float) -> None:

@@ -1,14 +1,15 @@
 """The numbers of a place that moves by a rule: rows of the form of a constraint or a prop."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
+from studio.core.changed_records import with_fields
 from studio.core.constraints.base import Vector
 from studio.core.constraints.procedural import CirclePlace, NoisePlace, PendulumPlace, ProceduralPlace
+from studio.core.constraints.target import Place
 from studio.panels.constraint_editors.vector_row import VectorRow
-from studio.panels.editor import Editor
+from studio.panels.editor import Editor, Named
 from studio.panels.fields import NumberField, Section
 
 RULES = (
@@ -57,7 +58,7 @@ _NUMBERS = (
 class ProceduralRows:
     """The rows of whichever rule the value ``field`` of the entity has; none where it has no rule."""
 
-    def __init__(self, editor: Editor, section: Section, field: str) -> None:
+    def __init__(self, editor: Editor[Named], section: Section, field: str) -> None:
         self._editor, self._field = editor, field
         self._rows = []
         for number in _NUMBERS:
@@ -67,8 +68,9 @@ class ProceduralRows:
         self._reach.set_least(0.0)
 
     @property
-    def _place(self) -> Any:
-        return getattr(self._editor.entity, self._field)
+    def _place(self) -> Place:
+        place: Place = getattr(self._editor.entity, self._field)
+        return place
 
     def refresh(self) -> None:
         """Show the numbers that there are."""
@@ -88,6 +90,8 @@ class ProceduralRows:
         own = round(value) if number.name == "seed" else value * number.size
         self._put(number.label, **{number.name: own})
 
-    def _put(self, label: str, **values: Any) -> None:
-        place = replace(self._place, **values)
+    def _put(self, label: str, **values: object) -> None:
+        place = self._place
+        assert isinstance(place, ProceduralPlace)
+        place = with_fields(place, **values)
         self._editor.change(f"{label} of the way of {self._editor.entity.name}", **{self._field: place})

@@ -1,21 +1,19 @@
 """Form of a rail constraint: line or plane, its centre, direction and length."""
 
-from typing import Any
-
-from studio.core.constraints.rail import RailShape
+from studio.core.constraints.rail import RailConstraint, RailShape
 from studio.panels.constraint_editors.common import ConstraintEditor
 from studio.panels.constraint_editors.target_rows import TargetRows
 from studio.panels.constraint_editors.vector_row import VECTOR_LIMIT, VectorRow
 from studio.panels.fields import NumberField, Section, Segments
 
 
-class RailEditor(ConstraintEditor):
+class RailEditor(ConstraintEditor[RailConstraint]):
     """A plane has a normal where a line has a direction and a length."""
 
     def add_kind_rows(self, section: Section) -> None:
         """Add the rows of shape, centre, direction and length."""
         self._shape = Segments("Point slides on", [(RailShape.LINE, "Line"), (RailShape.PLANE, "Plane")])
-        self._shape.chosen.connect(lambda shape: self._set("Choose shape of", shape=shape))
+        self._shape.value_chosen.connect(lambda shape: self._set("Choose shape of", shape=shape))
         section.add_row("Slides on", self._shape)
         self._source = TargetRows(self, section, "centre")
         self._centre = VectorRow(
@@ -45,7 +43,7 @@ class RailEditor(ConstraintEditor):
         if now is not None:
             self._centre.show_values(now)
 
-    def _set(self, verb: str, **values: Any) -> None:
+    def _set(self, verb: str, **values: object) -> None:
         self.change(f"{verb} {self.entity.name}", **values)
 
     def _set_direction(self, direction: tuple[float, ...]) -> None:

@@ -1,6 +1,6 @@
 """Weights of single segments, which stand in place of those of their group: a list to add to and to take from."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
 
@@ -34,7 +34,7 @@ def weighable(constraint: Constraint) -> tuple[BodyPart, ...]:
 class SegmentWeights(QWidget):
     """A row for each segment with a weight of its own, and a list of those that may get one."""
 
-    def __init__(self, editor: Editor) -> None:
+    def __init__(self, editor: Editor[Constraint]) -> None:
         super().__init__()
         self._editor = editor
         self._rows: dict[BodyPart, tuple[QLabel, NumberField, QPushButton]] = {}
@@ -55,7 +55,7 @@ class SegmentWeights(QWidget):
         self._add = Choice("Segment to weigh", ())
         self._add.setPlaceholderText("Add segment weight…")
         self._add.setToolTip("Give one segment a weight of its own. The abdomen is all of the spine below the thorax.")
-        self._add.chosen.connect(self._give)
+        self._add.value_chosen.connect(self._give)
         grid.addWidget(self._add, len(SINGLE), 0, 1, 3)
 
     def refresh(self) -> None:
@@ -90,11 +90,11 @@ class SegmentWeights(QWidget):
             f"Remove own weight of {part.label.lower()}",
         )
 
-    def _change(self, segments: Callable[[Chain], object], text: str) -> None:
+    def _change(self, segments: Callable[[Chain], Iterable[tuple[BodyPart, float]]], text: str) -> None:
         editor = self._editor
 
-        def made() -> object:
+        def made() -> Constraint:
             chain = editor.entity.chain
-            return replace(editor.entity, chain=replace(chain, segments=tuple(segments(chain))))  # type: ignore[arg-type]
+            return replace(editor.entity, chain=replace(chain, segments=tuple(segments(chain))))
 
         editor.put(made, f"{text} for {editor.entity.name}")

@@ -2,25 +2,26 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from PySide6.QtWidgets import QCheckBox
 
 from studio.core.body.canonical import BodyPart
 from studio.core.captures.capture import Capture
-from studio.core.constraints.base import BodyPoint
+from studio.core.changed_records import with_fields
+from studio.core.constraints.base import BodyPoint, Constraint
 from studio.core.constraints.follow import Follow, FollowBody, FollowPerformer, FollowProp, FollowTracked
 from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.procedural import ProceduralPlace
-from studio.core.constraints.target import own_place_of, with_own_place
+from studio.core.constraints.target import Place, Turn, own_place_of, with_own_place
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
 from studio.engine.moments import TargetContext
 from studio.engine.performance import motion_time, stage_time
 from studio.engine.point_names import POINT_NAMES, point_words
 from studio.panels.constraint_editors.present import moment_now
 from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled
-from studio.panels.editor import Editor
+from studio.panels.editor import Editor, Named
 from studio.panels.fields import Choice, Section, labelled, press_button, short
 
 FIXED_KIND, KEYED_KIND = "fixed", Keys.kind
@@ -54,20 +55,20 @@ WRISTS = (BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True), BodyPoint(BodyPart.LEF
 class TargetRows:
     """Rows for the kind of a constraint's value ``field``; the editor shows its current numbers in a row of its own."""
 
-    def __init__(self, editor: Editor, section: Section, field: str, turns: bool = False) -> None:
+    def __init__(self, editor: Editor[Constraint], section: Section, field: str, turns: bool = False) -> None:
         self._editor, self._field, self._turns = editor, field, turns
         self._kind = Choice("Target is", [kind for kind in PLACE_KINDS if not turns or kind not in ONLY_PLACES])
-        self._kind.chosen.connect(self._choose)
+        self._kind.value_chosen.connect(self._choose)
         self._kind_caption = section.add_row("Target is", self._kind)
         self._thing = Choice("Follows", ())
-        self._thing.chosen.connect(self._choose_thing)
+        self._thing.value_chosen.connect(self._choose_thing)
         self._thing_caption = section.add_row("Follows", self._thing)
         self._point = Choice("Point followed", [(point, name.capitalize()) for point, name in POINT_NAMES.items()])
-        self._point.chosen.connect(self._choose_point)
+        self._point.value_chosen.connect(self._choose_point)
         self._point_caption = section.add_row("Its point", self._point)
         self._spot = Choice("Place on the prop", SPOTS)
         self._spot.setToolTip("Where on the prop, whatever its size; the offset counts from there.")
-        self._spot.chosen.connect(self._choose_spot)
+        self._spot.value_chosen.connect(self._choose_spot)
         self._spot_caption = section.add_row("Its place", self._spot)
         self._awaits = QCheckBox("Anticipate target")
         self._awaits.setToolTip(
@@ -147,7 +148,7 @@ class TargetRows:
         self._rule.refresh()
         self._keys.refresh(known)
 
-    def _show_apart(self, target: Any) -> None:
+    def _show_apart(self, target: Place) -> None:
         """Show the box of the active character's own offset if targets are per character; tick it if there is one."""
         document = self._editor.document
         performer = document.project.performers.get(document.active_performer_id or "")
@@ -172,7 +173,7 @@ class TargetRows:
         """Count keys or a rule from each character's own position, or have one position for all."""
         editor = self._editor
         text = f"{'Per character' if each else 'Shared'}: {editor.entity.name}"
-        editor.put(lambda: replace(editor.entity, **{self._field: self._counted(each)}), text)
+        editor.put(lambda: with_fields(editor.entity, **{self._field: self._counted(each)}), text)
 
     def _counted(self, each: bool) -> KeyedPlace | KeyedOwnPlace | ProceduralPlace:
         """The keys or the rule per character or shared, with the active character's position of now kept."""
@@ -213,39 +214,41 @@ class TargetRows:
             return
         editor, things = self._editor, self._things(kind)
         if kind in (FollowProp.kind, FollowPerformer.kind) and not things:
-            editor.document.problem.emit("There is no prop on the stage. Add one with Prop > Add box, then choose it.")
+            editor.document.problem_reported.emit(
+                "There is no prop on the stage. Add one with Prop > Add box, then choose it."
+            )
             self.refresh()
             return
         text = f"{dict(PLACE_KINDS)[kind]}: {editor.entity.name}"
-        editor.put(lambda: replace(editor.entity, **{self._field: self._first(kind, things)}), text)
+        editor.put(lambda: with_fields(editor.entity, **{self._field: self._first(kind, things)}), text)
 
-    def _first(self, kind: str, things: Sequence[tuple[Any, str]]) -> Any:
+    def _first(self, kind: str, things: Sequence[tuple[Any, str]]) -> Place | Turn:
         """First target of another kind, placed where the old one is now if possible."""
-        editor, own, now = self._editor, self._editor.entity.point, self.now()
+        editor, point, now = self._editor, self._editor.entity.point, self.now()
         moment = moment_now(editor)
         match kind:
             case FollowBody.kind:
-                return FollowBody(next(point for point in WRISTS if point.part != own.part))
+                return FollowBody(next(wrist for wrist in WRISTS if wrist.part != point.part))
             case FollowPerformer.kind:
                 others = [key for key, _ in things if key != editor.document.active_performer_id]
-                return FollowPerformer((others or [things[0][0]])[0], own)
+                return FollowPerformer((others or [things[0][0]])[0], point)
             case FollowProp.kind:
                 return self._attached(FollowProp(things[0][0]), now, moment)
             case FollowTracked.kind:
                 capture = self._capture()
                 parts = capture.body_map.parts if capture.body_map else {}
-                return FollowTracked(capture.skeleton.names[parts.get(own.part, 0)])
+                return FollowTracked(capture.skeleton.names[parts.get(point.part, 0)])
         now = self._known_now()
         if kind == FIXED_KIND:
-            return now
+            return cast(Place | Turn, now)
         if kind == OWN_KIND:
             return self._own_place(now)
-        own = self._own_place(now) if self._is_per_character else None
+        origin = self._own_place(now) if self._is_per_character else None
         if kind in dict(RULES):
-            return ruled(kind, _full(now)) if own is None else replace(ruled(kind, (0.0, 0.0, 0.0)), origin=own)
+            return ruled(kind, _full(now)) if origin is None else replace(ruled(kind, (0.0, 0.0, 0.0)), origin=origin)
         seconds = self._known_moment().pose.seconds
-        if own is not None:
-            return own.keyed(seconds)
+        if origin is not None:
+            return origin.keyed(seconds)
         return (KeyedTurn if self._turns else KeyedPlace)((seconds,), (_full(now),))
 
     @property
@@ -265,7 +268,7 @@ class TargetRows:
             raise ValueError("No body plays anything yet, so there is no time for a key.")
         return moment
 
-    def _own_place(self, now: Any) -> OwnPlace:
+    def _own_place(self, now: tuple[float, ...]) -> OwnPlace:
         """Per-character position that is at ``now`` on the active character: the old one where there is one.
 
         A new one counts from the followed point of the body at the playhead; else from the constrained one there, or
@@ -284,17 +287,18 @@ class TargetRows:
             raise ValueError("Where each body has it is not known yet. Wait until the bodies are adapted.")
         return own
 
-    def _attached(self, follow: FollowProp, now: Any, moment: TargetContext | None) -> Any:
+    def _attached(self, follow: FollowProp, now: Any, moment: TargetContext | None) -> Place | Turn:
         """Target that follows a prop from where it is now."""
         if now is None or moment is None:
             return follow
-        held = replace(self._editor.entity, **{self._field: follow})
+        held = with_fields(self._editor.entity, **{self._field: follow})
         moved = moment.with_target_rotation(held, now) if self._turns else moment.moved(held, _full(now))
-        return getattr(moved, self._field)
+        result: Place | Turn = getattr(moved, self._field)
+        return result
 
     def _choose_thing(self, thing: str) -> None:
         name = next(name for name in _THINGS if hasattr(self.target, name))
-        self._change(replace(self.target, **{name: thing}), "Choose what it follows")
+        self._change(with_fields(self.target, **{name: thing}), "Choose what it follows")
 
     def _choose_point(self, choice: tuple[BodyPart, bool]) -> None:
         self._change(replace(self.target, point=BodyPoint(choice[0], at_end=choice[1])), "Choose point that it follows")
@@ -302,14 +306,14 @@ class TargetRows:
     def _choose_spot(self, share: tuple[float, float, float]) -> None:
         self._change(replace(self.target, share=share, offset=(0.0, 0.0, 0.0)), "Choose place on the prop")
 
-    def _change(self, target: Any, text: str) -> None:
+    def _change(self, target: Place | Turn, text: str) -> None:
         self._editor.change(f"{text}: {self._editor.entity.name}", **{self._field: target})
 
 
 class KeyRow:
     """Row with the number of the key at the playhead, and buttons to go to the next one, to set and to delete one."""
 
-    def __init__(self, editor: Editor, section: Section, field: str) -> None:
+    def __init__(self, editor: Editor[Named], section: Section, field: str) -> None:
         self._editor, self._field = editor, field
         self._words = labelled("", "value")
         self._words.setAccessibleName("Keys")
@@ -385,7 +389,7 @@ class KeyRow:
 class NumberRows:
     """Rows of a number that may be keyed: a box to key it, and its keys."""
 
-    def __init__(self, editor: Editor, section: Section, field: str) -> None:
+    def __init__(self, editor: Editor[Named], section: Section, field: str) -> None:
         self._editor, self._field = editor, field
         self.keyed = QCheckBox("keyed")
         self.keyed.setAccessibleName(f"{field.capitalize()} is keyed over time")
@@ -427,6 +431,6 @@ def _kind_of(target: object) -> str | None:
 _THINGS = ("performer_id", "prop_id", "joint")
 
 
-def _full(numbers: tuple[float, ...]) -> Any:
-    """Position (x, y, z): one on the ground (x, y) gets height 0."""
+def _full(numbers: Sequence[float]) -> Any:
+    """Position (x, y, z): one on the ground (x, y) gets height 0; a rotation as it is."""
     return (*numbers, 0.0) if len(numbers) == 2 else numbers

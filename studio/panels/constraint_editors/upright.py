@@ -2,6 +2,7 @@
 
 from PySide6.QtWidgets import QPushButton
 
+from studio.core.constraints.upright import UprightConstraint
 from studio.panels.constraint_editors.common import ConstraintEditor
 from studio.panels.constraint_editors.cone_row import ConeRow
 from studio.panels.constraint_editors.present import turn_now
@@ -9,7 +10,7 @@ from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.fields import Section, labelled
 
 
-class UprightEditor(ConstraintEditor):
+class UprightEditor(ConstraintEditor[UprightConstraint]):
     """A cone in degrees, the way it opens, and the axis of the segment that stays in it."""
 
     def add_kind_rows(self, section: Section) -> None:

@@ -17,7 +17,7 @@ class VectorRow:
 
     def __init__(
         self,
-        editor: Editor,
+        editor: Editor[object],
         section: Section,
         label: str,
         put: Callable[[tuple[float, ...]], None],

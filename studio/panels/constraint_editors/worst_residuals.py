@@ -6,10 +6,11 @@ from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
+from studio.core.constraints.base import Constraint
 from studio.core.stage.project import Project
 from studio.document import colours
 from studio.engine.live_interface import Live
-from studio.engine.residuals import Residual, missed_by, unsolved_words, worst_residual
+from studio.engine.residuals import Residual, residuals_on, unsolved_words, worst_residual
 from studio.panels.editor import Editor
 from studio.panels.fields import Section
 
@@ -49,8 +50,10 @@ def residuals_of(project: Project, live: Live, constraint_id: str) -> list[BodyR
         BodyResidual(
             performer.name,
             project.characters[performer.character_id].colour,
-            worst_residual(project, key, live.told(key), constraint_id),
-            unsolved if constraint.enabled and missed_by(project, key, live.told(key), constraint_id) is None else "",
+            worst_residual(project, key, live.reported(key), constraint_id),
+            unsolved
+            if constraint.enabled and residuals_on(project, key, live.reported(key), constraint_id) is None
+            else "",
         )
         for key, performer in project.performers.items()
         if performer.visible
@@ -146,15 +149,15 @@ def short_words_of(residual: BodyResidual) -> str:
 class ResidualSection(Section):
     """Form section of the table of residuals, updated whenever the engine reports new ones."""
 
-    def __init__(self, editor: Editor) -> None:
+    def __init__(self, editor: Editor[Constraint]) -> None:
         super().__init__("Reached")
         self._editor = editor
         self._table = ResidualTable()
         self._table.setAccessibleName("How well it holds on each body")
         self.add_wide(self._table)
-        editor.live.told_changed.connect(self._told_changed)
+        editor.live.reported_changed.connect(self._reported_changed)
 
-    def _told_changed(self) -> None:
+    def _reported_changed(self) -> None:
         if self._editor.entity is not None:
             self._show()
 

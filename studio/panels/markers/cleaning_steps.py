@@ -35,7 +35,7 @@ class StepList(QWidget):
         self.add = Choice("Add a step", list(OFFERED))
         self.add.setPlaceholderText("Add a step")
         self.add.setCurrentIndex(-1)
-        self.add.chosen.connect(self._add)
+        self.add.value_chosen.connect(self._add)
         row.addWidget(self.add)
         row.addStretch(1)
         column.addLayout(row)

@@ -27,7 +27,7 @@ CLICK = 4
 class MarkerCloud(QWidget):
     """Drag to turn it about the vertical; click a marker to choose it."""
 
-    chosen = Signal(str)
+    marker_chosen = Signal(str)
     """A label without subject."""
 
     def __init__(self, trial: Trial, up_axis: str) -> None:
@@ -119,7 +119,7 @@ class MarkerCloud(QWidget):
         label = "" if self._dragged else self.label_at(event.position())
         self._press = None
         if label:
-            self.chosen.emit(label)
+            self.marker_chosen.emit(label)
 
     def leaveEvent(self, _: QEvent) -> None:
         self._under = ""

@@ -29,7 +29,7 @@ _LIMBS: tuple[tuple[tuple[float, float], tuple[float, float], float], ...] = (
 class MarkerFigure(QWidget):
     """Click a place to choose it; its own left is the picture's left, as on the other figures of the studio."""
 
-    chosen = Signal(str)
+    role_chosen = Signal(str)
     """A role."""
 
     def __init__(self) -> None:
@@ -64,7 +64,7 @@ class MarkerFigure(QWidget):
     def mousePressEvent(self, event: QMouseEvent) -> None:
         role = self.role_at(event.position())
         if role:
-            self.chosen.emit(role)
+            self.role_chosen.emit(role)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         under = self.role_at(event.position())

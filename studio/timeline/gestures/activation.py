@@ -1,10 +1,10 @@
 """Drags on a constraint's bar: one of its four times, or all of them."""
 
 from dataclasses import replace
-from typing import Any
 
 from PySide6.QtCore import QPointF
 
+from studio.core.changed_records import with_fields
 from studio.core.constraints.base import Constraint
 from studio.core.curves.activation import ActivationCurve
 from studio.core.curves.keyed import Keys
@@ -29,11 +29,11 @@ def time_of(curve: ActivationCurve, part: ItemPart) -> float:
 def moved(constraint: Constraint, seconds: float, keys_stay: bool) -> Constraint:
     """The constraint with its activation later, and its keys unless they stay."""
     keys = {name: value for name, value in vars(constraint).items() if isinstance(value, Keys) and not keys_stay}
-    changes: dict[str, Any] = {name: value.moved(seconds) for name, value in keys.items()}
-    return replace(constraint, activation=constraint.activation.moved(seconds), **changes)
+    times = {name: value.moved(seconds) for name, value in keys.items()}
+    return with_fields(constraint, activation=constraint.activation.moved(seconds), **times)
 
 
-class DragHandle(EditGesture):
+class DragHandle(EditGesture[Constraint]):
     """Drag one of the four times, within the motion."""
 
     collection = "constraints"
@@ -61,7 +61,7 @@ class DragHandle(EditGesture):
         self.mark = DragHint(subject.to_stage(time), text, caught.caught)
 
 
-class MoveActivation(EditGesture):
+class MoveActivation(EditGesture[Constraint]):
     """Drag the bar: the whole curve moves with its keys, whichever of its times catches.
 
     ``free`` leaves the keys where they are, and catches on nothing.

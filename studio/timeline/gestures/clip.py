@@ -19,7 +19,7 @@ SHORTEST_STRETCH = 1e-6
 """Seconds that a stretched clip lasts at least, before the range of speeds is applied."""
 
 
-class ClipGesture(EditGesture):
+class ClipGesture(EditGesture[Clip]):
     """A drag that edits clips in the rows of all who play them."""
 
     collection = "clips"

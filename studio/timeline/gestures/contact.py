@@ -48,7 +48,7 @@ def contacts_shown(shown: RowContext) -> dict[str, ContactInterval]:
     return shown.project.contacts_for(shown.subject.performer_id, shown.subject.clip)
 
 
-class DragContact(EditGesture):
+class DragContact(EditGesture[ContactInterval]):
     """Drag a contact's body to move it, an end to trim it; it stops at its neighbours."""
 
     collection = "contacts"

@@ -11,7 +11,7 @@ from studio.timeline.shown import ItemPart, RowContext
 from studio.timeline.time_words import moment
 
 
-class DragCorrectionRange(EditGesture):
+class DragCorrectionRange(EditGesture[Correction]):
     """Drag one of the four times of a correction's range."""
 
     collection = "corrections"
@@ -36,7 +36,7 @@ class DragCorrectionRange(EditGesture):
         self.mark = DragHint(caught.time, f"{self.part}  {words}", caught.caught)
 
 
-class MoveCorrection(EditGesture):
+class MoveCorrection(EditGesture[Correction]):
     """Drag the bar: the range moves with its keys; ``free`` leaves the keys where they are."""
 
     collection = "corrections"

@@ -2,10 +2,12 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Generic, TypeVar, cast
 
 from PySide6.QtCore import QPointF, Qt
 
+from studio.core.stage.clip import Clip
+from studio.core.stage.project import Entity
 from studio.timeline.shown import RowContext
 from studio.timeline.snapping import Snapped, beat_times, magnets_of, snapped
 
@@ -36,7 +38,11 @@ class TimelineGesture:
         """Esc: everything as before."""
 
 
-class EditGesture(TimelineGesture):
+EntityT = TypeVar("EntityT", bound=Entity | Clip)
+"""The dragged entity; clips are edited in the rows of their performers."""
+
+
+class EditGesture(TimelineGesture, Generic[EntityT]):
     """A drag that edits an entity, and all of its kind that are selected with it: a single undo step.
 
     Every visible character follows.
@@ -47,11 +53,11 @@ class EditGesture(TimelineGesture):
 
     def __init__(self, shown: RowContext, entity_id: str, press: QPointF) -> None:
         self.shown, self.entity_id = shown, entity_id
-        self.original: Any = shown.project.get(self.collection, entity_id)
+        self.original: EntityT = shown.project.get(self.collection, entity_id)
         selected = shown.document.selection.of(self.collection)
         beside = [key for key in selected if shown.project.get(self.collection, key) is not None]
         ids = beside if entity_id in beside else [entity_id]
-        self.originals: dict[str, Any] = {key: shown.project.get(self.collection, key) for key in ids}
+        self.originals: dict[str, EntityT] = {key: shown.project.get(self.collection, key) for key in ids}
         self.press_time = shown.axis.time_at(press.x())
         self._number = shown.document.new_gesture()
         self._magnets = self._find_magnets()
@@ -61,19 +67,19 @@ class EditGesture(TimelineGesture):
     def words(self) -> str:
         """``Kick target``, or ``2 constraints``."""
         count = len(self.originals)
-        return f"{count} {self.collection}" if count > 1 else self.original.name
+        return f"{count} {self.collection}" if count > 1 else str(getattr(self.original, "name", ""))
 
-    def put(self, entity: Any) -> None:
+    def put(self, entity: EntityT) -> None:
         """Show the entity that was grabbed as the drag makes it."""
         self.put_all(lambda key, each: entity if key == self.entity_id else each)
 
-    def put_all(self, edit: Callable[[str, Any], Any]) -> None:
+    def put_all(self, edit: Callable[[str, EntityT], EntityT]) -> None:
         """Apply the edit of the drag to every dragged entity; removed ones are skipped."""
         document = self.shown.document
         with document.group(self.text, self._number):
             for key, original in self.originals.items():
                 if self.shown.project.get(self.collection, key) is not None:
-                    document.replace_shown(self.collection, key, edit(key, original), self.text)
+                    document.replace_shown(self.collection, key, cast(Entity, edit(key, original)), self.text)
 
     def finish(self) -> None:
         """Let the whole clip be solved."""

@@ -2,13 +2,14 @@
 
 from PySide6.QtCore import QPointF
 
+from studio.core.stage.prop import Prop
 from studio.timeline.gestures.gesture import DragHint, EditGesture
 from studio.timeline.shown import ItemPart, RowContext
 from studio.timeline.time_words import moment
 from studio.timeline.tracks.hold import hold_under
 
 
-class DragHold(EditGesture):
+class DragHold(EditGesture[Prop]):
     """Drag the bar to hold the prop at another time, an end to pick it up or put it down at another moment."""
 
     collection = "props"

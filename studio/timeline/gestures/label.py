@@ -10,7 +10,7 @@ from studio.timeline.shown import ItemPart, RowContext
 from studio.timeline.time_words import moment
 
 
-class DragLabel(EditGesture):
+class DragLabel(EditGesture[Label]):
     """Drag a label to another frame of the motion, or an end of its stretch to trim it."""
 
     collection = "labels"

@@ -4,12 +4,13 @@ from dataclasses import replace
 
 from PySide6.QtCore import QPointF
 
+from studio.core.stage.sound_track import SoundTrack
 from studio.timeline.gestures.gesture import DragHint, EditGesture
 from studio.timeline.shown import RowContext
 from studio.timeline.time_words import moment
 
 
-class MoveSound(EditGesture):
+class MoveSound(EditGesture[SoundTrack]):
     """Drag the bar of a sound to let it begin at another time."""
 
     collection = "sounds"

@@ -170,7 +170,7 @@ def _paint_strips(painter: QPainter, row: QRect, shown: RowContext, constraint_i
     left, right = (shown.x_of_motion_time(time) for time in (constraint.activation.start, constraint.activation.end))
     for place, body in enumerate(bodies_of(shown, row, constraint_id) if constraint.enabled else ()):
         strip, top = shown.strip(constraint_id, body.performer_id), strip_top(row, place)
-        if not shown.is_asked(constraint_id, body.performer_id):
+        if not shown.applies_to(constraint_id, body.performer_id):
             continue
         if strip is not None:
             paint_strip(painter, shown, strip, left, right, top, body.colour)
@@ -181,7 +181,7 @@ def _paint_strips(painter: QPainter, row: QRect, shown: RowContext, constraint_i
 def bodies_of(shown: RowContext, row: QRect, constraint_id: str) -> tuple[Body, ...]:
     """The bodies whose strips a row shows: all, or folded the one that misses it most, or of which least is known."""
     bodies = tuple(shown.subject.bodies)
-    asked = [body for body in bodies if shown.is_asked(constraint_id, body.performer_id)]
+    asked = [body for body in bodies if shown.applies_to(constraint_id, body.performer_id)]
     if not is_folded(row) or not asked:
         return bodies
 
@@ -204,7 +204,7 @@ def verdict(shown: RowContext, constraint_id: str) -> tuple[str, str]:
     """``Child 42 mm at frame 23`` in the state's colour, that all hold it, or that this is not known."""
     if not shown.project.constraints[constraint_id].enabled:
         return "off", colours.TEXT_THIRD
-    bodies = [body for body in shown.subject.bodies if shown.is_asked(constraint_id, body.performer_id)]
+    bodies = [body for body in shown.subject.bodies if shown.applies_to(constraint_id, body.performer_id)]
     strips = [shown.strip(constraint_id, body.performer_id) for body in bodies]
     unknown = strips.count(None)
     if unknown:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from studio.core.markers.label_words import side_and_part
+from studio.core.markers.label_words import initials_of, side_and_part
 from studio.core.markers.proposing import propose_map
 from studio.core.markers.trial import Trial
 from studio.io.c3d.reader import read_c3d
@@ -26,6 +26,16 @@ from tests.core.markers.made import made_trial
         ("C7", ("", "neck_back")),
         ("L_FLE", ("left", "knee")),
         ("RTHI_3", ("right", "thigh")),
+        ("R_SAE", ("right", "shoulder")),
+        ("LLANK", ("left", "ankle")),
+        ("R_hip_lateral", ("right", "hip")),
+        ("LeftHeelProx", ("left", "heel")),
+        ("foot tip left", ("left", "toe")),
+        ("L_Metatarsal_1", ("left", "inner_toe")),
+        ("R_5th_metatarsal", ("right", "outer_toe")),
+        ("RMAL_L", ("right", "ankle")),
+        ("Right Medial Humeral Epicondyle", ("right", "inner_elbow")),
+        ("LWTS", ("left", "wrist")),
         ("PT07", None),
         ("*12", None),
         ("", None),
@@ -35,6 +45,24 @@ from tests.core.markers.made import made_trial
 )
 def test_words_in_labels_say_side_and_part(label: str, said: tuple[str, str] | None) -> None:
     assert side_and_part(label) == said
+
+
+@pytest.mark.parametrize(
+    ("label", "side", "part"),
+    [
+        ("L.KN", "left", "knee"),
+        ("R.AN", "right", "ankle"),
+        ("LSH", "left", "shoulder"),
+        ("RLEP", "right", "knee"),
+        ("L_lat_epicondyle", "left", "knee"),
+        ("RToe1", "right", "inner_toe"),
+        ("LM5", "left", "outer_toe"),
+    ],
+)
+def test_short_words_stand_for_the_first_place_that_no_other_label_names(label: str, side: str, part: str) -> None:
+    assert side_and_part(label) is None
+    own, parts = initials_of(label)
+    assert (own, parts[0]) == (side, part)
 
 
 def _renamed(names: dict[str, str]) -> Trial:

@@ -24,6 +24,11 @@ class Sole:
     def heel_below_ankle(self, rotation: np.ndarray) -> np.ndarray:
         return rotation @ np.array([-self.heel_length, 0.0, -self.ankle_height])
 
+    def pad_below_ankle(self, rotation: np.ndarray) -> np.ndarray:
+        """Three fifths of the way from the edge of the heel to below the ankle, along the ground."""
+        ahead = rotation[:, 0] * [1.0, 1.0, 0.0]
+        return self.heel_below_ankle(rotation) + 0.6 * self.heel_length * ahead / np.linalg.norm(ahead)
+
     def ball_below_ankle(self, rotation: np.ndarray) -> np.ndarray:
         """The ball's sole hangs straight below the toe joint, for toes lie level."""
         return rotation @ self.foot - np.array([0.0, 0.0, self.ankle_height + self.foot[2]])
@@ -131,7 +136,7 @@ def _planted(
 ) -> dict[int, np.ndarray]:
     """Place on the ground of the ankle in every frame of one contact."""
     to_toe = (feet @ sole.foot)[:, :2]
-    to_heel = np.array([sole.heel_below_ankle(foot)[:2] for foot in feet])
+    to_heel = np.array([sole.pad_below_ankle(foot)[:2] for foot in feet])
     heels = [run for run in stretches(states & HEEL != 0) if run[0] in episode]
     runs = heels or [run for run in stretches(states & TOE != 0) if run[0] in episode]
     longest = max(runs, key=len)

@@ -10,7 +10,7 @@ import numpy as np
 from studio.core.kernels.algebra.medians import geometric_median
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.support.gap_interpolation import interpolate_gaps_smoothly
-from studio.core.kernels.support.sole import HEEL_STANDS, TOE_STANDS, pivot_offsets, sole_height, tip_offset
+from studio.core.kernels.support.sole import HEEL_STANDS, TOE_STANDS, sole_height, stance_offsets, tip_offset
 
 SMALLEST_SIZE = 1.02
 """Size of a growing body, relative to its least in a contact, up to which positions count: those it always reaches."""
@@ -21,9 +21,9 @@ def anchor_ankles(ankles, feet, states, soles, ground, pitches, reach, out_ankle
     """Write ankle targets (F, 3): anchored through every contact, with interpolated corrections in between (METHOD 5).
 
     ``ankles`` (F, 3) as retargeted, ``feet`` (F, 3, 3) corrected; ``ground`` (F,) height under the foot; ``pitches``
-    (F,) of toes that stand on their tips. Each contact has one anchor: the heel's median position in its longest run
-    (the toe's, if no heel stands). Every other pivot is where the foot is when the contact passes from heel to ball or
-    tip, or back, so that nothing jumps. A foot that grows is anchored where it is while it is small.
+    (F,) of toes that stand on their tips. Each contact has one anchor: the median position of the heel's pad in its
+    longest run (of the ball, if no heel stands). Every other pivot is where the foot is when the contact passes from
+    heel to ball or tip, or back, so that nothing jumps. A foot that grows is anchored where it is while it is small.
     """
     count = states.shape[0]
     shift = np.zeros((count, 3))
@@ -67,7 +67,7 @@ def anchor_contact(span, ankles, feet, states, soles, ground, pitches, out_ankle
         sole = soles[frame if soles.shape[0] > 1 else 0]
         if sole[0] - least > (SMALLEST_SIZE - 1.0) * abs(least):
             continue
-        pivot_offsets(feet[frame], sole, offsets)
+        stance_offsets(feet[frame], sole, offsets)
         for axis in range(2):
             reach[count, axis] = offsets[0 if heel else 1, axis] + ankles[frame, axis]
         count += 1
@@ -79,7 +79,7 @@ def anchor_contact(span, ankles, feet, states, soles, ground, pitches, out_ankle
         frame = first
         while begin <= frame < end:
             sole = soles[frame if soles.shape[0] > 1 else 0]
-            pivot_offsets(feet[frame], sole, offsets)
+            stance_offsets(feet[frame], sole, offsets)
             rise = tip_offset(feet[frame], sole, pitches[frame], offsets)
             stands = 2 if pitched or pitches[frame] > 0.0 else 1
             if states[frame] & HEEL_STANDS and previous & HEEL_STANDS:

@@ -11,6 +11,10 @@ from studio.core.kernels.compiling import kernel, small_kernel
 
 TOE_X, TOE_Y, TOE_Z, ANKLE_HEIGHT, SOLE_HEEL_LENGTH, TOE_LENGTH = range(6)
 """The numbers of a ``sole``: ankle to toe joint in foot axes, ankle above the sole, heel behind the ankle, toe."""
+HEEL_PAD = 0.6
+"""Distance from the heel's edge to the middle of its pad, about which a foot turns, as a fraction of the heel's length:
+in 36 captured turns of 13 to 153 degrees the ankle is 2.3 cm ahead of the point that moves least (median).
+"""
 HEEL_STANDS = 1
 TOE_STANDS = 2
 SOLE_STANDS = 3
@@ -89,6 +93,17 @@ def pivot_offsets(rotation, sole, out_offsets):
     toe_offset(rotation, sole, out_offsets[1])
 
 
+@kernel
+def stance_offsets(rotation, sole, out_offsets):
+    """Write the vectors (2, 3) of ``pivot_offsets``, with the heel's on its pad: ahead of its edge, at the edge's
+    height.
+    """
+    pivot_offsets(rotation, sole, out_offsets)
+    ahead = HEEL_PAD * sole[SOLE_HEEL_LENGTH] / max(math.hypot(rotation[0, 0], rotation[1, 0]), 1e-9)
+    for axis in range(2):
+        out_offsets[0, axis] += ahead * rotation[axis, 0]
+
+
 @small_kernel
 def tip_rise(sole, pitch):
     """Rise of the ball over its height in a flat foot, for a toe that points down by ``pitch``."""
@@ -99,7 +114,7 @@ def tip_rise(sole, pitch):
 def tip_offset(rotation, sole, pitch, offsets):
     """``tip_rise`` of a foot; writes the vector from the ankle to the tip into the last of ``offsets`` (3, 3).
 
-    The other offsets are from ``pivot_offsets``.
+    The other offsets are from ``stance_offsets``.
     """
     length, thick = sole[TOE_LENGTH], sole[ANKLE_HEIGHT] + sole[TOE_Z]
     c, s = math.cos(pitch), math.sin(pitch)

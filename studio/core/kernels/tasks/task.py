@@ -9,6 +9,9 @@ States of a task (``status``) at one frame:
     INACTIVE --activation > 0--> ACTIVE --cannot be met beside higher levels--> DROPPED
                                    |
                                    +--in transition, or out of reach in a blend--> IN_TRANSITION
+
+Set by ``targets.set_goals`` (inactive, active), by ``drop_level`` and ``drop_conflicting_tasks`` of ``search.levels``
+(dropped), and in ``time.activation_blend`` and ``time.smoothed_frames`` (in transition).
 """
 
 import numpy as np

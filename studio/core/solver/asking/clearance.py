@@ -53,7 +53,7 @@ def pack_clearance(
     shape = (activations.shape[1], 2, len(PROBES))
     own, displacements = np.zeros(shape), np.zeros((*shape, 3))
     if standing.actor is not None:
-        actor_has = actor_rooms(standing.motion, standing.actor)
+        actor_has = actor_clearances(standing.motion, standing.actor)
         own, displacements = (np.ascontiguousarray(each[window]) for each in actor_has)
     asked = [each for each in clears if isinstance(each, ClearConstraint)]
     target = np.empty((len(asked), *shape))
@@ -96,36 +96,40 @@ def activations_by_tier(activations: FloatArray, clearance: ClearanceArrays) -> 
 def _no_clearance(others: int) -> ClearanceArrays:
     """Arrays without self-collision constraints."""
     volume = BodyVolume(np.empty((0, 2), np.int64), np.empty((0, 2, 3)), np.empty((0, 2)), np.empty(0))
-    none, rooms = np.empty((0, 0)), np.empty((0, 2, len(PROBES)))
+    none, clearances = np.empty((0, 0)), np.empty((0, 2, len(PROBES)))
     above = np.empty((0, others), np.int64)
-    target, displacements, tiers = np.empty((0, *rooms.shape)), np.empty((*rooms.shape, 3)), np.zeros(others, np.int64)
+    target, displacements, tiers = (
+        np.empty((0, *clearances.shape)),
+        np.empty((*clearances.shape, 3)),
+        np.zeros(others, np.int64),
+    )
     arms, freedoms = np.empty((0, 2)), np.empty(0)
     return ClearanceArrays(
-        packed(volume), tiers[:0], target, none, arms, freedoms, above, none, rooms, displacements, tiers
+        packed(volume), tiers[:0], target, none, arms, freedoms, above, none, clearances, displacements, tiers
     )
 
 
-def rooms(adapted: AdaptedMotion) -> FloatArray:
+def clearances(adapted: AdaptedMotion) -> FloatArray:
     """Signed distances (F, 2, 5) in metres from each probe of both arms to the body, negative inside."""
     volume = adapted.volume or usual_volume(adapted.morphology)
-    return rooms_of(adapted.morphology, volume, adapted.positions[:], adapted.rotations[:])[0]
+    return clearances_of(adapted.morphology, volume, adapted.positions[:], adapted.rotations[:])[0]
 
 
 @project_cache(maxsize=8)
-def actor_rooms(motion: NormalizedMotion, actor: Morphology) -> tuple[FloatArray, FloatArray]:
+def actor_clearances(motion: NormalizedMotion, actor: Morphology) -> tuple[FloatArray, FloatArray]:
     """Signed distances of the captured actor, and the outward directions of its body (F, 2, 5, 3)."""
-    return rooms_of(actor, usual_volume(actor), *realize(motion, actor, play=True))
+    return clearances_of(actor, usual_volume(actor), *realize(motion, actor, play=True))
 
 
 @project_cache(maxsize=64)
-def rest_rooms(body: Morphology, volume: BodyVolume) -> FloatArray:
+def rest_clearances(body: Morphology, volume: BodyVolume) -> FloatArray:
     """Signed distances (2, 5) of a body in its rest pose, where a thick arm may be inside."""
     positions, rotations = rest_pose(body)
-    found, _ = rooms_of(body, volume, positions[None], rotations[None])
+    found, _ = clearances_of(body, volume, positions[None], rotations[None])
     return np.asarray(found[0])
 
 
-def rooms_of(
+def clearances_of(
     body: AnyMorphology, volume: BodyVolume, positions: FloatArray, rotations: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Signed distances (F, 2, 5) of posed frames (F, P, 3), (F, S, 3, 3), and outward directions (F, 2, 5, 3)."""

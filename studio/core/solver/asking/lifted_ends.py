@@ -59,20 +59,29 @@ def lift_ends(
     before, solved = (standing.positions[window], standing.rotations[window]), (positions, rotations)
     for side in range(2):
         hand, foot = End(layout.wrist(side), layout.hand(side), 1), End(layout.ankle(side), layout.foot(side), 2)
-        goals = _goals(hand.tip_heights(ground, positions), hand.tip_heights(ground, before[0]), free[side])
-        rises = goals - hand.tip_heights(ground, positions)
-        if rises.any():
-            fingers = positions[:, hand.joint + 1] - positions[:, hand.joint]
-            hand.rotate(tipped(fingers, np.minimum(rises, np.maximum(-fingers[:, 2], 0.0))), *solved)
+        heights = hand.tip_heights(ground, positions)
+        if _may_rise(heights):
+            rises = _goals(heights, hand.tip_heights(ground, before[0]), free[side]) - heights
+            if rises.any():
+                fingers = positions[:, hand.joint + 1] - positions[:, hand.joint]
+                hand.rotate(tipped(fingers, np.minimum(rises, np.maximum(-fingers[:, 2], 0.0))), *solved)
         measures = at_frames(sole_rows(body, side), window)
         heights = heights_of(foot.path(*solved), measures, ground)
+        if not _may_rise(heights):
+            continue
         goals = _goals(heights, heights_of(foot.path(*before), measures, ground), free[2 + side])
-        for _ in range(END_ROTATIONS):
+        for rotated in range(END_ROTATIONS):
+            if rotated:
+                heights = heights_of(foot.path(*solved), measures, ground)
             rises = np.maximum(goals - heights, 0.0)
             if not rises.any():
                 break
             foot.rotate(tipped_about_ankle(foot.path(*solved), measures, heights, rises), *solved)
-            heights = heights_of(foot.path(*solved), measures, ground)
+
+
+def _may_rise(heights: FloatArray) -> bool:
+    """True if any of the ``heights`` (..., F) has a goal of its own, whatever they were before the constraints."""
+    return bool((heights < END_MARGIN).any())
 
 
 def _goals(heights: FloatArray, before: FloatArray, free: FloatArray) -> FloatArray:

@@ -27,10 +27,11 @@ from studio.core.kernels.records import HAND_CONTACT, ActorClearance
 from studio.core.mesh.volume import CAPSULES_OF, BodyVolume, usual_volume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
-from studio.core.normalized.touching import Spots, spots
+from studio.core.normalized.touching import PalmPositions, palm_positions
 from studio.core.project_cache import project_cache
-from studio.core.solver.asking.clearance import actor_rooms, packed, rest_rooms, rooms_of
-from studio.core.solver.standing.blends import LET_GO, SLOWLY_LET_GO, hann_window, release_weight
+from studio.core.runs import runs_of
+from studio.core.solver.asking.clearance import actor_clearances, clearances_of, packed, rest_clearances
+from studio.core.solver.standing.blends import LET_GO, SLOWLY_LET_GO, hann_window, release_weight, smoothstep_array
 from studio.core.solver.standing.body_support import limb_freedom
 
 FloatArray = NDArray[np.float64]
@@ -47,14 +48,14 @@ TOUCH_FADE = 0.01
 
 @dataclass(frozen=True, eq=False)
 class HandBodyContact:
-    """Contact of a hand of a ``side`` with ``capsules`` (M,) of its body: ``firm`` (F,) its weight in [0, 1], ``spots``
-    (F, M, 6) the contact points.
+    """Contact of a hand of a ``side`` with ``capsules`` (M,) of its body: ``firm`` (F,) its weight in [0, 1],
+    ``palm_positions`` (F, M, 6) the contact points.
     """
 
     side: int
     capsules: NDArray[np.int64]
     firm: FloatArray
-    spots: FloatArray
+    palm_positions: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,8 +76,8 @@ class HandContacts:
 class SelfContact:
     """Self-contact of one body: ``gaps`` (F, 3) between wrists and their weights ``firm`` (F,).
 
-    ``rooms`` are the required signed distances (F, 2, 5), the actor's, and its outward directions (F, 2, 5, 3); None
-    where arms may penetrate.
+    ``clearances`` are the required signed distances (F, 2, 5), the actor's, and its outward directions (F, 2, 5, 3);
+    None where arms may penetrate.
     """
 
     body: AnyMorphology
@@ -85,24 +86,24 @@ class SelfContact:
     gaps: FloatArray
     firm: FloatArray
     resting: tuple[HandBodyContact, ...]
-    rooms: tuple[FloatArray, FloatArray, FloatArray] | None
+    clearances: tuple[FloatArray, FloatArray, FloatArray] | None
 
-    def led(self, fractions: FloatArray, positions: FloatArray, rotations: FloatArray) -> "SelfContact":
+    def inertialised(self, fractions: FloatArray, positions: FloatArray, rotations: FloatArray) -> "SelfContact":
         """The same on posed frames (F, P, 3), (F, S, 3, 3) during an inertialised transition, by ``fractions`` (F,).
 
         Contacts are weighted, and arms keep at most the distances of these poses.
         """
-        resting, rooms, led = (
+        resting, clearances, led = (
             tuple(replace(each, firm=fractions * each.firm) for each in self.resting),
-            self.rooms,
+            self.clearances,
             fractions < 1.0,
         )
-        if rooms is not None:
-            target = rooms[0].copy()
-            there, _ = rooms_of(self.body, self.volume, positions[led], rotations[led])
+        if clearances is not None:
+            target = clearances[0].copy()
+            there, _ = clearances_of(self.body, self.volume, positions[led], rotations[led])
             target[led] = np.minimum(target[led], there)
-            rooms = target, *rooms[1:]
-        return replace(self, firm=fractions * self.firm, resting=resting, rooms=rooms)
+            clearances = target, *clearances[1:]
+        return replace(self, firm=fractions * self.firm, resting=resting, clearances=clearances)
 
     @property
     def touches(self) -> bool:
@@ -120,8 +121,12 @@ class SelfContact:
             self,
             gaps=self.gaps[frames],
             firm=self.firm[frames],
-            resting=tuple(replace(each, firm=each.firm[frames], spots=each.spots[frames]) for each in self.resting),
-            rooms=self.rooms and (self.rooms[0][frames], self.rooms[1][frames], self.rooms[2][frames]),
+            resting=tuple(
+                replace(each, firm=each.firm[frames], palm_positions=each.palm_positions[frames])
+                for each in self.resting
+            ),
+            clearances=self.clearances
+            and (self.clearances[0][frames], self.clearances[1][frames], self.clearances[2][frames]),
         )
 
     def as_in(self, parts: "Sequence[SelfContact]") -> "SelfContact":
@@ -130,9 +135,9 @@ class SelfContact:
             np.concatenate(each) for each in zip(*((part.firm, *part._rests) for part in parts), strict=True)
         )
         resting = tuple(replace(each, firm=firm) for each, firm in zip(self.resting, rests, strict=True))
-        target = [part.rooms[0] for part in parts if part.rooms]
-        rooms = self.rooms and (np.concatenate(target), *self.rooms[1:])
-        return replace(self, firm=firm, resting=resting, rooms=rooms)
+        target = [part.clearances[0] for part in parts if part.clearances]
+        clearances = self.clearances and (np.concatenate(target), *self.clearances[1:])
+        return replace(self, firm=firm, resting=resting, clearances=clearances)
 
     @property
     def _rests(self) -> list[FloatArray]:
@@ -140,7 +145,7 @@ class SelfContact:
 
     def around(self, window: slice, looks: int = 1) -> slice:
         """Frames that affect the arms of a ``window`` with so many rounds."""
-        if self.rooms is None:
+        if self.clearances is None:
             return window
         reach = 2 * _fade_frames(self.frame_rate)
         near = self._wider(window, looks * reach)
@@ -150,11 +155,18 @@ class SelfContact:
     def _wider(self, window: slice, frames: int) -> slice:
         return slice(max(window.start - frames, 0), min(window.stop + frames, len(self.firm)))
 
-    def beside(self, acts: FloatArray) -> FloatArray:
-        """Weights (F,) of correcting arms again after ``acts`` (F,) in [0, 1]: spread in time."""
-        half = _fade_frames(self.frame_rate)
-        near = maximum_filter1d(acts, 2 * half + 1, mode="constant")
-        return np.asarray(convolve1d(near, hann_window(half), mode="nearest"))
+    def within(self, acts: NDArray[np.bool_]) -> FloatArray:
+        """Weights (F,) of correcting arms again where constraints act (F,): none at the ends of a run of such frames.
+
+        Frames beside a run stay as they are grounded. A run that is too short for both fades has shorter ones.
+        """
+        weights, fade = np.zeros(len(acts)), 2 * _fade_frames(self.frame_rate)
+        for first, past in runs_of(acts):
+            frames, fades = np.arange(first, past), min(fade, (past - first + 1) / 2)
+            since = np.where(first == 0, fades, frames - first + 1)
+            until = np.where(past == len(acts), fades, past - frames)
+            weights[first:past] = smoothstep_array(np.minimum(np.minimum(since, until) / fades, 1.0))
+        return weights
 
     def close(self, window: slice, free: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
         """Correct the arms of grounded frames of a ``window`` (F, P, 3), (F, S, 3, 3), in place.
@@ -169,17 +181,24 @@ class SelfContact:
             led = self._clear(window, free, lying, 0.0 * firm, led, positions, rotations)
         for each in self.resting:
             solve_hand_body_contact(
-                each.side, each.capsules, each.spots[window], each.firm[window] * free[:, each.side, 0], volume,
-                proximal, positions, rotations,
-            )  # fmt: skip
+                each.side,
+                each.capsules,
+                each.palm_positions[window],
+                each.firm[window] * free[:, each.side, 0],
+                volume,
+                proximal,
+                positions,
+                rotations,
+            )
         wrists = free[:, :, 0]
         displacements = wrists / np.maximum(wrists.sum(axis=1), 1e-6)[:, None]
         whole = firm * (1.0 - (1.0 - wrists).prod(axis=1))
-        self._join(window, whole[:, None] * displacements, positions, rotations)
+        self._solve_hand_contacts(window, whole[:, None] * displacements, positions, rotations)
         touches = (lying > 0.0).any(axis=1) | (firm > 0.0)
         for _ in range(PUSH_OUT_ROUNDS - 1 if touches.any() else 0):
             touches &= self._clear(window, free, lying, firm, touches, positions, rotations)
-        self._join(window, (firm**3 * whole)[:, None] * displacements, positions, rotations)  # coming out may part them
+        parted = (firm**3 * whole)[:, None] * displacements  # coming out may part them
+        self._solve_hand_contacts(window, parted, positions, rotations)
 
     def push_out(self, window: slice, free: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
         """Push the arms of solved frames of a ``window`` out of the body, as ``close`` does; hands stay in contact."""
@@ -192,7 +211,7 @@ class SelfContact:
         found["together"] = self.firm[window]
         for each in self.resting:
             firm, carrier = each.firm[window], self.volume.segments[each.capsules, 0]
-            under = carrier[(each.firm[:, None] * each.spots[:, :, SPOT_WEIGHT]).sum(axis=0).argmax()]
+            under = carrier[(each.firm[:, None] * each.palm_positions[:, :, SPOT_WEIGHT]).sum(axis=0).argmax()]
             row = found[each.side]
             row["segment"], row["origin"] = (
                 np.where(firm > row["resting"], now, was)
@@ -208,7 +227,9 @@ class SelfContact:
             lying[:, each.side] = np.maximum(lying[:, each.side], each.firm[window])
         return lying
 
-    def _join(self, window: slice, fractions: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
+    def _solve_hand_contacts(
+        self, window: slice, fractions: FloatArray, positions: FloatArray, rotations: FloatArray
+    ) -> None:
         """Solve hand-hand contacts, with the fractions (F, 2) of both arms."""
         if fractions.any():
             solve_hand_hand_contact(self.gaps[window], fractions, positions, rotations)
@@ -228,10 +249,10 @@ class SelfContact:
 
         Hands ``lying`` (F, 2) on the body touch it; hands together (``firm`` (F,)) move together.
         """
-        if self.rooms is None:
+        if self.clearances is None:
             return np.zeros_like(looked)
         proximal = np.array(self.body.layout.proximal_points())
-        target, own, displacements = (each[window] for each in self.rooms)
+        target, own, displacements = (each[window] for each in self.clearances)
         target = target - lying[:, :, None] * np.maximum(target, 0.0) if lying.any() else target
         moves = np.empty((len(positions), 2, ARM_STEP_SIZE))
         able = free * looked[:, None, None]
@@ -307,19 +328,19 @@ def self_contact_of(
     touching = (
         hand_contacts_of(motion, actor, touches) if touches else HandContacts(np.zeros((1, 3)), nothing, nothing, ())
     )
-    rooms = None
+    clearances = None
     if clears:
-        own, displacements = actor_rooms(motion, actor)
+        own, displacements = actor_clearances(motion, actor)
         target = np.empty_like(own)
         clearing.required_distances(own, 0.0, target)
         # What the actor has inside is left inside, and what the body itself has at rest.
-        rooms = np.minimum(np.minimum(target, own), rest_rooms(body.still, known)), own, displacements
+        clearances = np.minimum(np.minimum(target, own), rest_clearances(body.still, known)), own, displacements
     arms = [rows[:, at.M_ARM : at.M_ARM + 4].sum(axis=1)[:, None] for rows in (body.rows, actor.rows)]
     scale = arms[0] / arms[1]
     both = np.maximum(touching.together, touching.held)
     sizes = scale + (1.0 - scale) * (touching.held * (1.0 - touching.together) / np.maximum(both, 1e-9))[:, None]
     return SelfContact(
-        body, motion.frame_rate, known, np.ascontiguousarray(sizes * touching.gaps), both, touching.resting, rooms
+        body, motion.frame_rate, known, np.ascontiguousarray(sizes * touching.gaps), both, touching.resting, clearances
     )
 
 
@@ -333,7 +354,7 @@ def hand_contacts_of(motion: NormalizedMotion, actor: Morphology, touches: tuple
         if not isinstance(each.point, Touch) or each.point.member not in CAPSULES_OF:
             continue
         members = CAPSULES_OF[each.point.member]
-        near = [spots(each.point.side, capsule, actor, volume, positions, rotations) for capsule in members]
+        near = [palm_positions(each.point.side, capsule, actor, volume, positions, rotations) for capsule in members]
         firm = _contact_weights((each,), motion)
         resting.append(HandBodyContact(each.point.side, np.array(members), firm, _contact_points(near, each)))
     return HandContacts(
@@ -350,15 +371,15 @@ def _contact_weights(touches: Sequence[ContactInterval], motion: NormalizedMotio
     return 1.0 - release_weight(mask, motion.frame_rate, SLOWLY_LET_GO) if mask.any() else np.zeros(motion.frame_count)
 
 
-def _contact_points(near: Sequence[Spots], contact: ContactInterval) -> FloatArray:
+def _contact_points(near: Sequence[PalmPositions], contact: ContactInterval) -> FloatArray:
     """Contact points (F, M, 6) for the kernel: a resting hand lies on the surface, however deep the actor
     penetrates.
     """
-    rooms = np.stack([each.rooms for each in near], axis=1)
-    least = rooms.min(axis=1)
-    fractions = np.exp((least[:, None] - rooms) / clearing.SMOOTH_MINIMUM_WIDTH)
+    clearances = np.stack([each.clearances for each in near], axis=1)
+    least = clearances.min(axis=1)
+    fractions = np.exp((least[:, None] - clearances) / clearing.SMOOTH_MINIMUM_WIDTH)
     fractions /= fractions.sum(axis=1, keepdims=True)
-    above = rooms - np.median(least[contact.first : contact.last + 1])
+    above = clearances - np.median(least[contact.first : contact.last + 1])
     lifted = np.where(above >= TOUCH_FADE, above, np.maximum(above + TOUCH_FADE, 0.0) ** 2 / (4.0 * TOUCH_FADE))
     along, displacements = (
         np.stack(each, axis=1) for each in ([one.along for one in near], [one.ways for one in near])

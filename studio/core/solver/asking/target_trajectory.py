@@ -45,7 +45,7 @@ class UnsolvedTask:
         return self._end(0)
 
     @cached_property
-    def wanted(self) -> FloatArray:
+    def target_positions(self) -> FloatArray:
         """Target positions (F or 1, 3), or the other point of the body."""
         return self.rows.positions[self.c] if self.row["points"][1] < 0 else self._end(1)
 
@@ -71,4 +71,4 @@ def trajectory_to(target: FloatArray, begin: FloatArray) -> TargetTrajectory:
 
 def point_trajectory(unsolved: UnsolvedTask) -> TargetTrajectory:
     """Trajectory from a task's point to its target."""
-    return trajectory_to(unsolved.wanted, unsolved.place)
+    return trajectory_to(unsolved.target_positions, unsolved.place)

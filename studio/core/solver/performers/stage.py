@@ -99,7 +99,7 @@ def in_order(project: Project, performer_ids: Iterable[str]) -> tuple[tuple[str,
             leaders[key] = leaders_of(project, key)
             waiting += leaders[key]
     keys = [key for key in project.performers if key in leaders]
-    circles = _circles(keys, leaders)
+    circles = _dependency_cycles(keys, leaders)
     ordered: dict[tuple[str, ...], None] = {}
 
     def put(circle: tuple[str, ...]) -> None:
@@ -113,7 +113,7 @@ def in_order(project: Project, performer_ids: Iterable[str]) -> tuple[tuple[str,
     return tuple(ordered)
 
 
-def _circles(keys: list[str], leaders: dict[str, set[str]]) -> dict[str, tuple[str, ...]]:
+def _dependency_cycles(keys: list[str], leaders: dict[str, set[str]]) -> dict[str, tuple[str, ...]]:
     """Dependency cycle of each performer, mostly itself alone."""
     if not any(leaders.values()):
         return {key: (key,) for key in keys}

@@ -182,11 +182,11 @@ class SolveNotes:
             np.arange(len(self.states)), _NO_ROTATIONS, LevelNumbers(0, 0), False, False, _NO_RESIDUALS, _NO_POSE
         )
 
-    def jolts(self, allowed: FloatArray) -> bool:
+    def exceeds_peaks(self, allowed: FloatArray) -> bool:
         """True if any peak exceeds the ``allowed`` one, (3,) or (F, 3), rad/s2."""
         return bool((self.sharp > SMOOTHING_RANGE.begins * allowed).any())
 
-    def jolts_of(self, states: FloatArray, rotation_matrices: FloatArray) -> FloatArray:
+    def peaks_of(self, states: FloatArray, rotation_matrices: FloatArray) -> FloatArray:
         """Peaks (F, 3) in rad/s2 of root, other joints of the search, and limbs with these rotations (F, 16, 3, 3)."""
         sharp = np.zeros((len(rotation_matrices), 3))
         write_smoothed_peaks(self.joints, states, self.limbs, rotation_matrices, self.rate, sharp)
@@ -194,7 +194,7 @@ class SolveNotes:
 
 
 def own_peaks(standing: Standing, searched: IntArray, legs_asked: bool) -> FloatArray:
-    """Peaks (3,) of the unsolved motion as in ``SolveNotes.jolts_of``, for a search of segments ``searched`` (n,).
+    """Peaks (3,) of the unsolved motion as in ``SolveNotes.peaks_of``, for a search of segments ``searched`` (n,).
 
     Legs count where they have a constraint; root and searched joints are then allowed at least the legs' peaks.
     """
@@ -264,7 +264,7 @@ class LevelSmoother:
             first.positions.copy(), first.rotations.copy(), self._eased.states, np.zeros(frames)
         )
 
-    def ease(self) -> None:
+    def smooth(self) -> None:
         """Smooth all levels but those of contacts."""
         now = self._solved
         for number, level in enumerate(self._levels):
@@ -291,7 +291,7 @@ class LevelSmoother:
             bump = self._to_ease(number, now)
         if number > 0:
             now = self._left(number, now)
-        self._jolts = level.solve.jolts_of(now.states, self._charts.turns(now.charts))
+        self._jolts = level.solve.peaks_of(now.states, self._charts.turns(now.charts))
         self._eased, self._moved = now, SmoothedPose(now.states - solved.states, now.charts - solved.charts)
 
     def _left(self, number: int, posed: SmoothedPose) -> SmoothedPose:
@@ -372,7 +372,7 @@ class LevelSmoother:
         """
         level = self._levels[number]
         allowed = np.maximum(level.allowed, self._jolts / SMOOTHING_RANGE.begins)
-        sharp = level.solve.jolts_of(poses.states, self._charts.turns(poses.charts)) / allowed
+        sharp = level.solve.peaks_of(poses.states, self._charts.turns(poses.charts)) / allowed
         return self._spread(number, _excess(sharp, limits), around)
 
 

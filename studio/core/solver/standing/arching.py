@@ -37,7 +37,10 @@ def arch_trunk(raises: FloatArray, body: AnyMorphology, positions: FloatArray, r
         positions[:, joint + 1 : last] = pivot + (positions[:, joint + 1 : last] - pivot) @ back
         rotations[:, joint : last - 3] = rotation_matrices[:, None] @ rotations[:, joint : last - 3]
     head = body.layout.head_joint
-    rotations[:, head], positions[:, head + 1] = turned[:, head], positions[:, head] + _way(before, head, head + 1)
+    rotations[:, head], positions[:, head + 1] = (
+        turned[:, head],
+        positions[:, head] + _vector_between(before, head, head + 1),
+    )
     for side in range(2):
         _aim_arm(side, body, before, turned, positions, rotations)
 
@@ -56,13 +59,18 @@ def _aim_arm(
     """
     wrist, upper = body.layout.wrist(side), body.layout.upper_arm(side)
     shoulder, arm, hand = wrist - 2, slice(wrist - 1, wrist + 1), upper + 2
-    aims = shortest_arc(normalized(_way(positions, shoulder, wrist)), normalized(_way(before, shoulder, wrist)))
+    aims = shortest_arc(
+        normalized(_vector_between(positions, shoulder, wrist)), normalized(_vector_between(before, shoulder, wrist))
+    )
     bones = positions[:, arm] - positions[:, shoulder, None]
     positions[:, arm] = positions[:, shoulder, None] + bones @ np.swapaxes(aims, 1, 2)
     rotations[:, upper:hand] = aims[:, None] @ rotations[:, upper:hand]
-    rotations[:, hand], positions[:, wrist + 1] = turned[:, hand], positions[:, wrist] + _way(before, wrist, wrist + 1)
+    rotations[:, hand], positions[:, wrist + 1] = (
+        turned[:, hand],
+        positions[:, wrist] + _vector_between(before, wrist, wrist + 1),
+    )
 
 
-def _way(positions: FloatArray, first: int, last: int) -> FloatArray:
+def _vector_between(positions: FloatArray, first: int, last: int) -> FloatArray:
     """Vector (F, 3) from one point to another of ``positions`` (F, P, 3)."""
     return np.asarray(positions[:, last] - positions[:, first])

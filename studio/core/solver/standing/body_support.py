@@ -97,15 +97,15 @@ class GroundContact:
 @dataclass(frozen=True, eq=False)
 class BodySupport:
     """Support of a body beside its feet: contacts ``holds``, the root's ``shift`` (F, 3), the weight on the feet
-    ``feet_share`` (F,), and the ``pose`` tilted with the ground, positions (F, P, 3) and rotations (F, S, 3, 3), before
-    that shift.
+    ``feet_fraction`` (F,), and the ``pose`` tilted with the ground, positions (F, P, 3) and rotations (F, S, 3, 3),
+    before that shift.
 
     ``upright`` (F, P, 3) is the untilted pose over the same positions of the ground, from which feet are planned.
     """
 
     holds: tuple[GroundContact, ...]
     shift: FloatArray
-    feet_share: FloatArray
+    feet_fraction: FloatArray
     pose: tuple[FloatArray, FloatArray]
     upright: FloatArray
 
@@ -150,7 +150,7 @@ def find_support(
     }
     standing = {point: contact_mask(spans[point], motion.frame_count) for point in BODY_POINTS if spans[point]}
     bearing = _bearing(body, ground, positions)
-    fractions = _shares(standing, foot_states(contacts, motion.frame_count), bearing, motion.frame_rate)
+    fractions = _support_weights(standing, foot_states(contacts, motion.frame_count), bearing, motion.frame_rate)
     pose, upright = (positions, rotations), positions
     if not ground.is_level:
         leans = averaged(1.0 * np.any(list(standing.values()), axis=0)[:, None], GOES_ALONG, motion.frame_rate)
@@ -319,7 +319,7 @@ def _bearing(body: AnyMorphology, ground: Ground, positions: FloatArray) -> Floa
     return bearing if ground.is_level else np.ones_like(bearing)
 
 
-def _shares(
+def _support_weights(
     standing: Mapping[ContactPoint, NDArray[np.bool_]],
     states: NDArray[np.int64],
     bearing: FloatArray,

@@ -138,7 +138,7 @@ def find_footing(
             drops = _drops(motion, morphology, rotations, ankles - positions[:, 0], soft_thresholds, states)
             drops = smooth_drops(drops, motion.frame_rate)
         return Footing(states, soft_thresholds, runs, ankles, feet, toes, drops)
-    draped = [foot.drape(*pose, plan) for foot, plan in zip(standing, plans, strict=True)]
+    draped = [foot.project_to_terrain(*pose, plan) for foot, plan in zip(standing, plans, strict=True)]
     return _draped_footing(motion, morphology, positions, rotations, states, draped, carried)
 
 
@@ -148,14 +148,14 @@ def _draped_footing(
     positions: FloatArray,
     rotations: FloatArray,
     states: NDArray[np.int64],
-    draped: "Sequence[_DrapedFoot]",
+    draped: "Sequence[_ProjectedFoot]",
     carried: FloatArray | None,
 ) -> Footing:
     """Footing on uneven ground, for feet that are ``draped`` on it."""
-    feet_share = np.ones(motion.frame_count) if carried is None else carried
+    feet_fraction = np.ones(motion.frame_count) if carried is None else carried
     ankles, feet, toes = _stacked([each.foot for each in draped])
     climb = np.mean([each.heights for each in draped], axis=0)
-    climb = feet_share * bell_average(climb, CLIMB_SMOOTHING * motion.frame_rate)
+    climb = feet_fraction * bell_average(climb, CLIMB_SMOOTHING * motion.frame_rate)
     soft_thresholds, runs = leg_extensions(motion, states)  # draping has put down heels that would hang
     relative = ankles - positions[:, 0]
     relative[..., 2] -= climb
@@ -170,7 +170,7 @@ def _draped_footing(
     )
     # A foot in the air that reaches far down, as on the way down a flight of steps, brings the root down early.
     early = all_feet - np.maximum(level, 0.0)
-    drops = np.maximum(drops, early) if carried is None else feet_share * early
+    drops = np.maximum(drops, early) if carried is None else feet_fraction * early
     drops = smooth_drops(drops, motion.frame_rate) - climb
     _keep_below_hips(ankles, drops, states, motion.frame_rate, morphology, positions)
     return Footing(states, soft_thresholds, runs, ankles, feet, toes, drops)
@@ -218,7 +218,7 @@ def _drops(
 
 
 @dataclass(frozen=True, eq=False)
-class _DrapedFoot:
+class _ProjectedFoot:
     """One ``foot`` on the ground, its ankles planned level (F, 3), and the heights (F,) of its footprints."""
 
     foot: FootPlan
@@ -267,7 +267,7 @@ class _Foot:
     def _keep_above(self, plan: FootPlan) -> None:
         raise_swing_foot(self.soles, self.states, self.ground.height, self.frame_rate, *plan)
 
-    def drape(self, positions: FloatArray, rotations: FloatArray, plan: FootPlan) -> _DrapedFoot:
+    def project_to_terrain(self, positions: FloatArray, rotations: FloatArray, plan: FootPlan) -> _ProjectedFoot:
         """Project the foot, planned level, to uneven ground.
 
         A foot whose heel would stand over nothing comes down flat; ``states`` are updated.
@@ -282,7 +282,7 @@ class _Foot:
         draped = project_to_terrain(prints, *plan, self.ground, self.frame_rate)
         level, foot = Sole.of(*plan, self.soles), Sole.of(draped.ankles, draped.feet, draped.toes, self.soles)
         led = clear_swing_foot(level, foot, states, self.ground, self.frame_rate)
-        return _DrapedFoot(FootPlan(led.ankles, led.feet, led.toes), plan.ankles, draped.heights)
+        return _ProjectedFoot(FootPlan(led.ankles, led.feet, led.toes), plan.ankles, draped.heights)
 
 
 def root_follow(

@@ -153,10 +153,12 @@ def project_to_terrain(
     """Feet planned on the level floor, projected to the ground: ``ankles`` (F, 3), ``feet``, ``toes`` (F, 3, 3)."""
     prints = _with_waypoints(footprints, ankles, ground, frame_rate)
     count = len(ankles)
-    pivots, tilts = (_eased(prints, values, count) for values in (prints.pivots, prints.tilts))
-    moves = _eased(prints, prints.moves, count, frame_rate)
+    pivots, tilts = (_interpolated(prints, values, count) for values in (prints.pivots, prints.tilts))
+    moves = _interpolated(prints, prints.moves, count, frame_rate)
     rotation_matrices = Rotation.from_rotvec(tilts).as_matrix()
-    bent = toes @ Rotation.from_rotvec(_eased(prints, prints.bends[:, None] * [0.0, -1.0, 0.0], count)).as_matrix()
+    bent = (
+        toes @ Rotation.from_rotvec(_interpolated(prints, prints.bends[:, None] * [0.0, -1.0, 0.0], count)).as_matrix()
+    )
     return FootOnTerrain(
         pivots + moves + np.einsum("fij,fj->fi", rotation_matrices, ankles - pivots),
         rotation_matrices @ feet,
@@ -236,7 +238,7 @@ def _with_waypoints(prints: Footprints, ankles: FloatArray, ground: Ground, fram
     return Footprints(first, last, pivots, all_moves, tilts, bends, hanging)
 
 
-def _eased(prints: Footprints, values: FloatArray, count: int, frame_rate: float = math.inf) -> FloatArray:
+def _interpolated(prints: Footprints, values: FloatArray, count: int, frame_rate: float = math.inf) -> FloatArray:
     """``values`` (N, 3) of footprints, constant through each and interpolated between, (F, 3).
 
     With a frame rate, rises come early in the flight, and descents late, as feet pass over edges.

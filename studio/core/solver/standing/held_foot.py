@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from studio.core.kernels.support.sole import HEEL_STANDS
+from studio.core.kernels.support.sole import HEEL_PAD, HEEL_STANDS
 from studio.core.normalized.differences import rotation_vectors
 from studio.core.normalized.transition import MOST_TRANSITION, halts_of, pace_left, place_left
 from studio.core.rotations import from_matrix, sign_continuous
@@ -31,21 +31,27 @@ FLAT_TOE = 1e-3
 
 class Pivot(NamedTuple):
     """Point that a foot stands on: ``in_foot`` (3,) metres from the ankle in the foot's axes, then ``in_toes``
-    (3,) in those of its toes.
+    (3,) in those of its toes, and ``ahead`` metres along the foot's level heading.
     """
 
     in_foot: FloatArray
     in_toes: FloatArray
+    ahead: float = 0.0
 
     def offsets(self, feet: FloatArray, toes: FloatArray) -> FloatArray:
         """Vectors (..., 3) from the ankle in the world, for rotations (..., 3, 3) of foot and toes."""
-        return np.asarray(feet @ self.in_foot + toes @ self.in_toes)
+        headings = feet[..., 0] * [1.0, 1.0, 0.0]
+        headings /= np.maximum(np.linalg.norm(headings, axis=-1, keepdims=True), 1e-9)
+        return np.asarray(feet @ self.in_foot + toes @ self.in_toes + self.ahead * headings)
 
 
 def heel_pivot(measures: FloatArray) -> Pivot:
-    """Pivot of a foot that stands on its heel alone: its lower edge; ``measures`` (1, 6) as in ``sole_arms``."""
+    """Pivot of a foot that stands on its heel alone: the middle of its pad, at the height of its lower edge.
+
+    ``measures`` (1, 6) as in ``sole_arms``.
+    """
     heel, *_ = sole_arms(measures)
-    return Pivot(heel[0], np.zeros(3))
+    return Pivot(heel[0], np.zeros(3), -HEEL_PAD * float(heel[0, 0]))
 
 
 def toe_pivot(measures: FloatArray, *toes: FloatArray) -> Pivot:
@@ -56,16 +62,26 @@ def toe_pivot(measures: FloatArray, *toes: FloatArray) -> Pivot:
     return Pivot(joint[0], tip[0] if min(each[2, 0] for each in toes) < -FLAT_TOE else -thickness[0])
 
 
-def sole_arms(measures: FloatArray) -> tuple[FloatArray, ...]:
-    """Vectors (F or 1, 3) from the ankle to the heel and the toe joint, the sole's thickness, and from the joint to the
-    tip.
-
-    ``measures`` (F or 1, 6) as in ``morphology.sole_rows``.
+class SoleArms(NamedTuple):
+    """Vectors (F or 1, 3) from the ankle to the ``heel`` and the toe ``joint``, the sole's ``thickness``, and from the
+    joint to the ``tip``.
     """
-    forward, left, down, height, heel, length = measures.T
-    zero = np.zeros_like(height)
-    arms = (-heel, zero, -height), (forward, left, down), (zero, zero, height + down), (length, zero, -height - down)
-    return tuple(np.column_stack(each) for each in arms)
+
+    heel: FloatArray
+    joint: FloatArray
+    thickness: FloatArray
+    tip: FloatArray
+
+
+def sole_arms(measures: FloatArray) -> SoleArms:
+    """Vectors of a foot of ``measures`` (F or 1, 6) as in ``morphology.sole_rows``."""
+    arms = SoleArms(*np.zeros((4, len(measures), 3)))
+    down, height = measures[:, 2], measures[:, 3]
+    arms.heel[:, 0], arms.heel[:, 2] = -measures[:, 4], -height
+    arms.joint[:] = measures[:, :3]
+    arms.thickness[:, 2] = height + down
+    arms.tip[:, 0], arms.tip[:, 2] = measures[:, 5], -height - down
+    return arms
 
 
 @dataclass(frozen=True, eq=False)

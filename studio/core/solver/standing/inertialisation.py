@@ -83,7 +83,9 @@ class Stance:
         return cls(positions, rotations, *stance, *known, standing.root_peak)
 
 
-def led_from(standing: "Standing", first: int, seen: Stance, seconds: float = 0.0, planned: bool = False) -> "Standing":
+def inertialised_from(
+    standing: "Standing", first: int, seen: Stance, seconds: float = 0.0, planned: bool = False
+) -> "Standing":
     """``standing`` from frame ``first`` on, inertialised from the previous stance ``seen`` in ``seconds``.
 
     0 takes as many as the joints need. Where it is ``planned``, feet in the air step to where they land.
@@ -91,7 +93,7 @@ def led_from(standing: "Standing", first: int, seen: Stance, seconds: float = 0.
     change = _Change(standing, first, seen, Stance.before(standing, first), seconds, planned)
     positions, rotations = standing.positions[:].copy(), standing.rotations[:].copy()
     bases = [change.held_foot(side, flight) for side, flight in enumerate(change.flights)]
-    near = change.lead_body(np.mean([each.carries for each in bases], axis=0), positions, rotations)
+    near = change.displace_body(np.mean([each.carries for each in bases], axis=0), positions, rotations)
     positions[first:, :, 2] += change.carried(bases, positions)[:, None]
     motion = _with_limbs(standing, near, positions, rotations)
     footing = change.footing(motion, bases, positions, rotations)
@@ -108,7 +110,7 @@ def led_from(standing: "Standing", first: int, seen: Stance, seconds: float = 0.
         footing=footing,
         positions=positions,
         rotations=rotations,
-        self_contact=standing.self_contact and standing.self_contact.led(touching, positions, rotations),
+        self_contact=standing.self_contact and standing.self_contact.inertialised(touching, positions, rotations),
     )
 
 
@@ -122,7 +124,7 @@ def _with_limbs(standing: "Standing", near: slice, positions: FloatArray, rotati
     return replace(standing.motion, channels=channels)
 
 
-class _LedFoot(NamedTuple):
+class _InertialisedFoot(NamedTuple):
     """Path of a foot; ``carries`` (F, 3) its horizontal offset, which the body follows."""
 
     path: FootPath
@@ -174,7 +176,7 @@ class _Change:
         """Rotation vectors (2, S, 3) of each segment in its parent from its own pose to the previous one."""
         parents = np.array(self.standing.morphology.layout.parent_segments())
         own, seen = (_in_carriers(each.rotations, parents) for each in (self.own, self.seen))
-        return _ways(own, seen)
+        return _rotation_differences(own, seen)
 
     @cached_property
     def seconds(self) -> float:
@@ -230,7 +232,7 @@ class _Change:
         return slice(legs, legs + 4), slice(legs + 4, legs + 8)
 
     def footing(
-        self, motion: NormalizedMotion, bases: Sequence[_LedFoot], positions: FloatArray, rotations: FloatArray
+        self, motion: NormalizedMotion, bases: Sequence[_InertialisedFoot], positions: FloatArray, rotations: FloatArray
     ) -> Footing:
         """Footing of an inertialised body: swing feet follow the joints of their legs, others their ``bases``."""
         own, on = self.standing.footing, slice(self.first, None)
@@ -254,19 +256,19 @@ class _Change:
         foot = self.feet[side]
         return states_of(foot.states, foot.state, flight, round(foot.settling(flight, self.seconds) * self.rate))
 
-    def held_foot(self, side: int, flight: FootFlight) -> _LedFoot:
+    def held_foot(self, side: int, flight: FootFlight) -> _InertialisedFoot:
         """Path of a foot that keeps its contact until it is lifted, with an offset that decays until it lands."""
         foot = self.feet[side]
         if not flight.held:
-            return _LedFoot(foot.own, np.zeros_like(foot.own.ankles))
+            return _InertialisedFoot(foot.own, np.zeros_like(foot.own.ankles))
         path, carries = foot.path(flight, self.seconds, self.times)
         if flight.is_step:  # who steps with both feet goes there in one way
             lands = max(each.lands for each in self.flights if each.is_step)
             carries = place_left(self.times, lands / self.rate)[:, None] * foot.aside * [1.0, 1.0, 0.0]
         path.ankles[:, 2] += flight.rise(self.times, self.rate) * self.leg
-        return _LedFoot(path, carries)
+        return _InertialisedFoot(path, carries)
 
-    def carried(self, bases: Sequence[_LedFoot], positions: FloatArray) -> FloatArray:
+    def carried(self, bases: Sequence[_InertialisedFoot], positions: FloatArray) -> FloatArray:
         """Rise (F,) in metres of the body for standing legs to keep the lengths of their joints.
 
         Nearly straight knees so move as joints do.
@@ -316,7 +318,7 @@ class _Change:
         layout, free = self.standing.morphology.layout, flight.free(self.times, self.rate)[:, None]
         segment = layout.foot(side)
         feet, toes = (
-            turned(free * _ways(part, rotations[self.first :, segment + off]), part)
+            turned(free * _rotation_differences(part, rotations[self.first :, segment + off]), part)
             for off, part in enumerate((base.feet, base.toes))
         )
         ankles = base.ankles + free * (positions[self.first :, layout.ankle(side)] - base.ankles)
@@ -343,7 +345,7 @@ class _Change:
         deeper = np.maximum(depths_of(foot, measures, ground) - own, 0.0)
         return out_of_ground(foot, measures, seen_coming(deeper, states != 0, self.rate))
 
-    def lead_body(self, goes: FloatArray, positions: FloatArray, rotations: FloatArray) -> slice:
+    def displace_body(self, goes: FloatArray, positions: FloatArray, rotations: FloatArray) -> slice:
         """Displace the root by ``goes`` (F, 3), and add the remaining differences to root and joints, in place.
 
         Legs are placed on their ankles later. Returns the frames of the transition.
@@ -353,7 +355,7 @@ class _Change:
         gaps = self.seen.positions[:, 0] - self.own.positions[:, 0] - goes[0]
         goes = goes + self.left(gaps, self.root_peak, self.leg, self.root_seconds)
         near = slice(self.first, self.first + int(np.searchsorted(self.times, self.seconds, "right")) + 1)
-        led = _Led(positions[near].copy(), rotations[near].copy(), positions[near], rotations[near])
+        led = _InertialisedFrames(positions[near].copy(), rotations[near].copy(), positions[near], rotations[near])
         count = len(led.places)
         led.places[:, 0] += goes[:count]
         seconds = np.zeros(len(self.peaks))  # a leg in the air has until it lands
@@ -377,7 +379,7 @@ class _Change:
 
 
 @dataclass(frozen=True, eq=False)
-class _Led:
+class _InertialisedFrames:
     """Frames of a body before the transition, and the inertialised ones, which are written."""
 
     old_places: FloatArray
@@ -405,7 +407,7 @@ def _in_carriers(rotations: FloatArray, parents: NDArray[np.int64]) -> FloatArra
     return np.asarray(local)
 
 
-def _ways(own: FloatArray, led: FloatArray) -> FloatArray:
+def _rotation_differences(own: FloatArray, led: FloatArray) -> FloatArray:
     """Rotation vectors (F, ..., 3) from ``own`` (F, ..., 3, 3) to ``led``, continuous backwards from the last frame."""
     rotation_matrices = sign_continuous(from_matrix(led @ np.swapaxes(own, -1, -2))[::-1])[::-1]
     return rotation_vectors(rotation_matrices * np.where(rotation_matrices[-1, ..., 3:] < 0.0, -1.0, 1.0))

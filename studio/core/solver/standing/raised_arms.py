@@ -175,7 +175,7 @@ def _raise_elbow(side: int, free: FloatArray, posed: _Posed) -> None:
         return
     shoulders = positions[:, wrist - 2]
     out = normalized((shoulders - positions[:, layout.wrist(1 - side) - 2]) * [1.0, 1.0, 0.0])
-    displacements = _ways_out(positions[:, wrist - 1], shoulders, out, ground)
+    displacements = _displacements_out(positions[:, wrist - 1], shoulders, out, ground)
     upper = positions[:, wrist - 1] - shoulders
     swings = normalized(upper + free[:, None] * displacements)
     rotations[:, arm] = shortest_arc(normalized(upper), swings) @ rotations[:, arm]
@@ -184,7 +184,8 @@ def _raise_elbow(side: int, free: FloatArray, posed: _Posed) -> None:
     for _ in range(ELBOW_ROTATIONS):
         elbows = positions[:, wrist - 1]
         now, then = (
-            _across(each - shoulders, line) for each in (elbows, elbows + _ways_out(elbows, shoulders, out, ground))
+            _across(each - shoulders, line)
+            for each in (elbows, elbows + _displacements_out(elbows, shoulders, out, ground))
         )
         rotation_matrices = (_angles(line, now, then) * _outright(now))[:, None] * line
         _turn_arm(side, body, rotation_matrices, positions, rotations)
@@ -195,7 +196,7 @@ def _across(displacements: FloatArray, line: FloatArray) -> FloatArray:
     return np.asarray(displacements - np.sum(displacements * line, axis=1, keepdims=True) * line)
 
 
-def _ways_out(elbows: FloatArray, shoulders: FloatArray, out: FloatArray, ground: Ground) -> FloatArray:
+def _displacements_out(elbows: FloatArray, shoulders: FloatArray, out: FloatArray, ground: Ground) -> FloatArray:
     """Displacements (F, 3) of ``elbows`` out of the ground, about their ``shoulders``, all (F, 3): away from where they
     hang, and increasingly ``out`` from the body with depth.
     """

@@ -126,7 +126,7 @@ def _settled(
     roots = np.ascontiguousarray(positions[:, 0])
     if ContactPoint.SEAT in holds:
         seated = 1.0 - release_weight(holds[ContactPoint.SEAT].standing, rate)
-        footing = replace(footing, soft_thresholds=_eased_off(footing.soft_thresholds, seated))
+        footing = replace(footing, soft_thresholds=_relaxed_thresholds(footing.soft_thresholds, seated))
     kneeling = _kneeling_of(holds)
     if kneeling:
         footing = _kneeling(kneeling, footing, motion, body, ground, positions)
@@ -175,12 +175,14 @@ def within_reach(
             shoulders = positions[:, body.layout.wrist(point.side) - 2]
             residual = _too_far(hold.places, shoulders, _shortest(arms), reach_of(motion, body, point.side))
         else:
-            residual = _knees_miss(hold, footing, body, positions)
+            residual = _knee_displacements(hold, footing, body, positions)
         moved[point] = hold.moved(residual, ground)
     return moved
 
 
-def _knees_miss(hold: GroundContact, footing: Footing, body: AnyMorphology, positions: FloatArray) -> FloatArray:
+def _knee_displacements(
+    hold: GroundContact, footing: Footing, body: AnyMorphology, positions: FloatArray
+) -> FloatArray:
     """Displacements (F, 3) that bring knees to their bones' lengths from hips, and from standing toes."""
     side = hold.point.side
     legs = leg_rows(body, side)
@@ -267,7 +269,7 @@ def _kneeling(
         swung = shank * (normalized(raised - knees) - normalized(placed - knees))
         placed = raised + firm * (placed + swung - raised)
         ankles[side] = np.concatenate([placed, knees, firm], axis=1)
-        soft_thresholds[side] = _eased_off(soft_thresholds[side], firm[:, 0])
+        soft_thresholds[side] = _relaxed_thresholds(soft_thresholds[side], firm[:, 0])
     return replace(footing, ankles=ankles, feet=feet, toes=toes, soft_thresholds=soft_thresholds)
 
 
@@ -335,7 +337,7 @@ def _off_its_instep(
     return np.asarray((upside * smooth_penetrations(above, SOLE_TOLERANCE))[:, None] * normals)
 
 
-def _eased_off(soft_thresholds: FloatArray, fraction: FloatArray) -> FloatArray:
+def _relaxed_thresholds(soft_thresholds: FloatArray, fraction: FloatArray) -> FloatArray:
     """Soft-IK thresholds relaxed by ``fraction``, for legs that bear no weight."""
     return np.asarray(soft_thresholds + fraction * np.maximum(MAX_EXTENSION - soft_thresholds, 0.0))
 

@@ -26,7 +26,7 @@ from studio.core.solver.request import AdaptRequest, Unasked
 from studio.core.solver.standing.body_support import GroundContact, find_support, limb_freedom
 from studio.core.solver.standing.flight_height import flight_heights
 from studio.core.solver.standing.footing import Footing, find_footing
-from studio.core.solver.standing.inertialisation import Stance, led_from
+from studio.core.solver.standing.inertialisation import Stance, inertialised_from
 from studio.core.solver.standing.raised_arms import raise_arms
 from studio.core.solver.standing.row_parts import joined, parts_of, windows_in
 from studio.core.solver.standing.settling import ArmStance, settle
@@ -119,15 +119,16 @@ def standing_of(request: AdaptRequest, windows: Sequence[slice] | None = None) -
     Clips of a row are grounded separately, and inertialised at their transitions.
     """
     motion, parts = request.motion, list[Standing]()
-    known = motion, request.morphology, request.contacts, request.volume, request.actor, request.clears
-    self_contact = self_contact_of(*known)
+    self_contact = self_contact_of(
+        motion, request.morphology, request.contacts, request.volume, request.actor, request.clears
+    )
     for frames, part in parts_of(request):
         own = self_contact and self_contact.part(frames)
         alone = replace(_stand_alone(part), self_contact=own)
         alone.with_arms_right(windows_in(frames, motion.frame_count, windows))
         change = motion.changes[len(parts) - 1] if parts else None
         if change and not change.cut:
-            alone = led_from(alone, 0, Stance.last_of(parts[-1]), change.seconds, change.planned)
+            alone = inertialised_from(alone, 0, Stance.last_of(parts[-1]), change.seconds, change.planned)
         parts.append(alone)
     whole = joined(request, parts)
     if self_contact is None or len(parts) == 1:
@@ -163,7 +164,7 @@ def _stand_alone(request: AdaptRequest) -> Standing:
     positions[:, :, 2] += (ground.height - shown_floor(contacts, positions, morphology, motion.frame_rate))[:, None]
     positions[:, :, 2] += flight_heights(contacts, morphology, ground.height, positions)[:, None]
     carrying = find_support(motion, morphology, contacts, ground, positions, rotations, actor)
-    upright, fraction = (positions, rotations), None if carrying is None else carrying.feet_share
+    upright, fraction = (positions, rotations), None if carrying is None else carrying.feet_fraction
     if carrying is not None:
         positions += carrying.shift[:, None]
         if not ground.is_level:  # feet keep their heights above it
@@ -180,5 +181,17 @@ def _stand_alone(request: AdaptRequest) -> Standing:
         stance = records.ArmTargets(motion.channels, arms.soft_thresholds, arms.wrists, arms.hands, arms.bends)
         place_arms(measures, stance, positions, rotations)
     raise_arms(morphology, ground, arms, motion.frame_rate, positions, rotations)
-    known = contacts, ground
-    return Standing(motion, morphology, *known, footing, holds, arms, positions, rotations, volume, actor, limited)
+    return Standing(
+        motion=motion,
+        morphology=morphology,
+        contacts=contacts,
+        ground=ground,
+        footing=footing,
+        holds=holds,
+        arms=arms,
+        positions=positions,
+        rotations=rotations,
+        volume=volume,
+        actor=actor,
+        limited=limited,
+    )

@@ -88,7 +88,7 @@ def clear_swing_foot(level: Sole, sole: Sole, states: NDArray[np.int64], ground:
     flight = _Flight.of(level, sole, states, ground)
     flying = np.flatnonzero(states == 0)
     lacks = np.zeros(len(states))
-    lacks[flying] = flight.lack(flying, np.zeros((len(flying), 3)))
+    lacks[flying] = flight.penetration(flying, np.zeros((len(flying), 3)))
     spans = [span for span in runs_of(states == 0) if lacks[slice(*span)].max() > PENETRATION_TOLERANCE]
     if not spans:
         return sole
@@ -98,7 +98,7 @@ def clear_swing_foot(level: Sole, sole: Sole, states: NDArray[np.int64], ground:
             displacements[first:past, 1] = np.maximum(lacks[first:past], 0.0)
             continue
         frames = np.arange(first, past)
-        lifts = np.maximum(flight.lack(frames, DETOURS[None]), 0.0)
+        lifts = np.maximum(flight.penetration(frames, DETOURS[None]), 0.0)
         near = steps_to_ground(first, past, len(states)) / frame_rate
         displacements[first:past] = _least_detour(lifts, near, frame_rate, first > 0, past < len(states))
     return flight.moved(_smooth_path(displacements, spans, flight, frame_rate))
@@ -133,7 +133,7 @@ class _Flight:
             sole, ground, states, ahead, heading, arms, np.minimum(level.points[..., 2] - ground.height, SOLE_TOLERANCE)
         )
 
-    def lack(self, frames: NDArray[np.int64], path: FloatArray) -> FloatArray:
+    def penetration(self, frames: NDArray[np.int64], path: FloatArray) -> FloatArray:
         """Penetration (N, ...) in metres of soles at ``frames`` (N,) displaced by ``path`` (N or 1, ..., 3)."""
         more = (frames, *[None] * (path.ndim - 2))
         c, s = np.cos(path[..., 2])[..., None] - 1.0, np.sin(path[..., 2])[..., None]
@@ -225,11 +225,11 @@ def _bent_path(
     frames = np.concatenate([np.arange(*span) for span in spans])
     raised = np.zeros((len(displacements), 1))
     for _ in range(RAISING_ROUNDS):
-        lack = flight.lack(frames, path[frames])
-        low = frames[lack > PENETRATION_TOLERANCE]
+        penetration = flight.penetration(frames, path[frames])
+        low = frames[penetration > PENETRATION_TOLERANCE]
         if not len(low):
             break
-        raised[low, 0] = path[low, 1] + lack[lack > PENETRATION_TOLERANCE]
+        raised[low, 0] = path[low, 1] + penetration[penetration > PENETRATION_TOLERANCE]
         still[low] = weights[low, 1]
         path[:, 1] = np.where(flight.states == 0, _bent_least(raised, still)[:, 0], 0.0)
     return path

@@ -20,16 +20,18 @@ def heights_of(foot: FootPath, measures: FloatArray, ground: Ground) -> FloatArr
 
     ``measures`` (F or 1, 6) as in ``morphology.sole_rows``.
     """
-    heel, joint, thickness, tip = sole_arms(measures)
-    up, ball = foot.ankles, foot.ankles + _turned(foot.feet, joint)
-    lows = (
-        up + _turned(foot.feet, heel),
-        ball - _turned(foot.feet, thickness),
-        ball - _turned(foot.toes, thickness),
-        ball + _turned(foot.toes, tip),
+    arms = sole_arms(measures)
+    ball = foot.ankles + _turned(foot.feet, arms.joint)
+    lows = np.array(
+        [
+            foot.ankles + _turned(foot.feet, arms.heel),
+            ball - _turned(foot.feet, arms.thickness),
+            ball - _turned(foot.toes, arms.thickness),
+            ball + _turned(foot.toes, arms.tip),
+        ]
     )
-    heel, *others = (low[:, 2] - ground.height_at(low) for low in lows)
-    return np.stack([heel, np.min(others, axis=0)])
+    heights = lows[..., 2] - ground.height_at(lows)
+    return np.stack([heights[0], heights[1:].min(axis=0)])
 
 
 def depths_of(foot: FootPath, measures: FloatArray, ground: Ground) -> FloatArray:

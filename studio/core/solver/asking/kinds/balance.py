@@ -42,7 +42,7 @@ def residual(constraint: BalanceConstraint, targets: Targets, adapted: AdaptedMo
 
 def trajectory(unsolved: UnsolvedTask) -> TargetTrajectory:
     """Trajectory from the centre of mass to its target."""
-    return trajectory_to(unsolved.wanted, mass_path(unsolved.positions, unsolved.body))
+    return trajectory_to(unsolved.target_positions, mass_path(unsolved.positions, unsolved.body))
 
 
 BALANCE_KIND = SolverKind(goals.BALANCE_TASK, write, trajectory, residual)

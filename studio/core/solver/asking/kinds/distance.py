@@ -39,7 +39,7 @@ def residual(constraint: DistanceConstraint, targets: Targets, adapted: AdaptedM
 
 def trajectory(unsolved: UnsolvedTask) -> TargetTrajectory:
     """Trajectory of the distance between both ends."""
-    now = np.linalg.norm(unsolved.place - unsolved.wanted, axis=1, keepdims=True)
+    now = np.linalg.norm(unsolved.place - unsolved.target_positions, axis=1, keepdims=True)
     return unsolved.rows.distances[unsolved.c][:, None] - now, goals.RADIAN_LENGTH
 
 

@@ -34,7 +34,7 @@ def residual(constraint: LookAtConstraint, targets: Targets, adapted: AdaptedMot
 
 def trajectory(unsolved: UnsolvedTask) -> TargetTrajectory:
     """Trajectory of the gaze on the unit sphere."""
-    displacement = unsolved.wanted - unsolved.place
+    displacement = unsolved.target_positions - unsolved.place
     return displacement / np.maximum(np.linalg.norm(displacement, axis=1, keepdims=True), 1e-9) - unsolved.segment[
         ..., 0
     ], 1.0

@@ -38,7 +38,7 @@ Skin = tuple[SkinnedMesh, Morphology, Morphology]
 
 
 @dataclass(frozen=True)
-class Wanted:
+class BodyRequest:
     """Everything that one performer's result depends on: if two are equal, no new solve is needed."""
 
     performer: Performer = field(compare=False)
@@ -59,7 +59,7 @@ class Wanted:
     corrections: tuple[Correction, ...] = ()
     """Corrections in seconds of the motion of the row."""
 
-    def stands_as(self, other: "Wanted | None") -> bool:
+    def stands_as(self, other: "BodyRequest | None") -> bool:
         """True if a body's grounding equals another one's."""
         mine = self.motions, self.layers, self.morphology, self.ground, self.skin, self.limited, self.clears
         return other is not None and mine == (
@@ -67,11 +67,11 @@ class Wanted:
         )  # fmt: skip
 
 
-def wanted_of(project: Project, key: str, circle: tuple[str, ...], result_of: Results) -> Wanted | None:
+def body_request_of(project: Project, key: str, cycle: tuple[str, ...], result_of: Results) -> BodyRequest | None:
     """Dependencies of a performer's result; None while a leader's result is missing."""
     performer = project.performers[key]
     character = project.characters[performer.character_id]
-    followed = tracks_followed_by(project, key, result_of, circle)
+    followed = tracks_followed_by(project, key, result_of, cycle)
     if followed is None:
         return None
     asked = asked_of(project, key)
@@ -86,14 +86,14 @@ def wanted_of(project: Project, key: str, circle: tuple[str, ...], result_of: Re
     skin = (character.skin, character.build, character.morphology) if clears or touches else None
     timing = timing_of(project, performer)
     body = character.body_over(timing.begin, timing.frame_rate, frame_count_of(project, performer))
-    return Wanted(
+    return BodyRequest(
         performer, motions, body, asked, ground, followed, Placement.of(performer), skin,
         performer.limited, performer.eased, performer.clears, performer.layers, props_of(project, key),
         corrections_in(project, key, timing),
     )  # fmt: skip
 
 
-def player_of(project: Project, key: str, wanted: Wanted, prepare: Prepare) -> CycleMember:
+def player_of(project: Project, key: str, wanted: BodyRequest, prepare: Prepare) -> CycleMember:
     """A performer with its request; what costs time is done here, in whatever thread asks."""
 
     def prepared(motion_id: str) -> tuple[NormalizedMotion, Morphology]:
