@@ -1,13 +1,19 @@
 """Time that a capture of 60 MB takes to open, stage by stage, and longest time without an answer of the window.
 
-    python benchmarks/long_capture.py [CAPTURE.bvh]
+    python benchmarks/long_capture.py [CAPTURE.bvh] [--lengths]
 
 The long file is made of a short one, played to and fro, in a temporary folder. Stages are measured one by one without
-a window, then what an animator does with it in the window.
+a window, then what an animator does with it in the window. With ``--lengths`` takes of 1 to 60 minutes at 120 Hz are
+opened and adapted to five bodies instead, each in a process of its own: processor time, memory, and how well a straight
+line fits the time.
 """
 
+import argparse
+import json
 import os
 import re
+import resource
+import subprocess
 import sys
 import tempfile
 import time
@@ -25,6 +31,9 @@ from studio.startup.process import prepare_process  # noqa: E402
 
 prepare_process()
 
+import numpy as np  # noqa: E402
+
+from benchmarks.growth import fitted  # noqa: E402
 from benchmarks.listening import TICK, Silences, run_window  # noqa: E402
 from benchmarks.machine import machine  # noqa: E402
 from benchmarks.report import table  # noqa: E402
@@ -46,12 +55,14 @@ from studio.engine.live_adaptation import normalised  # noqa: E402
 from studio.engine.saving import save_in_background  # noqa: E402
 from studio.engine.standing_solver import StandingSolver  # noqa: E402
 from studio.io.bvh.reader import read_bvh  # noqa: E402
-from studio.io.importing import known_of_motion, load_capture  # noqa: E402
+from studio.io.importing import ImportOptions, known_of_motion, load_capture  # noqa: E402
 from studio.io.project.character_file import bundled_characters  # noqa: E402
 from studio.startup import first_run  # noqa: E402
 from studio.timeline.curves import Quantity  # noqa: E402
 
 BYTES = 60_000_000
+LENGTHS, LENGTHS_RATE = (1, 4, 18, 60), 120
+"""Minutes of the takes whose cost is compared, and their frames a second."""
 PATIENCE = 120.0
 LISTENED = 1500
 """Milliseconds after each deed in which the window is still listened to."""
@@ -59,14 +70,15 @@ LONG = 1000
 """Frames that no motion has but the long one."""
 
 
-def long_file(source: Path, target: Path) -> int:
-    """Write ``source`` to and fro until it is 60 MB long; returns the frames."""
+def long_file(source: Path, target: Path, count: int | None = None) -> int:
+    """Write ``source`` to and fro for ``count`` frames, by default until it is 60 MB long; returns the frames."""
     head, _, rows = source.read_text().partition("MOTION")
     lines = rows.strip().splitlines()
     step, turns = lines[1], lines[2:] + lines[-2:2:-1]
-    count = BYTES * len(turns) // (sum(map(len, turns)) + len(turns))
-    text = "\n".join(turns[frame % len(turns)] for frame in range(count))
-    target.write_text(f"{head}MOTION\nFrames: {count}\n{re.sub('^ +', '', step)}\n{text}\n")
+    count = count or BYTES * len(turns) // (sum(map(len, turns)) + len(turns))
+    with target.open("w") as file:
+        file.write(f"{head}MOTION\nFrames: {count}\n{re.sub('^ +', '', step)}\n")
+        file.writelines(f"{turns[frame % len(turns)]}\n" for frame in range(count))
     return count
 
 
@@ -167,9 +179,55 @@ def measured(name: str, work: Callable[[], object], done: Callable[[], bool], li
     return [name, f"{seconds:.2f}", f"{computed:.2f}", f"{1000.0 * silence:.0f}", f"{at:.1f}"]
 
 
+def cost_of(source: Path, minutes: int) -> dict[str, float]:
+    """Processor seconds to open a take of ``minutes`` and to adapt it to five bodies, and the peak of memory in MB."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "long.bvh"
+        long_file(source, path, 60 * minutes * LENGTHS_RATE)
+        first_run.run()
+        known_of_motion(load_capture(source), Annotations(), "")
+        begun = time.process_time()
+        capture = load_capture(path, ImportOptions(frame_rate=LENGTHS_RATE))
+        contacts = known_of_motion(capture, Annotations(), "").contacts or ()
+        motion, actor = normalised(capture)
+        opened, solver = time.process_time(), StandingSolver()
+        held = [
+            solver(AdaptRequest(motion, each.morphology, contacts, (one_moment(),), actor=actor), 0, None)
+            for each in bundled_characters().values()
+        ]
+        adapted = time.process_time()
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    return {"opened": opened - begun, f"adapted to {len(held)} bodies": adapted - opened, "peak": peak}
+
+
+def lengths(source: Path) -> str:
+    """Costs of takes of several lengths, and R squared of the straight lines through the times."""
+    command = sys.executable, __file__, str(source), "--minutes"
+    costs = [json.loads(subprocess.check_output((*command, str(each)))) for each in LENGTHS]
+    rows = [
+        [str(minutes), *(f"{value:.1f}" for value in cost.values())]
+        for minutes, cost in zip(LENGTHS, costs, strict=True)
+    ]
+    times = [name for name in costs[0] if name != "peak"]
+    fits = [fitted([*LENGTHS], np.array([[cost[name] for cost in costs]])).fit for name in times]
+    rows.append(["R squared", *(f"{fit:.4f}" for fit in fits), ""])
+    return table(("minutes", *(f"{name}, processor s" for name in times), "peak, MB"), rows)
+
+
 def main() -> None:
     """Make the file, read it, work with it."""
-    source = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "examples" / "captures" / "walk_turn.bvh"
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("capture", nargs="?", type=Path, default=ROOT / "examples" / "captures" / "walk_turn.bvh")
+    parser.add_argument("--lengths", action="store_true")
+    parser.add_argument("--minutes", type=int, help=argparse.SUPPRESS)
+    arguments = parser.parse_args()
+    source: Path = arguments.capture
+    if arguments.minutes:
+        print(json.dumps(cost_of(source, arguments.minutes)))
+        return
+    if arguments.lengths:
+        print(f"{machine()}; load {os.getloadavg()[0]:.1f}\n\n{lengths(source)}")
+        return
     make_application()
     first_run.run()
     normalised(load_capture(source))
