@@ -24,6 +24,7 @@ from studio.document.document import Document
 from studio.io.importing import GUESS_ALL, ImportOptions, known_of_motion, read_capture, read_file
 from studio.io.registry import Progress, ReadCapture, ReadCharacter
 from studio.io.source_files import SourceMissing
+from studio.panels.message_strip import Lifetime
 
 PROJECT_UNCHANGED = "Your project was not changed."
 READ_SHARE = 0.7
@@ -204,7 +205,10 @@ def read_again(
             if motion.path is not None:
                 bench.sources[capture_id] = motion.path
                 if old.digest not in ("", motion.capture.digest):
-                    bench.say(f"The content of {motion.path} has changed since it was read before.")
+                    bench.say(
+                        f"The content of {motion.path} has changed since it was read before.",
+                        until=Lifetime.PROJECT_OPENED,
+                    )
 
     def missed(error: StudioError) -> None:
         if isinstance(error, SourceMissing):
@@ -221,13 +225,13 @@ def tell_repairs(bench: Workbench, capture_id: str) -> None:
     if capture.markers is not None and capture.body_map is None:
         ask = ("Markers…", lambda: bench.window.inspector.markers_requested.emit(capture_id))
         held = next(guess.reason for guess in capture.guesses if guess.subject == "marker map").partition(".")[0]
-        bench.say(f"No body was found in {capture.source}. {held}: label its markers.", ask)
+        bench.say(f"No body was found in {capture.source}. {held}: label its markers.", ask, until=Lifetime.EDITED)
         return
     if not capture.repairs:
         bench.clear_message()
         return
     report = ("Import report", lambda: bench.document.selection.set(("captures", capture_id)))
-    bench.say(repair_words(capture), report, ("Close", bench.clear_message))
+    bench.say(repair_words(capture), report, ("Close", bench.clear_message), until=Lifetime.PROJECT_OPENED)
 
 
 def repair_words(capture: Capture) -> str:
@@ -269,7 +273,7 @@ def tell_corrections(bench: Workbench, capture_id: str) -> None:
             read_again(bench, capture_id, GUESS_ALL, f"Read {capture.name} as guessed")
 
     sentence = f"{capture.source} was read as you corrected its kind of file before: {words(corrections)}."
-    bench.say(sentence, ("Keep", bench.clear_message), ("Guess again", guess))
+    bench.say(sentence, ("Keep", bench.clear_message), ("Guess again", guess), until=Lifetime.PROJECT_OPENED)
 
 
 def show_motion(document: Document) -> None:

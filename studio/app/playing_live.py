@@ -10,10 +10,12 @@ from PySide6.QtWidgets import QAbstractSpinBox, QApplication, QComboBox, QLineEd
 
 from studio.app.strike_edit import clips_until
 from studio.app.workbench import Workbench
+from studio.core.names import counted
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import KeyCondition
 from studio.core.stage.project import Entity, Performer, Project, new_id
 from studio.live.recorded_take import StageTake, edits_of
+from studio.panels.message_strip import Lifetime
 
 TYPING = (QLineEdit, QAbstractSpinBox, QComboBox, QTextEdit, QPlainTextEdit)
 KEY_EVENTS = (QEvent.Type.ShortcutOverride, QEvent.Type.KeyPress)
@@ -103,7 +105,9 @@ def toggle(bench: Workbench) -> None:
         bench.live.play.end()
         return
     if not bench.live.play.begin():
-        bench.say("The solver is still being prepared. Play live as soon as the bar below is gone.")
+        bench.say(
+            "The solver is still being prepared. Play live as soon as the bar below is gone.", until=Lifetime.EDITED
+        )
         return
     active = bench.document.active_performer_id or ""
     names = [_name(bench.document.project, clip) for clip in clips_of(bench.document.project, active)]
@@ -138,8 +142,9 @@ def put_take(bench: Workbench, take: StageTake) -> None:
     document.playhead.set_time(begin)
     clips = sum(len(each.clips) for each in rows)
     bench.say(
-        f"Recorded {take.end - take.begin:.1f} s: the clips of {len(rows)} performers are replaced by {clips}."
-        " Undo restores them."
+        f"Recorded {take.end - take.begin:.1f} s: the clips of {counted(len(rows), 'performer')} are replaced by"
+        f" {clips}. Undo restores them.",
+        until=Lifetime.EDITED,
     )
 
 

@@ -16,7 +16,7 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint, Vector
 from studio.core.constraints.carried_over import mirrored_constraint, other_side
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
-from studio.core.constraints.fitted_activation import LONGEST, fitted_activation
+from studio.core.constraints.fitted_activation import LONGEST, LimbPath, fitted_activation
 from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
@@ -50,6 +50,8 @@ TURNED_BY = {
     "thigh": "shank", "shank": "foot", "thorax": "neck", "neck": "head",
 }  # fmt: skip
 """A joint is the far end of one segment; what turns about it is the next."""
+UPPER_SEGMENT = {"forearm": "upper_arm", "hand": "upper_arm", "shank": "thigh", "foot": "thigh", "toe": "thigh"}
+"""First segment of the limb to which a segment belongs."""
 _HEAD = Chain(limb=1.0, end_segment=1.0, clavicle=0.0, trunk=0.3)
 _WHOLE_BODY = Chain(limb=0.0, clavicle=0.0, trunk=1.0, root=1.0, free_arms=1.0, free_legs=1.0)
 
@@ -146,10 +148,22 @@ class NewConstraintContext:
         motion, rows, _ = self.around
         return motion.rotations[rows, motion.morphology.layout.segment(part)]
 
-    def common(self, name: str, point: BodyPoint, chain: Chain, moving: FloatArray | None = None) -> dict[str, Any]:
+    def limb(self, point: BodyPoint) -> LimbPath | None:
+        """Path of a point of a forearm, hand, shank or foot, drawn to where it is now; None for other points."""
+        side, bone = _side_and_bone(point.part)
+        if bone not in UPPER_SEGMENT:
+            return None
+        upper, end = BodyPart(f"{side}{UPPER_SEGMENT[bone]}"), self.points(point)
+        now = int(np.argmin(np.abs(self.around[2] - self.pose.seconds)))
+        return LimbPath(self.points(BodyPoint(upper)), self.points(BodyPoint(upper, at_end=True)), end, end[now])
+
+    def common(
+        self, name: str, point: BodyPoint, chain: Chain, moving: FloatArray | None = None, *, limb: bool = False
+    ) -> dict[str, Any]:
         """Fields of every kind: last priority, fully active near the playhead or, if nothing is ``moving``, always.
 
-        ``moving`` (F, D), metres or radians in the rows ``around``, is what the constraint keeps at its value of now.
+        ``moving`` (F, D), metres or radians in the rows ``around``, is what the constraint keeps at its value of now;
+        of the position of a ``limb`` on the way that segments take.
         """
         motion_id = self.pose.motion_id or ""
         existing = self.project.constraints_of(motion_id).values()
@@ -157,7 +171,8 @@ class NewConstraintContext:
         now = min(max(self.pose.seconds, begin), end)
         activation = ActivationCurve(begin, begin, end, end)
         if moving is not None and self.fits_activation:
-            activation = fitted_activation(self.around[2], moving, now, *self.between_stances(point.part, now))
+            between = self.between_stances(point.part, now)
+            activation = fitted_activation(self.around[2], moving, now, *between, self.limb(point) if limb else None)
         return {
             "motion_id": motion_id,
             "name": free_name(name, {one.name for one in existing}),
@@ -196,7 +211,7 @@ def new_position(here: NewConstraintContext) -> Constraint:
     place = _vector(here.place(joint.point))
     # Bodies of other measures are elsewhere in the middle of a walk: each has its own place, as long as that is known.
     target = here.moment.own_place(joint.point, place, here.pose.seconds) or place
-    common = here.common(joint.name.capitalize(), joint.point, joint.chain, here.points(joint.point))
+    common = here.common(joint.name.capitalize(), joint.point, joint.chain, here.points(joint.point), limb=True)
     return PositionConstraint(**common, target=target)
 
 

@@ -1,6 +1,7 @@
 """The stored answers that the studio opens with equal those that it solves."""
 
 import numpy as np
+import pytest
 
 from studio.app import sample
 from studio.core.constraints.own_place import OwnPlace
@@ -61,6 +62,22 @@ def test_c_on_the_sample_leaves_every_limb_its_speed():
                     60 * np.linalg.norm(np.diff(each[near], axis=0), axis=1).max() for each in (drawn, path)
                 )
                 assert speed < 1.1 * max(before, 0.1) + 1e-6, f"{key}, {joint.name}, frame {frame}"
+
+
+@pytest.mark.parametrize("frame", [140, 148, 152, 154, 165])
+def test_c_on_the_kicking_foot_leaves_it_its_speed_as_the_engine_solves_it(frame):
+    project, shown = sample.read_sample()
+    posed = posed_performers(project, shown.get, frame / 60)
+    here = TargetContext(project, posed, posed["child"])
+    ball = next(
+        each for each in body_joints(posed["child"].motion.morphology.layout) if each.name == "right ball of foot"
+    )
+    held = project.with_entity("constraints", "held", constraint_here(NewConstraintContext(here, ball), "position"))
+    near, solved = slice(frame - 60, frame + 60), adapted_performers(held)
+    for key in ("child", "giant"):
+        paths = (point_path(each[key], ball.point) for each in (shown, solved))
+        before, after = (60 * np.linalg.norm(np.diff(path[near], axis=0), axis=1).max() for path in paths)
+        assert after < 1.1 * before, key
 
 
 def test_adapted_motions_come_back_as_finely_as_anybody_sees(tmp_path):

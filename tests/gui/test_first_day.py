@@ -199,3 +199,26 @@ def test_bodies_of_which_some_play_another_take_are_lined_up_and_do_not_meet(win
     paths = root_paths(document.project, window.bench.live.result)
     one, other = (np.array(each.position) + paths[key] for key, each in document.project.performers.items())
     assert np.linalg.norm(one - other, axis=1).min() > 0.75
+
+
+def test_line_up_puts_bodies_of_a_mirrored_walk_across_the_way_that_is_seen(window, qtbot, tmp_path):
+    document = window.bench.document
+    drop(window, travelling(tmp_path, "aslant.bvh", np.pi / 4))
+    wait_until_idle(qtbot, window)
+    document.selection.set(("clips", next(iter(document.project.performers.values())).clips[0].id))
+    QTest.keyClick(window, Qt.Key.Key_M, CONTROL)
+    assert window.bench.live.wait(300.0)
+    window.actions_by_id.by_id["line_up"].trigger()
+    first, second = (np.array(each.position) for each in document.project.performers.values())
+    path = next(iter(root_paths(document.project, window.bench.live.result).values()))
+    assert (path[-1] - path[0])[1] < -1.0
+    assert (path[-1] - path[0]) @ (second - first) == pytest.approx(0.0, abs=0.1)
+
+
+def test_what_is_said_of_a_stored_view_goes_with_the_next_edit(window):
+    import_views()
+    show_views(window)
+    QTest.keyClick(window.bench.viewport, Qt.Key.Key_F5, Qt.KeyboardModifier.ShiftModifier)
+    assert window.strip.text.startswith("The view is stored")
+    window.bench.document.add("props", Prop("Box", position=(0.6, 0.0, 0.2)), "Add box")
+    assert window.strip.text == ""

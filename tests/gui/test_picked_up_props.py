@@ -135,3 +135,37 @@ def test_who_takes_a_box_face_to_face_leaves_it_its_heading_and_finds_free_place
     of_one, of_two = ([place for (key, _), place in wrists.items() if key == who] for who in (FIRST, other))
     assert len(of_one) == len(of_two) == 2
     assert min(np.linalg.norm(a - b) for a in of_one for b in of_two) > 0.09
+
+
+def test_who_cannot_reach_a_box_that_another_holds_is_told_to_come_closer(played, qtbot):
+    document = played.bench.document
+    giver = document.project.performers[FIRST]
+    x, y = giver.position
+    far = document.add("performers", replace(giver, name="Far one", position=(x + 4.0, y), heading=math.pi), "Add")
+    prop_id = document.add("props", Prop("Box", position=(x + 0.5, y, 0.9)), "Add box")
+    pick_up(played, FIRST, prop_id, 0.1)
+    document.selection.clear()
+    qtbot.waitUntil(lambda: played.bench.live.result(far) is not None, timeout=PATIENCE)
+    pick_up(played, far, prop_id, 0.4)
+    assert "Bring Far one closer" in played.strip.text
+    assert [hold.performer_id for hold in document.project.props[prop_id].holds] == [FIRST, far]
+
+
+def test_who_has_just_taken_a_box_does_not_lose_it_as_the_giver_would_put_it_down(played, qtbot):
+    document = played.bench.document
+    giver = document.project.performers[FIRST]
+    x, y = giver.position
+    other = document.add("performers", replace(giver, position=(x + 1.1, y), heading=math.pi), "Add")
+    prop_id = document.add("props", Prop("Box", position=(x + 0.5, y, 0.9)), "Add box")
+    pick_up(played, FIRST, prop_id, 0.1)
+    qtbot.waitUntil(lambda: played.bench.live.result(other) is not None, timeout=PATIENCE)
+    pick_up(played, other, prop_id, 0.4)
+    taken = document.project.props[prop_id]
+    played.actions_by_id.by_id["put_down_prop"].trigger()
+    assert document.project.props[prop_id] == taken
+    assert "go to a later moment" in played.strip.text
+    document.playhead.set_time(0.25)
+    played.actions_by_id.by_id["put_down_prop"].trigger()
+    one, two = document.project.props[prop_id].holds
+    assert (one.performer_id, one.end) == (FIRST, pytest.approx(document.playhead.time))
+    assert two == taken.holds[1]

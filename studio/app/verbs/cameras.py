@@ -5,6 +5,7 @@ from collections.abc import Callable
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.document.stored_cameras import camera_in_slot, store_camera
+from studio.panels.message_strip import Lifetime
 
 
 def recall(slot: int) -> Callable[[Workbench], None]:
@@ -24,7 +25,7 @@ def store(slot: int) -> Callable[[Workbench], None]:
 
     def run(bench: Workbench) -> None:
         camera_id = store_camera(bench.document, bench.viewport.placement, slot)
-        bench.say(f"The view is stored as {bench.document.project.cameras[camera_id].name}.")
+        bench.say(f"The view is stored as {bench.document.project.cameras[camera_id].name}.", until=Lifetime.EDITED)
 
     return run
 

@@ -11,6 +11,7 @@ from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.errors import StudioError
 from studio.document.priorities import shift_priority
 from studio.io.meshes.mesh_file import SUFFIXES, MeshFile, read_mesh
+from studio.panels.message_strip import Lifetime
 
 NO_JOINT = "Click a joint in the 3D view first, or press Shift+J to choose one: the constraint will hold it."
 
@@ -59,7 +60,7 @@ def put_area_mesh(bench: Workbench, path: Path) -> None:
         if isinstance(area, AreaConstraint):
             new = replace(area, shape=AreaShape.MESH, mesh=file.mesh)
             bench.document.replace("constraints", area_id, new, f"Load {path.name} for {area.name}")
-            bench.say(f"{path.name}: {file.guesses}.")
+            bench.say(f"{path.name}: {file.guesses}.", until=Lifetime.EDITED)
 
     bench.runner.run(f"Reading {path.name}", lambda progress: read_mesh(path), done)
 

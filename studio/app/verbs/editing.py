@@ -13,7 +13,7 @@ from studio.core.names import free_name
 from studio.core.stage.behaviour import Transition
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import GROUND_ID
-from studio.core.stage.staging import lined_up, travel_heading
+from studio.core.stage.staging import lined_up, path_heading
 from studio.document.behaviour_commands import duplicate_states, remove_parts
 from studio.document.clip_edits import name_of, remove_clips
 from studio.document.clipboard import copied, paste
@@ -141,10 +141,10 @@ def line_up(bench: Workbench) -> None:
     performers = {key: project.performers[key] for key in keys if project.performers[key].clips}
     if len(performers) < 2:
         raise StudioError("Show or select at least two characters that play something first.")
-    clip = document.active_clip or next(iter(performers.values())).clips[0]
-    capture = project.captures[project.motions[clip.motion_id].capture_id]
-    travel = travel_heading(capture, clip.first, clip.last)
     paths = root_paths(project, bench.live.result)
+    active = document.active_performer_id
+    followed = next((paths[key] for key in (active, *performers) if key in performers and key in paths), None)
+    travel = None if followed is None else path_heading(followed)
     with document.group("Line up characters"):
         for key, performer in lined_up(performers, travel or 0.0, paths).items():
             document.replace("performers", key, performer, "Line up")

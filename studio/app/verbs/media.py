@@ -8,6 +8,7 @@ from studio.core.stage.footage import Footage
 from studio.core.stage.sound_track import SoundTrack
 from studio.io.media.footage_file import read_footage
 from studio.io.media.sound_file import read_sound
+from studio.panels.message_strip import Lifetime
 
 
 def ask_sound(bench: Workbench) -> None:
@@ -21,7 +22,9 @@ def add_sound(bench: Workbench, path: Path) -> None:
     def done(sound: SoundTrack) -> None:
         sound_id = bench.document.add("sounds", sound, f"Add {sound.name}")
         bench.document.selection.set(("sounds", sound_id))
-        bench.say(f"{path.name}: {len(sound.beats)} beats found. Keys and contacts snap to them.")
+        bench.say(
+            f"{path.name}: {len(sound.beats)} beats found. Keys and contacts snap to them.", until=Lifetime.EDITED
+        )
 
     bench.runner.run(f"Reading {path.name}", lambda progress: read_sound(path, lambda: progress(0.0, path.name)), done)
 
@@ -44,6 +47,9 @@ def add_footage(bench: Workbench, path: Path) -> None:
         footage_id = bench.document.add("footage", footage, f"Add {footage.name}")
         bench.document.selection.set(("footage", footage_id))
         bench.window.show_dock("Footage")
-        bench.say(f"{path.name}: {footage.frames} frames at {footage.frame_rate:g} Hz. Set begin and rate in its form.")
+        bench.say(
+            f"{path.name}: {footage.frames} frames at {footage.frame_rate:g} Hz. Set begin and rate in its form.",
+            until=Lifetime.EDITED,
+        )
 
     bench.runner.run(f"Reading {path.name}", lambda _: read_footage(path), done)

@@ -1,6 +1,7 @@
 """Props: new ones, of a shape or a mesh, and hands that hold them."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -15,7 +16,7 @@ from studio.core.constraints.target import follows_of
 from studio.core.curves.keyed import KeyedPlace
 from studio.core.errors import StudioError
 from studio.core.mesh.triangle_mesh import TriangleMesh
-from studio.core.names import free_name
+from studio.core.names import free_name, readable
 from studio.core.stage.holding import HAND_REACH_SECONDS, THIN, grips, quarters, reaching_time
 from studio.core.stage.project import Performer, Project
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape
@@ -145,8 +146,8 @@ def add_mesh(bench: Workbench, path: Path) -> None:
     """Read a mesh in the background, then put it on the stage in its own size; one undo step."""
 
     def done(file: MeshFile) -> None:
-        _add(bench, Prop(path.stem, extent(file.mesh), shape=PropShape.MESH, mesh=file.mesh))
-        bench.say(f"{path.name}: {file.guesses}.")
+        _add(bench, Prop(readable(path.stem), extent(file.mesh), shape=PropShape.MESH, mesh=file.mesh))
+        bench.say(f"{path.name}: {file.guesses}.", until=Lifetime.EDITED)
 
     bench.runner.run(f"Reading {path.name}", lambda progress: read_mesh(path), done)
 
@@ -194,13 +195,13 @@ def put_down(bench: Workbench) -> None:
     """Let the holder of the selected prop put it down at the playhead; hands leave it."""
     document, prop_id = bench.document, selected_prop(bench)
     prop, now = document.project.props[prop_id or ""], document.playhead.time
-    begun = [each for each in prop.holds if each.begin is None or each.begin < now]
-    if prop_id is None or not begun:
+    held = [each for each in prop.holds if each.holds_at(now) and each.begin != now and each.end != now]
+    if prop_id is None or not held:
         raise StudioError("Nobody holds the prop here. Select one that is held, and go to a later moment.")
     text = f"Put down {prop.name}"
     with document.group(text):
-        document.replace("props", prop_id, prop.with_holds([*begun[:-1], replace(begun[-1], end=now)]), text)
-        _leave(document, prop_id, begun[-1].performer_id, now, text)
+        document.replace("props", prop_id, prop.with_hold(held[-1], replace(held[-1], end=now)), text)
+        _leave(document, prop_id, held[-1].performer_id, now, text)
 
 
 def _leave(document: Document, prop_id: str, performer_id: str, now: float, text: str) -> None:
@@ -241,8 +242,7 @@ def _hold(bench: Workbench, begin: float | None) -> None:
         grasp = grasp_at(document.project, bench.live.result, performer_id, begin) if begin is not None else None
         heading = None
         if begin is not None:
-            if giver is None:
-                prop, moved = _in_reach(bench, prop, holder, begin, grasp)
+            prop, moved = _in_reach(bench, prop, holder, begin, grasp, posed)
             pose = prop_at(document.project.with_entity("props", prop_id, prop), posed, prop_id, begin)
             heading, reaching = heading_of(pose), reaching_time(wrists_from(pose, holder))
         hold = between_hands(prop, performer_id, holder, heading=heading, lift=grasp.lift(prop) if grasp else None)
@@ -274,17 +274,22 @@ def _hold(bench: Workbench, begin: float | None) -> None:
         bench.say(moved, until=Lifetime.EDITED)
 
 
-def _in_reach(bench: Workbench, prop: Prop, holder: Posed, begin: float, grasp: Grasp | None) -> tuple[Prop, str]:
+def _in_reach(
+    bench: Workbench, prop: Prop, holder: Posed, begin: float, grasp: Grasp | None, posed: Mapping[str, Posed]
+) -> tuple[Prop, str]:
     """The prop where the motion holds a thing, or, where it lies beyond the arms' reach, ahead of the body; what the
-    user is told of that, empty where nothing was moved.
+    user is told of that, empty where nothing was moved and hands reach it.
     """
     document, lies = bench.document, isinstance(prop.position, tuple) and not prop.holds
     if lies and grasp is not None:
         return _grasped(prop, grasp), ""
-    pose = prop_at(document.project, {}, selected_prop(bench) or "", begin)
+    pose = prop_at(document.project, posed, selected_prop(bench) or "", begin)
     beyond = float(np.linalg.norm(pose.place[:2] - holder.points[0, :2])) - max(prop.size[:2]) / 2
-    if prop.holds or beyond <= PROP_REACH * holder.motion.body.leg_length:
+    if beyond <= PROP_REACH * holder.motion.body.leg_length:
         return prop, ""
+    if prop.holds:
+        whom = holder.performer.name
+        return prop, f"{prop.name} is {beyond:.1f} m away: the hands of {whom} do not reach it. Bring {whom} closer."
     nearer = _ahead(document, prop, holder)
     if isinstance(prop.position, KeyedPlace) and isinstance(nearer.position, tuple):
         nearer = replace(prop, position=prop.position.with_key(begin, nearer.position))

@@ -1,6 +1,9 @@
 """Activation of a new constraint whose target is where the limb is now: it lets the limb keep its speed."""
 
 import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 
 import numpy as np
@@ -9,59 +12,127 @@ from numpy.typing import NDArray
 from studio.core.curves.activation import ActivationCurve, EaseShape, ease, weighted_progress
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+Drawn = Callable[[FloatArray, IntArray], FloatArray]
+"""Values (R, D) in rows (R,), drawn to the target by an activation (R,)."""
 
 HOLD, RAMP = 0.1, 0.3
 """Seconds held on either side of the playhead, and eased beyond, wherever the limb keeps its speed with them."""
-CHANGE = 1.1
-"""Factor by which the peak speed of a limb may grow or shrink."""
+GROWTH, LOSS = 1.03, 1.1
+"""Factors by which the peak speed of a limb may grow and shrink; solved, it grows by some hundredths more."""
 SLOW_LIMB = 0.1
 """Metres or radians a second: slower speeds count as this."""
 HOLDS = (HOLD, 0.05, 0.02, 0.0)
-RAMPS = (RAMP, 0.2, 0.4, 0.5, 0.7, 1.0)
+RAMPS = (RAMP, 0.1, 0.15, 0.2, 0.4, 0.5, 0.7, 1.0)
 WEIGHTS = (1.0, 0.5, 0.25)
 """Weights of the end of the hold: a limb that only passes is let go sooner, and need not catch up so fast."""
 LONGEST = max(HOLDS) + max(RAMPS)
 """Seconds on either side that matter."""
+STRETCH = 0.9
+"""Part of its length to which a limb is stretched before its root follows."""
+LEAST_LENGTH, SMALL_ANGLE = 1e-6, 1e-6
 
 
-def fitted_activation(seconds: FloatArray, values: FloatArray, now: float, begin: float, end: float) -> ActivationCurve:
+@dataclass(frozen=True, eq=False)
+class LimbPath:
+    """Path of the end of a limb that is drawn to a ``target`` (3,): both segments rotate along shortest arcs.
+
+    ``root``, ``joint`` and ``end`` (F, 3), metres, are shoulder, elbow and hand, or hip, knee and foot. The root
+    follows by as much as the limb is too short.
+    """
+
+    root: FloatArray
+    joint: FloatArray
+    end: FloatArray
+    target: FloatArray
+
+    def drawn(self, activation: FloatArray, rows: IntArray) -> FloatArray:
+        """(R, 3) position of the end in ``rows`` (R,), drawn by ``activation`` (R,)."""
+        part = activation[:, None]
+        upper = _rotated(self._upper[rows], self._held[0][rows], part)
+        lower = _rotated(self._lower[rows], self._held[1][rows], part)
+        return np.asarray(self.root[rows] + part * self._held[2][rows] + upper + lower)
+
+    @cached_property
+    def _upper(self) -> FloatArray:
+        return self.joint - self.root
+
+    @cached_property
+    def _lower(self) -> FloatArray:
+        return self.end - self.joint
+
+    @cached_property
+    def _held(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Both segments (F, 3) with the end at the target, bent where they are bent now, and how the root follows."""
+        long, short = (np.linalg.norm(each, axis=1, keepdims=True) for each in (self._upper, self._lower))
+        way = self.target - self.root
+        distance = np.maximum(np.linalg.norm(way, axis=1, keepdims=True), LEAST_LENGTH)
+        axis = way / distance
+        follow = np.maximum(distance - STRETCH * (long + short), 0.0) * axis
+        distance = np.clip(distance, np.abs(long - short) + LEAST_LENGTH, STRETCH * (long + short))
+        bend = self._upper - np.sum(self._upper * axis, axis=1, keepdims=True) * axis
+        bend /= np.maximum(np.linalg.norm(bend, axis=1, keepdims=True), LEAST_LENGTH)
+        along = (long**2 - short**2 + distance**2) / (2.0 * distance)
+        upper = along * axis + np.sqrt(np.maximum(long**2 - along**2, 0.0)) * bend
+        return upper, distance * axis - upper, follow
+
+
+def _rotated(begin: FloatArray, end: FloatArray, part: FloatArray) -> FloatArray:
+    """(R, 3) vectors ``part`` (R, 1) of the arcs from ``begin`` to ``end``, which are of equal lengths."""
+    lengths = np.maximum(np.sum(begin * begin, axis=1, keepdims=True), LEAST_LENGTH**2)
+    angle = np.arccos(np.clip(np.sum(begin * end, axis=1, keepdims=True) / lengths, -1.0, 1.0))
+    sine = np.where(np.sin(angle) < SMALL_ANGLE, 1.0, np.sin(angle))
+    arc = (np.sin((1.0 - part) * angle) * begin + np.sin(part * angle) * end) / sine
+    return np.where(np.sin(angle) < SMALL_ANGLE, begin + part * (end - begin), arc)
+
+
+def fitted_activation(
+    seconds: FloatArray, values: FloatArray, now: float, begin: float, end: float, limb: LimbPath | None = None
+) -> ActivationCurve:
     """Activation around ``now``, from ``begin`` to ``end`` at most, that keeps the peak speed within a tenth.
 
-    ``values`` (F, D), metres or radians, are those of the limb at ``seconds`` (F,); the target is the value at ``now``.
-    Each side is fitted by itself: the usual hold and ramp, else the nearest to them that do, else the gentlest.
+    ``values`` (F, D), metres or radians, are those of the limb at ``seconds`` (F,); the target is the value at ``now``,
+    to which they are drawn along straight lines, or as the end of a ``limb`` is. Each side is fitted by itself: the
+    usual hold and ramp, else the nearest to them that do, else the gentlest.
     """
     here = np.array([np.interp(now, seconds, column) for column in values.T])
-    away = values - here
-    hold_in, ramp_in, weight_in = _fitted_side(now - seconds[::-1], away[::-1], now - begin)
-    hold_out, ramp_out, weight_out = _fitted_side(seconds - now, away, end - now)
+
+    def straight(activation: FloatArray, rows: IntArray) -> FloatArray:
+        return np.asarray(values[rows] + activation[:, None] * (here - values[rows]))
+
+    drawn, rows = straight if limb is None else limb.drawn, np.arange(len(seconds))
+    hold_in, ramp_in, weight_in = _fitted_side(now - seconds, rows[::-1], values, drawn, now - begin)
+    hold_out, ramp_out, weight_out = _fitted_side(seconds - now, rows, values, drawn, end - now)
     times = now - hold_in - ramp_in, now - hold_in, now + hold_out, now + hold_out + ramp_out
     return ActivationCurve(*times, weights=(1.0, weight_in, weight_out, 1.0))
 
 
-def _fitted_side(since: FloatArray, away: FloatArray, room: float) -> tuple[float, float, float]:
-    """Hold and ramp in seconds, and weight, of one side: ``away`` (F, D) from the target at ``since`` (F,) seconds.
+def _fitted_side(
+    since: FloatArray, rows: IntArray, values: FloatArray, drawn: Drawn, room: float
+) -> tuple[float, float, float]:
+    """Hold and ramp in seconds, and weight, of one side: ``rows`` of ``values`` (F, D) at ``since`` (F,) seconds.
 
     Hold and ramp end within the ``room`` to the end of the clip.
     """
     gentlest, least = _within(room, HOLD, RAMP, 1.0), np.inf
-    kept = (since >= -1e-9) & (since <= LONGEST)
-    since, away = since[kept], away[kept]
+    rows = rows[(since[rows] >= -1e-9) & (since[rows] <= LONGEST)]
+    since = since[rows]
     if len(since) < 3:
         return gentlest
     steps = np.diff(since)
-    natural = np.linalg.norm(np.diff(away, axis=0), axis=1) / steps
+    natural = np.linalg.norm(np.diff(values[rows], axis=0), axis=1) / steps
     for usual in sorted(product(HOLDS, RAMPS, WEIGHTS), key=_change):
         hold, ramp, weight = _within(room, *usual)
         progress = np.clip((hold + ramp - since) / ramp, 0.0, 1.0) if ramp > 0.0 else (since <= hold) * 1.0
         activation = ease(weighted_progress(progress, 1.0, weight), EaseShape.QUINTIC)
-        speeds = np.linalg.norm(np.diff((1.0 - activation)[:, None] * away, axis=0), axis=1) / steps
+        speeds = np.linalg.norm(np.diff(drawn(activation, rows), axis=0), axis=1) / steps
         compared = since[1:] <= max(hold + ramp, min(HOLD + RAMP, room)) + 1e-9
         peak, usual_peak = (max(float(each[compared].max(initial=0.0)), SLOW_LIMB) for each in (speeds, natural))
-        change = abs(math.log(peak / usual_peak))
-        if change <= math.log(CHANGE):
+        change = math.log(peak / usual_peak)
+        if -math.log(LOSS) <= change <= math.log(GROWTH):
             return hold, ramp, weight
-        if change < least:
-            gentlest, least = (hold, ramp, weight), change
+        if abs(change) < least:
+            gentlest, least = (hold, ramp, weight), abs(change)
     return gentlest
 
 

@@ -45,8 +45,12 @@ def travel_heading(capture: Capture, first: int, last: int) -> float | None:
     rows = np.linspace(first, last, min(SPACING_SAMPLES, last - first + 1)).round().astype(np.int64)
     poses = PoseSequence(capture.poses.local_rotations[rows], capture.poses.local_translations[rows])
     places, _ = joint_world(capture.skeleton, poses)
-    root = places[:, capture.body_map.spine[0], :2]
-    ways = root - root[0]
+    return path_heading(places[:, capture.body_map.spine[0], :2])
+
+
+def path_heading(path: NDArray[np.float64]) -> float | None:
+    """Heading in radians from the begin of a ``path`` (T, 2) in metres to its farthest point; None if that is near."""
+    ways = path - path[0]
     x, y = ways[np.argmax(np.linalg.norm(ways, axis=1))].tolist()
     return math.atan2(y, x) if math.hypot(x, y) >= LEAST_TRAVEL else None
 
