@@ -6,6 +6,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.curves.keyed import KeyedNumber
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import Motion, Performer, Project
@@ -46,10 +47,14 @@ class Subject:
 
     def to_stage(self, seconds: Seconds) -> Seconds:
         """Seconds on the stage at which seconds of the motion, one number or many, are played first."""
+        if not isinstance(self.clip.speed, KeyedNumber):  # thousands of times a picture
+            return self.clip.start + (seconds - self.clip.first / self.frame_rate) / self.clip.speed
         return self._like(seconds, self.clip.stage_seconds(seconds, self.frame_rate))
 
     def to_motion(self, seconds: Seconds) -> Seconds:
         """Seconds of the motion that are played at times of the stage, before and after the clip too."""
+        if not isinstance(self.clip.speed, KeyedNumber):
+            return (seconds - self.clip.start) * self.clip.speed + self.clip.first / self.frame_rate
         return self._like(seconds, self.clip.motion_seconds(seconds, self.frame_rate))
 
     @staticmethod

@@ -212,7 +212,9 @@ class ValueCurves:
         values = values_at(channel, keyed, times)
         span = self.range_of(shown, channel.unit)
         ys = area.bottom() - (values - span.low) / (span.high - span.low) * area.height()
-        xs = np.array([shown.axis.x_of_time(stage_time(shown, channel.field, time)) for time in times.tolist()])
+        counted = counted_in(shown.project, shown.subject.clip, channel.field)
+        seen = times if counted is None else counted.stage_seconds(times, shown.project.frame_rate_of(counted))
+        xs = shown.axis.left + (seen - shown.axis.start) * shown.axis.scale
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setPen(hairline(colour_of(channel), 2.0 if channel == self.active else 1.4))
         ys = np.clip(ys, -1e5, 1e5)
