@@ -7,8 +7,10 @@ STUDIO = .venv/bin/python main.py
 # The tests for `make check`, about a minute with lint and types beside them; `make test` runs every one.
 FAST = tests/architecture tests/document tests/panels tests/timeline
 
-# The tests of what computes and of files; the others, of window and command line, take about as long beside them.
-COMPUTING = tests/core tests/real tests/library tests/live tests/examples tests/io
+# The tests of what computes and of files; the others, of window and command line, and then the monkey, take about as
+# long beside them.
+COMPUTING = tests/core tests/real tests/library tests/live tests/examples tests/io tests/engine tests/document \
+	tests/benchmarks
 
 # Lines of jobs that run at once are shown as they come, each with the name of its job.
 shown = ($(1)) 2>&1 | awk '{ print "$@: " $$0; fflush() }'
@@ -16,7 +18,7 @@ shown = ($(1)) 2>&1 | awk '{ print "$@: " $$0; fflush() }'
 # More arguments for pytest, for example: make test PYTEST="-m captures".
 PYTEST ?=
 
-.PHONY: run check test kernels computing others monkey lint fast bench quality soak examples pictures format
+.PHONY: run check test kernels computing others monkey lint fast bench quality soak examples pictures films format
 
 run: .venv/.ready-to-run
 	@$(STUDIO)
@@ -65,6 +67,10 @@ examples: .venv/.ready-to-run
 
 pictures: .venv/.ready-to-test
 	.venv/bin/python examples/make_pictures.py
+
+# Sheets and films of captures on bodies beside their source, to be looked at: make films FOLDER=/tmp/films.
+films: .venv/.ready-to-run
+	.venv/bin/python examples/make_films.py $(or $(FOLDER),films)
 
 format: .venv/.ready-to-test
 	.venv/bin/ruff format .

@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QAbstractSpinBox, QApplication, QComboBox, QLineEd
 
 from studio.app.strike_edit import clips_until
 from studio.app.workbench import Workbench
+from studio.core.names import counted
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import KeyCondition
 from studio.core.stage.project import Entity, Performer, Project, new_id
@@ -141,8 +142,8 @@ def put_take(bench: Workbench, take: StageTake) -> None:
     document.playhead.set_time(begin)
     clips = sum(len(each.clips) for each in rows)
     bench.say(
-        f"Recorded {take.end - take.begin:.1f} s: the clips of {len(rows)} performers are replaced by {clips}."
-        " Undo restores them.",
+        f"Recorded {take.end - take.begin:.1f} s: the clips of {counted(len(rows), 'performer')} are replaced by"
+        f" {clips}. Undo restores them.",
         until=Lifetime.EDITED,
     )
 

@@ -12,6 +12,7 @@ from studio.cli.printing import STOPPED, print_json, print_table
 from studio.core.constraints.base import Constraint
 from studio.core.curves.activation import FULLY_ACTIVE
 from studio.core.errors import StudioError
+from studio.core.names import counted
 from studio.core.stage.project import Project
 from studio.io.json_text import JsonObject
 from studio.jobs.adapt_report import REACHED_DEG, REACHED_MM, residual_record
@@ -140,8 +141,8 @@ def _note(stage: LiveStage, parts: dict[str, PerformerTally]) -> None:
 def print_report(report: JsonObject) -> None:
     """Print the speed, a line a performer, a line a constraint, and the failures."""
     print(
-        f"{report['steps']} steps, {report['steps_a_second']:.0f} a second of one processor's time, the slowest "
-        f"{report['slowest_step_ms']:.1f} ms\n"
+        f"{counted(report['steps'], 'step')}, {report['steps_a_second']:.0f} a second of one processor's time, "
+        f"the slowest {report['slowest_step_ms']:.1f} ms\n"
     )
     performers = report["performers"]
     rows = [

@@ -7,6 +7,7 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from importlib.metadata import entry_points
+from io import TextIOWrapper
 from typing import TYPE_CHECKING
 
 from studio import __version__
@@ -34,6 +35,8 @@ VERBS = {
 }
 WORK_FAILED, NOBODY_READS = 1, 141
 """Exit codes: the work failed; the reader of a pipe has closed it."""
+LONGEST_SHOWN = 300
+"""Characters of a path that a message shows."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -43,6 +46,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     (``info FILE | head``); bad usage ends the process with 2, as argparse does.
     """
     given = sys.argv[1:] if arguments is None else arguments
+    if isinstance(sys.stdout, TextIOWrapper):  # names of files may have bytes that are no UTF-8
+        sys.stdout.reconfigure(errors="backslashreplace")
     try:
         try:
             return _run(given)
@@ -85,6 +90,13 @@ def _run(given: Sequence[str]) -> int:
     except StudioError as error:
         report(error, wants_json)
         return STOPPED if isinstance(error, Stopped) else WORK_FAILED
+    except OSError as error:
+        if not isinstance(error.filename, str | bytes):
+            raise
+        name = os.fsdecode(error.filename)
+        shown = name if len(name) <= LONGEST_SHOWN else f"{name[:LONGEST_SHOWN]}…"
+        report(StudioError(f"'{shown}' cannot be used: {error.strerror}. Choose another name or place."), wants_json)
+        return WORK_FAILED
 
 
 def make_parser(verb: str | None, added: Mapping[str, plug_ins.Verb | plug_ins.Offer | None]) -> ArgumentParser:

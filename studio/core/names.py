@@ -20,6 +20,11 @@ def safe_name(name: str) -> str:
     return re.sub(r'[\\/:*?"<>|]', "_", name)
 
 
-def counted(number: int, thing: str) -> str:
-    """Number and noun, such as ``1 character``, ``3 characters``."""
-    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
+def readable(text: str) -> str:
+    """``text`` with the sign for an unknown character in place of bytes of file names that are no UTF-8."""
+    return text.encode(errors="surrogateescape").decode(errors="replace")
+
+
+def counted(number: int, thing: str, things: str = "") -> str:
+    """Number and noun, such as ``1 character``, ``3 characters``; ``things`` is the plural, by default with an s."""
+    return f"{number} {thing if number == 1 else things or f'{thing}s'}"

@@ -20,6 +20,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
 
+from studio.core.names import counted
 from studio.core.stage.project import COLLECTIONS, Entity, Project
 from studio.document.commands.replace import Edit
 from studio.document.file_lock import FileLock
@@ -128,8 +129,8 @@ class Journal(QObject):
         if self._stopped:
             return "Backup stopped - save the project"
         if self.acknowledged == self.recorded:
-            return f"All changes backed up - {self.recorded} edit{'' if self.recorded == 1 else 's'}"
-        return f"Backing up - {self.acknowledged} of {self.recorded} edits"
+            return f"All changes backed up - {counted(self.recorded, 'edit')}"
+        return f"Backing up - {self.acknowledged} of {counted(self.recorded, 'edit')}"
 
     def record(self, step: JournalEntry) -> None:
         """Write a step as soon as may be; does not wait."""

@@ -11,6 +11,7 @@ from typing import Any
 
 from studio.core.changed_records import with_fields
 from studio.core.errors import StudioError
+from studio.core.names import counted
 from studio.core.stage.project import Project
 from studio.document.commands.replace import Edit, applied
 from studio.document.file_lock import FileLock
@@ -83,7 +84,7 @@ def put_aside(session: Session, reason: str) -> str:
     for file in files_of(session.file):
         if file.exists():
             file.replace(aside / file.name)
-    edits = f" of {session.written} edits" if session.written else ""
+    edits = f" of {counted(session.written, 'edit')}" if session.written else ""
     return f"A journal{edits} from {session.begun:%Y-%m-%d %H:%M} cannot be read ({reason}). It is kept in '{aside}'."
 
 
@@ -125,8 +126,8 @@ def recover(session: Session) -> Recovered:
         raise StudioError(f"The journal '{session.file.name}' cannot be read: {error}") from error
     problems = recovered.problems
     if last < session.written:
-        lost = session.written - last
-        problems += (f"{lost} of the {session.written} edits in the journal could not be read: it is damaged.",)
+        lost = f"{session.written - last} of the {counted(session.written, 'edit')}"
+        problems += (f"{lost} in the journal could not be read: it is damaged.",)
     return replace(recovered, problems=problems, playhead=playhead)
 
 

@@ -19,6 +19,7 @@ from studio.core.captures.confidence import Confidence
 from studio.core.captures.motion_faults import clean_motion
 from studio.core.captures.reference_pose import ReferencePose, find_reference_pose, stand_up
 from studio.core.errors import StudioError
+from studio.core.names import readable
 from studio.core.rotations import IDENTITY_QUATERNION, normalized
 from studio.io.figure.body_maps import FoundBody, named_sides, similar_joints
 from studio.io.guessing import guess_first_frame, guess_floor
@@ -120,7 +121,7 @@ def stood_capture(read: ReadJoints, found: FoundBody, options: ImportOptions, gu
     floor = floor_of(read, first_frame, found.body_map, options, guesses)
     reference = reference_of(read.skeleton, poses, found.body_map, options, guesses)
     return Capture(
-        name=read.path.stem,
+        name=readable(read.path.stem),
         source=read.path.name,
         skeleton=read.skeleton,
         poses=poses,
@@ -195,9 +196,9 @@ def chosen_reference(
     if chosen == "zero":
         stood = stand_up(skeleton, zero, body_map) if body_map else None
         return zero if stood is None else stood
-    if not (chosen.isdecimal() and int(chosen) < poses.frame_count):
+    if not (chosen.isdecimal() and float(chosen) < poses.frame_count):
         raise StudioError(
-            f"'{chosen}' is not a reference pose. Choose 'zero' or a frame from 0 to {poses.frame_count - 1}."
+            f"'{chosen[:40]}' is not a reference pose. Choose 'zero' or a frame from 0 to {poses.frame_count - 1}."
         )
     rotations: FloatArray = poses.local_rotations[int(chosen)]
     return rotations

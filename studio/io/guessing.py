@@ -11,6 +11,7 @@ from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Guess
 from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
+from studio.core.plausible import UNIT
 from studio.core.runs import runs_of
 from studio.io.numbers import number
 
@@ -149,8 +150,8 @@ def unit_called(text: str, leg: float | None) -> Scale:
     if name == "unknown" and leg:
         return Scale(name, _USUAL_LEG / leg)
     metres = number(text, f"The unit (one of {', '.join(METRES_PER_UNIT)}, or metres a unit)")
-    if metres <= 0.0:
-        raise StudioError(f"The unit must be longer than {text} m.")
+    if not UNIT.least <= metres <= UNIT.most:
+        raise StudioError(f"A unit is {UNIT.least:g} to {UNIT.most:g} m long, not {text[:40]} m.")
     return Scale(text, metres)
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from studio.core.captures.annotations import Annotations
 from studio.core.captures.capture import Capture
+from studio.core.names import readable
 from studio.io.registry import Progress, ReadCapture, ReadCharacter, format_of, recognise
 
 if TYPE_CHECKING:
@@ -67,9 +68,16 @@ def _identified(read: ReadCapture, digest: str) -> ReadCapture:
 
     def interpret(options: ImportOptions, progress: Progress) -> Capture:
         assert inner is not None  # Format.read gives one to every capture
-        return replace(inner(options, progress), digest=digest)
+        return _of_file(inner(options, progress), digest)
 
-    return replace(read, capture=replace(read.capture, digest=digest), interpret=interpret)
+    return replace(read, capture=_of_file(read.capture, digest), interpret=interpret)
+
+
+def _of_file(capture: Capture, digest: str) -> Capture:
+    """``capture`` with the digest of its file; what it says of the file's name can be written as text."""
+    return replace(
+        capture, digest=digest, source=readable(capture.source), repairs=tuple(map(readable, capture.repairs))
+    )
 
 
 def load_capture(path: Path | str, options: ImportOptions = GUESS_ALL, progress: Progress | None = None) -> Capture:

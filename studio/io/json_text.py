@@ -10,7 +10,7 @@ import numpy as np
 
 from studio.core.errors import StudioError
 from studio.io.beside import LARGEST_REFERENCED_FILE, read_bytes
-from studio.io.replacing import write_whole
+from studio.io.replacing import write_text
 
 Parse = Callable[[str], Any]
 JsonObject = dict[str, Any]
@@ -60,4 +60,4 @@ def _whole(text: str) -> int:
 
 def write_json(path: Path, value: object) -> None:
     """Write ``value`` as JSON, whole or not at all. Raises StudioError when it cannot be written."""
-    write_whole(path, (json.dumps(value, indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode())
+    write_text(path, json.dumps(value, indent=1, ensure_ascii=False, allow_nan=False) + "\n")

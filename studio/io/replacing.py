@@ -64,6 +64,11 @@ def write_whole(path: Path, content: bytes) -> None:
         part.write_bytes(content)
 
 
+def write_text(path: Path, text: str) -> None:
+    """Write ``text`` as UTF-8 by ``write_whole``; bytes of file names that are no UTF-8 become escapes, as JSON has."""
+    write_whole(path, text.encode(errors="backslashreplace"))
+
+
 def write_pieces(path: Path, pieces: Iterable[bytes | memoryview]) -> None:
     """``write_whole`` of a content that comes in pieces; what makes them may raise to cancel."""
     with replacing(path) as part, open(part, "wb") as file:

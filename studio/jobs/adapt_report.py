@@ -17,6 +17,8 @@ from studio.core.quality.motion_measures import ADDED_MEASURES
 from studio.core.quality.report import (
     BLOCKED_BY_CLEARANCE,
     BLOCKED_BY_CONTACTS,
+    BLOCKED_BY_CORRECTIONS,
+    BLOCKED_BY_FOLLOWED,
     BLOCKED_BY_LIMITS,
     BLOCKED_BY_NOTHING,
     BLOCKED_BY_REACH,
@@ -48,6 +50,8 @@ OTHERS = {
     BLOCKED_BY_TOUCHES: "touches",
     BLOCKED_BY_CLEARANCE: "clearance",
     BLOCKED_BY_TOLERANCE: "tolerance",
+    BLOCKED_BY_CORRECTIONS: "corrections",
+    BLOCKED_BY_FOLLOWED: "followed character",
 }
 """Causes other than another constraint that keep a constraint from being met, by code; None for no cause."""
 

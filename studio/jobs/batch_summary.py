@@ -9,7 +9,7 @@ from typing import Any
 
 from studio.core.names import counted
 from studio.io.json_text import JsonObject
-from studio.io.replacing import write_whole
+from studio.io.replacing import write_text
 
 Row = JsonObject
 
@@ -41,7 +41,7 @@ def write_summary(folder: Path, records: Sequence[JsonObject]) -> None:
     """Write ``summary.csv`` and ``summary.html`` into ``folder``. Raises StudioError if they cannot be written."""
     rows = rows_of(records)
     write_rows(folder / TABLE, rows)
-    write_whole(folder / PAGE, _page(records, rows).encode())
+    write_text(folder / PAGE, _page(records, rows))
 
 
 def write_rows(path: Path, rows: Sequence[Row]) -> None:
@@ -50,7 +50,7 @@ def write_rows(path: Path, rows: Sequence[Row]) -> None:
     writer = csv.DictWriter(table, SUMMARY_COLUMNS)
     writer.writeheader()
     writer.writerows(rows)
-    write_whole(path, table.getvalue().encode())
+    write_text(path, table.getvalue())
 
 
 def _rows(record: JsonObject) -> list[Row]:

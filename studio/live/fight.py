@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.morphology import Morphology
+from studio.core.names import counted
 from studio.library.clip_labels import Kind, Limb
 from studio.live.fighter import Fighter, StrikeOutcome
 
@@ -40,8 +41,7 @@ class FightReport:
     def words(self) -> str:
         """Summary of the report in a few lines of text."""
         missed = [1000.0 * hit.missed for hit in self.hits]
-        strikes = "1 strike" if len(self.hits) == 1 else f"{len(self.hits)} strikes"
-        lines = [f"{self.frames} frames, {strikes}"]
+        lines = [f"{counted(self.frames, 'frame')}, {counted(len(self.hits), 'strike')}"]
         if missed:
             lines.append(f"missed by {np.median(missed):.2f} mm (median), {max(missed):.2f} mm at most")
         if self.latencies:

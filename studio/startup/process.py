@@ -91,13 +91,18 @@ def writable_kernel_cache() -> Path:
     folder = kernel_cache_folder()
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        os.utime(folder)
+        remove_old_caches(folder)
     except OSError:
         return temporary_kernel_cache(folder.name)
-    by_use = sorted((each for each in folder.parent.iterdir() if each.is_dir()), key=lambda each: each.stat().st_mtime)
+    return folder
+
+
+def remove_old_caches(used: Path) -> None:
+    """Mark a cache as ``used`` now; remove all beside it but the ``MOST_CACHES`` used last."""
+    os.utime(used)
+    by_use = sorted((each for each in used.parent.iterdir() if each.is_dir()), key=lambda each: each.stat().st_mtime)
     for old in by_use[:-MOST_CACHES]:
         shutil.rmtree(old, ignore_errors=True)  # one that another user has made stays
-    return folder
 
 
 def temporary_kernel_cache(name: str) -> Path:
@@ -111,11 +116,13 @@ def temporary_kernel_cache(name: str) -> Path:
         shared.mkdir(mode=0o700, exist_ok=True)
         found = shared.lstat()
         if stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & 0o077:
-            (shared / name).mkdir(exist_ok=True)
-            return shared / name
-    folder = tempfile.mkdtemp(prefix="morpho-studio-kernels-")
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    return Path(folder)
+            folder = shared / name
+            folder.mkdir(exist_ok=True)
+            remove_old_caches(folder)
+            return folder
+    own = tempfile.mkdtemp(prefix="morpho-studio-kernels-")
+    atexit.register(shutil.rmtree, own, ignore_errors=True)
+    return Path(own)
 
 
 def kernel_cache_folder() -> Path:

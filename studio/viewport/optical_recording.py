@@ -49,7 +49,8 @@ class RecordedBy:
         self.labels = seen_labels(trial, capture.markers.subject)
         self._places = [trial.labels.index(label) for label in self.labels]
         self._used = np.array([bare in capture.markers.marker_map.labels for bare in self.labels.values()], dtype=bool)
-        self._plates = [self._to_motion(plate.corners[[0, 1, 2, 3, 0]]) for plate in trial.plates]
+        in_unit = trial.metres_of_plates / trial.metres
+        self._plates = [self._to_motion(in_unit * plate.corners[[0, 1, 2, 3, 0]]) for plate in trial.plates]
         self._forces = [_pushes(trial, place) for place in range(len(trial.plates))]
 
     def at(self, frame: int, placement: Placement) -> MarkerFrame:

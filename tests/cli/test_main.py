@@ -1,5 +1,6 @@
 import json
 import os
+import shutil
 import subprocess
 import sys
 from importlib.metadata import entry_points
@@ -130,3 +131,40 @@ def test_a_reader_that_has_seen_enough_is_no_fault():
     with os.fdopen(writing, "wb") as closed:
         done = subprocess.run([sys.executable, "-c", start], stdout=closed, stderr=subprocess.PIPE, text=True)
     assert (done.returncode, done.stderr) == (141, "")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["info", "x" * 5000],
+        ["convert", "examples/captures/reach_grasp.bvh", f"{'x' * 300}/out.bvh"],
+        ["adapt", "--stage", "a-clap", "--out", "x" * 5000],
+        ["render", "a-clap", "--out", f"{'x' * 300}.png"],
+        ["script", "x" * 5000],
+    ],
+)
+def test_a_name_that_no_system_allows_is_a_sentence(arguments, capsys):
+    assert command_line.main(arguments) == 1
+    printed = capsys.readouterr().err
+    assert "File name too long" in printed
+    assert len(printed) < 600
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere every name of a file is text")
+def test_a_capture_whose_name_is_no_text_is_read_and_written_like_any_other(tmp_path):
+    folder = tmp_path / os.fsdecode(b"\xfcbungen")
+    folder.mkdir()
+    capture = folder / os.fsdecode(b"gr\xfc\xdfe.bvh")
+    shutil.copyfile("examples/captures/reach_grasp.bvh", capture)
+    for arguments in (
+        ["info", capture],
+        ["convert", capture, folder / "out.bvh"],
+        ["convert", capture, folder / "out.s4d"],
+        ["convert", capture, folder / "out.glb"],
+        ["adapt", capture, "--character", "child", "--out", folder / "adapted"],
+        ["batch", folder, "--character", "child", "--out", tmp_path / "many", "--workers", "1"],
+    ):
+        done = subprocess.run([sys.executable, "main.py", *map(str, arguments)], capture_output=True, check=False)
+        assert done.returncode == 0, done.stderr.decode(errors="replace")
+    report = json.loads((folder / "adapted" / "report.json").read_text(encoding="utf-8"))
+    assert report["source"] == str(capture)

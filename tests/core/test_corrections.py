@@ -10,8 +10,9 @@ from studio.core.body.morphology import Morphology
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
+from studio.core.quality.report import BLOCKED_BY_CORRECTIONS, BLOCKED_BY_NOTHING, fully_active, report_of
 from studio.core.rotations import from_matrix, from_rotation_vector, to_matrix, to_rotation_vector
-from studio.core.solver.adapt import adapt, place_of
+from studio.core.solver.adapt import adapt, grounded, place_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.correction import Correction, KeyedPoses, PoseOffsets, range_around
 from tests.builders import make_morphology
@@ -105,6 +106,19 @@ def test_below_the_constraints_these_hold_exactly_and_above_them_the_report_says
         from_matrix(local(before, BodyPart.LEFT_UPPER_ARM).transpose(0, 2, 1) @ local(above, BodyPart.LEFT_UPPER_ARM))
     )
     np.testing.assert_allclose(turn[66], [0.0, 0.4, 0.0], atol=1e-7)
+
+
+def test_a_correction_above_a_constraint_is_named_where_it_keeps_the_constraint_from_being_met() -> None:
+    """The report said smoothing, without which nothing would have been otherwise."""
+    turns = ((BodyPart.LEFT_UPPER_ARM, (0.0, 0.4, 0.0)),)
+    asked = replace(request(correction(turns, above=True), constraints=(wrist_target(),)), eased=True)
+    adapted = adapt(asked)
+    report = report_of(grounded(asked), asked, adapted)
+    missed = np.flatnonzero(fully_active(asked.constraints, asked.motion.times)[0] & (report.misses[0] > 2e-4))
+    assert len(missed) > 3
+    assert set(report.winners[0, missed].tolist()) == {BLOCKED_BY_CORRECTIONS}
+    without = replace(asked, corrections=())
+    assert report_of(grounded(without), without, adapt(without)).winners.max() == BLOCKED_BY_NOTHING
 
 
 def test_a_window_is_corrected_as_the_whole_clip_is() -> None:

@@ -197,6 +197,21 @@ def test_a_wish_that_sways_brings_what_a_lever_needs_to_follow_it(hertz: float, 
     assert not brings[1].any()
 
 
+@pytest.mark.parametrize("metres", [0.01, 0.1, 2.0])
+def test_a_ramp_brings_as_much_as_the_angle_that_it_fades_in(metres: float) -> None:
+    """A ramp of 0.3 s was allowed 64 rad/s2 for a target 1 cm off: a new constraint on a calm neck jolted."""
+    rate, count = 120.0, 240
+    times, still = np.arange(count) / rate, rest_pose(WOMAN)
+    positions, rotations = (np.broadcast_to(each, (count, *each.shape)) for each in still)
+    place = still[0][WOMAN.layout.wrist(1)] + [metres, 0.0, 0.0]
+    targets = Targets(times, {}, lambda: positions[:, 0], WOMAN.leg_length)
+    rows = pack_tasks([target("right_forearm", tuple(place))], WOMAN.layout, targets)
+    ramp = ActivationCurve(0.5, 0.8, 1.2, 1.5).at(times)
+    brings = target_accelerations(rows, 0, ramp[None], positions, rotations, WOMAN, rate)[1, 0].max()
+    sharpest = np.abs(np.diff(ramp, 2)).max() * rate**2
+    assert brings == pytest.approx(min(metres / LEVER, 1.0) * sharpest, rel=0.1)
+
+
 @pytest.mark.parametrize("name", ["adult_woman", "child"])
 def test_a_calm_walk_keeps_its_reach_beside_a_balance(name: str) -> None:
     """Smoothing misses no target by over 25 mm more than the exact answer, however calm its source is: 0.8 m before."""

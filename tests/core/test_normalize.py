@@ -1,5 +1,6 @@
 """Normalising: the capture comes back, and nothing of the actor's measures or place stays in the motion."""
 
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from studio.core.body.canonical import BodyLayout
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_world
 from studio.core.body.morphology import Morphology
@@ -55,7 +57,7 @@ def test_channels_are_those_of_whole_arrays(seed: int, amplitude: float) -> None
     motion, actor = normalize(capture)
     assert capture.body_map is not None
     marks = find_landmarks(capture, capture.body_map)
-    rotations = marks.aligned(actor.alignments)
+    rotations = marks.align_rotations(actor.alignments)
     expected = channels_of(actor.morphology, marks.points - actor.origin, rotations, capture.frame_rate)
     assert motion.channels == pytest.approx(expected, abs=1e-12)
 
@@ -67,8 +69,8 @@ def test_segments_turn_with_the_joints_that_move_them(seed: int) -> None:
     names = {part: joint for part, joint in BODY_MAP.items() if "clavicle" not in part}
     marks = find_landmarks(capture, BodyMap.from_json(capture.skeleton, names))
     alignments = find_alignments(marks)
-    by_segment = [marks.rotations_of(segment) @ each for segment, each in enumerate(alignments)]
-    assert marks.aligned(alignments) == pytest.approx(np.stack(by_segment, axis=1), abs=1e-14)
+    by_segment = [marks.rotations[:, segment] @ each for segment, each in enumerate(alignments)]
+    assert marks.align_rotations(alignments) == pytest.approx(np.stack(by_segment, axis=1), abs=1e-14)
 
 
 @given(seeds)
@@ -253,3 +255,14 @@ def test_a_capture_without_a_body_map_is_refused_in_words() -> None:
     with pytest.raises(StudioError, match="'crate' has no body map: choose which joint"):
         normalize(capture)
     assert capture_contacts(capture) == {point: [] for point in capture_contacts(capture)}
+
+
+def test_a_long_capture_holds_the_rotations_of_its_segments_once_while_it_is_normalised() -> None:
+    capture = swaying(3, frames=8_000)
+    tracemalloc.start()
+    motion, _ = normalize(capture)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    layout, frames = BodyLayout(motion.spine_places.size), capture.frame_count
+    points, rotations = 24 * layout.point_count * frames, 72 * layout.segment_count * frames
+    assert peak < rotations + 2 * points + motion.channels.nbytes

@@ -32,6 +32,30 @@ def test_where_names_say_nothing_shape_decides(tmp_path: Path) -> None:
         assert found.body_map.get(part) in (joint, None)
 
 
+def test_a_head_without_a_neck_is_found_by_shape(tmp_path: Path) -> None:
+    """The end site over it is no joint that could be the head."""
+    names = [name for name in JOINTS if name != "Neck"]
+    head, motion = WALK.split("MOTION")
+    above = re.search(r"JOINT Neck\s*{\s*OFFSET (.+)\s*CHANNELS 3 (.+)", head)
+    assert above is not None
+    start = head.index("JOINT Neck")
+    inner = head.index("JOINT Head", start)
+    depth, at = 1, head.index("{", start) + 1
+    while depth:
+        depth += {"{": 1, "}": -1}.get(head[at], 0)
+        at += 1
+    body = head[:start] + head[inner : at - 1] + head[at:]
+    body = re.sub(r"(ROOT|JOINT) (\S+)", lambda found: f"{found[1]} J{names.index(found[2]):02d}", body)
+    column = 3 + 3 * JOINTS.index("Neck")
+    lines = motion.strip().splitlines()
+    rows = [" ".join(row.split()[:column] + row.split()[column + 3 :]) for row in lines[2:]]
+    (tmp_path / "walk.bvh").write_text(body + "MOTION\n" + "\n".join([*lines[:2], *rows]) + "\n")
+    found = load_capture(tmp_path / "walk.bvh")
+    assert found.body_map is not None
+    assert found.body_map.to_json(found.skeleton)["head"] == f"J{names.index('Head'):02d}"
+    assert "neck" not in found.body_map.to_json(found.skeleton)
+
+
 def test_low_arms_and_up_arms_are_names(tmp_path: Path) -> None:
     parts = {"Arm": "UpArm", "ForeArm": "LowArm", "Leg": "LowLeg"}
     names = {f"{side}{old}": f"{side}{new}" for side in ("Left", "Right") for old, new in parts.items()}

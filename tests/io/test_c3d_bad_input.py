@@ -159,27 +159,33 @@ REPAIRED: dict[str, tuple[Spoil, str]] = {
     ),
     "a point that is not a number": (
         point(2, 0, 1, float("nan")),
-        "take.c3d: point 1 in frame 2 and 0 more are not believable places; made gaps.",
+        "take.c3d: 1 unbelievable place made a gap, the first of point 1 in frame 2.",
     ),
-    "a point at infinity": (point(2, 0, 1, float("-inf")), "point 1 in frame 2 and 0 more are not believable places"),
-    "a point beyond the moon": (point(0, 3, 2, 3e38), "point 4 in frame 0 and 0 more are not believable places"),
+    "a point at infinity": (
+        point(2, 0, 1, float("-inf")),
+        "1 unbelievable place made a gap, the first of point 1 in frame 2.",
+    ),
+    "a point beyond the moon": (
+        point(0, 3, 2, 3e38),
+        "1 unbelievable place made a gap, the first of point 4 in frame 0.",
+    ),
     "signals that are not numbers": (
         point(1, 4, 0, float("nan")),
-        "take.c3d: 1 analog numbers are not finite; they were made 0.",
+        "take.c3d: made 0, as not finite: 1 analog number.",
     ),
     "signals scaled beyond all bounds": (
         parameter("ANALOG", "GEN_SCALE", struct.pack("<f", 3e38)),
-        "analog numbers are not finite; they were made 0.",
+        "take.c3d: made 0, as not finite: ",
     ),
     "an unknown unit": (parameter("POINT", "UNITS", b"xy", skip=3), "POINT:UNITS is 'xy', which is not a known unit"),
     "labels twice": (
         lambda content: content.replace(b"RASI", b"LASI"),
-        "take.c3d: 1 labels stand there more than once (LASI); they were numbered.",
+        "take.c3d: 1 label repeated (LASI); numbers were added.",
     ),
-    "no labels": (renamed("POINT", "LABELS"), "take.c3d: 4 points have 0 labels; the others were numbered."),
+    "no labels": (renamed("POINT", "LABELS"), "take.c3d: 4 points and 0 labels; the others were numbered."),
     "fewer labels than points": (
         parameter("POINT", "LABELS", bytes([2]), skip=3),
-        "take.c3d: 4 points have 2 labels; the others were numbered.",
+        "take.c3d: 4 points and 2 labels; the others were numbered.",
     ),
     "labels larger than their record": (
         parameter("POINT", "LABELS", bytes([255, 255]), skip=2),

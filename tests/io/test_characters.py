@@ -100,7 +100,7 @@ def test_vertices_without_any_weight_are_told(tmp_path: Path):
     shares = np.zeros((len(PLACES) * 8, 4), "<f4")
     shares[9:, 0] = 1.0
     made.root["meshes"][0]["primitives"][0]["attributes"]["WEIGHTS_0"] = made.add(shares, "VEC4")
-    assert read(tmp_path, made.glb()).repairs == ("9 vertices had no weight; they go with the first joint.",)
+    assert read(tmp_path, made.glb()).repairs == ("9 vertices had no weight; the first joint moves them.",)
 
 
 def test_a_sparse_accessor_replaces_what_it_names(tmp_path: Path):

@@ -253,7 +253,10 @@ def test_a_unit_may_be_a_number_of_metres(walk: Path) -> None:
     ("options", "sentence"),
     [
         (ImportOptions(unit="furlong"), "'furlong' is not a number"),
-        (ImportOptions(unit="0"), "The unit must be longer than 0 m"),
+        (ImportOptions(unit="0"), "A unit is 1e-06 to 1000 m long, not 0 m"),
+        (ImportOptions(unit="1e-300"), "A unit is 1e-06 to 1000 m long, not 1e-300 m"),
+        (ImportOptions(unit="1e9"), "A unit is 1e-06 to 1000 m long, not 1e9 m"),
+        (ImportOptions(reference="9" * 5000), "is not a reference pose"),
         (ImportOptions(up_axis="W"), "'W' is not an up axis. Choose Y, Z, X"),
         (ImportOptions(reference="999"), "'999' is not a reference pose. Choose 'zero' or a frame from 0 to 29"),
         (ImportOptions(body_map={"left_foot": "Nose"}), "No joint is called 'Nose'"),

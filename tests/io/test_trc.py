@@ -81,6 +81,14 @@ def test_a_rate_of_zero_is_taken_from_the_times_and_told(tmp_path: Path) -> None
     assert "DataRate" in repairs
 
 
+def test_a_count_of_absurdly_many_digits_is_told_like_any_wrong_one(tmp_path: Path) -> None:
+    trial = make_trial(labels=LABELS)
+    text = trc_text(trial).replace(f"\t{trial.frame_count}\t{len(LABELS)}\t", f"\t{'9' * 5000}\t{len(LABELS)}\t", 1)
+    read_trial, repairs = read_with_repairs(tmp_path, text)
+    assert read_trial.frame_count == trial.frame_count
+    assert "found and read" in repairs
+
+
 def test_a_file_cut_within_a_row_loses_that_row_and_says_so(tmp_path: Path) -> None:
     trial = make_trial(LABELS)
     found, repairs = read_with_repairs(tmp_path, trc_text(trial)[:-25])

@@ -80,8 +80,13 @@ def test_a_folder_made_for_one_process_is_gone_with_it(tmp_path):
     assert len([*tmp_path.iterdir()]) == 1
 
 
-def test_only_the_caches_that_were_used_last_are_kept(tmp_path, monkeypatch):
-    monkeypatch.setattr("studio.startup.process.platformdirs.user_cache_dir", lambda *_, **__: str(tmp_path))
+@pytest.mark.parametrize("home_is_writable", [True, False])
+def test_only_the_caches_that_were_used_last_are_kept(tmp_path, monkeypatch, home_is_writable):
+    home = tmp_path / "home"
+    if not home_is_writable:
+        home.write_text("a file where a folder should be")
+    monkeypatch.setattr("studio.startup.process.platformdirs.user_cache_dir", lambda *_, **__: str(home))
+    monkeypatch.setattr("studio.startup.process.tempfile.tempdir", str(tmp_path))
     here = writable_kernel_cache()
     for age in range(process.MOST_CACHES + 4):
         old = here.parent / f"old-{age}"

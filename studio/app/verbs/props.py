@@ -16,7 +16,7 @@ from studio.core.constraints.target import follows_of
 from studio.core.curves.keyed import KeyedPlace
 from studio.core.errors import StudioError
 from studio.core.mesh.triangle_mesh import TriangleMesh
-from studio.core.names import free_name
+from studio.core.names import free_name, readable
 from studio.core.stage.holding import HAND_REACH_SECONDS, THIN, grips, quarters, reaching_time
 from studio.core.stage.project import Performer, Project
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape
@@ -148,7 +148,7 @@ def add_mesh(bench: Workbench, path: Path) -> None:
     """Read a mesh in the background, then put it on the stage in its own size; one undo step."""
 
     def done(file: MeshFile) -> None:
-        _add(bench, Prop(path.stem, extent(file.mesh), shape=PropShape.MESH, mesh=file.mesh))
+        _add(bench, Prop(readable(path.stem), extent(file.mesh), shape=PropShape.MESH, mesh=file.mesh))
         bench.say(f"{path.name}: {file.guesses}.", until=Lifetime.EDITED)
 
     bench.runner.run(f"Reading {path.name}", lambda progress: read_mesh(path), done)

@@ -173,7 +173,7 @@ def _with_trunk(skeleton: Skeleton, points: FloatArray, parts: dict[BodyPart, in
     heads = [joint for joint in skeleton.descendants(chest) if joint not in limbs and not skeleton.children[joint]]
     if heads:
         crown = max(heads, key=lambda joint: points[joint, 2])
-        way = skeleton.path(chest, crown)[1:]
+        way = [joint for joint in skeleton.path(chest, crown)[1:] if not skeleton.end_sites[joint]] or [crown]
         parts[BodyPart.HEAD] = way[min(1, len(way) - 1)]
         if len(way) > 1:
             parts[BodyPart.NECK] = way[0]

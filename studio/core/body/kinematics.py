@@ -19,12 +19,20 @@ def joint_world(skeleton: Skeleton, poses: PoseSequence) -> tuple[FloatArray, Fl
     return positions, rotations
 
 
+def joint_world_in(skeleton: Skeleton, poses: PoseSequence, run: slice) -> tuple[FloatArray, FloatArray]:
+    """``joint_world`` of a run of frames (N, J, 3), (N, J, 3, 3): a long capture's rotations fill much memory."""
+    shape = poses.local_translations[run].shape
+    positions, rotations = np.empty(shape), np.empty((*shape, 3))
+    _carry(skeleton, poses, run, positions, rotations)
+    return positions, rotations
+
+
 def joint_positions(skeleton: Skeleton, poses: PoseSequence) -> FloatArray:
-    """``joint_world`` for who wants the positions only: a long capture's rotations fill much memory."""
+    """World positions (F, J, 3) of ``joint_world`` alone."""
     positions = np.empty((poses.frame_count, poses.joint_count, 3))
 
     def carry(run: slice) -> None:
-        _carry(skeleton, poses, run, positions[run], np.empty((*positions[run].shape, 3)))
+        positions[run] = joint_world_in(skeleton, poses, run)[0]
 
     do_over_frames(carry, poses.frame_count)
     return positions

@@ -37,8 +37,7 @@ def with_seen_offsets(skeleton: Skeleton, poses: PoseSequence) -> Skeleton:
 
 def with_bones_followed(skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap) -> tuple[PoseSequence, float]:
     """The same joint positions by rotations of limbs and neck, and the greatest swing that these take over."""
-    local = np.array(poses.local_rotations)
-    moves = np.array(poses.local_translations)
+    local, moves = poses.local_rotations, poses.local_translations
     greatest = 0.0
     for joint, end in _bones(skeleton, body_map):
         own, bones = normalized(skeleton.offsets[end]), normalized(moves[:, end])
@@ -47,6 +46,8 @@ def with_bones_followed(skeleton: Skeleton, poses: PoseSequence, body_map: BodyM
         swings = np.arccos(np.clip(bones @ own, -1.0, 1.0))
         if np.linalg.norm(own) < 0.5 or swings.max() < _SWING:
             continue
+        if not greatest:
+            local, moves = local.copy(), moves.copy()
         greatest = max(greatest, float(swings.max()))
         turn = from_matrix(shortest_arc(own, bones))
         back = turn * [-1.0, -1.0, -1.0, 1.0]

@@ -14,6 +14,7 @@ from studio.core.errors import StudioError
 from studio.core.markers.gaps import Gap, find_gaps, pattern_through, spline_through, stiffness
 from studio.core.markers.swaps import find_swaps, swapped
 from studio.core.markers.trial import MARKER_KIND, Trial, whole
+from studio.core.names import counted
 from studio.core.runs import runs_of
 
 FloatArray = NDArray[np.float64]
@@ -59,7 +60,7 @@ class UndoSwaps:
         if not swaps:
             return trial, StepReport(self.title, "No two markers took each other's name.")
         return trial.with_points(swapped(trial.points, swaps)), _report(
-            self.title, f"{_count(len(swaps), 'swap')} undone.", details
+            self.title, f"{counted(len(swaps), 'swap')} undone.", details
         )
 
 
@@ -144,7 +145,9 @@ class LowPass:
                 points[first:end, place] = smooth
         summary = f"Smoothed at {self.cutoff:g} Hz; no marker moved more than {1000 * moved * trial.metres:.1f} mm."
         details = (
-            (f"{_count(skipped, 'stretch')} of less than {least + 1} frames left as they were.",) if skipped else ()
+            (f"{counted(skipped, 'stretch', 'stretches')} of less than {least + 1} frames left as they were.",)
+            if skipped
+            else ()
         )
         return trial.with_points(points), StepReport(self.title, summary, details)
 
@@ -174,11 +177,11 @@ def _filled(trial: Trial, title: str, gaps: list[Gap], fill: Fill, how: str) -> 
             done.append(gap)
             details.append(f"{trial.labels[gap.place]} frames {gap.first} to {gap.last}")
     left = len(gaps) - len(done)
-    open_words = f" {_count(left, 'gap')} left open." if left else ""
+    open_words = f" {counted(left, 'gap')} left open." if left else ""
     if not done:
         return trial, StepReport(title, f"Nothing filled.{open_words}", told=bool(left))
     frames = sum(gap.frames for gap in done)
-    summary = f"{_count(len(done), 'gap')} filled {how}, {_count(frames, 'frame')} in all.{open_words}"
+    summary = f"{counted(len(done), 'gap')} filled {how}, {counted(frames, 'frame')} in all.{open_words}"
     return trial.with_points(points), _report(title, summary, details)
 
 
@@ -190,7 +193,3 @@ def _report(title: str, summary: str, details: list[str]) -> StepReport:
 
 def _places(trial: Trial) -> tuple[int, ...]:
     return tuple(place for place, kind in enumerate(trial.kinds) if kind == MARKER_KIND)
-
-
-def _count(number: int, word: str) -> str:
-    return f"{number} {word}{'' if number == 1 else 'es' if word.endswith('ch') else 's'}"

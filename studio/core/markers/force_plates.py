@@ -76,6 +76,7 @@ def plate_reactions(trial: Trial, plate: ForcePlate) -> tuple[FloatArray, FloatA
     pushed = force @ axes
     pushed *= np.sign(np.sum(pushed @ up))
     seen = np.isfinite(across)
+    places *= trial.metres_of_plates / trial.metres
     return np.where(seen, places, np.nan), np.where(seen, pushed, np.nan)
 
 
@@ -86,7 +87,7 @@ def plates_height(trial: Trial, turn: FloatArray, near: float) -> float | None:
     """
     heights = []
     for plate in trial.plates:
-        corners = trial.metres * plate.corners @ turn
+        corners = trial.metres_of_plates * plate.corners @ turn
         sides = corners[1] - corners[0], corners[3] - corners[0]
         top = float(corners[:, 2].mean())
         level = float(np.ptp(corners[:, 2])) < _LEVEL
@@ -102,7 +103,7 @@ def plate_loads(trial: Trial, turn: FloatArray) -> tuple[PlateLoad, ...]:
     """
     samples_a_frame, found = trial.analog.rate / trial.frame_rate, []
     for plate in trial.plates if len(trial.analog.samples) else ():
-        corners = (trial.metres * plate.corners @ turn)[:, :2]
+        corners = (trial.metres_of_plates * plate.corners @ turn)[:, :2]
         if abs(np.linalg.det([corners[1] - corners[0], corners[3] - corners[0]])) < _SMALLEST:
             continue
         force = plate_force(trial, plate)[:, 2]

@@ -14,6 +14,8 @@ from studio.core.plausible import FRAME_RATE
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
+_PLATE = 0.2, 4.0
+"""Metres between which the sides of force plates are, from a step to a treadmill."""
 METRES = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "inch": 0.0254, "foot": 0.3048}
 """Metres a unit."""
 MARKER_KIND, VIRTUAL_KIND = "marker", "virtual"
@@ -140,6 +142,15 @@ class Trial:
     def metres(self) -> float:
         """Metres a unit."""
         return METRES[self.unit]
+
+    @cached_property
+    def metres_of_plates(self) -> float:
+        """Metres a unit of the plates' corners: that of the points, unless it makes their sides no plate's."""
+        corners = np.array([plate.corners for plate in self.plates]).reshape(-1, 4, 3)
+        sides = np.linalg.norm(corners[:, [1, 3]] - corners[:, :1], axis=2)
+        side = float(np.median(sides[sides > 0.0])) if sides.any() else 0.0
+        fitting = (METRES[unit] for unit in (self.unit, "m", "mm", "cm", "inch"))
+        return next((each for each in fitting if _PLATE[0] < side * each < _PLATE[1]), self.metres)
 
     @property
     def markers(self) -> tuple[str, ...]:

@@ -88,7 +88,7 @@ def limb_hinge(marks: Landmarks, upper: int, is_leg: bool, body: FloatArray) -> 
     seen = spread(len(marks.points))
     points = marks.points[seen, root : root + 3]
     u, f = normalized(points[:, 1] - points[:, 0]), normalized(points[:, 2] - points[:, 1])
-    bend = np.einsum("fji,fj->fi", marks.rotations_of(upper)[seen], np.cross(u, f))
+    bend = np.einsum("fji,fj->fi", marks.rotations[seen, upper], np.cross(u, f))
     total = bend[np.linalg.norm(bend, axis=1) > BENT].sum(axis=0)
     if np.linalg.norm(total) > BENT:
         return normalized(marks.reference_rotations[upper] @ total)
@@ -109,7 +109,7 @@ def align_soles(marks: Landmarks, alignments: FloatArray, standing: BoolArray) -
     proximal, distal = layout.proximal_points(), layout.distal_points()
     bones = np.stack([marks.reference[distal[foot]] - marks.reference[proximal[foot]] for foot in feet])
     slopes = np.arctan2(-bones[:, 2], np.linalg.norm(bones[:, :2], axis=1))
-    ups = [marks.rotations_of(foot)[standing[:, side], 2] @ alignments[foot] for side, foot in enumerate(feet)]
+    ups = [marks.rotations[standing[:, side], foot, 2] @ alignments[foot] for side, foot in enumerate(feet)]
     standing_slopes = [slope - np.arctan2(up[:, 0], up[:, 2]) for slope, up in zip(slopes, ups, strict=True)]
     rolling = [1.0, 1.0 if marks.reference_is_rest else 0.0, 1.0]
     usual = _flat_slope(standing_slopes, None if marks.reference_is_rest else float(slopes.mean()))
@@ -117,7 +117,7 @@ def align_soles(marks: Landmarks, alignments: FloatArray, standing: BoolArray) -
         if len(ups[side]) < MIN_STANDING:
             continue
         up, toe_up = (
-            normalized((marks.rotations_of(joint)[standing[:, side], 2] @ alignments[joint]).mean(axis=0) * rolling)
+            normalized((marks.rotations[standing[:, side], joint, 2] @ alignments[joint]).mean(axis=0) * rolling)
             for joint in (foot, foot + 1)
         )
         slope = slopes[side] - np.arctan2(up[0], up[2])

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.body.hand_end import USUAL_HAND, could_be_hand, hand_reach
 from studio.core.body.humanoid import BodyMap
-from studio.core.body.kinematics import joint_world, rest_poses
+from studio.core.body.kinematics import joint_world, joint_world_in, rest_poses
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture
 from studio.core.threads import do_over_frames
@@ -28,36 +28,33 @@ class Landmarks:
     """Canonical points and the joints that stand for the segments, of one capture.
 
     ``points`` (F, P, 3) metres in capture space, ``reference`` (P, 3) the same in the reference pose;
-    ``segment_joints`` (S,) as in ``SourceRig``, ``moving_joints`` (S,) the same with the carrying segment's joint where
-    there is none; ``joint_rotations`` (F, J, 3, 3) of all joints in the world, ``reference_rotations`` (S, 3, 3) of
-    those that move segments; ``reference_is_rest`` tells whether the reference is the skeleton's own zero pose or a
-    frame of its motion.
+    ``segment_joints`` (S,) as in ``SourceRig``; ``rotations`` (F, S, 3, 3) in the world of the joint that moves each
+    segment, its own or its carrier's, ``reference_rotations`` (S, 3, 3) the same in the reference pose;
+    ``reference_is_rest`` is True if the reference is the skeleton's own zero pose, not a frame of its motion.
     """
 
     layout: BodyLayout
     segment_joints: IntArray
-    moving_joints: IntArray
     points: FloatArray
     reference: FloatArray
-    joint_rotations: FloatArray
+    rotations: FloatArray
     reference_rotations: FloatArray
     reference_is_rest: bool
 
-    def rotations_of(self, segment: int) -> FloatArray:
-        """(F, 3, 3) of the joint that moves a segment, in the world."""
-        return self.joint_rotations[:, self.moving_joints[segment]]
+    def align_rotations(self, alignments: FloatArray) -> FloatArray:
+        """Turn ``rotations`` in place into canonical ones R_joint A, A as ``find_alignments`` has it; returns them.
 
-    def aligned(self, alignments: FloatArray) -> FloatArray:
-        """(F, S, 3, 3) canonical rotations R_joint A of all segments, A as ``find_alignments`` has it."""
+        Those of a long capture fill much memory, and nothing reads a joint's own afterwards.
+        """
         from studio.core.kernels.body.encode_channels import align_segments  # late: it loads numba
 
-        rotations = np.empty((len(self.points), self.layout.segment_count, 3, 3))
+        segments = np.arange(self.layout.segment_count)
 
         def align(run: slice) -> None:
-            align_segments(self.joint_rotations[run], self.moving_joints, alignments, rotations[run])
+            align_segments(self.rotations[run].copy(), segments, alignments, self.rotations[run])
 
-        do_over_frames(align, len(rotations))
-        return rotations
+        do_over_frames(align, len(self.rotations))
+        return self.rotations
 
 
 def spread(frame_count: int, first: int = 0) -> slice:
@@ -69,17 +66,22 @@ def find_landmarks(capture: Capture, body_map: BodyMap) -> Landmarks:
     """Read all canonical points of a mapped capture; what a skeleton lacks is placed by its neighbours."""
     layout = BodyLayout(len(body_map.spine))
     joints = _segment_joints(layout, body_map)
-    positions, rotations = joint_world(capture.skeleton, capture.poses)
-    ref_positions, ref_rotations = joint_world(
-        capture.skeleton, rest_poses(capture.skeleton, capture.reference_rotations)
-    )
-    moving = _carried(layout, joints)
+    moving, skeleton = _carried(layout, joints), capture.skeleton
+    points = np.empty((capture.frame_count, layout.point_count, 3))
+    rotations = np.empty((capture.frame_count, layout.segment_count, 3, 3))
+
+    def read(run: slice) -> None:
+        positions, turned = joint_world_in(skeleton, capture.poses, run)
+        points[run] = _points(layout, skeleton, body_map, joints, positions)
+        rotations[run] = turned[:, moving]
+
+    do_over_frames(read, capture.frame_count)
+    ref_positions, ref_rotations = joint_world(skeleton, rest_poses(skeleton, capture.reference_rotations))
     return Landmarks(
         layout,
         joints,
-        moving,
-        _points(layout, capture.skeleton, body_map, joints, positions),
-        _points(layout, capture.skeleton, body_map, joints, ref_positions)[0],
+        points,
+        _points(layout, skeleton, body_map, joints, ref_positions)[0],
         rotations,
         ref_rotations[0, moving],
         bool((np.abs(capture.reference_rotations[1:, 3]) > 1.0 - 1e-9).all()),

@@ -82,7 +82,7 @@ def _normalize(capture: Capture, progress: Callable[[float], object]) -> tuple[N
     progress(0.6)
     alignments = find_alignments(marks)
     align_soles(marks, alignments, _standing_feet(contacts, len(marks.points)))
-    rotations = marks.aligned(alignments)
+    rotations = marks.align_rotations(alignments)
     progress(0.8)
     origin = np.array([*marks.points[capture.first_frame, 0, :2], capture.floor])
     soles = capture.floor + found.slope.rise(marks.points[:, [marks.layout.ankle(0), marks.layout.ankle(1)]])

@@ -4,7 +4,8 @@ The blocker of a constraint is found by counterfactuals: the frame is solved wit
 or a higher priority, without contacts, without joint limits, or without smoothing, and the motion is posed without the
 self-contacts that act after the solver. The one whose absence removes most of the residual is named. Where none helps
 alone, they are removed one after the other; if even that does not help, the reach of the body is named. Sampled frames
-stand for the frames around them.
+stand for the frames around them. Manual corrections above the constraints, and followed characters who moved on as
+they were solved in turn, are named where they add most to the residual.
 """
 
 import math
@@ -35,9 +36,10 @@ Mask = NDArray[np.bool_]
 
 BLOCKED_BY_NOTHING, BLOCKED_BY_CONTACTS, BLOCKED_BY_LIMITS, BLOCKED_BY_REACH, BLOCKED_BY_SMOOTHING = -1, -2, -3, -4, -5
 BLOCKED_BY_TOUCHES, BLOCKED_BY_CLEARANCE, BLOCKED_BY_TOLERANCE = -6, -7, -8
+BLOCKED_BY_CORRECTIONS, BLOCKED_BY_FOLLOWED = -9, -10
 """Blockers of a constraint other than the row of another one: none (met, or inactive), contacts with the ground, joint
-limits, the reach of body and chain, smoothing in time, hands that touch, arms that stay out of the body, and the
-solver's own tolerance.
+limits, the reach of body and chain, smoothing in time, hands that touch, arms that stay out of the body, the solver's
+own tolerance, manual corrections above it, and characters who follow this one in turn.
 """
 MET_BY_UNIT = {"m": PRIORITY_TOLERANCE, "rad": float(np.radians(0.1))}
 """Greatest residual of a constraint that counts as met, by unit."""
@@ -77,12 +79,11 @@ def report_of(standing: Standing, request: AdaptRequest, adapted: AdaptedMotion)
     stands = standing_mask(standing.contacts, request.motion.frame_count)[:, window]
     areas = outlines(adapted.positions[:], adapted.rotations[:], stands, adapted.morphology)
     slides, heights = contact_tracks(adapted, standing.contacts, request.ground)
-    problem = _Problem(standing, request.constraints, request.tracks)
-    misses = problem.misses(adapted)
+    misses, blockers = _misses_and_blockers(standing, request, adapted)
     return Report(
         adapted.residuals,
         misses,
-        _BlockerSearch(problem, adapted, misses, request.eased).winners(),
+        blockers,
         slides,
         heights,
         body_heights(adapted, request.ground),
@@ -90,6 +91,31 @@ def report_of(standing: Standing, request: AdaptRequest, adapted: AdaptedMotion)
         knee_speeds(adapted),
         support_margins(areas, centre_of_mass(adapted)[:, :2]),
     )
+
+
+def _misses_and_blockers(
+    standing: Standing, request: AdaptRequest, adapted: AdaptedMotion
+) -> tuple[FloatArray, IntArray]:
+    """Residuals (C, F) measured on the poses of ``adapted``, and their blockers (C, F).
+
+    Of the solver, the corrections above it and the characters who moved on, the one that adds most is named.
+    """
+    problem = _Problem(standing, request.constraints, request.tracks)
+    if not request.final_tracks and not any(each.above for each in request.corrections):
+        misses = problem.misses(adapted)
+        return misses, _BlockerSearch(problem, adapted, misses, request.eased).winners()
+    window = _window_of(adapted)
+    first, last = window.start, window.stop - 1
+    solved = hold(standing, request.constraints, first, last, request.tracks, eased=request.eased)
+    solved_misses, corrected = problem.misses(solved), problem.misses(adapted)
+    misses = replace(problem, tracks={**request.tracks, **request.final_tracks}).misses(adapted)
+    blockers = _BlockerSearch(problem, solved, solved_misses, request.eased).winners()
+    added = np.nan_to_num(np.stack([solved_misses, corrected - solved_misses, misses - corrected]))
+    limits = np.array([MET_BY_UNIT[each.unit] for each in request.constraints]).reshape(-1, 1)
+    full = fully_active(request.constraints, request.motion.times[window])
+    most = np.where(full & (misses > limits), added.argmax(axis=0), 0)
+    blockers = np.choose(most, [blockers, BLOCKED_BY_CORRECTIONS, BLOCKED_BY_FOLLOWED])
+    return misses, np.where(full & (misses <= limits), BLOCKED_BY_NOTHING, blockers)
 
 
 def winners(

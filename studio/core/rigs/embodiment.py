@@ -38,7 +38,7 @@ def measured(skeleton: Skeleton, body_map: BodyMap) -> tuple[Morphology, FloatAr
     poses = rest_poses(skeleton, still)
     standing = Capture("body", "", skeleton, poses, 1.0, body_map, still, 0.0, "m", "Z", 0, (), ())
     marks = find_landmarks(standing, body_map)
-    stance = marks.aligned(find_alignments(marks))[0]
+    stance = marks.align_rotations(find_alignments(marks))[0]
     contacts = {point: [(0, 0)] for point in ContactPoint}
     return measure_actor(marks, stance, stance[None], contacts, 0, 0.0), stance
 

@@ -13,6 +13,7 @@ from studio.core.constraints.base import BodyPoint, Constraint
 from studio.core.runs import runs_in
 from studio.core.single import PoseArray, part_of
 from studio.core.solver.asking.lifted_ends import constrained_ends, lift_ends
+from studio.core.solver.asking.measured_residuals import measured_again
 from studio.core.solver.asking.points import point_indices
 from studio.core.solver.asking.releasing import constraint_activations
 from studio.core.solver.asking.tracks import Tracks
@@ -45,11 +46,11 @@ def grounded(request: AdaptRequest, standing: Standing | None = None) -> Standin
 def solve(standing: Standing, request: AdaptRequest, first: int = 0, last: int | None = None) -> AdaptedMotion:
     """Adapted motion of ``request`` on its ``grounded`` motion, with its corrections above the constraints."""
     adapted = hold(standing, request.constraints, first, last, request.tracks, eased=request.eased)
-    if not any(each.above for each in request.corrections):
-        return adapted
-    from studio.core.solver.correction_layer import corrected_above
+    if any(each.above for each in request.corrections):
+        from studio.core.solver.correction_layer import corrected_above
 
-    return corrected_above(adapted, standing, request)
+        adapted = corrected_above(adapted, standing, request)
+    return measured_again(adapted, request) if request.final_tracks else adapted
 
 
 def hold(
@@ -75,21 +76,20 @@ def hold(
     if not constraints:
         return _answer(standing, first, positions, rotations, np.empty((0, len(positions))))
     activations = constraint_activations(constraints, standing)
-    fraction, self_contact = np.asarray((activations > 0.0).any(axis=0), dtype=np.float64), standing.self_contact
+    acts, self_contact = np.asarray((activations > 0.0).any(axis=0)), standing.self_contact
     self_contact = self_contact if self_contact and self_contact.clearances else None
-    if self_contact:
-        fraction = self_contact.beside(fraction)
+    pushed = self_contact.within(acts) if self_contact else acts
     positions, rotations = positions.copy(), rotations.copy()
     residuals, acting = np.full((len(constraints), len(positions)), np.nan), np.asarray(activations.any(axis=1))
-    asked = [constraint for constraint, acts in zip(constraints, acting, strict=True) if acts]
+    asked = [constraint for constraint, active in zip(constraints, acting, strict=True) if active]
     window_of = partial(SolvedWindow, standing, asked, activations[acting], tracks, bound)
     free_ends = 1.0 - constrained_ends(constraints, activations)
-    for run in runs_in(window, fraction > 0.0, math.ceil(2.0 * SMOOTHING_HORIZON * standing.motion.frame_rate)):
+    for run in runs_in(window, acts, math.ceil(2.0 * SMOOTHING_HORIZON * standing.motion.frame_rate)):
         touched = self_contact.around(run) if self_contact else run
         solved = _solved(window_of, standing, touched, eased)
         posed = solved.answer(touched)
         if self_contact:
-            free = fraction[touched, None, None] * (1.0 - solved.arms_asked(touched))
+            free = pushed[touched, None, None] * (1.0 - solved.arms_asked(touched))
             self_contact.push_out(touched, free, *posed[:2])
         lift_ends(standing, touched, free_ends[:, touched], *posed[:2])
         rows, own = (slice(run.start - frames.start, run.stop - frames.start) for frames in (window, touched))

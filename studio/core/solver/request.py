@@ -46,6 +46,8 @@ class AdaptRequest:
     """True if arms stay out of their own body where the actor's do."""
     corrections: tuple[Correction, ...] = ()
     """Manual corrections, their times in seconds of the motion."""
+    final_tracks: Tracks = field(default_factory=dict)
+    """Tracks of the others of its dependency cycle as solved in the end: residuals are measured by them."""
 
 
 @dataclass(frozen=True, eq=False)

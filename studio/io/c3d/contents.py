@@ -14,6 +14,7 @@ from studio.core.markers.trial import (
     TrialEvent,
     bare_label,
 )
+from studio.core.names import counted
 from studio.io.c3d.parameters import BLOCK_BYTES, Parameters
 from studio.io.markers.unit import named_unit
 
@@ -47,9 +48,11 @@ def labels_and_kinds(
         labels[label] = None
     if twice:
         shown = ", ".join(dict.fromkeys(twice[:4]))
-        repairs.append(f"{name}: {len(twice)} labels stand there more than once ({shown}); they were numbered.")
+        repairs.append(f"{name}: {counted(len(twice), 'label')} repeated ({shown}); numbers were added.")
     if len(written) < count:
-        repairs.append(f"{name}: {count} points have {len(written)} labels; the others were numbered.")
+        repairs.append(
+            f"{name}: {counted(count, 'point')} and {counted(len(written), 'label')}; the others were numbered."
+        )
     outputs = {
         label: kind for group, kind in _MODEL_OUTPUTS.items() for label in parameters.words_on("POINT", group) if label
     }
@@ -109,7 +112,7 @@ def analog_signals(
     wild = ~(np.abs(samples) < 1e30)
     if wild.any():
         samples[wild] = 0.0
-        repairs.append(f"{name}: {int(wild.sum())} analog numbers are not finite; they were made 0.")
+        repairs.append(f"{name}: made 0, as not finite: {counted(int(wild.sum()), 'analog number')}.")
     labels, units = parameters.words_on("ANALOG", "LABELS"), parameters.words_on("ANALOG", "UNITS")
     return AnalogSignals(
         tuple(_at(labels, place) or f"Channel {place + 1}" for place in range(count)),

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.core.markers.trial import Trial
+from studio.core.names import counted, readable
 from studio.io.beside import read_bytes
 from studio.io.c3d.contents import analog_signals, force_plates, labels_and_kinds, marked_events, measures, unit_of
 from studio.io.c3d.parameters import BLOCK_BYTES, Numbers, Parameters, read_parameters
@@ -81,7 +82,7 @@ def read_c3d(path: Path | str, progress: Progress | None = None) -> C3dFile:
     raw = words[:, 4 * header.points :].reshape(header.frames * header.samples, header.channels)
     labels, kinds = labels_and_kinds(path.name, parameters, header.points, repairs)
     trial = Trial(
-        name=path.stem,
+        name=readable(path.stem),
         source=path.name,
         labels=labels,
         kinds=kinds,
@@ -247,11 +248,15 @@ def _frames(
             "Export it again."
         )
     if claimed > there:
-        repairs.append(f"{name}: the file says {claimed} frames, but holds {there}; it is cut off. Those were read.")
+        repairs.append(
+            f"{name}: the file says {counted(claimed, 'frame')}, but holds {there}; it is cut off. Those were read."
+        )
         return there
     others = sorted({claim for claim in claims if claim > 0} - {claimed})
     if others:
-        repairs.append(f"{name}: the file says {claimed} frames and in another place {others[0]}; read: {claimed}.")
+        repairs.append(
+            f"{name}: the file says {counted(claimed, 'frame')} and in another place {others[0]}; read: {claimed}."
+        )
     return claimed
 
 
@@ -275,10 +280,8 @@ def _points(
     unseen = (cameras < 0) | ~points.any(axis=-1)
     if (wild & ~unseen).any():
         frame, point = np.argwhere(wild & ~unseen)[0]
-        count = int((wild & ~unseen).sum())
-        repairs.append(
-            f"{name}: point {point + 1} in frame {frame} and {count - 1} more are not believable places; made gaps."
-        )
+        places = counted(int((wild & ~unseen).sum()), "unbelievable place")
+        repairs.append(f"{name}: {places} made a gap, the first of point {point + 1} in frame {frame}.")
     unseen |= wild
     points[unseen] = np.nan
     residuals = np.where(unseen, -1.0, np.bitwise_and(cameras, 0xFF) * header.scale)

@@ -23,6 +23,7 @@ from studio.core.markers.sides import exchanged_places
 from studio.core.markers.solve import SolvedBody, solve_body
 from studio.core.markers.take import FollowedBody, MarkerTake, follow
 from studio.core.markers.trial import MARKER_KIND, METRES, VIRTUAL_KIND, Trial, bare_label, subject_of, whole
+from studio.core.names import counted
 from studio.core.rotations import IDENTITY_QUATERNION
 from studio.io.capture_guesses import chosen_reference
 from studio.io.guessing import guess_floor
@@ -97,10 +98,11 @@ def _body(take: MarkerTake, followed: FollowedBody, options: ImportOptions, gues
         positions[:, solved.skeleton.descendants(toe)] = positions[:, [toe]]  # toes bend where nothing is measured
     floor, floor_guess = _floor(solved, positions, options, trial.frame_rate)
     if options.floor is None and (plate := plates_height(trial, turn, floor)) is not None:
-        floor, floor_guess = (
-            plate,
-            [Guess("floor", f"{plate:.4f} m", "The top of the force plates, as the file says.", Confidence.SURE)],
-        )
+        words, trust = "The top of the force plates, as the file says.", Confidence.SURE
+        if trial.metres_of_plates != trial.metres:
+            words += " Their corners are in another unit than the points: their sides would be no plate's in it."
+            trust = Confidence.LIKELY
+        floor, floor_guess = plate, [Guess("floor", f"{plate:.4f} m", words, trust)]
     guesses += floor_guess
     rate = options.frame_rate or trial.frame_rate
     return Capture(
@@ -225,7 +227,7 @@ def _body_guesses(
         Guess(
             "marker map",
             take.marker_map.name,
-            f"{len(used.labels)} markers at {len(used.markers)} places.",
+            f"{counted(len(used.labels), 'marker')} at {counted(len(used.markers), 'place')}.",
             Confidence.LIKELY if take.marker_map.name == PROPOSED else Confidence.SURE,
         ),
         Guess(
@@ -256,7 +258,8 @@ def _body_guesses(
         if report.told
     ]
     if first or followed.unseen:
-        words = f"In {followed.unseen} frames some place is not seen: it moves straight on as seen from the pelvis."
+        unseen = counted(followed.unseen, "frame")
+        words = f"In {unseen} some place is not seen: it moves straight on as seen from the pelvis."
         guesses.append(Guess("first frame", str(first), words if followed.unseen else "", Confidence.SURE))
     if left_out := take.trial.frame_count - len(next(iter(followed.joints.values()))):
         reason = f"Of the {take.trial.frame_count} recorded, {left_out} at the end show no body and were left out."

@@ -8,6 +8,7 @@ import numpy as np
 from imageio_ffmpeg import get_ffmpeg_exe
 
 from studio.core.errors import StudioError
+from studio.core.names import readable
 from studio.core.stage.beats import beats_of
 from studio.core.stage.sound_track import LOUDEST_PEAK, MOST_SOUND_SECONDS, PEAK_RATE, SoundTrack
 from studio.io.child_process import child_process
@@ -41,4 +42,6 @@ def read_sound(path: Path, alive: Callable[[], object] = lambda: None) -> SoundT
     step = round(SOUND_RATE / PEAK_RATE)
     loud = np.abs(np.pad(samples, (0, -len(samples) % step))).reshape(-1, step).max(axis=1)
     peaks = np.round(LOUDEST_PEAK * np.clip(loud / max(float(loud.max()), 1e-9), 0.0, 1.0)).astype(int)
-    return SoundTrack(path.stem, str(path), tuple(peaks.tolist()), tuple(beats_of(samples, SOUND_RATE).tolist()))
+    return SoundTrack(
+        readable(path.stem), str(path), tuple(peaks.tolist()), tuple(beats_of(samples, SOUND_RATE).tolist())
+    )

@@ -11,6 +11,7 @@ from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
+from studio.core.names import counted
 from studio.core.rotations import from_matrix, normalized, sign_continuous, to_matrix
 from studio.io.bvh.capture import capture_of
 from studio.io.guessing import Scale, said_unit
@@ -143,7 +144,9 @@ def _upright(names: list[str], turns: FloatArray) -> tuple[FloatArray, tuple[str
     joints = [name for name, is_wrong in zip(names, wrong.any(axis=0), strict=True) if is_wrong]
     shown = ", ".join(joints[:_NAMED]) + (f" and {len(joints) - _NAMED} more" if len(joints) > _NAMED else "")
     frames = int(wrong.any(axis=1).sum())
-    return turns, (f"In {frames} frames scales mirror or flatten {shown}; there the joint is turned as at rest.",)
+    return turns, (
+        f"In {counted(frames, 'frame')} scales mirror or flatten {shown}; there the joint is turned as at rest.",
+    )
 
 
 def _one_root(names: list[str], parents: list[int]) -> tuple[list[str], NDArray[np.int64]]:

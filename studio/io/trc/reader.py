@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from studio.core.errors import StudioError
 from studio.core.markers.subjects import with_subjects
 from studio.core.markers.trial import MARKER_KIND, Trial
+from studio.core.names import counted, readable
 from studio.io.beside import read_bytes
 from studio.io.markers.unit import named_unit
 from studio.io.numbers import count_per_line, lines_of, number, table
@@ -21,6 +22,7 @@ _KEYS_LINE, _VALUES_LINE, _NAMES_LINE, _AXES_LINE = 1, 2, 3, 4
 _BEFORE = 2
 """Columns before the first marker: the frame's number and its time."""
 _RATES = ("datarate", "camerarate", "origdatarate")
+_COUNTS = "nummarkers", "numframes"
 _FARTHEST = 1e6
 """Units beyond which a place is a mark for a gap."""
 
@@ -42,18 +44,20 @@ def read_trc(path: Path, progress: Callable[[float], object] = lambda share: Non
     said = _header(lines[_KEYS_LINE], lines[_VALUES_LINE])
     labels = _labels(name, lines[_NAMES_LINE], repairs)
     start = _first_row(lines)
-    markers, frames = (int(said[key]) if said.get(key, "").isdecimal() else 0 for key in ("nummarkers", "numframes"))
+    markers, frames = (int(text[:12]) if (text := said.get(key, "")).isdecimal() else 0 for key in _COUNTS)
     cells = _cells(name, lines[start:], start + 1, len(labels), frames, repairs, progress)
     points = cells[:, _BEFORE:].reshape(len(cells), len(labels), 3).copy()
     unseen = ~(np.abs(points) < _FARTHEST).all(axis=-1) | ~points.any(axis=-1)
     points[unseen] = np.nan
     if markers not in (0, len(labels)):
-        repairs.append(f"{name}, line 3: the file says {markers} markers; {len(labels)} have names and were read.")
+        repairs.append(
+            f"{name}, line 3: the file says {counted(markers, 'marker')}; with a name, and read: {len(labels)}."
+        )
     if frames not in (0, len(points)):
-        repairs.append(f"{name}, line 3: the file says {frames} frames; found and read: {len(points)}.")
+        repairs.append(f"{name}, line 3: the file says {counted(frames, 'frame')}; found and read: {len(points)}.")
     first = cells[0, 0]
     trial = Trial(
-        name=path.stem,
+        name=readable(path.stem),
         source=name,
         labels=labels,
         kinds=(MARKER_KIND,) * len(labels),

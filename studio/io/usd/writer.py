@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
+from studio.core.names import readable
 from studio.core.rigs.joint_skin import JointSkin
 from studio.core.rotations import to_matrix
 from studio.core.stage.saved_camera import CAMERA_ASPECT, FARTHEST_SEEN, NEAREST_SEEN, VIEW_ANGLE, SavedCamera
@@ -44,7 +45,9 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
         _set_up(stage, take.frame_rate, take.poses.frame_count)
         name = f"/{identifiers([take.name])[0]}"
         stage.SetDefaultPrim(stage.DefinePrim(name))
-        return _put_take(stage, take, name, path.stem, lambda share: progress(0.9 * share, f"Writing {path.name}"))
+        return _put_take(
+            stage, take, name, readable(path.stem), lambda share: progress(0.9 * share, f"Writing {path.name}")
+        )
 
     _write(path, fill, progress)
 
@@ -67,7 +70,7 @@ def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
             def reported(share: float, number: int = number) -> None:
                 progress(0.9 * (number + share) / len(stage.takes), f"Writing {path.name}")
 
-            pictures |= _put_take(made, take, f"/{top}/{name}", f"{path.stem}_{name}", reported)
+            pictures |= _put_take(made, take, f"/{top}/{name}", f"{readable(path.stem)}_{name}", reported)
         for prop, name in zip(stage.props, names[len(stage.takes) :], strict=False):
             _put_prop(made, prop, f"/{top}/{name}")
         for camera, name in zip(stage.cameras, names[len(stage.takes) + len(stage.props) :], strict=True):

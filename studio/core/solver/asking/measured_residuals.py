@@ -1,14 +1,20 @@
 """Residuals of constraints measured on given poses, active or not."""
 
 from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.constraints.base import Constraint
+from studio.core.constraints.target import follows_of, own_places_of
+from studio.core.curves.activation import FULLY_ACTIVE
 from studio.core.solver.asking.kinds.known import solver_kind_of
-from studio.core.solver.asking.tracks import Targets
-from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.asking.tracks import Targets, Track
+from studio.core.solver.performers.followed_tracks import own_track
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.standing.support import mass_path
 
 
 def full_residuals(constraints: Sequence[Constraint], targets: Targets, adapted: AdaptedMotion) -> NDArray[np.float64]:
@@ -22,3 +28,27 @@ def full_residuals(constraints: Sequence[Constraint], targets: Targets, adapted:
         if kind is not None and kind.residual is not None:
             row[:] = kind.residual(constraint, targets, adapted)
     return measured
+
+
+def measured_again(adapted: AdaptedMotion, request: AdaptRequest) -> AdaptedMotion:
+    """``adapted`` with the residuals of what follows the ``final_tracks`` of ``request`` measured by them, where fully
+    active.
+    """
+    final, unasked = request.final_tracks, adapted.unasked
+    rows = [row for row, each in enumerate(request.constraints) if not final.keys().isdisjoint(follows_of(each))]
+    if not rows or unasked is None:
+        return adapted
+    window = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
+    followers, body = [request.constraints[row] for row in rows], request.morphology
+    known = {follow: track.within(window) for follow, track in final.items() if isinstance(track, Track)}
+    for place in (place for each in followers for place in own_places_of(each)):
+        known[place] = own_track(place, unasked, body, adapted.frame_rate)
+    times = np.arange(window.start, window.stop) / adapted.frame_rate
+    masses = partial(mass_path, unasked.positions[window], body.still)
+    targets = Targets(times, known, masses, body.leg_length)
+    before = adapted.residuals[rows]
+    measured = full_residuals(followers, targets, replace(adapted, residuals=before))
+    full = np.array([each.activation.at(times) >= FULLY_ACTIVE for each in followers])
+    residuals = np.array(adapted.residuals)
+    residuals[rows] = np.where(full & np.isfinite(before), measured, before)
+    return replace(adapted, residuals=residuals)

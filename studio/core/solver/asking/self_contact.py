@@ -29,8 +29,9 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.normalized.touching import PalmPositions, palm_positions
 from studio.core.project_cache import project_cache
+from studio.core.runs import runs_of
 from studio.core.solver.asking.clearance import actor_clearances, clearances_of, packed, rest_clearances
-from studio.core.solver.standing.blends import LET_GO, SLOWLY_LET_GO, hann_window, release_weight
+from studio.core.solver.standing.blends import LET_GO, SLOWLY_LET_GO, hann_window, release_weight, smoothstep_array
 from studio.core.solver.standing.body_support import limb_freedom
 
 FloatArray = NDArray[np.float64]
@@ -154,11 +155,18 @@ class SelfContact:
     def _wider(self, window: slice, frames: int) -> slice:
         return slice(max(window.start - frames, 0), min(window.stop + frames, len(self.firm)))
 
-    def beside(self, acts: FloatArray) -> FloatArray:
-        """Weights (F,) of correcting arms again after ``acts`` (F,) in [0, 1]: spread in time."""
-        half = _fade_frames(self.frame_rate)
-        near = maximum_filter1d(acts, 2 * half + 1, mode="constant")
-        return np.asarray(convolve1d(near, hann_window(half), mode="nearest"))
+    def within(self, acts: NDArray[np.bool_]) -> FloatArray:
+        """Weights (F,) of correcting arms again where constraints act (F,): none at the ends of a run of such frames.
+
+        Frames beside a run stay as they are grounded. A run that is too short for both fades has shorter ones.
+        """
+        weights, fade = np.zeros(len(acts)), 2 * _fade_frames(self.frame_rate)
+        for first, past in runs_of(acts):
+            frames, fades = np.arange(first, past), min(fade, (past - first + 1) / 2)
+            since = np.where(first == 0, fades, frames - first + 1)
+            until = np.where(past == len(acts), fades, past - frames)
+            weights[first:past] = smoothstep_array(np.minimum(np.minimum(since, until) / fades, 1.0))
+        return weights
 
     def close(self, window: slice, free: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
         """Correct the arms of grounded frames of a ``window`` (F, P, 3), (F, S, 3, 3), in place.

@@ -107,20 +107,41 @@ def solve_cycle(
             _meet(meeting, players, results, before, tracks)
         moved = _moved(players, before, tracks) if before else math.inf
         if moved < PRIORITY_TOLERANCE:
-            return CycleSolution(results, requests, before, sweep)
+            return _solution(players, results, requests, before, sweep)
         if sweep > 1 and moved > JACOBI_CONTRACTION * last:
             tracks = {key: _halfway(before[key], track) for key, track in tracks.items()}
         requests = {key: _following_paths(key, each, tracks) for key, each in players.items()}
         results = {key: solve(key, request) for key, request in requests.items()}
         before, last = tracks, moved
-    return CycleSolution(results, requests, before, sweeps)
+    return _solution(players, results, requests, before, sweeps)
+
+
+def _solution(
+    players: Mapping[str, CycleMember],
+    results: Mapping[str, AdaptedMotion],
+    requests: Mapping[str, AdaptRequest],
+    paths: Paths,
+    sweeps: int,
+) -> CycleSolution:
+    """Solution with residuals measured by the last poses of all, not by those that the last iteration began with."""
+    from studio.core.solver.asking.measured_residuals import measured_again
+
+    final = dict(paths_of(players, results))
+    requests = {
+        key: replace(request, final_tracks=_own_tracks(key, players[key], final)) for key, request in requests.items()
+    }
+    results = {key: measured_again(result, requests[key]) for key, result in results.items()}
+    return CycleSolution(results, requests, paths, sweeps)
 
 
 def _following_paths(key: str, player: CycleMember, paths: Paths) -> AdaptRequest:
+    return replace(player.request, tracks={**player.request.tracks, **_own_tracks(key, player, paths)})
+
+
+def _own_tracks(key: str, player: CycleMember, paths: Paths) -> Tracks:
     own: Tracks = {follow: track for (whose, follow), track in paths.items() if whose == key}
     own = expected_at(own, player.expected)
-    own = awaited(own, player.request.constraints, player.composite.timing.frame_rate)
-    return replace(player.request, tracks={**player.request.tracks, **own})
+    return awaited(own, player.request.constraints, player.composite.timing.frame_rate)
 
 
 def meetings_of(players: Mapping[str, CycleMember]) -> tuple[Meeting, ...]:

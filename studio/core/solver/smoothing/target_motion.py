@@ -28,14 +28,15 @@ def target_accelerations(
     activation.
 
     (a + v^2 / l) / l over l metres, with v and a of the target trajectory; and the second derivative of the activation
-    (C, F) for one radian.
+    (C, F) for the angle of the displacement that it fades in, at most one radian.
     """
     brings = np.zeros((2, *activations.shape))
     for c in (first + np.flatnonzero((activations[first:] > 0.0).any(axis=1))).tolist():
         course = KIND_BY_CODE[int(rows.tasks["kind"][c])].trajectory
         path, lever = course(UnsolvedTask(c, rows, positions, rotations, body))
-        edges = np.abs(np.diff(activations[c], 2)) * rate**2
-        sharp = np.stack([_sharp(path, lever, rate), np.pad(edges, 1, mode="edge")])
+        edges = np.pad(np.abs(np.diff(activations[c], 2)), 1, mode="edge") * rate**2
+        angles = np.minimum(np.linalg.norm(path, axis=1) / lever, 1.0)
+        sharp = np.stack([_sharp(path, lever, rate), edges * angles])
         acts = maximum_filter1d(activations[c] > 0.0, 3)
         brings[:, c] = maximum_filter1d(
             np.where(acts, sharp, 0.0), 2 * round(TARGET_PEAK_SPREAD * rate) + 1, mode="nearest"
