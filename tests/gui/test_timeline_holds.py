@@ -92,6 +92,21 @@ def test_who_picks_up_what_another_one_holds_takes_it_out_of_its_hands(window):
     assert all(each.activation.full_end == pytest.approx(0.4, abs=0.02) for each in of_first)
 
 
+def test_whoever_would_have_taken_a_prop_later_keeps_its_hands_free_once_another_takes_it(window):
+    document = window.bench.document
+    one = next(iter(document.project.performers))
+    two, three = (document.add("performers", document.project.performers[one], "Add") for _ in range(2))
+    prop_id = document.add("props", Prop("Box"), "Add box")
+    for performer_id, seconds in ((one, 0.1), (two, 0.4), (three, 0.25)):
+        document.selection.set(("performers", performer_id), ("props", prop_id))
+        document.playhead.set_time(seconds)
+        window.actions_by_id.by_id["pick_up_prop"].trigger()
+    assert [each.performer_id for each in document.project.props[prop_id].holds] == [one, three]
+    assert {each.scope.performer_id for each in document.project.constraints.values() if " on box" in each.name} == {
+        one, three,
+    }  # fmt: skip
+
+
 def test_hands_stay_on_a_prop_in_every_clip_that_is_played_after_it_is_picked_up(window):
     document = window.bench.document
     performer_id, performer = next(iter(document.project.performers.items()))
