@@ -17,11 +17,12 @@ from studio.core.constraints.follow import FollowPerformer
 from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
 from studio.core.normalized.transition import LEAST_TRANSITION
-from studio.core.solver.adapt import hold, place_of
+from studio.core.solver.adapt import hold, place_of, solve
 from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.performers.awaiting import awaited_moment, expected_at
 from studio.core.solver.performers.dependency_cycles import CycleMember, Paths, paths_of, solve_cycle
 from studio.core.solver.performers.performing import Prepare
+from studio.core.solver.performers.rows import corrections_in
 from studio.core.solver.performers.stage import in_order, props_of, tracks_followed_by, tracks_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.behaviour import Running, advance, begun
@@ -351,7 +352,13 @@ class LiveStage:
         part.tracks = expected_at(tracks_of(followed, playing.composite.at(frame)), expected)
         standing = playing.standing
         request = AdaptRequest(
-            standing.motion, standing.morphology, standing.contacts, constraints, standing.ground, part.tracks
+            standing.motion,
+            standing.morphology,
+            standing.contacts,
+            constraints,
+            standing.ground,
+            part.tracks,
+            corrections=corrections_in(self._staged, key, playing.composite.timing),
         )
         placement = Placement.of(self._staged.performers[key])
         return CycleMember(request, playing.composite, placement, self._staged.props, frame, expected)
@@ -385,7 +392,7 @@ class LiveStage:
 
     def _frame(self, key: str, request: AdaptRequest) -> AdaptedMotion:
         part = self._parts[key]
-        posed = hold(part.playing.solvable, request.constraints, part.frame, part.frame, request.tracks)
+        posed = solve(part.playing.solvable, request, part.frame, part.frame)
         return replace(posed, composite=part.playing.composite, passed=part.passed)
 
     def _unasked(self, key: str) -> AdaptedMotion:

@@ -473,13 +473,14 @@ def test_what_a_state_asks_is_asked_while_it_lasts():
     assert np.linalg.norm(hands[0] - hands[1]) < 2e-3
 
 
-def test_a_correction_acts_live_and_one_that_is_edited_while_it_plays_too():
+@pytest.mark.parametrize("above", [False, True])
+def test_a_correction_acts_live_and_one_that_is_edited_while_it_plays_too(above):
     stage = LiveStage(staged(clip_of("walk_turn", 60)), prepare)
     stage.step(0.0)
     stage.step(0.5)
     plain = stage.results["one"]
     turn = ((BodyPart.LEFT_FOREARM, (0.6, 0.0, 0.0)),)
-    made = new_correction("Elbow", "one", 0.5, PoseOffsets(turn))
+    made = replace(new_correction("Elbow", "one", 0.5, PoseOffsets(turn)), above=above)
     stage.project = stage.project.with_entity("corrections", "c", made)
     stage.step(0.0)
     posed, wrist = stage.results["one"], plain.morphology.layout.wrist(0)
