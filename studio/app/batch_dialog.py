@@ -59,22 +59,22 @@ class BatchDialog(QDialog):
         self.source, self.out, self.constraints = QLineEdit(), QLineEdit(), QLineEdit()
         self.constraints.setPlaceholderText("None")
         suffixes = [suffix.lstrip(".") for suffix in known_formats().suffixes("motion_writer")]
-        self.format = Choice("Written as", [(suffix, suffix.upper()) for suffix in suffixes])
+        self.format = Choice("Output format", [(suffix, suffix.upper()) for suffix in suffixes])
         bench = self._bench
         source = partial(ask_folder, bench, "Folder of captures")
         constraints = partial(ask_file, bench, "Constraints", CONSTRAINTS_FILTER)
         out = partial(ask_folder, bench, "Folder for the adapted files")
         for label, field, ask in (
-            ("Captures in", self.source, source),
+            ("Input folder", self.source, source),
             ("Constraints", self.constraints, constraints),
-            ("Write into", self.out, out),
+            ("Output folder", self.out, out),
         ):
             choose = press_button("Choose…", partial(ask, partial(_show_path, field)))
             choose.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
             choose.setAccessibleName(f"Choose {label.lower()}")
             section.add_row(label, field, choose)
             field.textChanged.connect(self._refresh)
-        section.add_row("Written as", self.format)
+        section.add_row("Output format", self.format)
         return section
 
     def _make_characters(self) -> Section:

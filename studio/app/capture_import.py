@@ -173,7 +173,7 @@ def reimport(bench: Workbench, capture_id: str, option: dict[str, Any]) -> None:
 
 def solve_again(bench: Workbench, capture_id: str, take: MarkerTake) -> int:
     """Find the body again in the markers ``take`` of a capture, as it was read; returns the task."""
-    text = f"Solve {bench.document.project.captures[capture_id].name} anew"
+    text = f"Re-solve {bench.document.project.captures[capture_id].name}"
     return read_again(bench, capture_id, ImportOptions(**overruled(bench, capture_id)), text, take)
 
 
@@ -273,7 +273,7 @@ def tell_corrections(bench: Workbench, capture_id: str) -> None:
             read_again(bench, capture_id, GUESS_ALL, f"Read {capture.name} as guessed")
 
     sentence = f"{capture.source} was read as you corrected its kind of file before: {words(corrections)}."
-    bench.say(sentence, ("Keep", bench.clear_message), ("Guess again", guess), until=Lifetime.PROJECT_OPENED)
+    bench.say(sentence, ("Keep", bench.clear_message), ("Detect again", guess), until=Lifetime.PROJECT_OPENED)
 
 
 def show_motion(document: Document) -> None:

@@ -137,7 +137,7 @@ class LiveControl:
         self.tell()
 
     def stop_recording(self) -> None:
-        """The file is whole."""
+        """Stop recording and close the file."""
         recorder, self.recorder = self.recorder, None
         if recorder is None:
             return

@@ -131,12 +131,12 @@ def put_take(bench: Workbench, take: StageTake) -> None:
     if begin != take.begin:
         made = [_after(project, *edit, begin) for edit in made]
     rows = [entity for _, _, entity in made if isinstance(entity, Performer)]
-    with document.group("Record a take"):
+    with document.group("Record take"):
         for collection, key, entity in made:
             if key in getattr(document.project, collection):
-                document.replace(collection, key, entity, "Record a take")
+                document.replace(collection, key, entity, "Record take")
             else:
-                document.put_all(collection, {key: entity}, "Record a take")
+                document.put_all(collection, {key: entity}, "Record take")
     rate = document.playhead.frame_rate
     document.playhead.set_range(round(begin * rate), round((begin + take.end - take.begin) * rate))
     document.playhead.set_time(begin)

@@ -31,7 +31,7 @@ ONION_NUMBERS = (
     ("onion_after", "After", ""),
     ("onion_step", "Every", "frames"),
 )
-ACTIVATIONS = ((FITTED, "While the body stays"), (WHOLE_CLIP_ACTIVATION, "For the whole clip"))
+ACTIVATIONS = ((FITTED, "While the point stays still"), (WHOLE_CLIP_ACTIVATION, "For the whole clip"))
 ACTION_ID = Qt.ItemDataRole.UserRole
 
 

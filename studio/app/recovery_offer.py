@@ -42,7 +42,7 @@ def _recovery(bench: Workbench, session: Session) -> Callable[[], object]:
 
 
 def _recover(bench: Workbench, session: Session) -> None:
-    """Open it; one of which nothing can be read is put aside and told."""
+    """Recover the session; an unreadable one is moved aside and reported."""
     try:
         bench.document.recover(session)
     except StudioError as error:

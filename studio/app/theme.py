@@ -10,7 +10,7 @@ from studio.resources_folder import resources_folder
 
 FAMILIES = ("Inter", "Segoe UI", "SF Pro Text", "Noto Sans")
 BODY_PIXELS = 13
-WIDE_FAMILY = "DejaVu Sans"
+FALLBACK_FAMILY = "DejaVu Sans"
 NARROWED = 92  # percent: DejaVu is a good deal wider than the faces that the measures were made for
 
 
@@ -27,8 +27,8 @@ def make_font() -> QFont:
     """Inter where present, else the system's sans; figures of one width come with all of them."""
     present = set(QFontDatabase.families())
     font = QFont(next((family for family in FAMILIES if family in present), QFont().defaultFamily()))
-    if font.family() not in present and WIDE_FAMILY in present:
-        font = QFont(WIDE_FAMILY)
+    if font.family() not in present and FALLBACK_FAMILY in present:
+        font = QFont(FALLBACK_FAMILY)
         font.setStretch(NARROWED)
     font.setPixelSize(BODY_PIXELS)
     return font

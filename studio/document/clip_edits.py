@@ -142,7 +142,7 @@ def layer_of(project: Project, clip_id: str) -> Layer | None:
 
 
 def make_own(document: EditedProject, performer_id: str, clip_id: str) -> str:
-    """A clip that several play as one performer's own, with what is asked of it; its id there."""
+    """Give a performer a copy of its own of a shared clip, with the clip's constraints; return the copy's id."""
     performer, name = document.project.performers[performer_id], new_id()
     text = f"{performer.name} has its own {name_of(document.project, document.project.clips[clip_id])}"
     with document.group(text):

@@ -334,7 +334,9 @@ def _item(entity: str) -> tuple[str, str]:
 
 
 def _field_for(document: EditedProject, copy: _CopiedKeys, item: tuple[str, str]) -> KeyedField | None:
-    """The field of an entity that takes such keys: of the same name, else keyed alike, else a fixed one like them."""
+    """Field of an entity into which copied keys are pasted: that of the same name, else one with keys of the same type,
+    else a value of that type without keys.
+    """
     project = document.shown_project
     entity = project.get(*item)
     if entity is None:

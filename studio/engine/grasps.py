@@ -20,7 +20,7 @@ GRASP_SAMPLES = 16
 
 @dataclass(frozen=True)
 class Grasp:
-    """A moment in which the motion of a body holds a thing, seconds of the stage, and the body then.
+    """A body that holds a thing at one moment: ``seconds`` of the stage, and the holder's pose.
 
     ``lowest`` is the least height of the middle of its hands above the ground while it holds it, in metres.
     """

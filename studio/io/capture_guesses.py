@@ -138,7 +138,9 @@ def stood_capture(read: ReadJoints, found: FoundBody, options: ImportOptions, gu
 
 
 def cleaned_joints(read: ReadJoints, body_map: BodyMap, options: ImportOptions, guesses: list[Guess]) -> ReadJoints:
-    """Joints without the faults of their motion, and a repair, if ``options`` say so; else a guess that offers it."""
+    """Joints of the cleaned motion, the cleaning among their repairs, if ``options.clean``; else the joints as they
+    are, and a guess in ``guesses`` that offers the cleaning.
+    """
     poses, faults = clean_motion(read.skeleton, read.poses, body_map, read.frame_rate)
     if not faults.any:
         return read

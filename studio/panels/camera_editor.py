@@ -25,11 +25,11 @@ class CameraEditor(Editor[SavedCamera]):
         self._name = QLineEdit()
         self._name.editingFinished.connect(self._rename)
         section.add_row("Name", self._name)
-        self._slot = Choice("Key", [(NO_SLOT, "None"), *((str(slot), f"Camera {slot}") for slot in CAMERA_SLOTS)])
+        self._slot = Choice("Shortcut", [(NO_SLOT, "None"), *((str(slot), f"Camera {slot}") for slot in CAMERA_SLOTS)])
         self._slot.value_chosen.connect(
             lambda slot: give_slot(document, entity_id, None if slot == NO_SLOT else int(slot))
         )
-        section.add_row("Key", self._slot)
+        section.add_row("Shortcut", self._slot)
         self._target = VectorRow(self, section, "Looks at", lambda target: self._place(target=target))
         self._distance = self.bind(
             NumberField("Distance", "m", 0.15, 150.0, 0.1, 2), lambda value: self._place(distance=value)
@@ -43,7 +43,7 @@ class CameraEditor(Editor[SavedCamera]):
             NumberField("Elevation", "°", -90.0, 90.0, 5.0, 1), lambda value: self._place(elevation=math.radians(value))
         )
         section.add_row("Elevation", self._elevation)
-        self._parallel = QCheckBox("Parallel")
+        self._parallel = QCheckBox("Orthographic")
         self._parallel.clicked.connect(lambda on: self._place(parallel=on))
         section.add_wide(self._parallel)
         self.column.addWidget(section)

@@ -65,7 +65,7 @@ class CaptureEditor(Editor[Capture]):
         self._axis = Choice("Up axis", UP_AXIS_CHOICES)
         self._axis.value_chosen.connect(lambda axis: self._ask(up_axis=axis))
         self._reference = Choice("Reference pose", REFERENCES)
-        self._reference.setPlaceholderText("As guessed")
+        self._reference.setPlaceholderText("Detected")
         self._reference.value_chosen.connect(self._ask_reference)
         self._rate = self.bind(
             NumberField("Frame rate", "Hz", 1.0, 1000.0, 1.0, 3),

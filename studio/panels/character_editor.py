@@ -26,7 +26,7 @@ SHOWN_CENTIMETRES = 100.0
 BUILD = Proportions()
 BLENDINGS = ((Blending.LINEAR, "Linear blending"), (Blending.DUAL_QUATERNIONS, "Dual quaternions"))
 PRESETS: dict[str, Proportions] = {
-    "As built": BUILD,
+    "Original": BUILD,
     "Child": Proportions(stature=0.68, head=1.35, thighs=0.92, shanks=0.92, hands=0.95, shoulders=0.9),
     "Stocky": Proportions(stature=0.96, trunk=1.06, shoulders=1.18, hips=1.16, thighs=0.92, shanks=0.92),
     "Tall": Proportions(stature=1.14, thighs=1.05, shanks=1.05, head=0.94),
@@ -67,7 +67,7 @@ class BodySection(Section):
         reset.setToolTip("All lengths as built")
         self.head.addWidget(reset)
         self._preset = Choice("Preset", [(values, name) for name, values in PRESETS.items()])
-        self._preset.setPlaceholderText("Own measures")
+        self._preset.setPlaceholderText("Custom")
         self._preset.value_chosen.connect(self._choose)
         self.add_row("Preset", self._preset)
         self._blending = Choice("Skinning", BLENDINGS)

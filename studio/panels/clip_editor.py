@@ -49,7 +49,7 @@ class ClipEditor(Editor[Clip]):
         self._motion, self._players = labelled("", "value"), labelled("", "value")
         self._players.setWordWrap(True)
         section.add_row("Motion", self._motion)
-        section.add_row("Played by", self._players)
+        section.add_row("Used by", self._players)
         self._own = press_button("", self._make_own)
         self._own.setToolTip(
             "An edit changes the clip for every body that plays it. A copy of its own is edited separately."
@@ -78,9 +78,9 @@ class ClipEditor(Editor[Clip]):
         return section
 
     def _placing(self) -> Section:
-        section = Section("Where it plays")
-        self._joined = self._box("After previous clip", lambda on: self._set("ClipAlignment", joined=on))
-        section.add_row("Placement", self._joined)
+        section = Section("Placement")
+        self._joined = self._box("Follow previous clip", lambda on: self._set("Align", joined=on))
+        section.add_row("Alignment", self._joined)
         turn = NumberField("Turn", "°", -360.0, 360.0, 1.0, 1)
         self._turn = self._number(turn, "Turn", "", turn=math.radians(1.0))
         section.add_row("Turn", self._turn)
@@ -94,7 +94,7 @@ class ClipEditor(Editor[Clip]):
             field.setToolTip("In leg lengths, so that it is in proportion for every body. Drag sideways to change.")
         section.add_row("Offset  legs", *self._offset)
         self._ease = self._number(NumberField("Blend time", "s", 0.0, 60.0, 0.05), "Ease", "", ease=1.0)
-        self._ease.setSpecialValueText("as needed")
+        self._ease.setSpecialValueText("automatic")
         section.add_row("Blend", self._ease)
         section.add_wide(labelled("Over another clip, a line in its bar shows when it takes over.", "hint"))
         return section

@@ -57,13 +57,13 @@ MEASURES: dict[type[Ground], tuple[GroundSlider, ...]] = {
     Bumps: (
         GroundSlider("amplitude", "Amplitude", 0.0, 0.30, " cm", 100.0, 1),
         GroundSlider("wavelength", "Wavelength", 0.4, 4.0),
-        GroundSlider("seed", "Pattern", 0, 50, "", decimals=0, whole=True),
+        GroundSlider("seed", "Seed", 0, 50, "", decimals=0, whole=True),
     ),
 }
 GROUND_PLACES: dict[type[Ground], tuple[str, str]] = {
-    Slope: ("foot", "Foot at"),
+    Slope: ("foot", "Begins at"),
     Steps: ("start", "First step at"),
-    HeightMap: ("origin", "Corner at"),
+    HeightMap: ("origin", "Origin at"),
 }
 
 

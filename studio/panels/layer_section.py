@@ -17,9 +17,9 @@ class LayerSection(Section):
     def __init__(self, editor: Editor[Clip]) -> None:
         super().__init__("Layer")
         self._editor = editor
-        self._region = Choice("Plays on", [(region, region.capitalize()) for region in Region])
+        self._region = Choice("Body region", [(region, region.capitalize()) for region in Region])
         self._region.value_chosen.connect(lambda region: self._put("Layer on another region", region=region))
-        self.add_row("Plays on", self._region)
+        self.add_row("Body region", self._region)
         self._weight = editor.bind(
             NumberField("Weight", "%", 0.0, PER_CENT, 1.0, 0),
             lambda number: self._put("Weight of layer", weight=number / PER_CENT),
@@ -33,16 +33,16 @@ class LayerSection(Section):
             for way, name in (("in", "fade_in"), ("out", "fade_out"))
         ]
         for field in self._fades:
-            field.setSpecialValueText("as needed")
+            field.setSpecialValueText("automatic")
         self.add_row("In · out", *self._fades)
         self._additive = QCheckBox("Additive")
-        self._additive.toggled.connect(lambda on: self._put("Add layer to what plays", additive=on))
+        self._additive.toggled.connect(lambda on: self._put("Set layer additive", additive=on))
         self.add_row("Blend mode", self._additive)
         self._reference = editor.bind(
             NumberField("Reference frame", "", -1, 1e6, 1, 0),
             lambda frame: self._put("Reference of layer", reference=round(frame)),
         )
-        self._reference.setSpecialValueText("its first")
+        self._reference.setSpecialValueText("first frame")
         self._reference.setToolTip("What is added is how the clip differs from this frame of its motion.")
         self._reference_row = self.add_row("Reference frame", self._reference)
         self.add_wide(labelled("Contacts of feet are those of the clips that have the legs.", "hint"))

@@ -32,9 +32,9 @@ class PerformerEditor(Editor[Performer]):
         self._name = QLineEdit()
         self._name.editingFinished.connect(self._rename)
         section.add_row("Name", self._name)
-        self._cast = Choice("Played by", [])
+        self._cast = Choice("Character", [])
         self._cast.value_chosen.connect(self._recast)
-        section.add_row("Played by", self._cast)
+        section.add_row("Character", self._cast)
         self._plays: QLabel = labelled("", "value")
         section.add_row("Plays", self._plays)
         self._x, self._y = (

@@ -45,7 +45,7 @@ class PoseMapView(QWidget):
         super().__init__()
         self.setObjectName("panel")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
-        self.setAccessibleName("Map of the library's poses")
+        self.setAccessibleName("Pose map")
         self.setMouseTracking(True)
         self._groups: Sequence[PoseGroup] = ()
         self._sticks: NDArray[np.intp] = np.empty((0, 2), dtype=np.intp)

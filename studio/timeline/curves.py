@@ -17,8 +17,8 @@ from studio.core.stage.project import Project
 from studio.engine.residual_measures import LENGTH_MEASURE, Measure, measure_of
 from studio.engine.residuals import residuals_on
 from studio.timeline.axis import AXIS_MARGIN, TimeAxis
-from studio.timeline.error_strips import strip_of
 from studio.timeline.shown import RowContext
+from studio.timeline.strip_states import strip_of
 from studio.timeline.subject import Body, Subject
 
 FloatArray = NDArray[np.float64]

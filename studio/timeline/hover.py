@@ -4,11 +4,11 @@ from PySide6.QtCore import QPointF
 
 from studio.core.stage.clip_row import players_of
 from studio.engine.residuals import unsolved_words
-from studio.timeline.error_strips import StripState
 from studio.timeline.gestures.activation import time_of
 from studio.timeline.gestures.begin import name_of
 from studio.timeline.sheet import Sheet
 from studio.timeline.shown import EDGES, HANDLES, ROW_LABEL_WIDTH, Hit, ItemPart
+from studio.timeline.strip_states import StripState
 from studio.timeline.time_words import moment
 from studio.timeline.tracks import clip, constraint, keys, remarks
 from studio.timeline.tracks.change import take_over

@@ -51,7 +51,7 @@ class Picture:
         self._all_stale |= not rows
 
     def expire_lanes(self, *rows: tuple[str, str]) -> None:
-        """Only what these rows show over time; their labels stay as they are."""
+        """Drop only what these rows show over time; their labels stay as they are."""
         self._stale_lanes.update(rows)
 
     def refresh(self, sheet: Sheet, scale: float) -> None:

@@ -15,7 +15,7 @@ from studio.document.keyed_fields import KeyRef
 from studio.engine.live_interface import Live
 from studio.engine.residuals import Residual, applies_to, worst_residual
 from studio.timeline.axis import TimeAxis
-from studio.timeline.error_strips import Strip, strip_of
+from studio.timeline.strip_states import Strip, strip_of
 from studio.timeline.subject import Subject
 from studio.timeline.time_words import number
 

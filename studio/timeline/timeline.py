@@ -8,9 +8,9 @@ from studio.core.captures.contacts import ContactPoint
 from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.timeline import edits
-from studio.timeline.error_strips import StripState
 from studio.timeline.sheet import Sheet
 from studio.timeline.shown import ItemPart
+from studio.timeline.strip_states import StripState
 from studio.timeline.track_canvas import TrackCanvas
 from studio.timeline.tracks import constraint, contacts, labels
 from studio.timeline.tracks.error_strip import PITCH

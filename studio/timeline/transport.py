@@ -65,7 +65,7 @@ class Transport(QWidget):
         self.loop.setChecked(playhead.loop)
         self.live = _button("mdi6.broadcast", "Play live", lambda: self.action_requested.emit("play_live"))
         self.record = _button(
-            "mdi6.record-circle-outline", "Record a take", lambda: self.action_requested.emit("record_take")
+            "mdi6.record-circle-outline", "Record take", lambda: self.action_requested.emit("record_take")
         )
         self.dope = _button("mdi6.rhombus-split-outline", "Dope sheet: the keys of the selection", lambda: None)
         self.curves = _button("mdi6.chart-bell-curve", "Curve editor: the values of the selection", lambda: None)

@@ -19,7 +19,7 @@ QPushButton:hover {{ background: {colours.STAGE_CONTROL}; color: {colours.STAGE_
 QPushButton:focus {{ border: 1px solid {colours.STAGE_SELECTED_CONTROL}; }}
 """
 _WARNING = f"QPushButton {{ color: {colours.STAGE_PARTLY}; }} QPushButton:hover {{ color: {colours.STAGE_PARTLY}; }}"
-_CALL = f"QPushButton {{ background: {colours.STAGE_SELECTED_CONTROL}; color: #ffffff; }}"
+_CALL_TO_ACTION_STYLE = f"QPushButton {{ background: {colours.STAGE_SELECTED_CONTROL}; color: #ffffff; }}"
 
 
 class Chip(QPushButton):
@@ -72,7 +72,7 @@ class Chips:
         """``clicked``: what view, shading, space, correct, ghost, onion, trails, follow, markers, problem and constrain
         do.
         """
-        self.view = Chip("Perspective", "Perspective or parallel view", clicked["view"], parent)
+        self.view = Chip("Perspective", "Perspective or orthographic view", clicked["view"], parent)
         self.shading = Chip("Skin", "Skin or bones", clicked["shading"], parent)
         self.space = Chip("World axes", "Axes of the gizmo: world, local, parent or screen", clicked["space"], parent)
         self.correct = ToggleChip(
@@ -87,7 +87,7 @@ class Chips:
         self.work.setAccessibleName("Bodies, pictures a second, and how far these are behind the hand")
         self.work.setStyleSheet(f"background: rgba(22, 25, 29, 205); color: {colours.STAGE_TEXT_SECOND}; {_SHAPE}")
         self.problem = Chip("", "Most important problem", clicked["problem"], parent, _WARNING)
-        self.constrain = Chip("", "Constrain the picked joint", clicked["constrain"], parent, _CALL)
+        self.constrain = Chip("", "Constrain the picked joint", clicked["constrain"], parent, _CALL_TO_ACTION_STYLE)
         self._top = (
             *(self.view, self.shading, self.space, self.correct),
             *(self.ghost, self.onion, self.trails, self.follow, self.markers),
@@ -143,7 +143,7 @@ class Chips:
 
     def tell_parallel(self, parallel: bool) -> None:
         """Show whether the view is parallel."""
-        self.view.say("Parallel" if parallel else "Perspective")
+        self.view.say("Orthographic" if parallel else "Perspective")
 
     def tell_space(self, space: str, used: bool) -> None:
         """Show along whose axes the gizmo moves and rotates, while it does."""

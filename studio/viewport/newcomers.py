@@ -37,9 +37,9 @@ class Newcomers:
     def camera_for(
         self, performers: Collection[str], bodies: Mapping[str, Posed], camera: OrbitCamera, size: Size
     ) -> OrbitCamera:
-        """The camera that shows all ``bodies`` that are new among the ``performers``, as near as it was at most.
+        """Camera moved so that bodies that are new since the last call are in view, never nearer than before.
 
-        It stays where they can all be seen, and goes on showing those of whom most was seen.
+        It is unchanged if all of them are in view already; bodies that were mostly in view stay in view.
         """
         before, self._known = self._known, (self._known | bodies.keys()) & frozenset(performers)
         step = self._step

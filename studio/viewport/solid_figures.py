@@ -12,7 +12,7 @@ MOST_EDGES = 240
 """Edges that are drawn of a mesh, the sharpest first."""
 _TURN = np.linspace(0.0, 2 * np.pi, 25)
 _CIRCLE = np.stack([np.cos(_TURN), np.sin(_TURN)], axis=1)
-_HALF = np.linspace(0.0, np.pi, 9)
+_HALF_TURN_ANGLES = np.linspace(0.0, np.pi, 9)
 
 
 def capsule_lines(motion: AdaptedMotion, row: int) -> list[FloatArray]:
@@ -38,7 +38,7 @@ def _capsule(begin: FloatArray, end: FloatArray, first: float, last: float) -> l
     rings = [centre + radius * _CIRCLE @ across for centre, radius in ((begin, first), (end, last))]
     outlines = []
     for way in across:
-        cap = np.cos(_HALF)[:, None] * way, np.sin(_HALF)[:, None] * along
+        cap = np.cos(_HALF_TURN_ANGLES)[:, None] * way, np.sin(_HALF_TURN_ANGLES)[:, None] * along
         top, bottom = end + last * (cap[0] + cap[1]), begin - first * (cap[0] + cap[1])
         outlines.append(np.concatenate([top, bottom, top[:1]]))
     return [*rings, *outlines]

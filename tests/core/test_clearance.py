@@ -107,7 +107,7 @@ def wild(seed: int) -> tuple[BodyVolume, Morphology, np.ndarray, np.ndarray]:
 
 
 def step(volume: BodyVolume, body: Morphology, pose: tuple, wanted: float | np.ndarray, share: float = 1.0) -> tuple:
-    """One arm cleared: whether it moved, the rooms before and after."""
+    """One arm cleared: whether it moved, the clearances before and after."""
     packed = CapsuleArrays(volume.segments, volume.places, volume.radii, volume.girths)
     proximal, posed, before, after = np.array(body.layout.proximal_points()), Pose(*pose), np.empty(5), np.empty(5)
     actor = ActorClearance(packed, np.zeros((1, 2, 5)), np.zeros((1, 2, 5, 3)))

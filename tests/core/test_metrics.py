@@ -23,7 +23,7 @@ from studio.core.quality.metrics import (
 from studio.core.quality.motion_quality import motion_quality
 from studio.core.rotations import to_matrix
 from studio.core.solver.adapt import adapt
-from studio.core.solver.asking.clearance import rooms
+from studio.core.solver.asking.clearance import clearances
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from tests.builders import make_morphology
 from tests.core.motions import RATE, about, walk
@@ -167,7 +167,7 @@ def test_what_is_inside_its_body_at_rest_may_be_so_in_motion() -> None:
     )
     positions, rotations = (np.tile(each, (10, *[1] * each.ndim)) for each in rest_pose(BODY))
     still = [AdaptedMotion(BODY, RATE, 0, positions, rotations, np.zeros((0, 10)), volume=v) for v in (thin, thick)]
-    assert rooms(still[1]).min() < -0.1
+    assert clearances(still[1]).min() < -0.1
     assert motion_quality(still[1], still[0], (), Ground()).inside == 0.0
 
 

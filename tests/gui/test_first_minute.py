@@ -11,7 +11,7 @@ from studio.app.application import import_views, make_application, make_window, 
 from studio.app.settings import Settings
 from studio.document.document import Document
 from studio.engine.residuals import worst_residual
-from studio.timeline.error_strips import StripState
+from studio.timeline.strip_states import StripState
 from studio.viewport.body_points import body_joints
 from tests.gui.window_use import drop, wait_until_idle
 

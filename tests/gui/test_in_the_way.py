@@ -95,11 +95,11 @@ def test_deleting_bodies_says_that_they_leave_the_stage_and_their_characters_sta
     one, two, three, _ = document.project.performers
     document.selection.set(("performers", one), ("performers", two))
     QTest.keyClick(window, Qt.Key.Key_Delete)
-    assert document.undo_stack.undoText() == "Take 2 characters off the stage"
+    assert document.undo_stack.undoText() == "Remove 2 characters from stage"
     assert len(document.project.characters) == 4
     document.selection.set(("performers", three))
     QTest.keyClick(window, Qt.Key.Key_Delete)
-    assert document.undo_stack.undoText() == "Take Body 2 off the stage"
+    assert document.undo_stack.undoText() == "Remove Body 2 from stage"
     document.selection.set(*(("constraints", key) for key in document.project.constraints))
     QTest.keyClick(window, Qt.Key.Key_Delete)
     assert document.undo_stack.undoText() == "Delete 3 constraints"
@@ -109,7 +109,7 @@ def test_the_menus_of_props_and_of_the_library_are_their_own(window):
     menus = window.actions_by_id.by_menu()
     assert "Add box" in [action.text() for action in menus["Prop"]]
     assert "Find a strike in the library…" in [action.text() for action in menus["Library"]]
-    assert not {"Add box", "Pick prop up at playhead"} & {action.text() for action in menus["Constraint"]}
+    assert not {"Add box", "Pick up prop at playhead"} & {action.text() for action in menus["Constraint"]}
 
 
 def test_boxes_that_are_added_one_after_another_lie_beside_each_other(window):

@@ -110,7 +110,7 @@ def test_a_target_that_is_moved_while_it_plays_is_followed_and_kept_in_the_take(
     qtbot.waitUntil(reached, timeout=PATIENCE)
     press(playing, Qt.Key.Key_R, Qt.KeyboardModifier.ShiftModifier)
     assert not play.recording
-    assert document.undo_stack.undoText() == "Record a take"
+    assert document.undo_stack.undoText() == "Record take"
     assert document.playhead.frame == document.playhead.first
     own = [each for key, each in document.project.constraints.items() if isinstance(each.target, KeyedPlace)]
     assert own

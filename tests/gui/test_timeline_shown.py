@@ -14,8 +14,8 @@ from studio.core.stage.project import Project
 from studio.document import colours
 from studio.engine.empty_stage import HIDDEN
 from studio.timeline.curves import Quantity
-from studio.timeline.error_strips import StripState
 from studio.timeline.hover import hover_text
+from studio.timeline.strip_states import StripState
 from studio.timeline.tracks import constraint, contacts
 from tests.builders import make_constraint
 from tests.gui.hand import LEFT, NONE, RATE, frames, pixels

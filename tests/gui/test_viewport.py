@@ -32,14 +32,14 @@ def test_the_problem_chip_goes_to_the_worst_frame_and_selects_the_constraint(stu
 def test_chips_turn_bones_ghost_and_parallel_view_on_and_off(studio):
     viewport, _, _ = studio
     picture = viewport.grab().toImage()
-    for name in ("skin_or_bones", "ghost_of_the_source", "perspective_or_parallel_view"):
+    for name in ("skin_or_bones", "ghost_of_the_source", "perspective_or_orthographic_view"):
         QTest.mouseClick(chip(viewport, name), LEFT)
         settle(viewport)
         assert viewport.grab().toImage() != picture
     assert viewport.ghost_shown
     assert viewport.camera.parallel
     assert chip(viewport, "skin_or_bones").text() == "Bones"
-    assert chip(viewport, "perspective_or_parallel_view").text() == "Parallel"
+    assert chip(viewport, "perspective_or_orthographic_view").text() == "Orthographic"
 
 
 def test_everything_to_click_has_an_accessible_name_and_can_be_reached_by_tab(studio):

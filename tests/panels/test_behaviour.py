@@ -40,7 +40,7 @@ def document(qapp):
 
 @pytest.fixture
 def panel(document, qtbot):
-    panel = BehaviourPanel(document, [("ward_off", "Ward off when attacked", "")])
+    panel = BehaviourPanel(document, [("ward_off", "Block when attacked", "")])
     qtbot.addWidget(panel)
     panel.resize(1100, 420)
     with qtbot.waitExposed(panel):
@@ -269,7 +269,7 @@ def test_a_body_gets_a_behaviour_and_a_partner_in_the_bar(document, panel):
 
 def test_who_has_none_is_offered_ready_made_ones(document, panel, qtbot):
     document.selection.set(("performers", SECOND))
-    button = next(each for each in panel.findChildren(QPushButton) if each.text() == "Ward off when attacked")
+    button = next(each for each in panel.findChildren(QPushButton) if each.text() == "Block when attacked")
     assert button.isVisible()
     with qtbot.waitSignal(panel.action_requested) as asked:
         QTest.mouseClick(button, LEFT)
@@ -301,7 +301,7 @@ def number(form, name):
 def test_a_transition_waits_for_what_its_form_says(document, inspector):
     document.selection.set(("performers", FIRST), ("transitions", "fighter/0"))
     form = inspector.current_form()
-    choose(form, "Waits for", "Closer than")
+    choose(form, "Condition", "Closer than")
     QApplication.processEvents()
     number(form, "Distance").setValue(0.8)
     assert fighter(document).transitions[0].conditions == (DistanceCondition(distance=0.8),)
@@ -327,7 +327,7 @@ def test_what_is_tried_first_is_chosen_in_the_form(document, inspector):
     document.replace("behaviours", "fighter", replace(FIGHTER, transitions=more), "")
     document.selection.set(("performers", FIRST), ("transitions", "fighter/2"))
     form = inspector.current_form()
-    QTest.mouseClick(next(each for each in form.findChildren(QPushButton) if each.text() == "Try earlier"), LEFT)
+    QTest.mouseClick(next(each for each in form.findChildren(QPushButton) if each.text() == "Move up"), LEFT)
     assert [each.target for each in fighter(document).transitions_from("Guard")] == ["Guard", "Strike"]
     assert document.selection.of("transitions") == ("fighter/0",)
 
@@ -365,7 +365,7 @@ def test_a_clip_of_a_row_that_is_trimmed_in_a_state_is_the_states_own(document, 
 
 def test_a_behaviour_begins_where_its_form_says(document, inspector):
     document.selection.set(("performers", FIRST), ("behaviours", "fighter"))
-    choose(inspector.current_form(), "Begins in", "Strike")
+    choose(inspector.current_form(), "Start state", "Strike")
     assert fighter(document).start == "Strike"
     button = next(each for each in inspector.findChildren(QPushButton) if each.text() == "Delete behaviour")
     QTest.mouseClick(button, LEFT)

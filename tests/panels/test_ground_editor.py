@@ -91,7 +91,7 @@ def test_numbers_of_steps_stay_whole(editor, document):
 
 def test_the_foot_of_a_slope_is_moved_by_its_numbers(editor, document):
     choose(editor, Slope)
-    named(editor, NumberField, "Foot at Y").setValue(1.5)
+    named(editor, NumberField, "Begins at Y").setValue(1.5)
     assert document.project.ground.foot == (0.0, 1.5)
 
 

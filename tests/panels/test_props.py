@@ -69,7 +69,7 @@ def at(document, live, time):
 
 
 def test_a_prop_swings_from_where_it_is_and_a_drag_moves_its_whole_way(document, form, live):
-    choose(form, "Where", "Pendulum")
+    choose(form, "Placement", "Pendulum")
     [length] = [each for each in form.findChildren(NumberField) if each.accessibleName() == "Length"]
     length.edited.emit(0.5)
     swing = document.project.props["box"].position
@@ -83,7 +83,7 @@ def test_a_prop_swings_from_where_it_is_and_a_drag_moves_its_whole_way(document,
 
 
 def test_a_prop_is_keyed_where_it_is_and_gets_keys_at_the_playhead(document, form, live):
-    choose(form, "Where", "Keyed over time")
+    choose(form, "Placement", "Keyed over time")
     document.playhead.set_time(0.3)
     form._position.fields[0].setValue(1.5)
     prop = document.project.props["box"]
@@ -98,15 +98,15 @@ def test_a_prop_is_keyed_where_it_is_and_gets_keys_at_the_playhead(document, for
 
 
 def test_a_prop_in_a_hand_moves_with_it_and_is_let_go_where_it_is(document, form, live):
-    choose(form, "Where", "In a hand, or on a body")
-    choose(form, "By whom", document.project.performers[SECOND].name)
+    choose(form, "Placement", "In a hand, or on a body")
+    choose(form, "Held by", document.project.performers[SECOND].name)
     held = document.project.props["box"].held
     assert isinstance(held, InHand)
     assert held.performer_id == SECOND
     begin, end = (at(document, live, time).place for time in (0.0, 0.3))
     assert end[0] - begin[0] > 0.1  # the body slides forward
     document.playhead.set_time(0.3)
-    choose(form, "Where", "Stays where it is")
+    choose(form, "Placement", "Stays where it is")
     prop = document.project.props["box"]
     assert prop.held is None
     assert prop.position == pytest.approx(end)
@@ -114,8 +114,8 @@ def test_a_prop_in_a_hand_moves_with_it_and_is_let_go_where_it_is(document, form
 
 
 def test_a_prop_is_where_the_picture_has_it_while_its_holder_plays_a_motion_that_is_gone(document, form, live):
-    choose(form, "Where", "In a hand, or on a body")
-    choose(form, "By whom", document.project.performers[SECOND].name)
+    choose(form, "Placement", "In a hand, or on a body")
+    choose(form, "Held by", document.project.performers[SECOND].name)
     posed = posed_performers(document.project, live.result, 0.0)
     here = at(document, live, 0.0).place
     without = replace(document.project, motions={})
@@ -173,7 +173,7 @@ def test_a_prop_that_is_let_go_of_stays_as_it_was_in_the_hand(document, live, fo
     held = InHand(SECOND, BodyPoint(BodyPart.RIGHT_HAND), (0.1, 0.2, 0.3, 0.9))
     document.replace("props", "box", replace(document.project.props["box"], held=held), "")
     before = at(document, live, document.playhead.time)
-    choose(form, "Where", "Stays where it is")
+    choose(form, "Placement", "Stays where it is")
     after = at(document, live, document.playhead.time)
     assert document.project.props["box"].held is None
     assert after.place == pytest.approx(before.place)
@@ -225,7 +225,7 @@ def test_how_a_prop_is_held_is_changed_while_when_stays(document, form, live):
     prop = document.project.props["box"]
     document.replace("props", "box", replace(prop, held=Carried(SECOND, begin=0.1, end=0.3)), "Hold")
     assert form._held.text() == "0.10 s to 0.30 s"
-    choose(form, "Where", "In a hand, or on a body")
+    choose(form, "Placement", "In a hand, or on a body")
     held = document.project.props["box"].held
     assert (held.kind, held.begin, held.end) == ("in_hand", 0.1, 0.3)
     form._always.click()
@@ -237,7 +237,7 @@ def test_what_hands_that_hang_carry_is_before_the_body_and_not_in_it(document, l
     """Its middle was between the hands, inside the hips."""
     document.replace("props", "box", Prop("Box", (size, size, size)), "Resize")
     form.document.selection.set(("performers", SECOND), ("props", "box"))
-    choose(form, "Where", "Carried in both hands")
+    choose(form, "Placement", "Carried in both hands")
     holder = posed_performers(document.project, live.result, 0.0)[SECOND]
     root, chest = holder.points[0], holder.placement.rotation @ holder.motion.rotations[0, 0, :, 0]
     way = at(document, live, 0.0).place - root

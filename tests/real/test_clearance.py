@@ -16,7 +16,7 @@ from studio.core.kernels.limits.arm_clearance import MAX_INHERITED_CLEARANCE
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import hold
-from studio.core.solver.asking.clearance import rooms
+from studio.core.solver.asking.clearance import clearances
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.source import source_motion
 from studio.core.solver.standing.stand import Standing, stand
@@ -59,8 +59,8 @@ def _arm_peaks(motion: AdaptedMotion) -> np.ndarray:
 @pytest.mark.parametrize("stem", ["punch", "dance", *outside(*SHOWN)])
 def test_arms_come_out_of_the_body_without_a_pop(stem: str, name: str) -> None:
     source, before, after = _cleared(stem, name)
-    assert rooms(before).min() < MAX_INHERITED_CLEARANCE
-    assert rooms(after).min() > max(rooms(before).min(), -DEEPEST)
+    assert clearances(before).min() < MAX_INHERITED_CLEARANCE
+    assert clearances(after).min() > max(clearances(before).min(), -DEEPEST)
     assert after.residuals.max() < 2e-3
     assert (_arm_peaks(after) / np.maximum(_arm_peaks(source), QUIET_PEAK)).max() < 3.0
 
@@ -68,7 +68,7 @@ def test_arms_come_out_of_the_body_without_a_pop(stem: str, name: str) -> None:
 @pytest.mark.parametrize("name", ["stocky_man", "giant"])
 def test_what_touches_on_the_actor_touches_and_does_not_fly_off(captures: Path, name: str) -> None:
     source, before, after = _cleared("accad_female1_D3_ConversationGestures", name)
-    own, sunk, now = (rooms(each)[..., 2:].min(axis=(1, 2)) for each in (source, before, after))
+    own, sunk, now = (clearances(each)[..., 2:].min(axis=(1, 2)) for each in (source, before, after))
     touching = (own < 0.02) & (sunk < -0.03)
     assert touching.sum() > 10
     assert now[touching].max() < 0.03

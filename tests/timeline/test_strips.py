@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from studio.timeline.error_strips import Strip, StripState, strip_heights, strip_of
+from studio.timeline.strip_states import Strip, StripState, strip_heights, strip_of
 from tests.builders import make_constraint, make_project
 from tests.timeline.fakes import make_result
 

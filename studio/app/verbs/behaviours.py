@@ -35,11 +35,11 @@ def keep_distance(bench: Workbench) -> None:
 
 
 def ward_off(bench: Workbench) -> None:
-    """Ward off when attacked, with a motion of the project."""
+    """Block when attacked, with a motion of the project."""
     _with_motion(
-        bench, "Ward off with", WARD_WORDS,
+        bench, "Block with", WARD_WORDS,
         lambda clip: _make(
-            bench, "Ward off when attacked", lambda old: ready_made.warding_off(old, clip, _when_hit(bench, clip))
+            bench, "Block when attacked", lambda old: ready_made.warding_off(old, clip, _when_hit(bench, clip))
         ),
     )  # fmt: skip
 
@@ -62,7 +62,7 @@ READY_MADE: dict[str, tuple[str, str, Callable[[Workbench], None]]] = {
         "Keep at striking distance", "The body steps towards its partner and back, and faces it", keep_distance,
     ),
     "ward_off": (
-        "Ward off when attacked", "The forearm meets the fist of a partner that strikes", ward_off,
+        "Block when attacked", "The forearm meets the fist of a partner that strikes", ward_off,
     ),
     "lean_away": (
         "Lean away from the fist", "The trunk leans back while the partner's fist is near the head", lean_away,
@@ -157,7 +157,7 @@ def _when_hit(bench: Workbench, clip: Clip) -> ActivationCurve:
 
 
 def _whole(project: Project, motion_id: str) -> Clip:
-    """A motion as it is used already in a row, or all of it."""
+    """New clip of a motion, trimmed like one that is already in a row, else of its full length."""
     for clip in project.clips.values():
         if clip.motion_id == motion_id:
             return replace(clip, start=0.0, repeats=1, id=new_id())

@@ -185,7 +185,7 @@ def _deletion(bench: Workbench, items: Sequence[tuple[str, str]]) -> str:
     collections = {collection for collection, _ in items}
     what = _name(bench, *items[0]) if len(items) == 1 else f"{len(items)} items"
     if collections == {"performers"}:
-        return f"Take {what if len(items) == 1 else f'{len(items)} characters'} off the stage"
+        return f"Remove {what if len(items) == 1 else f'{len(items)} characters'} from stage"
     return f"Delete {f'{len(items)} {next(iter(collections))}' if len(collections) == 1 < len(items) else what}"
 
 

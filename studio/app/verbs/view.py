@@ -165,7 +165,7 @@ def formats(bench: Workbench) -> None:
     known = known_formats()
     rows = [(f"{each.name}  {' '.join(each.suffixes)}", _uses(each)) for each in known.formats]
     rows += [(sentence, "failed") for sentence in known.failures]
-    bench.window.choose("Kinds of files", [(row, lambda: None) for row in rows])
+    bench.window.choose("Supported file formats", [(row, lambda: None) for row in rows])
 
 
 def plug_ins(bench: Workbench) -> None:

@@ -474,7 +474,10 @@ def contact_mask(spans: Iterable[Span], frame_count: int) -> NDArray[np.bool_]:
 
 
 def spans_without(spans: list[Span], mask: NDArray[np.bool_], shortest: int) -> list[Span]:
-    """Parts of ``spans`` outside ``mask`` (F,) and longer than ``shortest`` frames; all if no span meets the mask."""
+    """``spans`` cut where ``mask`` (F,) is true, without pieces of at most ``shortest`` frames.
+
+    Spans are returned as they are if none of them meets the mask.
+    """
     if not any(mask[first : last + 1].any() for first, last in spans):
         return spans
     rest = spans_of(contact_mask(spans, len(mask)) & ~mask)

@@ -12,7 +12,7 @@ _LIMBS = tuple(
     for side in ("left", "right")
     for bones in (("upper_arm", "forearm", "hand"), ("thigh", "shank", "foot", "toe"))
 )
-_EVERYWHERE = {"motion_id", "scope", "name", "chain", "priority", "activation", "enabled", "weight"}
+_FIELDS_OF_EVERY_KIND = {"motion_id", "scope", "name", "chain", "priority", "activation", "enabled", "weight"}
 """Values that say nothing about what is asked."""
 _MANY = {"area", "clear"}
 """Kinds of which a point may have several at once."""
@@ -126,7 +126,9 @@ def _about(constraint: Constraint) -> object:
 
 
 def _asked(constraint: Constraint) -> tuple[object, ...]:
-    return tuple(getattr(constraint, each.name) for each in fields(constraint) if each.name not in _EVERYWHERE)
+    return tuple(
+        getattr(constraint, each.name) for each in fields(constraint) if each.name not in _FIELDS_OF_EVERY_KIND
+    )
 
 
 def _follow_cycle(constraint: Constraint, others: Sequence[Constraint]) -> list[Constraint]:

@@ -39,7 +39,7 @@ _ARM_BANDS = ((0.0, 0.15), (0.4, 0.6), (0.85, 1.0), (0.3, 0.6), (0.7, 1.0))
 """Places at which ``PROBES`` are measured, in parts of its bone's length."""
 _ARM_SHARES = (0.5, 0.5, 0.5, 0.25, 0.25)
 """Fraction of the vertices in each band that lie within the measured radius (a quantile)."""
-_SECTIONS = ((0.123, 0.071, -0.096), (0.100, 0.069, -0.060), (0.118, 0.095, -0.057), (0.122, 0.090, -0.051))
+_USUAL_TRUNK_SECTIONS = ((0.123, 0.071, -0.096), (0.100, 0.069, -0.060), (0.118, 0.095, -0.057), (0.122, 0.090, -0.051))
 _THIGH_GIRTH, _HEAD, _ARM_GIRTH = (0.065, 0.036), (0.066, 0.018, 0.27, 0.50), (0.024, 0.022, 0.016, 0.015, 0.011)
 """An ordinary body's sections (half width, front, back), thigh, head (radius, forward, from, to in head lengths) and
 arm, in parts of the length of leg and spine together: means of two bundled characters."""
@@ -114,7 +114,7 @@ class _Usual(_Girths):
 
     def section(self, level: int, height: float) -> tuple[float, float, float]:
         unit, middle = _girth_unit(self.morphology), _spine_at(self.morphology, height)
-        width, front, back = _SECTIONS[level]
+        width, front, back = _USUAL_TRUNK_SECTIONS[level]
         return width * unit, middle + front * unit, middle + back * unit
 
     def thigh(self, end: int) -> float:

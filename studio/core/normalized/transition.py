@@ -70,7 +70,9 @@ def seconds_of(places: FloatArray, peaks: FloatArray) -> float:
 
 
 def halts_of(speeds: FloatArray, peaks: FloatArray, seconds: float) -> FloatArray:
-    """Seconds, (N,), in which ``speeds`` (N,) decay within the same limit, at most ``seconds``."""
+    """Seconds (N,) in which ``speeds`` (N,) decay, adding at most ``ADDED`` of the joints' acceleration ``peaks`` (N,);
+    at most ``seconds``.
+    """
     return np.clip(_SPEED_PEAK * speeds / (ADDED * np.maximum(peaks, QUIET_PEAK)), min(0.1, seconds), seconds)
 
 

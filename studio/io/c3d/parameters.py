@@ -83,7 +83,7 @@ class Parameters:
         return found
 
     def array_on(self, group: str, name: str) -> NDArray[np.float64]:
-        """As ``words_on``, for numbers, flat."""
+        """All numbers of a parameter, flat, with its continuations ``NAME2``, ``NAME3`` ..."""
         found, place = [self.array(group, name).ravel(order="F")], 2
         while (more := self.array(group, f"{name}{place}")).size:
             found.append(more.ravel(order="F"))

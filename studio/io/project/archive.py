@@ -25,7 +25,7 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 _SPARE_BYTES = 100_000_000
 """Bytes to which a compressed archive may unpack beside twenty times its size: members are there twice for a moment."""
-_MOST_DAMAGED = 100  # a file made to keep the reader busy has many more
+_MAX_DAMAGED_MEMBERS = 100  # a file made to keep the reader busy has many more
 
 Stamp = tuple[int, int, int]
 
@@ -131,7 +131,7 @@ def _walked(content: bytes) -> Archive:
     """Stored members found by their own headers, so that a broken or missing directory loses nothing."""
     archive = Archive()
     start = content.find(_SIGNATURE)
-    while 0 <= start <= len(content) - _LOCAL_HEADER.size and len(archive.damaged) < _MOST_DAMAGED:
+    while 0 <= start <= len(content) - _LOCAL_HEADER.size and len(archive.damaged) < _MAX_DAMAGED_MEMBERS:
         _, _, flags, method, _, _, crc, size, full, name_size, extra = _LOCAL_HEADER.unpack_from(content, start)
         named = start + _LOCAL_HEADER.size
         name = content[named : named + name_size].decode("ascii", "replace")

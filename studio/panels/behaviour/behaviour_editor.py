@@ -20,12 +20,12 @@ class BehaviourEditor(Editor[Behaviour]):
         self._name = QLineEdit()
         self._name.editingFinished.connect(self._rename)
         section.add_row("Name", self._name)
-        self._start = Choice("Begins in", ())
+        self._start = Choice("Start state", ())
         self._start.value_chosen.connect(lambda name: self.change(f"Begin in {name}", start=name))
-        section.add_row("Begins in", self._start)
+        section.add_row("Start state", self._start)
         self._players = labelled("", "value")
         self._players.setWordWrap(True)
-        section.add_row("Played by", self._players)
+        section.add_row("Used by", self._players)
         self._own = press_button("", self._make_own)
         self._own.setToolTip(
             "An edit changes the behaviour of every body that uses it. A copy of its own is edited separately."

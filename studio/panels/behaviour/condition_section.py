@@ -52,9 +52,9 @@ class ConditionSection(Section):
         remove = press_button("Remove", lambda: put(None, "Remove condition"), "link")
         remove.setAccessibleName(f"Remove condition: {title}")
         self.head.addWidget(remove)
-        self._kind = Choice("Waits for", [(key, text) for key, (text, _) in CONDITION_KINDS.items()])
+        self._kind = Choice("Condition", [(key, text) for key, (text, _) in CONDITION_KINDS.items()])
         self._kind.value_chosen.connect(self._set_kind)
-        self.add_row("Waits for", self._kind)
+        self.add_row("Condition", self._kind)
         match condition:
             case DistanceCondition():
                 self._add_distance(editor)
@@ -91,19 +91,19 @@ class ConditionSection(Section):
             NumberField("Distance", "m", 0.0, 100.0, 0.05), lambda far: self._set("Set distance", distance=far)
         )
         self.add_row("Distance", self._distance)
-        self._legs = Choice("Counted in", DISTANCE_UNITS)
+        self._legs = Choice("Units", DISTANCE_UNITS)
         self._legs.setToolTip(
             "Leg lengths are the mean of both bodies', so that one behaviour fits bodies of any size."
         )
         self._legs.value_chosen.connect(lambda legs: self._set_gap(legs=legs))
-        self.add_row("Counted in", self._legs)
+        self.add_row("Units", self._legs)
         self._flat = Choice("Measured", [(True, "Over the ground"), (False, "From point to point")])
         self._flat.value_chosen.connect(
             lambda flat: self._set_gap(flat=flat, point=PELVIS_POINT if flat else DEFAULT_POINT)
         )
         self.add_row("Measured", self._flat)
-        self._point = PointChoice("Own point", lambda point: self._set_gap(point=point))
-        self._point_caption = self.add_row("Own point", self._point)
+        self._point = PointChoice("Point on this body", lambda point: self._set_gap(point=point))
+        self._point_caption = self.add_row("Point on this body", self._point)
         self._whom = WhomRows(self, "To", self._set_whom)
 
     def _add_name(self, condition: Condition) -> None:

@@ -281,7 +281,7 @@ class Diagram(QGraphicsView):
             name = state.box.name
             begin = lambda: self.edit(lambda old: replace(old, start=name), f"Begin in {name}")  # noqa: E731
             gone = lambda: self.edit(lambda old: edits.without_states(old, {name}), f"Delete {name}")  # noqa: E731
-            return [("Begin here", begin), ("Rename", lambda: self.rename(name)), ("Delete", gone)]
+            return [("Set as start state", begin), ("Rename", lambda: self.rename(name)), ("Delete", gone)]
         if arrow is not None:
             number, target = arrow.arrow.place, self.document.project.behaviours[self.behaviour_id]
             text = f"Delete transition to {target.transitions[number].target}"

@@ -39,18 +39,18 @@ class MannerSection(Section):
         self._numbers: dict[str, NumberField] = {}
         self._times: list[NumberField] = []
         if not isinstance(manner, KeepDistance):
-            self._point = PointChoice("Own point", lambda point: self._set(point=point))
-            self.add_row("Own point", self._point)
-        self._whom = WhomRows(self, "Whom" if isinstance(manner, Meet) else "From", self._set_whom)
+            self._point = PointChoice("Point on this body", lambda point: self._set(point=point))
+            self.add_row("Point on this body", self._point)
+        self._whom = WhomRows(self, "Target" if isinstance(manner, Meet) else "From", self._set_whom)
         match manner:
             case KeepDistance():
                 self._add_number("Distance", "distance")
                 self._add_number("Tolerance", "room")
-                self._legs = Choice("Counted in", DISTANCE_UNITS)
+                self._legs = Choice("Units", DISTANCE_UNITS)
                 self._legs.value_chosen.connect(lambda legs: self._set(legs=legs))
-                self.add_row("Counted in", self._legs)
+                self.add_row("Units", self._legs)
             case LeanAway():
-                self._add_number("At least", "metres")
+                self._add_number("Minimum distance", "metres")
             case Meet():
                 self._add_times()
 

@@ -68,8 +68,8 @@ class WhomRows:
         self._choice = Choice(label, ())
         self._choice.value_chosen.connect(self._chosen)
         section.add_row(label, self._choice)
-        self._point = PointChoice("Its point", lambda point: put(_at(self._whom, point)))
-        self._caption = section.add_row("Its point", self._point)
+        self._point = PointChoice("Point followed", lambda point: put(_at(self._whom, point)))
+        self._caption = section.add_row("Point followed", self._point)
 
     def show_whom(self, whom: Whom, project: Project, with_point: bool = True) -> None:
         """Show what the document says; a prop has no points, nor has what is measured over the ground."""

@@ -59,7 +59,7 @@ class StateEditor(PartEditor[State]):
         self._event.setPlaceholderText("nothing")
         self._event.setToolTip("An event that the partner gets when this state begins; its transitions may wait for it")
         self._event.editingFinished.connect(self._set_event)
-        section.add_row("Event to partner", self._event)
+        section.add_row("Send event", self._event)
         return section
 
     def _playing(self) -> Section:

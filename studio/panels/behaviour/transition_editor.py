@@ -31,14 +31,14 @@ class TransitionEditor(PartEditor[Transition]):
         self._blend = self.bind(
             NumberField("Blend", "s", 0.0, LONGEST_BLEND, 0.05), lambda seconds: self._set("Set blend", blend=seconds)
         )
-        self._blend.setSpecialValueText("as needed")
+        self._blend.setSpecialValueText("automatic")
         section.add_row("Blend", self._blend)
         self._order = labelled("", "value")
-        self._earlier = press_button("Try earlier", self._try_earlier)
+        self._earlier = press_button("Move up", self._try_earlier)
         self._earlier.setToolTip(
             "Where several transitions leave a state, the first whose conditions all hold is taken."
         )
-        section.add_row("Tried", self._order, self._earlier)
+        section.add_row("Order", self._order, self._earlier)
         self.column.addWidget(section)
         self._kinds: tuple[type, ...] = ()
         self._conditions: list[ConditionSection] = []

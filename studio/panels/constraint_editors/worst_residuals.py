@@ -150,7 +150,7 @@ class ResidualSection(Section):
     """Form section of the table of residuals, updated whenever the engine reports new ones."""
 
     def __init__(self, editor: Editor[Constraint]) -> None:
-        super().__init__("Reached")
+        super().__init__("Residuals")
         self._editor = editor
         self._table = ResidualTable()
         self._table.setAccessibleName("How well it holds on each body")

@@ -61,9 +61,9 @@ class ClipGesture(EditGesture[Clip]):
         with document.group(self.text, self._number):
             for key, performer in self._performers.items():
                 if key in document.project.performers:
-                    document.replace("performers", key, self._row(performer, edit), self.text)
+                    document.replace("performers", key, self._with_edit(performer, edit), self.text)
 
-    def _row(self, performer: Performer, edit: ClipEdit) -> Performer:
+    def _with_edit(self, performer: Performer, edit: ClipEdit) -> Performer:
         for clip_id in self.clip_ids:
             performer = edited(performer, clip_id, edit)
         return performer

@@ -6,8 +6,8 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QBrush, QColor, QPainter
 
 from studio.document import colours
-from studio.timeline.error_strips import Strip, strip_heights
 from studio.timeline.shown import ROW_LABEL_WIDTH, RowContext
+from studio.timeline.strip_states import Strip, strip_heights
 from studio.timeline.tracks.brush import paint_dot, translucent
 
 PITCH = 5

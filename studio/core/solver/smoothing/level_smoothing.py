@@ -307,7 +307,9 @@ class LevelSmoother:
         return now
 
     def _to_ease(self, number: int, now: SmoothedPose, limits: Ramp = SMOOTHING_RANGE) -> FloatArray:
-        """Weight (F,) of smoothing or dropping each frame, for peaks over ``limits`` or priority violations."""
+        """Weight (F,) by which level ``number`` is smoothed in each frame: where the pose ``now`` has peaks of
+        acceleration over ``limits``, or where lower levels violate its priority.
+        """
         changed = self._spread(number, VIOLATION_RANGE.share_of(self._levels[number].solve.changes), SMOOTHING_MARGIN)
         peaks = self._bump(number, now, SMOOTHING_MARGIN, limits)
         return np.asarray(np.maximum(peaks, changed) * (self._rooms[number] > 0.0))
@@ -341,7 +343,7 @@ class LevelSmoother:
         return spread
 
     def _posed_limbs(self, beside: FloatArray | None = None) -> FloatArray:
-        """Coordinates of the present limbs."""
+        """Coordinates of the limbs as solved last, on the branches of the coordinates ``beside``."""
         return self._charts.values(self._charts.turns_of(self._solved.rotations), beside)
 
     def _smoothed(self, number: int, solved: SmoothedPose) -> SmoothedPose:
