@@ -13,7 +13,7 @@ COMPUTING = tests/core tests/real tests/library tests/live tests/examples tests/
 	tests/benchmarks
 
 # Lines of jobs that run at once are shown as they come, each with the name of its job.
-shown = ($(1)) 2>&1 | awk '{ print "$@: " $$0; fflush() }'
+shown = ($(1)) 2>&1 | while IFS= read -r line; do echo "$@: $$line"; done
 
 # More arguments for pytest, for example: make test PYTEST="-m captures".
 PYTEST ?=
