@@ -225,10 +225,10 @@ class Frames:
             outcome = instant.solved(cycle)
             solved |= bool(outcome.spent)
             self._put(outcome)
-        turn = self._turn_of(left, first, project)
+        turn = self._next_cycles(left, first, project)
         return (lambda: [instant.solved(cycle) for cycle in turn]) if turn else None
 
-    def _turn_of(self, left: list[Cycle], first: Sequence[Cycle], project: Project) -> list[Cycle]:
+    def _next_cycles(self, left: list[Cycle], first: Sequence[Cycle], project: Project) -> list[Cycle]:
         """Cycles to solve in the background next: the first edited one and half of the rest, least recent first.
 
         All of them if any follows a leader, so that followers stay with their leaders.

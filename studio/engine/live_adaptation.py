@@ -180,12 +180,12 @@ class LiveAdaptation(QObject):
         if self.play.running:
             self.play.drawn()
             return
-        first, others = self._by_need(project)
+        first, others = self._edited_first(project)
         left = self._frames.bring(project, seconds, self._changed_at, first, others, self._results, self.driven.shown)
         if left is not None:
             self._beside.request(_FRAMES, self._document.revision, left)
 
-    def _by_need(self, project: Project) -> tuple[list[Cycle], list[Cycle]]:
+    def _edited_first(self, project: Project) -> tuple[list[Cycle], list[Cycle]]:
         """Performers who are worked on and whom these follow, then all others; leaders before who follows."""
         cycles = [cycle for cycle in _cycles_of(project) if self._kernels.can_solve(project, cycle)]
         playing = [key for cycle in cycles for key in cycle]

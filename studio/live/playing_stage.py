@@ -144,8 +144,8 @@ class LiveStage:
         self.seconds, self._step = self.seconds + dt, dt
         self.failures.clear()
         self._take_project()
-        self._act()
-        self._begin_clips()
+        self._advance_behaviours()
+        self._begin_takeovers()
         for part in self._parts.values():
             part.frame = part.playing.frame_at(self.seconds)
         solved: dict[str, AdaptedMotion] = {}
@@ -226,7 +226,7 @@ class LiveStage:
         else:
             self._begin(key, act)
 
-    def _act(self) -> None:
+    def _advance_behaviours(self) -> None:
         """Advance the behaviours: a performer that enters another state requests its act, others request a step if they
         need one.
         """
@@ -289,8 +289,8 @@ class LiveStage:
             return None
         return replace(act, clip=replace(act.clip, joined=True, turn=0.0, offset=(0.0, 0.0)))
 
-    def _begin_clips(self) -> None:
-        """Begin clips that were requested, or that follow a motion which is about to end."""
+    def _begin_takeovers(self) -> None:
+        """Let clips take over that were requested, or that follow a motion which is about to end."""
         waiting = []
         for key, part in self._parts.items():
             if part.result is not None and part.wish is None and self._ends(part):
