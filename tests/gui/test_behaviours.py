@@ -10,7 +10,7 @@ from studio.core.stage.behaviour import advance, begun
 from studio.core.stage.conditions import Senses
 from studio.core.stage.manners import KeepDistance, LeanAway, Meet
 from studio.core.stage.project import Motion
-from studio.document.behaviour_commands import state_key
+from studio.document.behaviour_commands import state_key, transition_key
 
 FIRST, SECOND = "performer 0", "performer 1"
 
@@ -32,7 +32,7 @@ def test_four_actions_build_a_fighter_each_one_undo_step(window):
     document = window.bench.document
     behaviour_id = fighter_of(window, FIRST)
     behaviour = document.project.behaviours[behaviour_id]
-    assert [each.name for each in behaviour.states] == ["Guard", "Strike", "Ward off", "Lean away"]
+    assert [each.name for each in behaviour.states] == ["Guard", "Strike", "Block", "Lean away"]
     manners = [type(manner) for state in behaviour.states for manner in state.manners]
     assert manners == [KeepDistance, Meet, LeanAway]
     assert behaviour.role_of(FIRST).partner_id == SECOND
@@ -51,7 +51,7 @@ def test_two_ready_made_fighters_attack_and_ward_off(window):
     assert strike.state == "Strike"
     told = frozenset({attacker.state(strike.state).event})
     ward = advance(defender, begun(defender), Senses(0.02, events=told))
-    assert ward.state == "Ward off"
+    assert ward.state == "Block"
     assert advance(defender, ward, Senses(0.02, clip_ended=True)).state == "Guard"
 
 
@@ -61,7 +61,7 @@ def test_a_warding_arm_comes_when_the_partners_blow_hits(window):
     defender = document.project.behaviours[other]
     blow = document.project.behaviours[attacker].state("Strike").clip
     capture = document.project.captures["capture"]
-    ward = defender.state("Ward off")
+    ward = defender.state("Block")
     hit = (farthest_frame(capture, blow.first, blow.last) - blow.first) / capture.frame_rate
     [meet] = ward.manners
     assert meet.activation.full < ward.clip.first / capture.frame_rate + hit < meet.activation.full_end
@@ -75,7 +75,7 @@ def test_delete_removes_the_state_that_is_selected_and_the_body_stays(window):
     QTest.keyClick(window.behaviour.diagram, Qt.Key.Key_Delete)
     assert [each.name for each in document.project.behaviours[behaviour_id].states] == [
         "Guard",
-        "Ward off",
+        "Block",
         "Lean away",
     ]
     assert document.history[-1] == "Delete Strike"
@@ -117,3 +117,19 @@ def test_a_body_that_is_removed_leaves_the_behaviour_of_its_partner(window):
     behaviour = document.project.behaviours[behaviour_id]
     assert behaviour.role_of(FIRST).partner_id == ""
     assert window.behaviour.diagram.states.keys() == {each.name for each in behaviour.states}
+
+
+def test_forms_of_states_and_transitions_are_not_cut(window):
+    document = window.bench.document
+    behaviour_id = fighter_of(window, FIRST)
+    behaviour = document.project.behaviours[behaviour_id]
+    window.resize(1280, 684)
+    states = [("states", state_key(behaviour_id, each.name)) for each in behaviour.states]
+    for item in (
+        *states,
+        *(("transitions", transition_key(behaviour_id, k)) for k in range(len(behaviour.transitions))),
+    ):
+        document.selection.set(("performers", FIRST), item)
+        QTest.qWait(20)
+        form = window.inspector.current_form()
+        assert form.minimumSizeHint().width() <= window.inspector.viewport().width(), item

@@ -54,7 +54,7 @@ def striking(behaviour: Behaviour, clip: Clip, key: str) -> Behaviour:
 
 def warding_off(behaviour: Behaviour, clip: Clip, when: ActivationCurve = WHOLE_CLIP) -> Behaviour:
     """Behaviour with a state that parries the partner's strike on ``ATTACK``; ``when`` in seconds of the motion."""
-    state = State("Ward off", clip, loop=False, manners=(Meet(activation=when),))
+    state = State("Block", clip, loop=False, manners=(Meet(activation=when),))
     return _answering(behaviour, state, (EventCondition(ATTACK),), (ClipEndCondition(),), (1.0, 0.0))
 
 

@@ -102,8 +102,8 @@ class ConditionSection(Section):
             lambda flat: self._set_gap(flat=flat, point=PELVIS_POINT if flat else DEFAULT_POINT)
         )
         self.add_row("Measured", self._flat)
-        self._point = PointChoice("Point on this body", lambda point: self._set_gap(point=point))
-        self._point_caption = self.add_row("Point on this body", self._point)
+        self._point = PointChoice("Body point", lambda point: self._set_gap(point=point))
+        self._point_caption = self.add_row("Body point", self._point)
         self._whom = WhomRows(self, "To", self._set_whom)
 
     def _add_name(self, condition: Condition) -> None:

@@ -39,8 +39,8 @@ class MannerSection(Section):
         self._numbers: dict[str, NumberField] = {}
         self._times: list[NumberField] = []
         if not isinstance(manner, KeepDistance):
-            self._point = PointChoice("Point on this body", lambda point: self._set(point=point))
-            self.add_row("Point on this body", self._point)
+            self._point = PointChoice("Body point", lambda point: self._set(point=point))
+            self.add_row("Body point", self._point)
         self._whom = WhomRows(self, "Target" if isinstance(manner, Meet) else "From", self._set_whom)
         match manner:
             case KeepDistance():
@@ -50,7 +50,7 @@ class MannerSection(Section):
                 self._legs.value_chosen.connect(lambda legs: self._set(legs=legs))
                 self.add_row("Units", self._legs)
             case LeanAway():
-                self._add_number("Minimum distance", "metres")
+                self._add_number("Min. distance", "metres")
             case Meet():
                 self._add_times()
 
