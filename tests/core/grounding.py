@@ -9,11 +9,11 @@ from studio.core.solver.standing.stand import Standing
 
 
 class _Grounding:
-    """Key of a grounded motion: a request by all its values but constraints, their tracks and smoothing."""
+    """Key of a grounded motion: a request by all its values but constraints, tracks and smoothing."""
 
     def __init__(self, request: AdaptRequest) -> None:
-        self.request = replace(request, constraints=(), tracks={}, eased=False)
-        self.values = tuple(value for name, value in vars(self.request).items() if name != "tracks")
+        self.request = replace(request, constraints=(), tracks={}, final_tracks={}, eased=False)
+        self.values = tuple(value for name, value in vars(self.request).items() if not name.endswith("tracks"))
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, _Grounding) and self.values == other.values

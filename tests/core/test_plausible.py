@@ -47,7 +47,7 @@ def test_a_frame_rate_that_no_camera_has_is_refused(rate: float) -> None:
         replace(make_capture(), frame_rate=rate)
 
 
-@pytest.mark.parametrize("unit", ["1e6", "1e9"])
+@pytest.mark.parametrize("unit", ["300", "1e3"])
 def test_a_capture_of_bones_of_kilometres_is_refused_in_a_sentence(tmp_path: Path, unit: str) -> None:
     (tmp_path / "far.bvh").write_text(bvh_text())
     with pytest.raises(StudioError, match=r"far\.bvh: A (bone|way of the root) of .* cannot be true"):
