@@ -255,9 +255,13 @@ class Choice(QComboBox):
             self.setCurrentIndex(self._values.index(value) if value in self._values else -1)
 
     def event(self, event: QEvent) -> bool:
-        """While it has the keyboard, the arrow keys choose and do not walk through time."""
-        arrows = (Qt.Key.Key_Up, Qt.Key.Key_Down)
-        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in arrows:
+        """While it has the keyboard, the arrow keys open the list and do not walk through time.
+
+        Each step through a closed list would be an edit of its own, and some of them lose what the next would keep.
+        """
+        if isinstance(event, QKeyEvent) and event.key() in (Qt.Key.Key_Up, Qt.Key.Key_Down):
+            if event.type() == QEvent.Type.KeyPress:
+                self.showPopup()
             event.accept()
             return True
         return bool(super().event(event))

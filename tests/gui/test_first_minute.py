@@ -9,11 +9,13 @@ from PySide6.QtWidgets import QApplication, QComboBox
 
 from studio.app.application import import_views, make_application, make_window, show_views
 from studio.app.settings import Settings
+from studio.core.constraints.own_place import KeyedOwnPlace
 from studio.document.document import Document
 from studio.engine.residuals import worst_residual
+from studio.panels.constraint_editors.target_rows import KEYED_KIND, PLACE_KINDS
 from studio.timeline.strip_states import StripState
 from studio.viewport.body_points import body_joints
-from tests.gui.window_use import drop, wait_until_idle
+from tests.gui.window_use import choose_by_keys, drop, wait_until_idle
 
 LEFT, NONE = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
 HEIGHT_OF_KICK = 154
@@ -75,6 +77,16 @@ def test_the_first_minute_is_as_the_readme_says(qtbot, window, walk):
     assert window.bench.document.dirty  # it asks for a name first
 
 
+def test_arrow_keys_key_a_target_without_one_place_for_all_on_the_way(window):
+    pause(window)
+    constraint_id = ask_for_the_kick(window)
+    edits = len(window.bench.document.history)
+    [choice] = [each for each in window.inspector.findChildren(QComboBox) if each.accessibleName() == "Target is"]
+    choose_by_keys(choice, [kind for kind, _ in PLACE_KINDS].index(KEYED_KIND))
+    assert isinstance(window.bench.document.project.constraints[constraint_id].target, KeyedOwnPlace)
+    assert len(window.bench.document.history) == edits + 1
+
+
 def pause(window):
     """1. Five characters play; Space pauses."""
     document = window.bench.document
@@ -111,8 +123,7 @@ def choose_one_place_for_all(window, constraint_id):
         for box in window.inspector.findChildren(QComboBox)
         if box.accessibleName() == "Target is" and box.isVisible()
     ]
-    choice.setFocus()
-    QTest.keyClick(choice, Qt.Key.Key_Down)
+    choose_by_keys(choice)
     solved(window)
     assert isinstance(window.bench.document.project.constraints[constraint_id].target, tuple)
     assert all(miss < HELD for miss in misses(window, constraint_id).values())
@@ -179,7 +190,7 @@ def test_the_first_minute_can_be_walked_by_keys_alone(window):
     _, constraint_id = document.selection.current
     assert all(miss < HELD for miss in misses(window, constraint_id).values())
     tab_to("Target is")
-    press(Qt.Key.Key_Down)
+    choose_by_keys(QApplication.focusWidget())
     tab_to("Target Z")
     press(Qt.Key.Key_A, Qt.KeyboardModifier.ControlModifier)
     QTest.keyClicks(QApplication.focusWidget(), "1.8")

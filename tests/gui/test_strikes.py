@@ -17,7 +17,7 @@ from studio.library.clip_labels import Limb
 from studio.panels import strikes
 from studio.resources_folder import example_captures_folder
 from tests.gui.striking_use import struck_place
-from tests.gui.window_use import PATIENCE, same, wait_until_idle
+from tests.gui.window_use import PATIENCE, choose_by_keys, same, wait_until_idle
 
 
 def opened(window, qtbot, folder):
@@ -95,8 +95,7 @@ def test_what_is_chosen_is_searched_for_at_once(striking, window, qtbot):
     panel, key = striking.panel, add_box(window)
     assert panel.hint.text() == strikes.READY
     assert "away unadapted" in panel.results.item(0).text()
-    for _ in range(1 + Limb.RIGHT_LEG):
-        QTest.keyClick(panel.limb, Qt.Key.Key_Down)
+    choose_by_keys(panel.limb, 1 + Limb.RIGHT_LEG)
     assert {clip.label.limb for clip in striking.listed} == {Limb.RIGHT_LEG}
     window.bench.document.remove("props", key, "Delete box")
     assert panel.hint.text() == strikes.NO_TARGET

@@ -233,6 +233,8 @@ class Monkey:
         from PySide6.QtTest import QTest
         from PySide6.QtWidgets import QAbstractSpinBox, QComboBox, QLineEdit, QSlider
 
+        from tests.gui.window_use import choose_by_keys
+
         front = self.front()
         if front is None:
             return
@@ -242,8 +244,7 @@ class Monkey:
             return
         match self.random.choice(fields):
             case QComboBox() as box:
-                box.setFocus()
-                QTest.keyClick(box, self.random.choice([Qt.Key.Key_Up, Qt.Key.Key_Down, Qt.Key.Key_End]))
+                choose_by_keys(box, self.random.randint(0, 3))
             case QSlider() as slider:
                 slider.setValue(self.random.randint(slider.minimum(), slider.maximum()))
             case QAbstractSpinBox() | QLineEdit() as typed:
