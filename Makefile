@@ -68,7 +68,7 @@ examples: .venv/.ready-to-run
 pictures: .venv/.ready-to-test
 	.venv/bin/python examples/make_pictures.py
 
-# Sheets and films of captures on bodies beside their source, to be looked at: make films FOLDER=/tmp/films.
+# Sheets and films of captures on bodies beside their source, to be looked at: make films FOLDER=films.
 films: .venv/.ready-to-run
 	.venv/bin/python examples/make_films.py $(or $(FOLDER),films)
 

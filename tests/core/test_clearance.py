@@ -56,12 +56,12 @@ def belly(adapted: AdaptedMotion) -> tuple[float, ...]:
 def test_the_capsules_lie_close_under_the_skin(name: str) -> None:
     character = CHARACTERS[name]
     body, mesh = character.morphology, fit_skin(character.skin, character.build, character.morphology)
-    pose, capsules, way = rest_pose(body), np.empty(9, CAPSULE), np.empty(3)
+    pose, capsules, way = Pose(*rest_pose(body)), np.empty(9, CAPSULE), np.empty(3)
     volume = character.volume
     packed = CapsuleArrays(volume.segments, volume.places, volume.radii, volume.girths)
     kernel.place_capsules(packed, Pose(*pose), np.array(body.layout.proximal_points()), capsules)
     main = mesh.segments[:, 0]
-    hips, neck = pose[0][body.layout.hip(0), 2], pose[0][body.layout.neck_base, 2]
+    hips, neck = pose.positions[body.layout.hip(0), 2], pose.positions[body.layout.neck_base, 2]
     height = (mesh.vertices[:, 2] - hips) / (neck - hips)
     meant = (main < body.layout.spine_count) & (height > 0.05) & (height < 0.75)
     depth = [
@@ -123,25 +123,32 @@ def step(volume: BodyVolume, body: Morphology, pose: tuple, wanted: float | np.n
 @given(seed=seeds)
 @settings(max_examples=200, deadline=None)
 def test_any_capsules_leave_the_arm_an_arm(seed: int) -> None:
-    volume, body, *pose = wild(seed)
-    before = [part.copy() for part in pose]
+    volume, body, *posed = wild(seed)
+    pose = Pose(*posed)
+    before = Pose(*(part.copy() for part in pose))
     moved, _, _ = step(volume, body, tuple(pose), 0.0)
     k = body.layout.collar(1) + 1
-    lengths = [np.linalg.norm(np.diff(positions[k : k + 4], axis=0), axis=1) for positions in (before[0], pose[0])]
+    lengths = [
+        np.linalg.norm(np.diff(positions[k : k + 4], axis=0), axis=1)
+        for positions in (before.positions, pose.positions)
+    ]
     assert lengths[1] == pytest.approx(lengths[0], abs=1e-9)
-    assert np.isfinite(pose[1]).all()
-    assert pose[1] @ np.swapaxes(pose[1], 1, 2) == pytest.approx(np.tile(np.eye(3), (len(pose[1]), 1, 1)), abs=1e-9)
-    rest = np.ones(len(pose[0]), dtype=bool)
+    assert np.isfinite(pose.rotations).all()
+    assert pose.rotations @ np.swapaxes(pose.rotations, 1, 2) == pytest.approx(
+        np.tile(np.eye(3), (len(pose.rotations), 1, 1)), abs=1e-9
+    )
+    rest = np.ones(len(pose.positions), dtype=bool)
     rest[k + 1 : k + 4] = False
-    assert np.array_equal(pose[0][rest], before[0][rest])
-    assert moved or np.array_equal(pose[0], before[0])
+    assert np.array_equal(pose.positions[rest], before.positions[rest])
+    assert moved or np.array_equal(pose.positions, before.positions)
 
 
 @given(seed=seeds)
 @settings(max_examples=100, deadline=None)
 def test_an_arm_with_room_enough_is_not_touched(seed: int) -> None:
-    volume, body, *pose = wild(seed)
-    before = [part.copy() for part in pose]
+    volume, body, *posed = wild(seed)
+    pose = Pose(*posed)
+    before = Pose(*(part.copy() for part in pose))
     fade = kernel.SHORTEST_APPROACH + kernel.CONTACT_MARGIN
     _, room, _ = step(volume, body, tuple(part.copy() for part in pose), 0.0)
     moved, _, _ = step(volume, body, tuple(pose), room.min() - fade - kernel.LONGEST_APPROACH)
@@ -151,16 +158,16 @@ def test_an_arm_with_room_enough_is_not_touched(seed: int) -> None:
 
 def test_fingers_that_alone_are_too_deep_bend_out() -> None:
     body, volume = STOCKY.morphology, STOCKY.volume
-    pose = rest_pose(body)
-    before = [part.copy() for part in pose]
+    pose = Pose(*rest_pose(body))
+    before = Pose(*(part.copy() for part in pose))
     _, room, _ = step(volume, body, pose, -1.0)
     wanted = room - [1.0, 1.0, 1.0, 1.0, -0.06]
     _, _, after = step(volume, body, pose, wanted)
     wrist, hand = body.layout.wrist(1), body.layout.segment(BodyPart.LEFT_HAND) + 4
-    turned = np.arccos(0.5 * (np.trace(pose[1][hand] @ before[1][hand].T) - 1.0))
+    turned = np.arccos(0.5 * (np.trace(pose.rotations[hand] @ before.rotations[hand].T) - 1.0))
     assert after[-1] == pytest.approx(wanted[-1], abs=0.01)
     assert turned > 0.1
-    assert np.linalg.norm(pose[0][wrist] - before[0][wrist]) < 0.06
+    assert np.linalg.norm(pose.positions[wrist] - before.positions[wrist]) < 0.06
 
 
 def test_arms_of_a_wide_body_come_out_of_it_and_nothing_else_moves() -> None:

@@ -65,7 +65,7 @@ class Drag:
 
 
 def test_a_hand_does_not_rest_while_the_window_is_too_busy_to_hear_of_it(qapp: Any) -> None:
-    """Whole clips are not solved in the middle of a drag because one picture took long."""
+    """One picture that takes long does not let whole clips be solved in the middle of a drag."""
     told: list[float] = []
     rest = Rest(50)
     rest.rested.connect(lambda: told.append(time.monotonic()))

@@ -401,3 +401,5 @@ def test_every_action_that_is_enabled_without_the_3d_view_runs(qtbot, window):
         if action.isEnabled() and name not in asking and not name.startswith("scene_"):
             action.trigger()
     window.bench.document.playhead.pause()
+    assert window.isVisible()
+    assert window.bench.document.history
