@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import fields, replace
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QLineEdit
 
 from studio.core.body.growth import KeyedProportions
 from studio.core.body.morphology import Morphology, Proportions
@@ -16,7 +15,7 @@ from studio.core.stage.project import Performer
 from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.panels.body_map_section import character_section
-from studio.panels.editor import Editor
+from studio.panels.editor import Editor, NameField
 from studio.panels.fields import Choice, Section, labelled, press_button
 from studio.panels.growth_row import GrowthRow
 from studio.panels.sliders import ValueSlider
@@ -159,8 +158,7 @@ class CharacterEditor(Editor[Character]):
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Character")
-        self._name = QLineEdit()
-        self._name.editingFinished.connect(self._rename)
+        self._name = NameField(self)
         section.add_row("Name", self._name)
         self._body = BodySection(self, lambda: self.entity_id)
         self.column.addWidget(section)
@@ -172,11 +170,6 @@ class CharacterEditor(Editor[Character]):
     def refresh(self) -> None:
         """Fetch name and lengths."""
         if self.entity is not None:
-            self._name.setText(self.entity.name)
+            self._name.show_name()
             self._body.refresh()
             self._body_map.refresh()
-
-    def _rename(self) -> None:
-        name = self._name.text().strip()
-        if name and name != self.entity.name:
-            self.change(f"Rename {self.entity.name}", name=name)

@@ -14,7 +14,7 @@ from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.constraints.base import BodyPoint, Constraint
 from studio.core.constraints.follow import FollowPerformer, FollowProp, FollowTracked
-from studio.core.curves.keyed import KeyedPlace
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace
 from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
 from studio.core.stage.behaviour import Behaviour, Role, State, Transition
@@ -28,6 +28,7 @@ from studio.core.stage.prop import Prop
 from studio.core.stage.saved_camera import CAMERA_SLOTS, CameraPlacement
 from studio.core.stage.sound_track import SoundTrack
 from studio.core.stage.whom import DistanceMeasure, FollowPartner
+from studio.document.clip_edits import set_speed
 from studio.document.document import Document
 from studio.document.stored_cameras import give_slot, store_camera
 from studio.io.project.entity_json import project_json
@@ -80,7 +81,7 @@ def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
                 "sound",
                 "footage",
             ),
-            *("correct", "correct"),
+            *("correct", "correct", "retime", "retime"),
         ]
     ):
         case "add" if project.motions:
@@ -127,6 +128,9 @@ def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
             performer = chance.choice(list(project.performers))
             added = new_correction("Elbow", performer, 0.2)
             document.add("corrections", added, "Add correction")
+        case "retime" if project.clips:
+            speeds = [2.0, KeyedNumber((0.05, 0.1), (1.0, chance.uniform(0.4, 2.0)))]
+            set_speed(document, chance.choice(list(project.clips)), chance.choice(speeds), "Key speed", gesture)
         case "remove":
             [name] = chance.choices(list(REMOVED), list(REMOVED.values()))
             keys = list(getattr(project, name))
