@@ -1,4 +1,4 @@
-"""A strike that is dragged over the 3D view: the body under the mouse is selected, and plays it when it is let go."""
+"""A strike or a pose that is dragged over the 3D view: the body under the mouse is selected, and takes it on a drop."""
 
 from typing import TYPE_CHECKING
 
@@ -6,27 +6,27 @@ from PySide6.QtCore import QEvent, QObject, Signal
 from PySide6.QtGui import QDropEvent
 
 from studio.document.document import Document
-from studio.document.dragging import strike_in
+from studio.document.dragging import row_in
 from studio.viewport import picking
 
 if TYPE_CHECKING:
     from studio.viewport.widget import Viewport
 
 
-class StrikeDrops(QObject):
-    """``dropped`` tells which of the strikes that are listed fell on which performer."""
+class BodyDrops(QObject):
+    """``dropped`` has the row of the list, of one kind of drags, and the performer on which it fell."""
 
     dropped = Signal(int, str)
 
-    def __init__(self, viewport: "Viewport", document: Document) -> None:
+    def __init__(self, viewport: "Viewport", document: Document, kind: str) -> None:
         super().__init__(viewport)
-        self._viewport, self._document = viewport, document
+        self._viewport, self._document, self._kind = viewport, document, kind
         viewport.setAcceptDrops(True)
         viewport.installEventFilter(self)
 
     def eventFilter(self, _: QObject, event: QEvent) -> bool:
-        """Take strikes, and leave files to the window."""
-        place = strike_in(event.mimeData()) if isinstance(event, QDropEvent) else None  # so are entries and moves
+        """Take rows of this kind, and leave all else to others."""
+        place = row_in(self._kind, event.mimeData()) if isinstance(event, QDropEvent) else None  # so are moves
         if place is None or not isinstance(event, QDropEvent):
             return False
         view, where = self._viewport, event.position()

@@ -97,7 +97,6 @@ def test_an_emptied_name_comes_back_and_one_that_is_typed_is_not_replaced(docume
     assert document.project.performers["performer 0"].name == "Body 0 and so on"
 
 
-
 def handle_of(slider):
     return QPoint(round(slider.width() * slider.value() / slider.maximum()), slider.height() // 2)
 
