@@ -1,4 +1,4 @@
-"""Data of drags between views: a row of the library by its entity, strikes and poses by their row in a list."""
+"""Data of drags between views: a row of the library by its entity, strikes and poses by their index in a list."""
 
 import json
 
@@ -20,7 +20,7 @@ def carried_capture(capture_id: str) -> QMimeData:
 
 
 def carried_item(item: tuple[str, str]) -> QMimeData:
-    """Data of a drag of a row of the library, the (collection, id) of its entity; a capture is carried as one too."""
+    """Data of a drag of a library row, the (collection, id) of its entity; a capture also has that of a capture."""
     collection, entity_id = item
     content = carried_capture(entity_id) if collection == "captures" else QMimeData()
     content.setData(LIBRARY_ITEM, json.dumps(item).encode())
@@ -28,7 +28,7 @@ def carried_item(item: tuple[str, str]) -> QMimeData:
 
 
 def item_in(content: QMimeData) -> tuple[str, str] | None:
-    """The (collection, id) of the row of the library that is dragged, or None for anything else."""
+    """(collection, id) of the dragged library row, or None."""
     if not content.hasFormat(LIBRARY_ITEM):
         return None
     collection, entity_id = json.loads(bytes(content.data(LIBRARY_ITEM).data()))
@@ -36,17 +36,17 @@ def item_in(content: QMimeData) -> tuple[str, str] | None:
 
 
 def capture_in(content: QMimeData) -> str | None:
-    """The capture that is dragged, or None for anything else."""
+    """Id of the dragged capture, or None."""
     return bytes(content.data(CAPTURE).data()).decode() if content.hasFormat(CAPTURE) else None
 
 
 def carried_row(kind: str, row: int) -> QMimeData:
-    """Data of a drag of a row of a list, of strikes or poses."""
+    """Data for dragging an item of a list of this kind."""
     content = QMimeData()
     content.setData(kind, str(row).encode())
     return content
 
 
 def row_in(kind: str, content: QMimeData) -> int | None:
-    """The row of the list that is dragged, or None for anything that is not of this kind."""
+    """Index in the list of the dragged item, or None for another kind."""
     return int(bytes(content.data(kind).data())) if content.hasFormat(kind) else None

@@ -1,4 +1,4 @@
-"""A whole stage as binary FBX 7.4: a node for each performer with its joints and skin, meshes of props, cameras."""
+"""Whole stage as binary FBX 7.4: a node for each performer with its joints and skin, meshes of props, cameras."""
 
 from pathlib import Path
 
@@ -34,9 +34,9 @@ _FIXED_RATIO, _VERTICAL_APERTURE = 1, 2
 
 
 def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
-    """Write everybody and everything of a stage, on one clock, where it stands.
+    """Write all performers, props and cameras of a stage on one clock, at their positions.
 
-    As ``take_writer.write_take``. Raises StudioError when the file cannot be written.
+    As ``take_writer.write_take``. Raises StudioError if the file cannot be written.
     """
     document = FbxDocument(stage.name, stage.frame_rate, stage.frame_count)
     for place, take in enumerate(stage.takes):
