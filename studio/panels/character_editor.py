@@ -13,6 +13,7 @@ from studio.core.mesh.character import Character
 from studio.core.mesh.skin import Blending
 from studio.core.stage.project import Performer
 from studio.document.document import Document
+from studio.document.length_units import length_text
 from studio.engine.live_interface import Live
 from studio.panels.body_map_section import character_section
 from studio.panels.editor import Editor, NameField
@@ -21,7 +22,6 @@ from studio.panels.growth_row import GrowthRow
 from studio.panels.sliders import ValueSlider
 
 LEAST_PROPORTION, MOST_PROPORTION = 0.5, 1.6
-SHOWN_CENTIMETRES = 100.0
 BUILD = Proportions()
 BLENDINGS = ((Blending.LINEAR, "Linear blending"), (Blending.DUAL_QUATERNIONS, "Dual quaternions"))
 PRESETS: dict[str, Proportions] = {
@@ -116,7 +116,7 @@ class BodySection(Section):
         body = held.applied_to(character.build)
         for name, slider in self._sliders.items():
             metres = measure_of(name, body)
-            words = f"{metres:.2f} m" if name == "stature" else f"{metres * SHOWN_CENTIMETRES:.1f} cm"
+            words = length_text(metres, "m", 2) if name == "stature" else length_text(metres, "cm", 1)
             slider.show_value(getattr(held, name), words)
         self._preset.show_value(held)
         self._growth.refresh()

@@ -8,6 +8,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.mesh.character import Character
 from studio.core.stage.project import GROUND_ID, Project
 from studio.document import colours
+from studio.document.length_units import length_text
 from studio.engine.point_names import point_words
 
 Item = tuple[str, str]
@@ -96,9 +97,10 @@ def _stature(character: Character) -> str:
     """``1.66 m``, of one that grows ``1.20 – 1.94 m``."""
     keyed = character.proportions
     if not isinstance(keyed, KeyedProportions):
-        return f"{character.morphology.stature:.2f} m"
+        return length_text(character.morphology.stature, "m", 2)
     statures = [each.applied_to(character.build).stature for each in keyed.values]
-    return f"{min(statures):.2f} – {max(statures):.2f} m"
+    least = length_text(min(statures), "m", 2).split()[0]
+    return f"{least} – {length_text(max(statures), 'm', 2)}"
 
 
 def _constraints(project: Project, motion_id: str | None) -> list[LibraryRow]:
@@ -126,5 +128,5 @@ def _point(constraint: Constraint) -> str:
 def _stage(project: Project) -> list[LibraryRow]:
     props = [LibraryRow(prop.name, "prop", ("props", key)) for key, prop in project.props.items()]
     ground = project.ground
-    words = f"{ground.height:.2f} m" if ground.is_level else ground.kind.replace("_", " ")
+    words = length_text(ground.height, "m", 2) if ground.is_level else ground.kind.replace("_", " ")
     return [LibraryRow("Ground", words, ("grounds", GROUND_ID)), *props]

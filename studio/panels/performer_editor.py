@@ -12,7 +12,7 @@ from studio.engine.live_interface import Live
 from studio.panels.body_map_section import character_section
 from studio.panels.character_editor import BodySection
 from studio.panels.editor import Editor, NameField
-from studio.panels.fields import Choice, NumberField, Section, labelled
+from studio.panels.fields import Choice, NumberField, Section, labelled, with_unit
 
 PLACEMENT_LIMIT = 1000.0
 
@@ -37,10 +37,12 @@ class PerformerEditor(Editor[Performer]):
         self._plays: QLabel = labelled("", "value")
         section.add_row("Plays", self._plays)
         self._x, self._y = (
-            self.bind(NumberField(f"Place {axis}", "", -PLACEMENT_LIMIT, PLACEMENT_LIMIT, 0.01), self._mover(k))
+            self.bind(
+                NumberField(f"Place {axis}", "m", -PLACEMENT_LIMIT, PLACEMENT_LIMIT, 0.01, suffix=False), self._mover(k)
+            )
             for k, axis in enumerate("XY")
         )
-        section.add_row("Place  m", self._x, self._y)
+        section.add_row(with_unit("Place", "m"), self._x, self._y)
         self._heading = self.bind(NumberField("Heading", "°", -360.0, 360.0, 1.0, 1), self._turn)
         section.add_row("Heading", self._heading)
         self._limited = QCheckBox("Limit to human range")

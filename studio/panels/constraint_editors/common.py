@@ -18,7 +18,7 @@ from studio.panels.constraint_editors.chain import ChainSection
 from studio.panels.constraint_editors.priority import PrioritySection
 from studio.panels.constraint_editors.worst_residuals import ResidualSection
 from studio.panels.editor import Editor, NameField
-from studio.panels.fields import Choice, NumberField, Section
+from studio.panels.fields import Choice, NumberField, Section, with_unit
 from studio.panels.scope_row import ScopeRow
 
 CENTIMETRE = 0.01
@@ -78,12 +78,12 @@ class ConstraintEditor(Editor[ConstraintT_co], Generic[ConstraintT_co]):
         caption = self._section.add_row("Point", self._point)
         self._offset = [
             self.bind(
-                NumberField(f"Offset {axis}", "", -100.0, 100.0, 0.5, 1),
+                NumberField(f"Offset {axis}", "cm", -100.0, 100.0, 0.5, 1, suffix=False),
                 partial(self._set_offset, k),
             )
             for k, axis in enumerate("XYZ")
         ]
-        offset_caption = self._section.add_row("Offset  cm", *self._offset)
+        offset_caption = self._section.add_row(with_unit("Offset", "cm"), *self._offset)
         if not self.has_point:
             for widget in (caption, self._point, offset_caption, *self._offset):
                 widget.hide()
