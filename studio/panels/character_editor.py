@@ -17,7 +17,7 @@ from studio.document.length_units import length_text
 from studio.engine.live_interface import Live
 from studio.panels.body_map_section import character_section
 from studio.panels.editor import Editor, NameField
-from studio.panels.fields import Choice, Section, labelled, press_button
+from studio.panels.fields import Choice, Section, TagField, labelled, press_button
 from studio.panels.growth_row import GrowthRow
 from studio.panels.sliders import ValueSlider
 
@@ -81,6 +81,9 @@ class BodySection(Section):
         self.add_row("Hands", self._grip)
         self._growth = GrowthRow(editor, self, character_id)
         self._sliders = {field.name: self._make_slider(field.name) for field in fields(Proportions)}
+        self._tags = TagField("hero, tall", "the search of the library finds them")
+        self._tags.tags_edited.connect(self._set_tags)
+        self.add_row("Tags", self._tags)
         self._odd = labelled("", "hint")
         self.add_wide(self._odd)
         editor.document.playhead.changed.connect(self._playhead_moved)
@@ -104,6 +107,7 @@ class BodySection(Section):
         character = self._character
         self.refresh_now()
         self._blending.show_value(character.blending)
+        self._tags.show_tags(character.tags)
         self._grip.setEnabled(character.skin.hands is not None)
         self._grip.show_value(character.grip, grip_words(character.grip))
         self._odd.setText("\n".join(f"Warning: {remark.sentence}" for remark in remarks_on_body(character.build)))
@@ -140,6 +144,12 @@ class BodySection(Section):
     def _close_hands(self, grip: float) -> None:
         make = lambda: replace(self._character, grip=round(grip, 2))  # noqa: E731
         self._editor.put_other("characters", self._character_id(), make, f"Close the hands of {self._character.name}")
+
+    def _set_tags(self, tags: tuple[str, ...]) -> None:
+        if self._editor.entity is not None:
+            make = lambda: replace(self._character, tags=tags)  # noqa: E731
+            text = f"Set tags of {self._character.name}"
+            self._editor.put_other("characters", self._character_id(), make, text)
 
     def _put(self, held: Proportions, text: str) -> None:
         """Set these proportions: constant, or as a key at the playhead if they are keyed."""

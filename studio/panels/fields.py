@@ -11,6 +11,7 @@ from PySide6.QtWidgets import (
     QGridLayout,
     QHBoxLayout,
     QLabel,
+    QLineEdit,
     QPushButton,
     QSizePolicy,
     QToolTip,
@@ -18,6 +19,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from studio.core.names import tags_in
 from studio.document.length_units import shown_unit
 
 FIELD_LABEL_WIDTH, LONGEST_NAME = 84, 110
@@ -295,6 +297,32 @@ class Choice(QComboBox):
     def wheelEvent(self, event: QEvent) -> None:
         """Ignore the wheel, so that it never changes a choice by accident."""
         event.ignore()
+
+
+class TagField(QLineEdit):
+    """Tags of the user, separated by commas; ``tags_edited`` comes only from the user."""
+
+    tags_edited = Signal(tuple)
+
+    def __init__(self, examples: str, about: str) -> None:
+        super().__init__()
+        self._tags: tuple[str, ...] = ()
+        self.setAccessibleName("Tags")
+        self.setPlaceholderText(examples)
+        self.setToolTip(f"Your own tags, separated by commas; {about}")
+        self.editingFinished.connect(self._read)
+
+    def show_tags(self, tags: tuple[str, ...]) -> None:
+        """Show the document's tags, unless others are being typed."""
+        self._tags = tags
+        if not self.hasFocus() or tags_in(self.text()) != tags:
+            self.setText(", ".join(tags))
+            self.setCursorPosition(0)
+
+    def _read(self) -> None:
+        tags = tags_in(self.text())
+        if tags != self._tags:
+            self.tags_edited.emit(tags)
 
 
 class Segments(QWidget):
