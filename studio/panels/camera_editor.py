@@ -10,7 +10,7 @@ from studio.document.document import Document
 from studio.document.stored_cameras import give_slot
 from studio.engine.live_interface import Live
 from studio.panels.constraint_editors.vector_row import VectorRow
-from studio.panels.editor import Editor, NameField
+from studio.panels.editor import Editor, EntityNameField
 from studio.panels.fields import Choice, NumberField, Section
 
 NO_SLOT = "none"
@@ -22,7 +22,7 @@ class CameraEditor(Editor[SavedCamera]):
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Camera")
-        self._name = NameField(self)
+        self._name = EntityNameField(self)
         section.add_row("Name", self._name)
         self._slot = Choice("Shortcut", [(NO_SLOT, "None"), *((str(slot), f"Camera {slot}") for slot in CAMERA_SLOTS)])
         self._slot.value_chosen.connect(

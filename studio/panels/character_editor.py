@@ -16,7 +16,7 @@ from studio.document.document import Document
 from studio.document.length_units import length_text
 from studio.engine.live_interface import Live
 from studio.panels.body_map_section import character_section
-from studio.panels.editor import Editor, NameField
+from studio.panels.editor import Editor, EntityNameField
 from studio.panels.fields import Choice, Section, TagField, labelled, press_button
 from studio.panels.growth_row import GrowthRow
 from studio.panels.sliders import ValueSlider
@@ -168,7 +168,7 @@ class CharacterEditor(Editor[Character]):
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Character")
-        self._name = NameField(self)
+        self._name = EntityNameField(self)
         section.add_row("Name", self._name)
         self._body = BodySection(self, lambda: self.entity_id)
         self.column.addWidget(section)

@@ -11,7 +11,7 @@ from studio.core.stage.correction import Correction
 from studio.document.correction_edits import mirror_correction, set_key, set_pose
 from studio.document.document import Document
 from studio.engine.live_interface import Live
-from studio.panels.editor import Editor, NameField
+from studio.panels.editor import Editor, EntityNameField
 from studio.panels.fields import PER_CENT, Choice, NumberField, Section, labelled, press_button
 
 RANGE_FIELDS = ("Start", "Full from", "Full until", "End")
@@ -27,7 +27,7 @@ class CorrectionEditor(Editor[Correction]):
         mirror = press_button("Mirror", lambda: mirror_correction(document, self.entity_id), "link")
         mirror.setToolTip("Move it to the other side of the body")
         section.head.addWidget(mirror)
-        self._name = NameField(self)
+        self._name = EntityNameField(self)
         section.add_row("Name", self._name)
         self._enabled = QCheckBox("Enabled")
         self._enabled.toggled.connect(lambda on: self._change("Switch", enabled=on))

@@ -141,7 +141,7 @@ class Editor(QWidget, Generic[EditedT_co]):
         self.tell_together()
 
 
-class NameField(QLineEdit):
+class EntityNameField(QLineEdit):
     """The name of the entity of an editor: typed, it renames the entity."""
 
     def __init__(self, editor: Editor[Named], kind: str = "") -> None:

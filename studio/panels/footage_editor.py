@@ -3,7 +3,7 @@
 from studio.core.stage.footage import FOOTAGE_RATES, Footage
 from studio.document.document import Document
 from studio.engine.live_interface import Live
-from studio.panels.editor import Editor, NameField
+from studio.panels.editor import Editor, EntityNameField
 from studio.panels.fields import NumberField, Section, labelled
 
 
@@ -13,7 +13,7 @@ class FootageEditor(Editor[Footage]):
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Footage")
-        self._name = NameField(self)
+        self._name = EntityNameField(self)
         section.add_row("Name", self._name)
         begin = NumberField("Begins at", "s", -1e5, 1e5, 0.01, 3)
         self._start = self.bind(begin, lambda value: self.change(f"Move {self.entity.name}", start=value))

@@ -3,7 +3,7 @@
 from studio.core.captures.annotations import Label
 from studio.document.document import Document
 from studio.engine.live_interface import Live
-from studio.panels.editor import Editor, NameField
+from studio.panels.editor import Editor, EntityNameField
 from studio.panels.fields import NumberField, Section
 
 
@@ -13,7 +13,7 @@ class LabelEditor(Editor[Label]):
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Label")
-        self._name = NameField(self, "label ")
+        self._name = EntityNameField(self, "label ")
         section.add_row("Name", self._name)
         self._first = self.bind(NumberField("First frame", "", 0, 1e6, 1, 0), self._set_first)
         self._last = self.bind(NumberField("Last frame", "", 0, 1e6, 1, 0), self._set_last)

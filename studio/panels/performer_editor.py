@@ -11,7 +11,7 @@ from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.panels.body_map_section import character_section
 from studio.panels.character_editor import BodySection
-from studio.panels.editor import Editor, NameField
+from studio.panels.editor import Editor, EntityNameField
 from studio.panels.fields import Choice, NumberField, Section, labelled, with_unit
 
 PLACEMENT_LIMIT = 1000.0
@@ -29,7 +29,7 @@ class PerformerEditor(Editor[Performer]):
         self._visible = QCheckBox("shown")
         self._visible.toggled.connect(self._show_or_hide)
         section.head.addWidget(self._visible)
-        self._name = NameField(self)
+        self._name = EntityNameField(self)
         section.add_row("Name", self._name)
         self._cast = Choice("Character", [])
         self._cast.value_chosen.connect(self._recast)

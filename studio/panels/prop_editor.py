@@ -20,7 +20,7 @@ from studio.engine.point_names import POINT_NAMES, point_words
 from studio.engine.prop_places import PropPose, between_hands, in_hand, moved_prop, prop_at, turned_prop, unheld
 from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled
 from studio.panels.constraint_editors.vector_row import VectorRow
-from studio.panels.editor import Editor, NameField
+from studio.panels.editor import Editor, EntityNameField
 from studio.panels.fields import Choice, Section, labelled, press_button
 from studio.panels.rotation_row import RotationRow
 
@@ -42,7 +42,7 @@ class PropEditor(Editor[Prop]):
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Prop")
-        self._name = NameField(self)
+        self._name = EntityNameField(self)
         section.add_row("Name", self._name)
         self._shape = Choice("Shape", ())
         self._shape.value_chosen.connect(lambda shape: self.change(f"Shape of {self.entity.name}", shape=shape))

@@ -37,6 +37,11 @@ from tests.builders import make_capture, make_constraint, make_contact, make_pro
 WRIST = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
 PROJECT = make_project(characters=3, constraints=2, contacts=3)
 
+EDITS = (
+    "add", "add contact", "add prop", "drag", "drag", "trim", "remove", "ground", "group", "behave", "camera", "sound",
+    "footage", "correct", "correct", "retime", "retime",
+)  # fmt: skip
+"""Kinds of random edits, the frequent ones twice."""
 REMOVED = {
     "behaviours": 2, "cameras": 1, "sounds": 1, "footage": 1, "corrections": 3, "constraints": 6, "contacts": 6,
     "props": 6,    "performers": 2, "characters": 1, "motions": 0.1, "captures": 0.1,
@@ -64,26 +69,7 @@ def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
     """One of the edits an animator makes; some belong to the current gesture."""
     project = document.project
     constraints, contacts = list(project.constraints), list(project.contacts)
-    match chance.choice(
-        [
-            *(
-                "add",
-                "add contact",
-                "add prop",
-                "drag",
-                "drag",
-                "trim",
-                "remove",
-                "ground",
-                "group",
-                "behave",
-                "camera",
-                "sound",
-                "footage",
-            ),
-            *("correct", "correct", "retime", "retime"),
-        ]
-    ):
+    match chance.choice(EDITS):
         case "add" if project.motions:
             props = [FollowProp(key) for key in project.props]
             target = chance.choice([(0.4, -0.3, 1.2), KeyedPlace((0.1,), ((0.0, 0.1, 1.0),)), *props])

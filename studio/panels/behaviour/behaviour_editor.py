@@ -7,7 +7,7 @@ from studio.core.stage.behaviour import Behaviour
 from studio.document.behaviour_commands import make_own, state_key
 from studio.document.document import Document
 from studio.engine.live_interface import Live
-from studio.panels.editor import Editor, NameField
+from studio.panels.editor import Editor, EntityNameField
 from studio.panels.fields import ROW_HEIGHT, Choice, Section, labelled, press_button
 
 
@@ -17,7 +17,7 @@ class BehaviourEditor(Editor[Behaviour]):
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Behaviour")
-        self._name = NameField(self)
+        self._name = EntityNameField(self)
         section.add_row("Name", self._name)
         self._start = Choice("Start state", ())
         self._start.value_chosen.connect(lambda name: self.change(f"Begin in {name}", start=name))

@@ -17,7 +17,7 @@ from studio.panels.constraint_editors.activation import ActivationSection
 from studio.panels.constraint_editors.chain import ChainSection
 from studio.panels.constraint_editors.priority import PrioritySection
 from studio.panels.constraint_editors.worst_residuals import ResidualSection
-from studio.panels.editor import Editor, NameField
+from studio.panels.editor import Editor, EntityNameField
 from studio.panels.fields import Choice, NumberField, Section, with_unit
 from studio.panels.scope_row import ScopeRow
 
@@ -68,7 +68,7 @@ class ConstraintEditor(Editor[ConstraintT_co], Generic[ConstraintT_co]):
         self._enabled.setAccessibleName("Constraint is on")
         self._enabled.toggled.connect(self._set_enabled)
         self._section.head.addWidget(self._enabled)
-        self._name = NameField(self)
+        self._name = EntityNameField(self)
         self._section.add_row("Name", self._name)
 
     def _add_point(self) -> None:
