@@ -134,7 +134,7 @@ class ConstraintEditor(Editor[ConstraintT_co], Generic[ConstraintT_co]):
         self._name.setModified(False)
 
     def _ask(self, scope: Scope) -> None:
-        self.change(f"Ask {self.entity.name} of others", scope=scope)
+        self.change(f"Change scope of {self.entity.name}", scope=scope)
 
     def _set_enabled(self, enabled: bool) -> None:
         self.change(f"Turn {'on' if enabled else 'off'} {self.entity.name}", enabled=enabled)
