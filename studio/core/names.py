@@ -26,7 +26,7 @@ def readable(text: str) -> str:
 
 
 def tags_in(text: str) -> tuple[str, ...]:
-    """Tags that a person has typed, separated by commas; each once."""
+    """Tags in a text, separated by commas, without repetitions."""
     return tuple(dict.fromkeys(word.strip() for word in text.split(",") if word.strip()))
 
 

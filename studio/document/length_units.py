@@ -27,13 +27,13 @@ class ShownUnit:
 
 
 def use_lengths(choice: str) -> None:
-    """Show lengths as one of ``LENGTH_CHOICES`` in views that are made from now on."""
+    """Use one of ``LENGTH_CHOICES`` in all views that are made from now on."""
     _replaced.clear()
     _replaced.update(LENGTH_CHOICES[choice])
 
 
 def shown_unit(usual: str) -> ShownUnit:
-    """Unit that is shown for a usual one; the same for all but lengths and speeds."""
+    """Unit that replaces a usual one; the same unit for all but lengths and speeds."""
     length, per_second = usual.removesuffix(_PER_SECOND), _PER_SECOND if usual.endswith(_PER_SECOND) else ""
     if length not in _replaced:
         return ShownUnit(usual)
@@ -43,7 +43,7 @@ def shown_unit(usual: str) -> ShownUnit:
 
 
 def length_text(metres: float, usual: str, decimals: int, sign: str = "") -> str:
-    """A length with its unit, to ``decimals`` of the usual one: ``1.66 m``; with a ``sign`` of "+" also ``+1.66 m``."""
+    """Length as text, ``decimals`` of the usual unit: ``1.66 m``, with a ``sign`` of "+" ``+1.66 m``."""
     unit = shown_unit(usual)
     value = metres * PER_METRE[usual] * unit.factor
     return f"{value:{sign}.{max(decimals + unit.added_decimals, 0)}f} {unit.symbol}"

@@ -1,4 +1,4 @@
-"""The pose library's panel: pictures of saved poses, the part of the body they are applied to, and how far."""
+"""Panel of the pose library: thumbnails of saved poses, the part to which they are applied, and the blend."""
 
 from collections.abc import Iterable, Sequence
 
@@ -15,7 +15,7 @@ NO_POSES = "No pose is saved yet. Save pose keeps the pose of the selected chara
 
 
 class PoseList(QListWidget):
-    """Pictures of poses with their names, which can be dragged onto a body."""
+    """Thumbnails of poses with their names, to be dragged onto a body."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -35,12 +35,12 @@ class PoseList(QListWidget):
         return [POSE]
 
     def mimeData(self, items: Sequence[QListWidgetItem]) -> QMimeData:
-        """Row of the pose that is dragged."""
+        """Index of the dragged pose."""
         return carried_row(POSE, self.row(items[0]))
 
 
 class PosePanel(QWidget):
-    """Signals carry the row of a pose in the list."""
+    """Panel whose signals carry the row of a pose in the list."""
 
     save_requested = Signal()
     apply_requested = Signal(int)
@@ -82,7 +82,7 @@ class PosePanel(QWidget):
 
     @property
     def fraction(self) -> float:
-        """Fraction of the way to the pose, from 0 to 1."""
+        """Weight of the pose in the blend, from 0 to 1."""
         return self._fraction
 
     def set_blend(self, fraction: float) -> None:
@@ -91,7 +91,7 @@ class PosePanel(QWidget):
         self.blend.show_value(fraction, f"{PER_CENT * fraction:.0f} %")
 
     def show_poses(self, poses: Sequence[tuple[str, QIcon]], problems: Sequence[str], current: int = -1) -> None:
-        """List the names and pictures of poses, and the sentences of files that could not be read."""
+        """List the names and thumbnails of poses, and the sentences about unreadable files."""
         with QSignalBlocker(self.poses):
             self.poses.clear()
             for name, picture in poses:

@@ -1,4 +1,4 @@
-"""Form of a sound track: its name and when it begins."""
+"""Form of a sound track: its name and start."""
 
 from studio.core.stage.sound_track import SoundTrack
 from studio.document.document import Document
@@ -8,7 +8,7 @@ from studio.panels.fields import NumberField, Section, labelled
 
 
 class SoundEditor(Editor[SoundTrack]):
-    """Name, begin, and what was found in the file."""
+    """Name and start, and facts of the file."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -24,7 +24,7 @@ class SoundEditor(Editor[SoundTrack]):
         self.finish()
 
     def refresh(self) -> None:
-        """Show the sound as it is."""
+        """Show the present sound."""
         sound = self.entity
         self._name.show_name()
         self._start.show_value(sound.start)

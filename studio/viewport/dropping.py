@@ -1,4 +1,4 @@
-"""A strike or a pose that is dragged over the 3D view: the body under the mouse is selected, and takes it on a drop."""
+"""Drop of a strike or a pose on the 3D view: the body under the mouse is selected, and gets it on release."""
 
 from typing import TYPE_CHECKING
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class BodyDrops(QObject):
-    """``dropped`` has the row of the list, of one kind of drags, and the performer on which it fell."""
+    """Event filter for one kind of drag; ``dropped`` is emitted with the index in the list and the performer."""
 
     dropped = Signal(int, str)
 
@@ -25,7 +25,7 @@ class BodyDrops(QObject):
         viewport.installEventFilter(self)
 
     def eventFilter(self, _: QObject, event: QEvent) -> bool:
-        """Take rows of this kind, and leave all else to others."""
+        """Accept drags of this kind, and leave others to other filters."""
         place = row_in(self._kind, event.mimeData()) if isinstance(event, QDropEvent) else None  # so are moves
         if place is None or not isinstance(event, QDropEvent):
             return False

@@ -67,7 +67,7 @@ def local_pose(layout: BodyLayout, rotations: FloatArray, hips_height: float) ->
 
 
 def posed_rotations(layout: BodyLayout, pose: LocalPose) -> FloatArray:
-    """World rotations (S, 3, 3) of the segments of a body that has ``pose`` and heads along X."""
+    """World rotations (S, 3, 3) of the segments of a body in ``pose`` that faces along X."""
     rotations = np.tile(np.eye(3), (layout.segment_count, 1, 1))
     for part in BodyPart:
         segments = _segments(layout, part)
