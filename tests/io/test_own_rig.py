@@ -213,4 +213,5 @@ def test_its_animation_drops_on_the_original_in_blender(original, tmp_path):
     mesh = max(found["meshes"].values(), key=lambda each: each["vertices"].shape[1])  # another draws Blender's bones
     expected = [carried(source.bound, positions[frame], rotations[frame]) for frame in range(frames)]
     away = mesh["vertices"] - np.array(expected)
-    assert np.abs(away - away[:, :1]).max() < TENTH_OF_A_MILLIMETRE
+    assert np.abs(away - away[0, 0]).max() < TENTH_OF_A_MILLIMETRE
+    assert np.abs(away).max() < 0.005  # a file may rest above the floor by a little more than the studio stands

@@ -129,12 +129,15 @@ def _travelling(take: Take) -> NDArray[np.bool_]:
 
 
 def _detached(take: Take, bind_positions: FloatArray) -> FloatArray:
-    """Bind positions (J, 3) with travelling joints moved by ``_DETACHED``.
+    """Bind positions (J, 3) with travelling joints and the hips moved by ``_DETACHED``.
 
     Blender connects a bone whose head is exactly at the tail of its parent, as hips straight above a root are, and
     ignores the translation of connected bones.
     """
-    apart = _travelling(take) & (take.skeleton.parents >= 0)
+    apart = _travelling(take)
+    if take.capture.body_map:  # the hips of a character that stands will travel with another file
+        apart[take.capture.body_map.spine[0]] = True
+    apart &= take.skeleton.parents >= 0
     return bind_positions + _DETACHED * apart[:, None] * [1.0, 1.0, 0.0]
 
 
