@@ -1,5 +1,8 @@
 """The error whose message is meant for a person."""
 
+INTERNAL_ERROR = "internal error"
+"""Words in every message about a fault of the program, by which tests know one."""
+
 
 class StudioError(Exception):
     """Something the user can understand and act on.

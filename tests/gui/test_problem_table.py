@@ -8,6 +8,7 @@ from PySide6.QtTest import QTest
 
 from studio.app.problem_tour import ProblemTour
 from studio.app.workbench import Workbench
+from studio.core.errors import INTERNAL_ERROR
 from studio.core.solver.performers.rows import timing_of
 from studio.document.document import Document
 from studio.engine.problem_search import ProblemSearch
@@ -132,7 +133,7 @@ def test_a_column_sorts_by_badness_and_a_click_goes_to_the_frame_and_selects(sta
     assert document.playhead.time == pytest.approx(row.findings["residual"].time, abs=0.5 / 60.0)
 
 
-def test_a_stage_that_cannot_be_measured_is_told_in_a_sentence(stage, qtbot, monkeypatch):
+def test_a_stage_that_cannot_be_measured_is_told_in_a_sentence_and_logged(stage, qtbot, monkeypatch, caplog):
     _, _, search, _, tour, _ = stage
 
     def broken(*_):
@@ -141,7 +142,8 @@ def test_a_stage_that_cannot_be_measured_is_told_in_a_sentence(stage, qtbot, mon
     monkeypatch.setattr("studio.engine.problem_search.summary_of", broken)
     with qtbot.waitSignal(search.failed, timeout=PATIENCE) as caught:
         tour.go(1)
-    assert "internal error: no" in caught.args[0]
+    assert f"{INTERNAL_ERROR}: no" in caught.args[0]
+    assert [record.exc_info[0] for record in caplog.records] == [ValueError]
     assert search.rows == ()
 
 
