@@ -1,4 +1,4 @@
-"""Surfaces that a soak tries by seeds instead of spoilt files: a damaged catalogue, a recording, a body, short clips.
+"""Surfaces that a soak tries by seeds instead of spoilt files: a catalogue, a recording, a body, short clips, commands.
 
 Each trial raises where something is lost or goes wrong.
 """
@@ -13,7 +13,7 @@ from studio.live.osc import LARGEST_PACKET
 from studio.live.recording import read_recording, write_recording
 from tests.io.test_fuzz import bytes_changed
 from tests.library.damaged_catalogue import damage, make_catalogue, use
-from tests.live import hostile_bones, short_clips
+from tests.live import clip_commands, hostile_bones, short_clips
 
 Trial = Callable[[int, Path], object]
 
@@ -54,4 +54,5 @@ SURFACES: dict[str, Trial] = {
     "recording": try_recording,
     "bones": lambda seed, _folder: hostile_bones.play(seed),
     "clips": lambda seed, _folder: short_clips.play(seed, live=seed % 8 == 0),
+    "commands": lambda seed, _folder: clip_commands.play(seed, live=seed % 8 == 0),
 }
