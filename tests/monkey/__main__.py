@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING
 
 from studio.core.errors import INTERNAL_ERROR
 from tests.monkey.events import Monkey
-from tests.monkey.report import GAP, Clock, Report, resident
+from tests.monkey.report import GAP, Clock, Report, resident, slowness
 
 if TYPE_CHECKING:
     from studio.panels.message_strip import UserMessage
@@ -126,7 +126,7 @@ class Soak:
 
     def measure(self, what: str) -> None:
         took, stack = self.clock.turn()
-        if took > GAP:
+        if took > GAP and took > GAP * slowness():
             self.report.gaps.append(f"event {self.report.events}: {what} took {took:.2f} s\n{stack}")
             self.tell(self.report.gaps[-1])
 
