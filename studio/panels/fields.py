@@ -18,6 +18,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from studio.document.mnemonics import literal
+
 FIELD_LABEL_WIDTH, LONGEST_NAME = 84, 110
 ROW_HEIGHT = 26
 FIELD_ICON_PX = 12
@@ -300,7 +302,7 @@ class Segments(QWidget):
 
 def press_button(text: str, run: Callable[[], object] | None, role: str = "") -> QPushButton:
     """Button that takes the focus only by Tab, so that Space goes on playing after a click."""
-    button = QPushButton(text)
+    button = QPushButton(literal(text))
     button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
     if role:
         button.setProperty("role", role)
