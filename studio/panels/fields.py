@@ -21,6 +21,7 @@ from PySide6.QtWidgets import (
 
 from studio.core.names import tags_in
 from studio.document.length_units import shown_unit
+from studio.document.mnemonics import literal
 
 FIELD_LABEL_WIDTH, LONGEST_NAME = 84, 110
 ROW_HEIGHT = 26
