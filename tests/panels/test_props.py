@@ -7,9 +7,11 @@ import pytest
 from PySide6.QtWidgets import QCheckBox, QComboBox, QPushButton
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.base import BodyPoint
+from studio.core.constraints.area import AreaConstraint
+from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.follow import FollowProp
 from studio.core.constraints.procedural import PendulumPlace
+from studio.core.curves.activation import ActivationCurve
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.solver.performers.stage import asked_of
@@ -262,3 +264,28 @@ def test_a_prop_that_collides_keeps_whole_bodies_out_at_any_size_and_lets_them_t
     assert collides.isChecked()
     collides.click()
     assert not document.project.constraints
+
+
+def test_an_area_has_a_margin_while_its_point_stays_outside(document, live, qtbot):
+    area = AreaConstraint(
+        "motion",
+        "Table",
+        BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True),
+        Chain(),
+        0,
+        ActivationCurve(0.0, 0.1, 0.3, 0.4),
+    )
+    key = document.add("constraints", area, "Add")
+    document.selection.set(("constraints", key))
+    inspector = Inspector(document, live)
+    qtbot.addWidget(inspector)
+    inspector.show()
+    form = inspector.current_form()
+    [margin] = [each for each in form.findChildren(NumberField) if each.accessibleName() == "Margin"]
+    margin.setValue(0.05)
+    assert document.project.constraints[key].margin == 0.05
+    form._set_side("inside")
+    assert document.project.constraints[key].margin == 0.0
+    assert not margin.isVisible()
+    document.undo_stack.undo()
+    assert document.project.constraints[key].margin == 0.05
