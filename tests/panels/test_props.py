@@ -171,6 +171,16 @@ def test_a_tilted_prop_is_stored_with_a_schema_of_its_own_and_a_level_one_as_bef
     assert "tilt" not in records[2]["held"]
 
 
+def test_what_an_older_version_would_misread_has_a_higher_schema():
+    steady = Prop("Box", held=Carried("one", (0.4, 0.0, 0.3), steady=True))
+    wrist, curve = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True), ActivationCurve(0.0, 0.1, 0.3, 0.4)
+    plain = AreaConstraint("motion", "Table", wrist, Chain(), 0, curve)
+    areas = [entity_record("constraints", "area", replace(plain, margin=margin), {}) for margin in (0.0, 0.1)]
+    assert entity_record("props", "box", steady, {})["schema"] == 6
+    assert [record["schema"] for record in areas] == [3, 5]
+    assert "margin" not in areas[0]
+
+
 def test_a_prop_that_is_let_go_of_stays_as_it_was_in_the_hand(document, live, form):
     held = InHand(SECOND, BodyPoint(BodyPart.RIGHT_HAND), (0.1, 0.2, 0.3, 0.9))
     document.replace("props", "box", replace(document.project.props["box"], held=held), "")

@@ -1,13 +1,14 @@
 """Restricted areas: a point of the body stays inside, outside, or on the surface of a shape."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import ClassVar
 
 from studio.core.constraints.base import Constraint, KindInfo, Vector, finite_vector
 from studio.core.constraints.target import Place, checked_place
 from studio.core.curves.keyed import KeyedNumber
+from studio.core.curves.tangents import SPARSE
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.plausible import TURN_RANGE
 
@@ -52,7 +53,7 @@ class AreaConstraint(Constraint):
     mesh: TriangleMesh | None = None
     whole: bool = False
     """True if it keeps arms, legs and trunk out; the point and the chain are not used then."""
-    margin: float = 0.0
+    margin: float = field(default=0.0, metadata=SPARSE)
     """Distance in metres that a point outside keeps, rounded at edges; a whole body keeps its thickness besides."""
 
     def __post_init__(self) -> None:

@@ -74,8 +74,8 @@ class InHand(Hold):
 class Carried(Hold):
     """Hold between both hands of a performer, where the motion has them before constraints; it rotates with the chest.
 
-    ``offset`` is from the middle of the hands, ahead, to the left and up of the chest, in leg lengths; ``heading`` is
-    its turn about Z from the chest's heading, radians, which acts after its ``tilt``. Hands that constraints hold on
+    ``offset`` is from the middle of the hands, or from the hips where it is ``steady``, ahead, to the left and up of
+    the chest, in leg lengths; ``heading`` is its turn about Z from the chest's heading, radians, which acts after its ``tilt``. Hands that constraints hold on
     the prop do not move it, so any size is held.
     """
 
@@ -84,6 +84,8 @@ class Carried(Hold):
     offset: Vector = (0.0, 0.0, 0.0)
     heading: float = 0.0
     tilt: Quaternion = field(default=UNTURNED, metadata=SPARSE)
+    steady: bool = field(default=False, metadata=SPARSE)
+    """True where the motion's hands hold nothing: gestures do not swing the prop."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
