@@ -39,6 +39,8 @@ class Measure:
 
 
 LENGTH_MEASURE = Measure(" mm", 1000.0, held_below=0.001, partly_below=0.020, worth_saying=0.005, worst_shown=0.1)
+SKATE = Measure(" mm", 1000.0, held_below=0.02, partly_below=0.2, worth_saying=0.1, worst_shown=0.5)
+"""Distance that a foot goes along the ground. Feet of captures go up to 9 cm as they land and leave."""
 ANGLE = Measure(
     "°",
     math.degrees(1.0),

@@ -21,6 +21,7 @@ from PySide6.QtWidgets import (
 
 from studio.core.names import tags_in
 from studio.document.length_units import shown_unit
+from studio.document.mnemonics import literal
 
 FIELD_LABEL_WIDTH, LONGEST_NAME = 84, 110
 ROW_HEIGHT = 26
@@ -354,7 +355,7 @@ class Segments(QWidget):
 
 def press_button(text: str, run: Callable[[], object] | None, role: str = "") -> QPushButton:
     """Button that takes the focus only by Tab, so that Space goes on playing after a click."""
-    button = QPushButton(text)
+    button = QPushButton(literal(text))
     button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
     if role:
         button.setProperty("role", role)

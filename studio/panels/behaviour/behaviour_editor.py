@@ -6,6 +6,7 @@ from studio.core.errors import StudioError
 from studio.core.stage.behaviour import Behaviour
 from studio.document.behaviour_commands import make_own, state_key
 from studio.document.document import Document
+from studio.document.mnemonics import literal
 from studio.engine.live_interface import Live
 from studio.panels.editor import Editor, EntityNameField
 from studio.panels.fields import ROW_HEIGHT, Choice, Section, labelled, press_button
@@ -62,7 +63,7 @@ class BehaviourEditor(Editor[Behaviour]):
         self._players.setText("\n".join(roles) or "nobody yet")
         active = self.document.active_performer_id or ""
         self._own.setVisible(len(behaviour.cast) > 1 and behaviour.role_of(active) is not None)
-        self._own.setText(f"Make it {called[active]}'s own" if active else "")
+        self._own.setText(literal(f"Make it {called[active]}'s own") if active else "")
         if names != [self._states.item(row).text() for row in range(self._states.count())]:
             self._states.clear()
             self._states.addItems(names)
