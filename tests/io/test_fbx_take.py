@@ -3,6 +3,7 @@
 import json
 import struct
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -29,6 +30,7 @@ from tests.io.blender import opened_in_blender
 
 HUNDREDTH_OF_A_MILLIMETRE = 1e-5
 HUNDREDTH_OF_A_DEGREE = np.radians(0.01)
+EXAMPLES = Path(__file__).parents[2] / "examples" / "captures"
 CLIPS = ("strikes/accad_male2_G4_SpinningBackKick", "varied/accad_female1_D6_CartWheel", "varied/mass_backflip")
 
 
@@ -190,3 +192,18 @@ def test_blender_shows_the_same_joints_and_the_same_skin(captures, tmp_path, nam
     for frame in (0, frames // 2, frames - 1):
         expected = carried(skin, positions[frame], rotations[frame])
         assert np.linalg.norm(mesh["vertices"][frame] - expected, axis=1).max() < HUNDREDTH_OF_A_MILLIMETRE
+
+
+@pytest.mark.parametrize("root", ["", "floor"])
+def test_blender_moves_hips_that_rest_straight_above_a_root(tmp_path, root):
+    """Blender connects such bones where their ends meet, and does not move a bone that is connected."""
+    capture = load_capture(EXAMPLES / "front_kick.bvh")
+    options = ExportOptions(root=root, end=1.0)
+    take = options.applied_to(take_on(bundled_characters()["adult_woman"], capture), tmp_path / "out.fbx")
+    take = replace(take, capture=replace(take.capture, frame_rate=30.0))
+    write_take(take, tmp_path / "out.fbx")
+    found = opened_in_blender(tmp_path / "out.fbx", frames=take.poses.frame_count, rate=30.0)
+    [armature] = found["armatures"].values()
+    same = [take.skeleton.names.index(bone) for bone in armature["bones"]]
+    positions = joint_world(take.skeleton, take.poses)[0][:, same]
+    assert np.abs(armature["heads"] - positions).max() < HUNDREDTH_OF_A_MILLIMETRE

@@ -200,18 +200,18 @@ def test_characters_of_others_go_out_on_their_own_joints(captures, tmp_path, nam
 
 
 def test_its_animation_drops_on_the_original_in_blender(original, tmp_path):
-    if original.suffix != ".fbx":
-        pytest.skip("the same in FBX is enough")
     character = load_character(original).character
     take = ExportOptions().applied_to(take_on(character, make_capture()), original)
     take = replace(take, capture=replace(take.capture, frame_rate=30.0))
-    write_take(take, tmp_path / "out.fbx")
+    exported = tmp_path / f"out{original.suffix}"
+    write_take(take, exported)
     frames = take.poses.frame_count
-    found = opened_in_blender(original, frames=frames, rate=30.0, action_of=tmp_path / "out.fbx")
+    found = opened_in_blender(original, frames=frames, rate=30.0, action_of=exported)
     source = rigged_take(bundled_characters()["adult_woman"])
     same = [take.skeleton.names.index(name) for name in source.skeleton.names]
     positions, rotations = (each[:, same] for each in joint_world(take.skeleton, take.poses))
-    [mesh] = found["meshes"].values()
+    mesh = max(found["meshes"].values(), key=lambda each: each["vertices"].shape[1])  # another draws Blender's bones
     expected = [carried(source.bound, positions[frame], rotations[frame]) for frame in range(frames)]
     away = mesh["vertices"] - np.array(expected)
-    assert np.abs(away - away[:, :1]).max() < TENTH_OF_A_MILLIMETRE
+    assert np.abs(away - away[0, 0]).max() < TENTH_OF_A_MILLIMETRE
+    assert np.abs(away).max() < 0.005  # a file may rest above the floor by a little more than the studio stands

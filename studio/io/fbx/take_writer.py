@@ -38,6 +38,8 @@ WORLD_TO_FILE = [1, 2, 0]
 """Y up, facing +Z: file x is world Y (left), y is Z (up), z is X (forward)."""
 _TRAVELS = 1e-7
 """Metres by which a joint must leave its offset to have curves of its position."""
+_DETACHED = 2e-6
+"""Metres, a fifth of the accuracy of the file."""
 CURVES_PROGRESS = 0.8
 """The share of the work after which all curves are made."""
 _LINEAR = 4
@@ -77,7 +79,7 @@ def put_take(document: FbxDocument, take: Take, parent: Long, progress: Share) -
     stands = [
         (joint, _placed(position, rotation))
         for joint, position, rotation in zip(
-            joints, positions_in_file(skin.bind_positions), _turned(skin.bind_rotations), strict=True
+            joints, positions_in_file(_detached(take, skin.bind_positions)), _turned(skin.bind_rotations), strict=True
         )
     ]
     if len(skin.triangles):
@@ -96,7 +98,7 @@ def _put_joints(document: FbxDocument, take: Take, parent: Long, progress: Share
     """Add the joints in the skeleton's zero pose, and their curves."""
     skeleton, poses = take.skeleton, take.poses
     offsets = positions_in_file(skeleton.offsets)
-    travels = np.abs(poses.local_translations - skeleton.offsets).max(axis=(0, 2)) > _TRAVELS
+    travels = _travelling(take)
     rests = (
         take.rest_rotations
         if take.rest_rotations is not None
@@ -118,6 +120,25 @@ def _put_joints(document: FbxDocument, take: Take, parent: Long, progress: Share
             put_curves(document, key, "Lcl Translation", "T", positions_in_file(poses.local_translations[:, joint]))
         joints.append(key)
     return joints
+
+
+def _travelling(take: Take) -> NDArray[np.bool_]:
+    """(J,) True for joints that leave their offset."""
+    away = np.abs(take.poses.local_translations - take.skeleton.offsets)
+    return np.asarray(away.max(axis=(0, 2)) > _TRAVELS)
+
+
+def _detached(take: Take, bind_positions: FloatArray) -> FloatArray:
+    """Bind positions (J, 3) with travelling joints and the hips moved by ``_DETACHED``.
+
+    Blender connects a bone whose head is exactly at the tail of its parent, as hips straight above a root are, and
+    ignores the translation of connected bones.
+    """
+    apart = _travelling(take)
+    if take.capture.body_map:  # the hips of a character that stands will travel with another file
+        apart[take.capture.body_map.spine[0]] = True
+    apart &= take.skeleton.parents >= 0
+    return bind_positions + _DETACHED * apart[:, None] * [1.0, 1.0, 0.0]
 
 
 def node(*rows: FbxElement, order: int = 0) -> list[FbxElement]:
