@@ -21,6 +21,7 @@ from studio.document.recovery import recover, recoverable_sessions
 from studio.io.project.entity_json import project_json
 from studio.io.project.project_file import read_project, write_project
 from tests.builders import make_project
+from tests.patience import SECONDS
 
 ID = "00112233445566778899aabbccddeeff"
 
@@ -66,7 +67,7 @@ def killed_child(work: Callable[[int], None], seconds: float) -> int:
         work(writer)
         os._exit(0)
     os.close(writer)
-    select.select([reader], [], [], 20.0)
+    select.select([reader], [], [], SECONDS)
     time.sleep(seconds)
     os.kill(child, signal.SIGKILL)
     os.waitpid(child, 0)
