@@ -1,4 +1,4 @@
-"""The table of actions as Qt's actions: made once, kept true, put into menus and toolbar."""
+"""Table of actions as Qt's actions: made once, kept up to date, added to menus and toolbar."""
 
 from collections.abc import Callable, Iterable, Sequence
 
@@ -12,15 +12,16 @@ from studio.app.verbs import files
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.core.stage.saved_camera import CAMERA_SLOTS
+from studio.document.mnemonics import literal
 from studio.document.stored_cameras import camera_in_slot
 from studio.panels.message_strip import Lifetime
 
 
 def with_mnemonics(names: Sequence[str], shortcuts: Iterable[str] = ()) -> list[str]:
-    """The names with a letter of each marked, by which Alt opens it: an early one that nothing else has.
+    """Names with a mnemonic letter of each marked: an early one that is not used by anything else.
 
-    `shortcuts` are the keys of all actions. Qt answers keys that two things have with a warning and with neither, so
-    a name for which no letter is left stays unmarked. The letters are given by augmenting paths (Kuhn's matching).
+    ``shortcuts`` are the keys of all actions. Qt answers keys that two things have with a warning and with neither, so
+    a name for which no letter is left stays unmarked. The letters are assigned by augmenting paths (Kuhn's matching).
     """
     taken = {keys.removeprefix("Alt+").lower() for keys in shortcuts if keys.startswith("Alt+")} | {" "}
     index_of: dict[str, int] = {}  # of the name that is opened by a letter
@@ -69,7 +70,7 @@ class ActionSet(QObject):
         bench.live.play.recording_changed.connect(self.refresh)
 
     def refresh(self, *_: object) -> None:
-        """Fetch what can be done now, what is switched on, and what undo would take back; after a drag, not in it."""
+        """Update which actions are enabled and checked, and the texts of undo; after a drag, not during it."""
         if self._bench.live.interactive:
             return
         for row in ACTIONS:
@@ -81,13 +82,13 @@ class ActionSet(QObject):
         for slot in CAMERA_SLOTS:
             camera_id = camera_in_slot(self._bench.document.project, slot)
             name = cameras[camera_id].name if camera_id else f"camera {slot}"
-            self.by_id[f"camera_{slot}"].setText(f"Look through {name}")
+            self.by_id[f"camera_{slot}"].setText(literal(f"Look through {name}"))
         stack = self._bench.document.undo_stack
-        self.by_id["undo"].setText(f"Undo {_uncapitalised(stack.undoText())}".strip())
-        self.by_id["redo"].setText(f"Redo {_uncapitalised(stack.redoText())}".strip())
+        self.by_id["undo"].setText(literal(f"Undo {_uncapitalised(stack.undoText())}".strip()))
+        self.by_id["redo"].setText(literal(f"Redo {_uncapitalised(stack.redoText())}".strip()))
 
     def apply_keys(self) -> None:
-        """Give every action its keys by the map and the user's own."""
+        """Give every action its keys by the key map and the user's own."""
         preferences = self._bench.preferences
         _, changed = key_maps().get(preferences.key_map, ("", {}))
         keys = keys_with({row.id: row.shortcuts for row in ACTIONS}, changed, preferences.own_keys)
@@ -102,7 +103,7 @@ class ActionSet(QObject):
         return {key: tuple(each.toString() for each in action.shortcuts()) for key, action in self.by_id.items()}
 
     def fill(self, bar: QMenuBar) -> None:
-        """Put all actions into their menus."""
+        """Add all actions to their menus."""
         self.menus = {name: bar.addMenu(name) for name in MENUS}
         self._mark_menus()
         for row in ACTIONS:
@@ -114,7 +115,7 @@ class ActionSet(QObject):
                 self.menus[row.menu].addSeparator()
 
     def by_menu(self) -> dict[str, list[QAction]]:
-        """All actions by menu, for the sheet."""
+        """All actions by menu, for the shortcut sheet."""
         return {name: [self.by_id[row.id] for row in ACTIONS if row.menu == name] for name in MENUS}
 
     def tools(self) -> list[QAction]:
@@ -129,7 +130,7 @@ class ActionSet(QObject):
     def _fill_recent(self) -> None:
         self.recent.clear()
         for path in self._bench.settings.recent:
-            action = self.recent.addAction(path.name)
+            action = self.recent.addAction(literal(path.name))
             action.setToolTip(str(path))
             action.triggered.connect(lambda _=False, path=path: files.open_path(self._bench, path))
         if self.recent.isEmpty():
