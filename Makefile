@@ -7,18 +7,25 @@ STUDIO = .venv/bin/python main.py
 # The tests for `make check`, about a minute with lint and types beside them; `make test` runs every one.
 FAST = tests/architecture tests/document tests/panels tests/timeline
 
-# The tests of what computes and of files; the others, of window and command line, and then the monkey, take about as
-# long beside them.
-COMPUTING = tests/core tests/real tests/library tests/live tests/examples tests/io tests/engine tests/document \
-	tests/benchmarks
+# `make test` runs the tests in jobs of some minutes, as many at once as there are processors. Those that take longest
+# come first, so that no processor waits long for the others in the end.
+JOBS = gui monkey core live files rest
+tests_gui = tests/gui
+tests_monkey = tests/monkey
+tests_core = tests/core
+tests_live = tests/real tests/live tests/engine
+tests_files = tests/io tests/library tests/examples tests/document
+tests_rest = $(filter-out $(foreach job,$(filter-out rest,$(JOBS)),$(tests_$(job))),$(FOLDERS))
+FOLDERS = $(patsubst %/,%,$(sort $(dir $(wildcard tests/*/test_*.py))))
+PROCESSORS = $(shell getconf _NPROCESSORS_ONLN)
 
 # Lines of jobs that run at once are shown as they come, each with the name of its job.
 shown = ($(1)) 2>&1 | while IFS= read -r line; do echo "$@: $$line"; done
 
-# More arguments for pytest, for example: make test PYTEST="-m captures".
+# More arguments for pytest, for example: make test PYTEST="-m captures". A job of which they leave nothing passes.
 PYTEST ?=
 
-.PHONY: run check test kernels computing others monkey lint fast bench quality soak examples pictures films format
+.PHONY: run check test kernels $(JOBS) lint fast bench quality soak examples pictures films format
 
 run: .venv/.ready-to-run
 	@$(STUDIO)
@@ -28,19 +35,13 @@ check: .venv/.ready-to-test
 
 test: .venv/.ready-to-test
 	@$(MAKE) --no-print-directory --jobs 2 kernels lint
-	@$(MAKE) --no-print-directory --jobs 2 computing others monkey
+	@$(MAKE) --no-print-directory --jobs $(PROCESSORS) $(JOBS)
 
 kernels: .venv/.ready-to-test
 	@$(call shown,.venv/bin/python -m tests.compile_kernels)
 
-computing: .venv/.ready-to-test
-	@$(call shown,.venv/bin/python -u -m pytest $(PYTEST) $(COMPUTING))
-
-others: .venv/.ready-to-test
-	@$(call shown,.venv/bin/python -u -m pytest $(PYTEST) tests $(addprefix --ignore=,$(wildcard $(COMPUTING)) tests/monkey))
-
-monkey: .venv/.ready-to-test
-	@$(call shown,.venv/bin/python -u -m pytest $(PYTEST) tests/monkey)
+$(JOBS): .venv/.ready-to-test
+	@$(call shown,.venv/bin/python -u -m pytest $(PYTEST) $(tests_$@) $(if $(PYTEST),|| [ $$? = 5 ]))
 
 lint: .venv/.ready-to-test
 	@$(call shown,.venv/bin/ruff format --check . && .venv/bin/ruff check . && .venv/bin/mypy)

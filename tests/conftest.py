@@ -44,6 +44,12 @@ def pytest_sessionstart() -> None:
     first_run.run_seldom()
 
 
+def pytest_collection_finish() -> None:
+    """Let Python's collector ignore what is loaded by now: it went through all modules and tests again and again."""
+    gc.collect()
+    gc.freeze()
+
+
 @pytest.fixture(autouse=True)
 def collected() -> Iterator[None]:
     """A window takes over from Python's collector for good; here others come after it."""

@@ -46,6 +46,8 @@ class EditedProject(QObject):
         self.undo_stack = QUndoStack(self)
         self.selection = Selection(self)
         self._active_before: str | None = None
+        self._active: tuple[Project, tuple[Item, ...], str | None, str | None] | None = None
+        """Active performer, last, of a project and a selection, and of who was active before."""
         self._clip_before: str | None = None
         self.selection.changed.connect(self._keep_active)
         self.keys = KeySelection(self)
@@ -187,6 +189,12 @@ class EditedProject(QObject):
 
         Else the visible one that was active before, so that it takes the prop that is clicked next; else the first.
         """
+        items, before, known = self.selection.items, self._active_before, self._active
+        if known is None or known[0] is not self._project or known[1:3] != (items, before):
+            known = self._active = self._project, items, before, self._find_active_performer()
+        return known[3]
+
+    def _find_active_performer(self) -> str | None:
         performers = self._project.performers
         selected = [key for key in self.selection.of("performers") if key in performers]
         visible = [key for key, performer in performers.items() if performer.visible]

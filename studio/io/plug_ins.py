@@ -12,7 +12,8 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import EntryPoint, entry_points
+from importlib import metadata
+from importlib.metadata import EntryPoint, EntryPoints
 from typing import Any, Generic, TypeVar
 
 from studio.core.constraints.base import Constraint, KindInfo
@@ -80,6 +81,12 @@ class Loaded(Generic[T]):
 
     found: tuple[T, ...]
     failures: tuple[str, ...]
+
+
+@cache
+def entry_points(group: str) -> EntryPoints:
+    """Entry points of a group, found once: that reads a file of every installed package."""
+    return metadata.entry_points(group=group)
 
 
 def offers(group: str) -> Iterator[Offer]:

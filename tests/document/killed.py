@@ -30,6 +30,7 @@ from studio.live.recording import Recorder, read_recording
 from studio.startup.process import prepare_process
 from tests.builders import make_capture, make_project
 from tests.library.damaged_catalogue import CAPTURES, make_catalogue
+from tests.patience import SECONDS
 
 ID = "00112233445566778899aabbccddeeff"
 
@@ -104,7 +105,7 @@ def killed_child(work: Callable[[int], None], seconds: float) -> int:
         work(writer)
         os._exit(0)
     os.close(writer)
-    select.select([reader], [], [], 20.0)
+    select.select([reader], [], [], SECONDS)
     time.sleep(seconds)
     os.kill(child, signal.SIGKILL)
     os.waitpid(child, 0)

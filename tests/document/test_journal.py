@@ -25,6 +25,7 @@ from studio.io.project.entity_json import project_json
 from studio.io.project.project_file import ChangedOnDisk, read_project, write_project
 from tests.builders import make_capture, make_project
 from tests.document.test_undo import edit_at_random
+from tests.patience import SECONDS
 
 ROOT = Path(__file__).parents[2]
 KILLS = int(os.environ.get("MORPHO_KILLS", "30"))
@@ -72,7 +73,7 @@ def edit(document: Document, steps: int = 5) -> None:
 @pytest.mark.parametrize("what", ["edit", "save", "export", "record"])
 def test_kill_9_costs_no_acknowledged_edit_and_no_file_that_was_whole(tmp_path: Path, what: str) -> None:
     command = [sys.executable, "-m", "tests.document.killed", what, str(tmp_path), str(KILLS), "11"]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=100, check=False)
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=SECONDS, check=False)
     assert (done.stdout.strip(), done.returncode) == ("0", 0), done.stderr
 
 

@@ -20,6 +20,7 @@ from studio.document.document import Document
 from studio.engine.live_adaptation import LiveAdaptation, normalised
 from tests.builders import make_constraint, make_project
 from tests.core.motions import ALWAYS
+from tests.patience import SECONDS
 
 LEFT, RIGHT = (BodyPoint(BodyPart(f"{side}_forearm"), at_end=True) for side in ("left", "right"))
 REACH = Chain(trunk=0.5, root=1.0)
@@ -56,7 +57,7 @@ def live_of(qapp: Any):
         document = Document(project)
         live = LiveAdaptation(document)
         made.append(live)
-        assert live.wait(100.0)
+        assert live.wait(SECONDS)
         return document, live
 
     yield make
@@ -105,7 +106,7 @@ def test_a_wrist_follows_another_performers_wrist_and_again_when_that_one_is_cha
     assert on_stage(document, live, "p0") == pytest.approx(on_stage(document, live, "p1"), abs=3e-4)
     lead = make_constraint("m1", "Lead", target=(0.3, -0.2, 1.1), chain=REACH, activation=ALWAYS)
     document.add("constraints", lead, "Add")
-    assert live.wait(100.0)
+    assert live.wait(SECONDS)
     assert place_of(RIGHT, live.result("p1"))[0] == pytest.approx((0.3, -0.2, 1.1), abs=3e-4)
     near_limit = pytest.approx(on_stage(document, live, "p1"), abs=1e-3)  # where a shoulder ends
     assert on_stage(document, live, "p0") == near_limit
@@ -132,11 +133,11 @@ def test_a_wrist_follows_a_prop_that_is_moved_and_goes_with_it_when_it_is_remove
     document, live = live_of(project.with_entity("props", "box", Prop("Box", position=(0.3, -0.2, 1.0))))
     follow = FollowProp("box", (0.0, 0.0, 0.1))
     document.add("constraints", make_constraint("m0", target=follow, chain=REACH, activation=ALWAYS), "Add")
-    assert live.wait(100.0)
+    assert live.wait(SECONDS)
     assert on_stage(document, live, "p0")[5] == pytest.approx((0.3, -0.2, 1.1), abs=3e-4)
     moved = replace(document.project.props["box"], position=(0.2, -0.3, 0.9))
     document.replace("props", "box", moved, "Move Box")
-    assert live.wait(100.0)
+    assert live.wait(SECONDS)
     assert on_stage(document, live, "p0")[5] == pytest.approx((0.2, -0.3, 1.0), abs=3e-4)
     document.remove("props", "box", "Delete Box")
     assert not document.project.constraints
@@ -147,11 +148,11 @@ def test_a_wrist_follows_a_prop_that_is_moved_and_goes_with_it_when_it_is_remove
 def test_a_wrist_follows_a_joint_of_its_capture(live_of: Any) -> None:
     document, live = live_of(stage(1))
     source = live.source("m0")
-    assert live.wait(100.0)
+    assert live.wait(SECONDS)
     source = live.source("m0")
     asked = make_constraint("m0", target=FollowTracked("RightHand"), chain=REACH, activation=ALWAYS)
     document.add("constraints", asked, "Add")
-    assert live.wait(100.0)
+    assert live.wait(SECONDS)
     wrist = place_of(RIGHT, source)
     assert place_of(RIGHT, live.result("p0")) == pytest.approx(wrist, abs=5e-4)
 

@@ -37,7 +37,7 @@ def live(qapp: Any) -> Iterator[LiveAdaptation]:
     document.playhead.set_frame(FRAME)
     live = LiveAdaptation(document)
     live.document = document  # type: ignore[attr-defined]
-    assert live.wait(100.0)
+    assert live.wait(SECONDS)
     live.interactive = True
     yield live
     live.close()
@@ -104,7 +104,7 @@ def test_what_was_shown_last_is_what_is_there_after_release_but_for_the_easing(l
     live.bring(live.document.playhead.time)
     last = shown(live, "performer 0")
     live.interactive = False
-    assert live.wait(100.0)
+    assert live.wait(SECONDS)
     live.bring(live.document.playhead.time)
     assert live.is_eased("performer 0")
     assert live.shown("performer 0") is live.result("performer 0")
@@ -142,7 +142,7 @@ def test_who_is_followed_and_who_follows_are_shown_at_one_moment(live: Any) -> N
     follower = make_constraint(name="after it", target=FollowPerformer("performer 1", wrist))
     document.add("constraints", replace(follower, scope=Scope(performer_id="performer 0")), "Follow")
     live.interactive = False
-    assert live.wait(100.0)
+    assert live.wait(SECONDS)
     live.interactive = True
     document.selection.set(("performers", "performer 0"))
     before = shown(live, "performer 0")
@@ -159,7 +159,7 @@ def test_who_follow_each_other_follow_the_hand_together_in_the_same_picture(live
         meets = make_constraint(name=f"meets {other}", target=FollowPerformer(other, wrist))
         document.add("constraints", replace(meets, scope=Scope(performer_id=one)), "Meet")
     live.interactive = False
-    assert live.wait(100.0)
+    assert live.wait(SECONDS)
     live.interactive = True
     document.selection.set(("performers", "performer 0"))
     before = {key: shown(live, key) for key in document.project.performers}
@@ -191,7 +191,7 @@ def test_a_frame_that_costs_long_keeps_no_picture_waiting_but_the_first(qapp: An
     document = Document(make_project(characters=1, frames=FRAMES))
     live: Any = LiveAdaptation(document, solve=slow)
     live.document = document
-    assert live.wait(100.0)
+    assert live.wait(SECONDS)
     solved.clear()
     live.interactive = True
     for step in range(4):
@@ -200,7 +200,7 @@ def test_a_frame_that_costs_long_keeps_no_picture_waiting_but_the_first(qapp: An
     let_others_follow(live)
     assert solved.count(True) == 1
     live.interactive = False
-    assert live.wait(100.0)
+    assert live.wait(SECONDS)
     assert live.shown("performer 0") is live.result("performer 0")
     live.close()
 
@@ -215,7 +215,7 @@ def test_a_row_that_is_very_long_keeps_not_even_the_first_picture_waiting(
         monkeypatch.setattr("studio.engine.frames.MANY_FRAMES", FRAMES - 1 + PIECE_FRAMES)
     row = (replace(performer.clips[0], repeats=repeats),)
     document.replace("performers", "performer 0", replace(performer, clips=row), "Play again")
-    assert live.wait(100.0)
+    assert live.wait(SECONDS)
     live.bring(document.playhead.time)
     before = shown(live, "performer 0").copy()
     drag(document, (0.4, 0.1, 1.2))

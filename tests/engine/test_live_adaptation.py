@@ -28,6 +28,7 @@ from studio.engine.live_adaptation import LiveAdaptation
 from studio.engine.residuals import unsolved_words
 from studio.startup.kernel_warm_up import WarmUp
 from tests.builders import make_capture, make_constraint, make_morphology, make_project
+from tests.patience import SECONDS
 
 FRAMES = 400
 
@@ -340,9 +341,9 @@ def test_busy_is_told_when_it_begins_and_when_it_ends(make_scene: Any) -> None:
 def test_the_real_solver_answers_for_every_performer(qapp: Any) -> None:
     document = Document(make_project(characters=2, frames=60))
     live = LiveAdaptation(document)
-    assert live.wait(100.0)
+    assert live.wait(SECONDS)
     live.source("motion")
-    assert live.wait(100.0)
+    assert live.wait(SECONDS)
     results = [live.result("performer 0"), live.result("performer 1"), live.source("motion")]
     live.close()
     assert all(np.isfinite(result.positions).all() and result.frame_count == 60 for result in results)
@@ -354,7 +355,7 @@ def test_motions_of_projects_that_are_gone_are_let_go(qapp: Any) -> None:
     opened: list[weakref.ref[Any]] = []
     for frames in range(20, 40):
         document.new(make_project(characters=1, frames=frames))
-        assert live.wait(100.0)
+        assert live.wait(SECONDS)
         opened += [weakref.ref(live.motion("motion")), weakref.ref(document.project.captures["capture"])]
     gc.collect()
     assert sum(each() is not None for each in opened) < 20  # of 40: workers and small caches hold their last few
@@ -382,7 +383,7 @@ def test_closing_while_kernels_are_still_compiled_waits_for_none_and_tells_nothi
     document.new(make_project())
     live.wait(0.01)
     live.source("motion")
-    assert warming.asked.wait(10.0)
+    assert warming.asked.wait(SECONDS)
     live.close()
     qapp.processEvents()
     assert solver.windows == []

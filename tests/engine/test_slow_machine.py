@@ -17,6 +17,7 @@ from studio.engine.hand import BUSY, Rest
 from studio.engine.live_adaptation import LiveAdaptation
 from studio.engine.standing_solver import StandingSolver
 from tests.builders import make_project
+from tests.patience import SECONDS
 
 BODIES, PICTURES = 5, 8
 ACTIVE = "performer 0"
@@ -31,7 +32,7 @@ class Drag:
         self.solver = StandingSolver()
         self.document = Document(make_project(characters=BODIES, frames=60))
         self.live = LiveAdaptation(self.document, solve=self.solve)
-        assert self.live.wait(100.0)
+        assert self.live.wait(SECONDS)
         self.count = 0
         self.live.interactive = True
 
@@ -53,7 +54,7 @@ class Drag:
 
     def let_worker_answer(self) -> None:
         """As long as the picture is drawn, what is solved beside it has time."""
-        end = time.monotonic() + 30.0
+        end = time.monotonic() + SECONDS
         while self.live._beside.busy:
             QApplication.processEvents()
             assert time.monotonic() < end
@@ -72,7 +73,7 @@ def test_a_hand_does_not_rest_while_the_window_is_too_busy_to_hear_of_it(qapp: A
     rest.begin()
     time.sleep(0.05 + 3.0 * BUSY)
     busy_until = time.monotonic()
-    while not told and time.monotonic() < busy_until + 10.0:
+    while not told and time.monotonic() < busy_until + SECONDS:
         QApplication.processEvents()
     assert told[0] >= busy_until + 0.045
 
@@ -121,7 +122,7 @@ def test_whom_a_slow_drag_concerns_too_is_at_most_as_many_turns_behind_as_bodies
         "performers", also, replace(document.project.performers[also], character_id="character 0"), "Same character"
     )
     drag.live.interactive = False
-    assert drag.live.wait(100.0)
+    assert drag.live.wait(SECONDS)
     drag.live.interactive = True
     moves = []
     for _ in range(2 * PICTURES):
@@ -140,7 +141,7 @@ def test_of_many_selected_bodies_the_active_one_is_in_every_picture(begin: Any) 
     for performer_id, performer in document.project.performers.items():
         document.replace("performers", performer_id, replace(performer, character_id=character_id), "Same character")
     drag.live.interactive = False
-    assert drag.live.wait(100.0)
+    assert drag.live.wait(SECONDS)
     drag.live.interactive = True
     begun = time.thread_time()
     drag.move(character_id)
@@ -168,7 +169,7 @@ def test_a_change_that_asks_nothing_new_of_a_body_leaves_no_frame_of_it_behind(b
         "performers", "performer 1", replace(drag.document.project.performers["performer 1"], name="Renamed"), "Rename"
     )
     drag.live.bring(drag.document.playhead.time)
-    assert drag.live.wait(100.0)
+    assert drag.live.wait(SECONDS)
     drag.live.bring(drag.document.playhead.time)
     assert drag.live.shown(ACTIVE) is drag.live.result(ACTIVE)
     assert drag.live.is_eased(ACTIVE)
@@ -182,6 +183,6 @@ def test_after_release_the_one_body_that_was_dragged_is_solved_once(begin: Any) 
     drag.let_worker_answer()
     drag.count = 0
     drag.live.interactive = False
-    assert drag.live.wait(100.0)
+    assert drag.live.wait(SECONDS)
     assert drag.count == 1
     assert drag.live.reported(ACTIVE) is drag.live.result(ACTIVE)

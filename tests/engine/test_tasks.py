@@ -95,7 +95,7 @@ def test_a_job_that_hears_nothing_does_not_hold_up_the_end(qapp: Any) -> None:
 
 def test_a_job_that_outlives_its_runner_ends_in_silence(qapp: Any) -> None:
     runner, going_on = TaskRunner(), threading.Event()
-    runner.run("Import", lambda progress: (going_on.wait(20.0), progress.report(0.5)))
+    runner.run("Import", lambda progress: (going_on.wait(SECONDS), progress.report(0.5)))
     runner.close(patience=0.0)
     [thread] = [thread for thread in threading.enumerate() if thread.name.startswith("task-")]
     shiboken6.delete(runner)

@@ -20,6 +20,7 @@ from studio.panels.constraint_editors.body_figure import SCALE, SEGMENT_SHAPES
 from tests.builders import make_capture
 from tests.io.character_files import Gltf
 from tests.io.test_remapped import SWAPPED_ARMS
+from tests.patience import SECONDS
 
 LEFT = Qt.MouseButton.LeftButton
 
@@ -56,7 +57,7 @@ def click_joint(section, joint):
 def wait_for_tasks(section):
     """Wait until nothing runs beside the window."""
     runner = section.window().bench.runner
-    end = time.monotonic() + 20.0
+    end = time.monotonic() + SECONDS
     while runner.running and time.monotonic() < end:
         QTest.qWait(5)
     assert not runner.running
@@ -139,7 +140,7 @@ def test_the_window_goes_on_meanwhile_and_a_cancelled_one_changes_nothing(sectio
 
     def slow(character, names):
         threads.append(threading.current_thread())
-        may_go_on.wait(10.0)
+        may_go_on.wait(SECONDS)
         return remapped(character, names)
 
     monkeypatch.setattr(casting, "remapped", slow)

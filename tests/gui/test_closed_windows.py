@@ -16,7 +16,7 @@ from studio.core.stage.project import COLLECTIONS, Project
 from studio.document.document import Document
 from studio.io.project.character_file import bundled_characters
 from tests.gui.window_use import wait_until_idle
-from tests.patience import PATIENCE
+from tests.patience import PATIENCE, SECONDS
 
 
 def use_a_window(qtbot, folder):
@@ -32,7 +32,7 @@ def use_a_window(qtbot, folder):
         for key in list(getattr(document.project, collection))[:1]:
             document.selection.set((collection, key))
             QTest.qWait(10)
-    assert window.bench.live.wait(100.0)
+    assert window.bench.live.wait(SECONDS)
     QTest.qWait(50)
     window.leave()
     window.deleteLater()

@@ -15,10 +15,10 @@ from studio.panels.correction_editor import CorrectionEditor
 from studio.timeline.shown import ItemPart
 from studio.timeline.tracks.correction import handle_points
 from tests.gui.viewport_use import LEFT, NONE, drag, joint_pixel, on_arrow, settle
+from tests.patience import PATIENCE, SECONDS
 
 WALK = api.example_captures_folder() / "walk_turn.bvh"
 TIME = 0.8
-SOLVED_SECONDS, TIMEOUT = 30.0, 20_000
 
 
 @pytest.fixture
@@ -35,8 +35,8 @@ def posing(window, qtbot):
     """The window at a moment of the walk, with its viewport in the mode that corrects poses."""
     bench = window.bench
     show_views(window)
-    assert bench.live.wait(SOLVED_SECONDS)
-    qtbot.waitUntil(lambda: bool(bench.viewport.posed), timeout=TIMEOUT)
+    assert bench.live.wait(SECONDS)
+    qtbot.waitUntil(lambda: bool(bench.viewport.posed), timeout=PATIENCE)
     bench.document.playhead.set_time(TIME)
     bench.viewport.set_view("perspective")
     settle(bench.viewport)
@@ -98,13 +98,13 @@ def test_an_elbow_of_a_walk_is_corrected_for_half_a_second_by_three_clicks(posin
     assert made.activation.end - made.activation.start == pytest.approx(0.5)
     assert not document.project.constraints
     assert viewport.joint_picked is not None
-    assert bench.live.wait(SOLVED_SECONDS)
+    assert bench.live.wait(SECONDS)
     posed = bench.live.result(performer)
     off = np.linalg.norm(np.asarray(posed.positions[:]) - np.asarray(plain.positions[:]), axis=2).max(axis=1)
     times = plain.composite.timing.begin + np.arange(len(off)) / plain.frame_rate
     assert off[np.abs(times - TIME).argmin()] > 0.05
     assert off[np.abs(times - TIME) > 0.26].max() < 1e-5
-    qtbot.waitUntil(lambda: isinstance(posing.inspector.editor, CorrectionEditor), timeout=TIMEOUT)
+    qtbot.waitUntil(lambda: isinstance(posing.inspector.editor, CorrectionEditor), timeout=PATIENCE)
     document.undo_stack.undo()
     assert not document.project.corrections
 

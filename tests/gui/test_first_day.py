@@ -22,6 +22,7 @@ from studio.panels.message_strip import Lifetime
 from tests.builders import make_capture
 from tests.gui.viewport_use import LEFT, NONE, joint_pixel
 from tests.gui.window_use import drop, wait_until_idle
+from tests.patience import PATIENCE, SECONDS
 
 CONTROL = Qt.KeyboardModifier.ControlModifier
 
@@ -106,9 +107,9 @@ def test_a_click_on_the_guesses_shows_the_import_report(window):
 def test_the_hint_to_click_a_joint_goes_when_one_is_constrained(window, qtbot):
     import_views()
     show_views(window)
-    assert window.bench.live.wait(300.0)
+    assert window.bench.live.wait(SECONDS)
     viewport = window.bench.viewport
-    qtbot.waitUntil(lambda: len(viewport.posed) == 2, timeout=20000)
+    qtbot.waitUntil(lambda: len(viewport.posed) == 2, timeout=PATIENCE)
     QTest.qWait(200)
     QTest.keyClick(window, Qt.Key.Key_C)
     assert window.strip.text.startswith("Click a joint")
@@ -136,8 +137,8 @@ def test_where_a_new_box_is_picked_up_is_said_until_it_is(window, qtbot):
     import_views()
     show_views(window)
     document, by_id = window.bench.document, window.actions_by_id.by_id
-    assert window.bench.live.wait(300.0)
-    qtbot.waitUntil(lambda: len(window.bench.viewport.posed) == 2, timeout=20000)
+    assert window.bench.live.wait(SECONDS)
+    qtbot.waitUntil(lambda: len(window.bench.viewport.posed) == 2, timeout=PATIENCE)
     clip = document.project.performers["performer 0"].clips[0]
     document.add("contacts", ContactInterval(clip.motion_id, Touch.HANDS_ON_THING, 10, clip.last), "Add")
     document.selection.set(("performers", "performer 0"))
@@ -165,9 +166,9 @@ def test_what_a_scene_shows_is_said_until_another_project_is_open(window):
 def test_a_joint_is_picked_and_constrained_by_keys_alone(window, qtbot):
     import_views()
     show_views(window)
-    assert window.bench.live.wait(300.0)
+    assert window.bench.live.wait(SECONDS)
     viewport, document = window.bench.viewport, window.bench.document
-    qtbot.waitUntil(lambda: len(viewport.posed) == 2, timeout=20000)
+    qtbot.waitUntil(lambda: len(viewport.posed) == 2, timeout=PATIENCE)
     document.selection.set(("performers", "performer 1"))
     window.activateWindow()
     QTest.keyClick(window, Qt.Key.Key_J, Qt.KeyboardModifier.ShiftModifier)
@@ -221,9 +222,9 @@ def test_bodies_of_which_some_play_another_take_are_lined_up_and_do_not_meet(win
     assert document.project.performers[second].clips != document.project.performers[first].clips
     assert np.abs(places[0] - places[1]) == pytest.approx([SPACING, 0.0], abs=1e-6)
     window.actions_by_id.by_id["show_all"].trigger()
-    assert window.bench.live.wait(300.0)
+    assert window.bench.live.wait(SECONDS)
     window.actions_by_id.by_id["line_up"].trigger()
-    assert window.bench.live.wait(300.0)
+    assert window.bench.live.wait(SECONDS)
     paths = root_paths(document.project, window.bench.live.result)
     one, other = (np.array(each.position) + paths[key] for key, each in document.project.performers.items())
     assert np.linalg.norm(one - other, axis=1).min() > 0.75
@@ -235,7 +236,7 @@ def test_line_up_puts_bodies_of_a_mirrored_walk_across_the_way_that_is_seen(wind
     wait_until_idle(qtbot, window)
     document.selection.set(("clips", next(iter(document.project.performers.values())).clips[0].id))
     QTest.keyClick(window, Qt.Key.Key_M, CONTROL)
-    assert window.bench.live.wait(300.0)
+    assert window.bench.live.wait(SECONDS)
     window.actions_by_id.by_id["line_up"].trigger()
     first, second = (np.array(each.position) for each in document.project.performers.values())
     path = next(iter(root_paths(document.project, window.bench.live.result).values()))

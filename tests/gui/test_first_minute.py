@@ -16,6 +16,7 @@ from studio.panels.constraint_editors.target_rows import KEYED_KIND, PLACE_KINDS
 from studio.timeline.strip_states import StripState
 from studio.viewport.body_points import body_joints
 from tests.gui.window_use import choose_by_keys, drop, wait_until_idle
+from tests.patience import SECONDS
 
 LEFT, NONE = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
 HEIGHT_OF_KICK = 154
@@ -42,7 +43,7 @@ def window(qtbot, tmp_path):
 
 
 def solved(window):
-    assert window.bench.live.wait(100.0)
+    assert window.bench.live.wait(SECONDS)
     QTest.qWait(50)
     while window.bench.viewport.moving and not window.bench.document.playhead.playing:
         QTest.qWait(5)

@@ -16,6 +16,7 @@ from studio.panels.library_delegate import EYE_WIDTH
 from tests.builders import make_capture, make_constraint, make_project
 from tests.gui.viewport_use import LEFT, NONE
 from tests.gui.window_use import drop
+from tests.patience import PATIENCE
 
 ALT = Qt.KeyboardModifier.AltModifier
 
@@ -158,7 +159,7 @@ def test_focus_is_seen_wherever_tab_leads(window, qtbot):
     """Tools, history, tabs, order of priorities, timeline and 3D view looked the same with the keyboard and without."""
     import_views()
     show_views(window)
-    qtbot.waitUntil(lambda: len(window.bench.viewport.posed) == 4, timeout=20000)
+    qtbot.waitUntil(lambda: len(window.bench.viewport.posed) == 4, timeout=PATIENCE)
     window.bench.document.selection.set(("constraints", "constraint 1"))
     window.show_dock("Strikes")
     window.activateWindow()

@@ -14,7 +14,7 @@ from studio.core.stage.behaviour import Behaviour, Role, State, Transition
 from studio.core.stage.conditions import KeyCondition
 from studio.core.stage.project import Project
 from tests.live.test_live_stage import WRIST, clip_of, reaching, staged
-from tests.patience import PATIENCE
+from tests.patience import PATIENCE, SECONDS
 
 PLACE = (0.4, -0.2, 1.1)
 
@@ -34,7 +34,7 @@ def playing(window, qtbot):
     import_views()
     show_views(window)
     window.bench.viewport.start()
-    assert window.bench.live.wait(100.0)
+    assert window.bench.live.wait(SECONDS)
     window.bench.document.selection.set(("performers", "one"))
     window.actions_by_id.by_id["play_live"].trigger()
     play = window.bench.live.play
@@ -86,7 +86,7 @@ def test_a_take_begins_at_the_playhead_and_plays_there_what_was_recorded(playing
     assert clips[0].motion_id == "front_kick"
     assert clips[0].start == pytest.approx(begin, abs=1.0 / document.playhead.frame_rate)
     assert document.playhead.time == pytest.approx(begin, abs=1.0 / document.playhead.frame_rate)
-    assert playing.bench.live.wait(100.0)
+    assert playing.bench.live.wait(SECONDS)
     qtbot.waitUntil(lambda: playing.bench.viewport.posed["one"].motion_id == "front_kick", timeout=PATIENCE)
     document.undo_stack.undo()
     assert document.project.performers["one"].clips[0].motion_id == "straight_punch"
@@ -115,7 +115,7 @@ def test_a_target_that_is_moved_while_it_plays_is_followed_and_kept_in_the_take(
     own = [each for key, each in document.project.constraints.items() if isinstance(each.target, KeyedPlace)]
     assert own
     press(playing, Qt.Key.Key_Escape)
-    assert playing.bench.live.wait(100.0)
+    assert playing.bench.live.wait(SECONDS)
     document.undo_stack.undo()
     assert document.project.constraints["reach"].target == place
     assert len(document.project.performers["one"].clips) == 2

@@ -22,6 +22,7 @@ from studio.io import registry
 from studio.timeline.timeline import Timeline
 from tests.builders import make_constraint, make_project
 from tests.gui.window_use import PATIENCE, drop, same, wait_until_idle
+from tests.patience import SECONDS
 
 LEFT = Qt.MouseButton.LeftButton
 CONTROL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
@@ -168,7 +169,7 @@ def test_closing_leaves_no_thread_and_no_timer(qtbot, tmp_path):
     window.show()
     import_views()
     show_views(window)
-    assert window.bench.live.wait(300.0)
+    assert window.bench.live.wait(SECONDS)
     window.bench.document.playhead.play()
     QTest.qWait(50)
     window.leave()

@@ -15,7 +15,7 @@ from studio.io.markers.maps import known_maps, maps_folder
 from tests.builders import make_project
 from tests.core.markers.made import FRAMES, RATE, made_trial
 from tests.io.trials import make_trial
-from tests.patience import PATIENCE
+from tests.patience import PATIENCE, SECONDS
 
 KNEE, MARKER = "left_knee", "P_left_knee"
 
@@ -228,7 +228,7 @@ def test_the_markers_behind_a_motion_are_shown_on_demand(qtbot, window, dialog, 
     dialog.close()
     window.bench.document.selection.clear()
     actions = window.actions_by_id.by_id
-    assert window.bench.live.wait(120.0)
+    assert window.bench.live.wait(SECONDS)
     qtbot.waitUntil(lambda: view.posed and view._chips.markers.isVisibleTo(view), timeout=PATIENCE)
     assert view._recorded is None
     actions["recorded_markers"].trigger()

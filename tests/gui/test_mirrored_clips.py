@@ -15,6 +15,7 @@ from studio.timeline.hover import hover_text
 from studio.viewport.paths import contact_marks
 from tests.gui.viewport_use import LEFT, NONE, drag, joint_pixel
 from tests.gui.window_use import wait_until_idle
+from tests.patience import SECONDS
 
 KICK = 154
 """Frame of the sample in which the right foot kicks and the left one stands."""
@@ -45,7 +46,7 @@ def window(qtbot, tmp_path):
 
 
 def solved(window):
-    assert window.bench.live.wait(200.0)
+    assert window.bench.live.wait(SECONDS)
     QTest.qWait(50)
     while window.bench.viewport.moving:
         QTest.qWait(5)

@@ -177,7 +177,7 @@ def test_a_stage_that_changes_while_it_is_measured_is_measured_again_for_the_key
         return summary_of(*arguments)
 
     monkeypatch.setattr("studio.engine.problem_search.summary_of", changing)
-    with qtbot.waitSignal(search.found, timeout=5000):
+    with qtbot.waitSignal(search.found, timeout=PATIENCE):
         tour.go(1)
     assert len(measured) == 2
     assert document.playhead.time == pytest.approx(search.problems[0].finding.time, abs=0.5 / 60.0)

@@ -19,6 +19,7 @@ from studio.viewport.overlay import Overlay
 from studio.viewport.widget import Viewport
 from tests.builders import make_project
 from tests.gui.viewport_use import settle
+from tests.patience import PATIENCE, SECONDS
 from tests.viewport.standing import StandingLive
 
 
@@ -35,7 +36,7 @@ def twins(qtbot):
     viewport = Viewport(document, StandingLive(document))
     qtbot.addWidget(viewport)
     viewport.resize(900, 600)
-    with qtbot.waitSignal(viewport.started, timeout=30000):
+    with qtbot.waitSignal(viewport.started, timeout=PATIENCE):
         viewport.show()
     document.playhead.set_time(0.2)
     settle(viewport)
@@ -89,8 +90,8 @@ def test_feet_stand_above_the_sentence_that_is_said_as_the_stage_opens(window, q
     import_views()
     show_views(window)
     viewport = window.bench.viewport
-    assert window.bench.live.wait(300.0)
-    qtbot.waitUntil(lambda: len(viewport.posed) == 2, timeout=20000)
+    assert window.bench.live.wait(SECONDS)
+    qtbot.waitUntil(lambda: len(viewport.posed) == 2, timeout=PATIENCE)
     settle(viewport)
     points = np.concatenate([pose.points for pose in viewport.posed.values()])
     pixels, _ = viewport.camera.project(points, viewport.view_size)

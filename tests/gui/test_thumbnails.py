@@ -12,6 +12,7 @@ from studio.panels import thumbnails
 from studio.panels.library_delegate import PICTURED
 from studio.panels.thumbnails import capture_picture, character_picture
 from tests.builders import make_capture
+from tests.patience import SECONDS
 
 
 def filled(picture: QImage) -> list[tuple[int, int]]:
@@ -20,7 +21,7 @@ def filled(picture: QImage) -> list[tuple[int, int]]:
 
 
 def wait_for(done) -> None:
-    end = time.monotonic() + 20.0
+    end = time.monotonic() + SECONDS
     while not done() and time.monotonic() < end:
         QTest.qWait(5)
     assert done()

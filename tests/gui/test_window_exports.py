@@ -6,6 +6,7 @@ from PySide6.QtCore import Qt
 from studio.core.captures.annotations import Label
 from studio.io.importing import load_capture
 from tests.gui.window_use import wait_until_idle
+from tests.patience import SECONDS
 
 LEFT = Qt.MouseButton.LeftButton
 CONTROL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
@@ -14,7 +15,7 @@ CONTROL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftM
 def test_the_adapted_motion_of_a_character_is_exported_as_bvh(qtbot, window, tmp_path):
     from studio.app import exporting
 
-    assert window.bench.live.wait(300.0)
+    assert window.bench.live.wait(SECONDS)
     path = tmp_path / "out.bvh"
     exporting.export(window.bench, {"performer 0": path})
     wait_until_idle(qtbot, window)

@@ -17,6 +17,7 @@ from studio.io.importing import load_capture
 from studio.resources_folder import example_captures_folder
 from tests.builders import make_capture, make_constraint, make_contact
 from tests.gui.window_use import drop, same, wait_until_idle
+from tests.patience import SECONDS
 
 LEFT = Qt.MouseButton.LeftButton
 CONTROL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
@@ -32,7 +33,7 @@ def test_a_dropped_bvh_is_shown_on_the_visible_characters_as_one_undo_step(qtbot
     new_motion = list(document.project.motions)[-1]
     assert {p.clips[0].motion_id for p in document.project.performers.values()} == {new_motion}
     assert len(document.project.captures) == len(before.captures) + 1
-    assert window.bench.live.wait(300.0)
+    assert window.bench.live.wait(SECONDS)
     QTest.keyClick(window, Qt.Key.Key_Z, CONTROL)
     assert same(document.project, before)
 

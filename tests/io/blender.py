@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.patience import SECONDS
+
 VARIABLE = "MORPHO_BLENDER"
 SCRIPT = Path(__file__).with_name("in_blender.py")
 
@@ -29,7 +31,7 @@ def opened_in_blender(path: Path, *, frames: int, rate: float, action_of: Path |
     target = path.with_suffix(".blender.npz")
     command = [python, str(SCRIPT), str(path), str(target), str(frames), str(rate), str(action_of or "")]
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, env=environment)
     assert done.returncode == 0, done.stdout + done.stderr
     with np.load(target) as read:
         found: dict[str, Any] = json.loads(str(read["about"]))

@@ -8,6 +8,8 @@ from typing import Any
 
 import pytest
 
+from tests.patience import SECONDS
+
 PACKAGE = "gltf-validator@2.0.0-dev.3.10"
 FOLDER = Path(__file__).resolve().parents[2] / ".cache" / "gltf-validator"
 SCRIPT = """
@@ -21,7 +23,7 @@ def issues_of(path: Path) -> dict[str, Any]:
     """Findings of the validator in a file: ``numErrors``, ``numWarnings``, ``messages``. Skips where it cannot run."""
     _install()
     done = subprocess.run(
-        ["node", "-e", SCRIPT, str(path)], cwd=FOLDER, capture_output=True, text=True, timeout=60, check=True
+        ["node", "-e", SCRIPT, str(path)], cwd=FOLDER, capture_output=True, text=True, timeout=SECONDS, check=True
     )
     issues: dict[str, Any] = json.loads(done.stdout)
     return issues
@@ -38,7 +40,7 @@ def _install() -> None:
     try:
         subprocess.run(
             ["npm", "install", "--silent", "--no-audit", "--no-fund", PACKAGE],
-            cwd=FOLDER, capture_output=True, text=True, timeout=90, check=True,
+            cwd=FOLDER, capture_output=True, text=True, timeout=SECONDS, check=True,
         )  # fmt: skip
     except subprocess.SubprocessError as error:
         pytest.skip(f"the Khronos validator could not be installed by npm: {error}")

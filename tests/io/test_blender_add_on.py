@@ -14,6 +14,7 @@ from studio.io.importing import load_capture
 from studio.live.streamer import packets_of
 from studio.live.vmc import bone_segments, t_pose_axes
 from tests.io.blender import VARIABLE
+from tests.patience import SECONDS
 
 ROOT = Path(__file__).parents[2]
 ADD_ON, SCRIPT = ROOT / "examples" / "blender" / "morpho_studio_live.py", Path(__file__).with_name("in_blender_live.py")
@@ -66,7 +67,7 @@ def test_a_rig_stands_where_the_streamed_body_does(tmp_path: Path, lowered: floa
     )
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
     command = [python, str(SCRIPT), str(ADD_ON), str(tmp_path / "in.npz"), str(tmp_path / "out.npz")]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, env=environment)
     assert done.returncode == 0, done.stdout + done.stderr
     wanted = _in_blender(positions[[near[each.segment] for each in segments]])
     off = np.linalg.norm(np.load(tmp_path / "out.npz")["heads"] - wanted, axis=1)

@@ -30,6 +30,7 @@ from studio.io.takes.exported_stage import exported_stage, write_stage
 from tests.engine.test_following import stage
 from tests.io.blender import opened_in_blender
 from tests.io.khronos import issues_of
+from tests.patience import SECONDS
 
 HUNDREDTH_OF_A_MILLIMETRE = 1e-5
 HAND = BodyPoint(BodyPart.RIGHT_HAND, at_end=True)
@@ -117,7 +118,7 @@ sys.stdout.flush(); os._exit(0)
 
 def fbx_places(path):
     target = path.with_suffix(".npz")
-    subprocess.run([sys.executable, "-c", READ_BY_UFBX, str(path), str(target)], check=True, timeout=300)
+    subprocess.run([sys.executable, "-c", READ_BY_UFBX, str(path), str(target)], check=True, timeout=SECONDS)
     with np.load(target) as read:
         return {name: read[name] for name in read.files}
 

@@ -11,6 +11,7 @@ from studio.core.captures.contacts import touching_points
 from studio.core.captures.reaching import farthest_frame
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import place_of
+from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.manners import ARM_POINT, FIST_POINT, HEAD_POINT, KeepDistance, LeanAway
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Project
@@ -154,30 +155,39 @@ def stiff(project: Project) -> Project:
     return project
 
 
-def test_eight_fighters_kick_ward_off_and_punch_by_two_behaviours_that_fit_all_bodies():
+@cache
+def training_fight() -> tuple[Project, list[dict[str, AdaptedMotion]]]:
+    """Eight fighters, each in each of 180 steps after X is pressed; all are in guard then."""
     project = fight.fight_training()
     stage = LiveStage(project, prepare)
-    pairs = list(zip(*[iter(project.performers)] * 2, strict=True))
     for step in range(90):
         stage.step(STEP if step else 0.0)
     stage.press("X")
-    met, hit = ({pair: [] for pair in pairs} for _ in range(2))
+    steps = []
     for _ in range(180):
-        stage.step(STEP)
+        steps.append(dict(stage.step(STEP)))
         assert not stage.failures
+    assert {each.state for each in stage.running.values()} == {"Guard"}
+    return project, steps
+
+
+def test_eight_fighters_kick_ward_off_and_punch_by_two_behaviours_that_fit_all_bodies():
+    project, steps = training_fight()
+    pairs = list(zip(*[iter(project.performers)] * 2, strict=True))
+    met, hit = ({pair: [] for pair in pairs} for _ in range(2))
+    for results in steps:
         for white, red in pairs:
             for gaps, own, other in (
                 (met, fight.WARDING_FOREARM, fight.KICKING_ANKLE),
                 (hit, fight.RIGHT_FIST, fight.CHIN),
             ):
                 places = [
-                    Placement.of(project.performers[key]).to_stage(place_of(point, stage.results[key])[0])
+                    Placement.of(project.performers[key]).to_stage(place_of(point, results[key])[0])
                     for key, point in ((red, own), (white, other))
                 ]
                 gaps[white, red].append(float(np.linalg.norm(places[0] - places[1])))
     assert [min(gaps) < 5e-3 for gaps in met.values()] == [True] * 4
     assert [min(gaps) < 5e-3 for gaps in hit.values()] == [True] * 4
-    assert {each.state for each in stage.running.values()} == {"Guard"}
 
 
 def test_who_is_too_far_does_not_strike():
@@ -191,19 +201,10 @@ def test_the_punch_is_found_to_hit_where_its_arm_is_stretched_most():
 
 
 def test_who_wards_off_meets_the_kick_and_does_not_chase_it():
-    project = fight.fight_training()
-    stage = LiveStage(project, prepare)
-    stage.step(0.0)
-    for _ in range(60):
-        stage.step(STEP)
-    stage.press("X")
-    red = [each.performer_id for each in project.behaviours["red"].cast]
-    turns: dict[str, list[np.ndarray]] = {key: [] for key in red}
-    for _ in range(120):
-        for key, result in stage.step(STEP).items():
-            if key in turns:
-                carriers = np.array(result.morphology.layout.parent_segments())[1:]
-                turns[key].append(np.swapaxes(result.rotations[0, carriers], 1, 2) @ result.rotations[0, 1:])
-        assert not stage.failures
-    for each in turns.values():
-        assert angular_acceleration(np.array(each), 1.0 / STEP).max() < 2000.0
+    project, steps = training_fight()
+    for key in (each.performer_id for each in project.behaviours["red"].cast):
+        turns = []
+        for result in (results[key] for results in steps[:120]):
+            carriers = np.array(result.morphology.layout.parent_segments())[1:]
+            turns.append(np.swapaxes(result.rotations[0, carriers], 1, 2) @ result.rotations[0, 1:])
+        assert angular_acceleration(np.array(turns), 1.0 / STEP).max() < 2000.0

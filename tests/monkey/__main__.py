@@ -1,4 +1,4 @@
-"""A monkey at the real window: ``python -m tests.monkey [--events N] [--seed S]``, or ``make soak``.
+"""A monkey at the real window: ``python -m tests.monkey [--events N] [--round N] [--seed S]``, or ``make soak``.
 
 Seeded clicks, drags, keys, menus, fields, drops and answers to dialogs, in rounds; each round ends by closing the
 window at whatever moment it is, and the next one opens another. Told are exceptions, faults that the studio tells of
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from studio.panels.message_strip import UserMessage
 
 EVENTS, ROUND = 100_000, 1000
+"""Events in all, and in a round in the mean."""
 BEAT, PATIENCE = 20, 0.3
 """Milliseconds between two looks at the event loop; seconds after which an event is known to have a loop of its own."""
 
@@ -37,7 +38,7 @@ BEAT, PATIENCE = 20, 0.3
 class Soak:
     """Rounds of the monkey, each with a window of its own, in one event loop."""
 
-    def __init__(self, events: int, seed: int, folder: Path, tell: Callable[[str], object]) -> None:
+    def __init__(self, events: int, mean_round: int, seed: int, folder: Path, tell: Callable[[str], object]) -> None:
         from PySide6.QtCore import QTimer, qInstallMessageHandler
 
         from studio.app.application import make_application
@@ -48,7 +49,7 @@ class Soak:
         first_run.run()
         first_run.run_seldom()
         self.application, self.report, self.tell = make_application(), Report(), tell
-        self.events, self.seed, self.folder = events, seed, folder
+        self.events, self.mean_round, self.seed, self.folder = events, mean_round, seed, folder
         self.application.setQuitOnLastWindowClosed(False)
         self.hooks, self.clock, self.later = ProblemHooks(), Clock(), QTimer.singleShot
         files = folder / "files"
@@ -89,7 +90,7 @@ class Soak:
         from studio.app.settings import Settings
         from studio.document.document import Document
 
-        self.left = min(self.monkey.random.randint(1, 2 * ROUND), self.events - self.report.events)
+        self.left = min(self.monkey.random.randint(1, 2 * self.mean_round), self.events - self.report.events)
         journals = self.folder / "state"
         shutil.rmtree(journals, ignore_errors=True)
         settings = Settings(self.folder / "studio.ini")
@@ -172,6 +173,7 @@ def main() -> int:
 
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--events", type=int, default=EVENTS)
+    parser.add_argument("--round", type=int, default=ROUND, help="events between two windows, in the mean")
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args()
     prepare_process()
@@ -182,7 +184,11 @@ def main() -> int:
         for kind in ("CACHE", "CONFIG", "DATA", "STATE"):
             os.environ[f"XDG_{kind}_HOME"] = str(Path(name) / kind.lower())
         report = Soak(
-            arguments.events, arguments.seed, Path(name), lambda text: print(text, file=sys.stderr, flush=True)
+            arguments.events,
+            arguments.round,
+            arguments.seed,
+            Path(name),
+            lambda text: print(text, file=sys.stderr, flush=True),
         ).run()
     print(json.dumps({**vars(report), "growth": report.growth, "seconds": time.process_time()}))
     return 0 if report.right else 1

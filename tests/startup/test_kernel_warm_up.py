@@ -13,6 +13,7 @@ from studio.core.kernels.body.encode_channels import encode_frames
 from studio.core.kernels.solve_clip import place_frames, solve_frames
 from studio.startup import first_run, kernel_warm_up
 from studio.startup.compile_work import CompileWork, all_kernels, kernels_below
+from tests.patience import SECONDS
 
 FETCHED = [kernel_warm_up.WARM_STANDING, "first_run.run", kernel_warm_up.WARM_REST]
 
@@ -184,7 +185,7 @@ def test_a_process_whose_listener_is_gone_ends_without_a_word():
     process = (sys.executable, "-m", "studio.startup.kernel_warm_up", kernel_warm_up.WARM_STANDING)
     with subprocess.Popen(process, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as child:
         child.stdout.close()
-        assert child.wait(60) == 0
+        assert child.wait(SECONDS) == 0
         assert child.stderr.read() == b""
 
 
