@@ -6,6 +6,7 @@ from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtWidgets import QGraphicsOpacityEffect, QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
 
 from studio.document import colours
+from studio.document.mnemonics import literal
 
 CHIP_MARGIN = 8
 """Pixels between a chip and the view's edge."""
@@ -26,7 +27,7 @@ class Chip(QPushButton):
     """Clickable label."""
 
     def __init__(self, text: str, name: str, clicked: Callable[[], object], parent: QWidget, extra: str = "") -> None:
-        super().__init__(text, parent)
+        super().__init__(literal(text), parent)
         self.setObjectName(name.replace(" ", "_").lower())
         self.setAccessibleName(name)
         self.setToolTip(name)
@@ -45,8 +46,8 @@ class Chip(QPushButton):
 
     def say(self, text: str) -> None:
         """Set the text; does nothing if it is the same."""
-        if text != self.text():
-            self.setText(text)
+        if literal(text) != self.text():
+            self.setText(literal(text))
             self.adjustSize()
 
 
@@ -84,7 +85,7 @@ class Chips:
         self.follow = ToggleChip("Follow", "Camera follows the selected character", False, clicked["follow"], parent)
         self.markers = ToggleChip("Markers", "Markers as they were recorded", False, clicked["markers"], parent)
         self.work = QLabel(parent)
-        self.work.setAccessibleName("Bodies, pictures a second, and how far these are behind the hand")
+        self.work.setAccessibleName("Bodies, pictures per second, and their latency to the mouse")
         self.work.setStyleSheet(f"background: rgba(22, 25, 29, 205); color: {colours.STAGE_TEXT_SECOND}; {_SHAPE}")
         self.problem = Chip("", "Most important problem", clicked["problem"], parent, _WARNING)
         self.constrain = Chip("", "Constrain the picked joint", clicked["constrain"], parent, _CALL_TO_ACTION_STYLE)
