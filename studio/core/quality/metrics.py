@@ -81,7 +81,7 @@ def body_heights(adapted: AdaptedMotion, ground: Ground) -> FloatArray:
 
 def point_heights(adapted: AdaptedMotion, ground: Ground) -> FloatArray:
     """Heights (F, N) in metres of the joints of the body, then of its soles, above the ground along its normal;
-    negative below it, whatever stands.
+    negative below it, with or without contacts.
 
     Within 5 mm of a riser or an edge a point counts as beside it.
     """
