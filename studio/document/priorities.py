@@ -1,4 +1,4 @@
-"""The order of a motion's constraints: edits of their priorities."""
+"""Edits of the priorities of a motion's constraints."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
@@ -14,9 +14,9 @@ def ties_of(constraints: Mapping[str, Constraint], order: Sequence[str]) -> list
 
 
 def ties_with_moved(constraints: Mapping[str, Constraint], order: Sequence[str], moved: Collection[str]) -> list[bool]:
-    """The same once the ``moved`` ones were put to their places in the order.
+    """``ties_of`` after the ``moved`` constraints were put to their places in the order.
 
-    Between two others of one priority they join them; next to each other they share a priority as they did.
+    Between two others of equal priority they join them; beside each other they share one only if they did before.
     """
     others = [key for key in order if key not in moved]
     shared = {below for below, tied in zip(others, ties_of(constraints, others), strict=True) if tied}
@@ -33,7 +33,7 @@ def ties_with_moved(constraints: Mapping[str, Constraint], order: Sequence[str],
 
 
 def put_priorities(document: Document, order: Sequence[str], ties: Sequence[bool], text: str) -> None:
-    """Give constraints the priorities of an order; one undo step. Raises StudioError for what contradicts itself."""
+    """Give constraints the priorities of an order; one undo step. Raises StudioError for conflicting constraints."""
     with document.group(text):
         for key, priority in zip(order, accumulate(int(not tied) for tied in ties), strict=True):
             constraint = document.project.constraints[key]

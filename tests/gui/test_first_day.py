@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QApplication
 from studio.app.action_set import with_mnemonics
 from studio.app.actions import MENUS
 from studio.app.application import import_views, show_views
+from studio.app.preferences import key_maps
 from studio.core.captures.contacts import ContactInterval, Touch
 from studio.core.stage.prop import Prop
 from studio.core.stage.staging import SPACING, side_by_side
@@ -63,11 +64,23 @@ def test_a_new_project_forgets_the_range(changed):
     assert (document.playhead.first, document.playhead.last) == (0, 300)
 
 
-def test_every_menu_opens_by_a_letter_of_its_own(window):
-    titles = [menu.title() for menu in window.actions_by_id.menus.values()]
-    letters = [title[title.index("&") + 1].lower() for title in titles]
+@pytest.mark.parametrize("key_map", sorted(key_maps()))
+def test_every_menu_opens_by_a_letter_that_nothing_else_has(window, key_map):
+    actions = window.actions_by_id
+    window.bench.preferences = replace(window.bench.preferences, key_map=key_map, own_keys={"save": ("Alt+F",)})
+    actions.apply_keys()
+    titles = [menu.title() for menu in actions.menus.values()]
+    letters = [title[title.index("&") + 1].upper() for title in titles]
+    taken = {keys for of_action in actions.keys_now().values() for keys in of_action}
+    assert "Alt+F" in taken
     assert len({*letters}) == len(MENUS)
-    assert with_mnemonics(("Clip", "Constraint")) == ["&Clip", "C&onstraint"]
+    assert not {f"Alt+{letter}" for letter in letters} & taken
+
+
+def test_a_menu_without_a_free_letter_has_none():
+    assert with_mnemonics(("Clip", "Constraint")) == ["C&lip", "&Constraint"]
+    assert with_mnemonics(("Clip", "Lip"), ["Alt+C", "Alt+I", "Ctrl+Alt+P"]) == ["Cli&p", "&Lip"]
+    assert with_mnemonics(("A", "A")) == ["&A", "A"]
 
 
 def test_a_click_on_the_guesses_shows_the_import_report(window):
