@@ -20,12 +20,12 @@ SHAPE_CHOICES = (
 MESH_CHOICE = (AreaShape.MESH, "Mesh")
 """Offered where one is loaded: it comes from a file."""
 SIZE_FIELDS = {
-    AreaShape.SPHERE: ("Diameter  m", (True, False, False)),
-    AreaShape.CYLINDER: ("Width, height", (True, False, True)),
-    AreaShape.HALF_SPACE: ("Normal", (True, True, True)),
-    AreaShape.MESH: ("", (False, False, False)),
+    AreaShape.SPHERE: ("Diameter", "m", (True, False, False)),
+    AreaShape.CYLINDER: ("Width, height", "m", (True, False, True)),
+    AreaShape.HALF_SPACE: ("Normal", "", (True, True, True)),
+    AreaShape.MESH: ("", "", (False, False, False)),
 }
-"""Caption of a size's three numbers, and a flag for each that is used, by shape; other shapes have a box's edges."""
+"""Caption and unit of a size's three numbers, and which of them are used, by shape; other shapes have a box's edges."""
 TURNED = (AreaShape.TABLE, AreaShape.BOX, AreaShape.MESH)
 LEAST_AREA_SIZE = 0.001
 AREA_UP, METRE_SIZE = (0.0, 0.0, 1.0), (1.0, 1.0, 1.0)
@@ -67,8 +67,8 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
         self._side.show_value("on" if area.on_surface else "inside" if area.inside else "outside")
         self._whole.setChecked(area.whole)
         self._whole.setEnabled(not (area.inside or area.on_surface))
-        words, used = SIZE_FIELDS.get(area.shape, ("Size  m", (True, True, True)))
-        self._size.caption.setText(words)
+        words, unit, used = SIZE_FIELDS.get(area.shape, ("Size", "m", (True, True, True)))
+        self._size.set_unit(words, unit)
         self._size.set_least(-1.0 if area.shape is AreaShape.HALF_SPACE else LEAST_AREA_SIZE)
         self._size.show_values(area.size)
         self._size.set_visible(*used)
