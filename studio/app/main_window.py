@@ -100,6 +100,7 @@ class MainWindow(QMainWindow):
         self._connect()
         self._apply_preferences()
         self.resize(*MAIN_WINDOW_SIZE)
+        self.setFocus()  # else the first button of the bar has the keyboard, which is seen
         self._restore_layout()
         self._stay_on_screen()
         self._show_title()

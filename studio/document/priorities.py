@@ -14,7 +14,10 @@ def ties_of(constraints: Mapping[str, Constraint], order: Sequence[str]) -> list
 
 
 def ties_with_moved(constraints: Mapping[str, Constraint], order: Sequence[str], moved: Collection[str]) -> list[bool]:
-    """``ties_of`` after one constraint was moved in the order: between two of equal priority it joins them."""
+    """``ties_of`` after the ``moved`` constraints were put to their places in the order.
+
+    Between two others of equal priority they join them; beside each other they share one only if they did before.
+    """
     others = [key for key in order if key not in moved]
     shared = {below for below, tied in zip(others, ties_of(constraints, others), strict=True) if tied}
     below = dict[str, str | None]()

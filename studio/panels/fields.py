@@ -23,7 +23,7 @@ from studio.core.names import tags_in
 from studio.document.length_units import shown_unit
 from studio.document.mnemonics import literal
 
-FIELD_LABEL_WIDTH, LONGEST_NAME = 84, 110
+FIELD_LABEL_WIDTH, LONGEST_NAME = 84, 90
 ROW_HEIGHT = 26
 FIELD_ICON_PX = 12
 SCRUB_START = 3

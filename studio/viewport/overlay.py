@@ -22,6 +22,8 @@ NOTICE_ABOVE = 150.0
 """Pixels from the lower edge up to what is said while nobody performs: clear of a sentence of two lines."""
 
 
+NAME_ROOM = 21.0
+"""Pixels that the place of a name lies below the chips, so that they do not cover it."""
 TRAIL_KEY_PX = 5.0
 """Pixels from the middle of a key on a trail to its corners."""
 GAZE = 0.6
@@ -116,12 +118,13 @@ class Overlay:
         self._painter.setPen(colour)
         self._painter.drawText(where, words)
 
-    def names(self, tops: Mapping[str, FloatArray]) -> None:
-        """Paint names over the tops (3,) of heads."""
+    def names(self, tops: Mapping[str, FloatArray], least: float = 0.0) -> None:
+        """Paint names over the tops (3,) of heads, at least ``least`` pixels below the upper edge."""
         for name, top in tops.items():
             pixels, depth = self._camera.project(top, self._size)
             if depth[0] > 0:
-                self._name(pixels[0] + [-3.3 * len(name) - 8.0, -10.0], name, MARKER_COLOUR, 12)
+                x, y = (pixels[0] + [-3.3 * len(name) - 8.0, -10.0]).tolist()
+                self._name(np.array([x, max(y, least + NAME_ROOM)]), name, MARKER_COLOUR, 12)
 
     def joints(self, places: FloatArray) -> None:
         """Paint dots at the pickable joints (J, 3) of a body."""

@@ -485,7 +485,7 @@ class Viewport(Canvas):
         gazes = {key for key, each in self._document.project.constraints.items() if each.kind == "look_at"}
         only = chosen | gazes if self.moving else None  # more cost pictures and hide bodies
         overlay.handles(self.handles(only), chosen)
-        overlay.names(self._twins())
+        overlay.names(self._twins(), self._chips.view.geometry().bottom())
         under = self.posed.get(self.body_hovered or "") if self.gesture is None else None
         if under is not None:
             overlay.joints(under.points[[joint.index for joint in body_joints(under.motion.morphology.layout)]])

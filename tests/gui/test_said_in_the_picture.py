@@ -22,6 +22,9 @@ from tests.gui.viewport_use import settle
 from tests.patience import PATIENCE, SECONDS
 from tests.viewport.standing import StandingLive
 
+NAME_HEIGHT = 17
+"""Pixels from the place of a name up to its upper edge."""
+
 
 @pytest.fixture
 def twins(qtbot):
@@ -69,6 +72,26 @@ def test_bodies_of_one_character_have_their_names_over_their_heads(twins, monkey
     document.replace("performers", "performer 1", other, "Change character")
     settle(viewport)
     assert drawn(viewport, monkeypatch, "names")[-1][0] == {}
+
+
+def test_names_of_heads_at_the_upper_edge_stand_below_the_chips(twins, monkeypatch):
+    viewport, _ = twins
+    places, real = [], Overlay._name
+
+    def noted(self, place, *others):
+        places.append(place)
+        return real(self, place, *others)
+
+    monkeypatch.setattr(Overlay, "_name", noted)
+    head = max(pose.points[:, 2].max() for pose in viewport.posed.values())
+    below_heads = np.array([[0.0, 0.0, head - 0.5], [0.3, 0.0, head - 0.1]])
+    viewport.set_camera(viewport.camera.framing(below_heads, viewport.view_size, 0.8))
+    settle(viewport)
+    viewport.grab()
+    QTest.qWait(5)
+    chips = viewport._chips.view.geometry().bottom()
+    assert places
+    assert all(place[1] - NAME_HEIGHT > chips for place in places)
 
 
 def test_a_line_leads_from_the_eyes_to_what_they_look_at_whoever_is_active_and_while_it_plays(twins, monkeypatch):

@@ -204,6 +204,27 @@ def test_locking_the_last_free_part_is_refused_in_a_sentence(inspector, document
     assert document.project.constraints["constraint 0"].chain.limb == 1.0
 
 
+def test_an_activation_is_shown_and_set_in_the_time_of_the_stage(inspector, document):
+    key, performer = next(iter(document.project.performers.items()))
+    clip = performer.clips[0]
+    later = replace(clip, start=clip.start + 5.0, speed=2.0)
+    document.replace("performers", key, replace(performer, clips=(later, *performer.clips[1:])), "Move")
+    document.selection.set(("performers", key), ("constraints", "constraint 0"))
+    document.playhead.set_time(5.1)
+    curve = document.project.constraints["constraint 0"].activation
+    start, end = (named(inspector, NumberField, name) for name in ("Start", "End"))
+    rate = document.project.frame_rate_of(later)
+    assert start.value() == pytest.approx(later.stage_seconds(curve.start, rate), abs=1e-3)
+    assert end.value() == pytest.approx(later.stage_seconds(curve.end, rate), abs=1e-3)
+    assert f"({curve.end:.3f} s of the motion)" in end.toolTip()
+    end.setValue(end.value() + 0.5)
+    changed = document.project.constraints["constraint 0"].activation
+    assert changed.end == pytest.approx(curve.end + 1.0, abs=2e-3)
+    assert named(inspector, NumberField, "Ease out").value() == pytest.approx(
+        0.5 * (curve.end - curve.full_end), abs=1e-3
+    )
+
+
 def test_the_order_of_priorities_can_be_changed_by_keys_as_one_step(inspector, document):
     document.selection.set(("constraints", "constraint 2"))
     order = inspector.findChild(OrderList)

@@ -73,7 +73,7 @@ def selected_area(bench: Workbench) -> str | None:
 
 
 def shift(step: int) -> Callable[[Workbench], None]:
-    """Function that moves the selected constraint up (-1) or down (1) in its motion's order."""
+    """Function that moves the selected constraints together up (-1) or down (1) in their motion's order."""
 
     def run(bench: Workbench) -> None:
         constraints = bench.document.project.constraints

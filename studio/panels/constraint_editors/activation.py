@@ -5,6 +5,7 @@ from dataclasses import replace
 from studio.core.changed_records import with_fields
 from studio.core.constraints.base import Constraint
 from studio.core.curves.activation import EaseShape
+from studio.core.stage.clip import Clip
 from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section, Segments
 
@@ -17,6 +18,7 @@ class ActivationSection(Section):
     def __init__(self, editor: Editor[Constraint]) -> None:
         super().__init__("Activation")
         self._editor = editor
+        self._shown_clip: Clip | None = None
         self._start = editor.bind(self._seconds("Start"), self._set_start)
         self._end = editor.bind(self._seconds("End"), self._set_end)
         self._ease_in = editor.bind(self._seconds("Ease in"), self._set_ease_in)
@@ -32,13 +34,37 @@ class ActivationSection(Section):
         return NumberField(name, "", 0.0, LONGEST_ACTIVATION, step, 3)
 
     def refresh(self) -> None:
-        """Update the curve."""
-        curve = self._editor.entity.activation
-        self._start.show_value(curve.start)
-        self._end.show_value(curve.end)
-        self._ease_in.show_value(curve.full - curve.start)
-        self._ease_out.show_value(curve.end - curve.full_end)
+        """Update the curve, in the stage's time of the clip that is played there; its own is the tooltip."""
+        curve, self._shown_clip = self._editor.entity.activation, self._clip()
+        start, full, full_end, end = map(self._on_stage, (curve.start, curve.full, curve.full_end, curve.end))
+        for field, stage, own in ((self._start, start, curve.start), (self._end, end, curve.end)):
+            field.show_value(stage)
+            field.setToolTip(f"{field.accessibleName()} ({own:.3f} s of the motion)" if stage != own else "")
+        self._ease_in.show_value(full - start)
+        self._ease_out.show_value(end - full_end)
         self._shape.show_value(curve.shape)
+
+    def refresh_clip(self) -> None:
+        """Update the times if the playhead has come to another clip."""
+        if self._clip() != self._shown_clip:
+            self.refresh()
+
+    def _clip(self) -> Clip | None:
+        """The active clip, if it plays the motion of the constraint."""
+        clip = self._editor.document.active_clip
+        return clip if clip is not None and clip.motion_id == self._editor.entity.motion_id else None
+
+    def _on_stage(self, seconds: float) -> float:
+        """Second of the stage at which one of the motion plays."""
+        clip = self._clip()
+        rate = self._editor.document.project.frame_rate_of(clip) if clip is not None else 0.0
+        return seconds if clip is None else float(clip.stage_seconds(seconds, rate))
+
+    def _in_motion(self, seconds: float) -> float:
+        """Second of the motion that plays at one of the stage."""
+        clip = self._clip()
+        rate = self._editor.document.project.frame_rate_of(clip) if clip is not None else 0.0
+        return seconds if clip is None else float(clip.motion_seconds(seconds, rate))
 
     def _change(self, what: str, **times: float) -> None:
         editor = self._editor
@@ -49,21 +75,23 @@ class ActivationSection(Section):
 
     def _set_start(self, start: float) -> None:
         curve = self._editor.entity.activation
-        start = min(start, curve.full_end)
+        start = min(self._in_motion(start), curve.full_end)
         self._change("Move start", start=start, full=min(start + curve.full - curve.start, curve.full_end))
 
     def _set_end(self, end: float) -> None:
         curve = self._editor.entity.activation
-        end = max(end, curve.full)
+        end = max(self._in_motion(end), curve.full)
         self._change("Move end", end=end, full_end=max(end - curve.end + curve.full_end, curve.full))
 
     def _set_ease_in(self, seconds: float) -> None:
         curve = self._editor.entity.activation
-        self._change("Set ease in", full=min(curve.start + seconds, curve.full_end))
+        full = self._in_motion(self._on_stage(curve.start) + seconds)
+        self._change("Set ease in", full=min(full, curve.full_end))
 
     def _set_ease_out(self, seconds: float) -> None:
         curve = self._editor.entity.activation
-        self._change("Set ease out", full_end=max(curve.end - seconds, curve.full))
+        full_end = self._in_motion(self._on_stage(curve.end) - seconds)
+        self._change("Set ease out", full_end=max(full_end, curve.full))
 
     def _set_shape(self, shape: EaseShape) -> None:
         editor = self._editor

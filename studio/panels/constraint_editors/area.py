@@ -35,7 +35,7 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
     """Form of an area; only the numbers of its shape are shown."""
 
     def add_kind_rows(self, section: Section) -> None:
-        """Add the rows of shape, side, centre, size and heading."""
+        """Add the rows of shape, side, centre, size, margin and heading."""
         self._shape = Choice("Shape", SHAPE_CHOICES)
         self._shape.value_chosen.connect(self._set_shape)
         section.add_row("Shape", self._shape)

@@ -111,7 +111,10 @@ class ConstraintEditor(Editor[ConstraintT_co], Generic[ConstraintT_co]):
         """Update the values that change over time: targets that are keyed or follow an object."""
 
     def _playhead_moved(self, _: float) -> None:
-        if self.entity is not None and is_moving(self.entity):
+        if self.entity is None:
+            return
+        self._activation.refresh_clip()
+        if is_moving(self.entity):
             self.refresh_moment()
 
     def concerns(self, collection: str, entity_id: str) -> bool:

@@ -7,6 +7,7 @@ import numpy as np
 from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import THIGHS, UPPER_ARMS, Chain, Constraint
+from studio.core.kernels.tasks.area_shapes import AREA_NUMBERS
 from studio.core.kernels.tasks.task import TASK
 from studio.core.solver.asking.kinds.known import solver_kind_of
 from studio.core.solver.asking.task_rows import BLANK_TASK, NO_DISTANCE, NO_POSITION, NO_ROTATION, TaskRecords, row_of
@@ -45,7 +46,7 @@ def pack_tasks(
         targets,
         levels,
         tasks=np.frombuffer(bytearray(b"".join(begun)), dtype=TASK),  # whole: NumPy copies records field by field
-        areas=np.zeros((count, 10)),
+        areas=np.zeros((count, AREA_NUMBERS)),
         positions=[NO_POSITION] * count,
         rotations=[NO_ROTATION] * count,
         distances=[NO_DISTANCE] * count,
