@@ -1,4 +1,4 @@
-"""The table of actions as Qt's actions: made once, kept true, put into menus and toolbar."""
+"""Table of actions as Qt's actions: made once, kept up to date, added to menus and toolbar."""
 
 from collections.abc import Callable, Iterable, Sequence
 
@@ -18,10 +18,10 @@ from studio.panels.message_strip import Lifetime
 
 
 def with_mnemonics(names: Sequence[str], shortcuts: Iterable[str] = ()) -> list[str]:
-    """The names with a letter of each marked, by which Alt opens it: an early one that nothing else has.
+    """Names with a mnemonic letter of each marked: an early one that is not used by anything else.
 
-    `shortcuts` are the keys of all actions. Qt answers keys that two things have with a warning and with neither, so
-    a name for which no letter is left stays unmarked. The letters are given by augmenting paths (Kuhn's matching).
+    ``shortcuts`` are the keys of all actions. Qt answers keys that two things have with a warning and with neither, so
+    a name for which no letter is left stays unmarked. The letters are assigned by augmenting paths (Kuhn's matching).
     """
     taken = {keys.removeprefix("Alt+").lower() for keys in shortcuts if keys.startswith("Alt+")} | {" "}
     index_of: dict[str, int] = {}  # of the name that is opened by a letter
@@ -70,7 +70,7 @@ class ActionSet(QObject):
         bench.live.play.recording_changed.connect(self.refresh)
 
     def refresh(self, *_: object) -> None:
-        """Fetch what can be done now, what is switched on, and what undo would take back; after a drag, not in it."""
+        """Update which actions are enabled and checked, and the texts of undo; after a drag, not during it."""
         if self._bench.live.interactive:
             return
         for row in ACTIONS:
@@ -88,7 +88,7 @@ class ActionSet(QObject):
         self.by_id["redo"].setText(literal(f"Redo {_uncapitalised(stack.redoText())}".strip()))
 
     def apply_keys(self) -> None:
-        """Give every action its keys by the map and the user's own."""
+        """Give every action its keys by the key map and the user's own."""
         preferences = self._bench.preferences
         _, changed = key_maps().get(preferences.key_map, ("", {}))
         keys = keys_with({row.id: row.shortcuts for row in ACTIONS}, changed, preferences.own_keys)
@@ -103,7 +103,7 @@ class ActionSet(QObject):
         return {key: tuple(each.toString() for each in action.shortcuts()) for key, action in self.by_id.items()}
 
     def fill(self, bar: QMenuBar) -> None:
-        """Put all actions into their menus."""
+        """Add all actions to their menus."""
         self.menus = {name: bar.addMenu(name) for name in MENUS}
         self._mark_menus()
         for row in ACTIONS:
@@ -115,7 +115,7 @@ class ActionSet(QObject):
                 self.menus[row.menu].addSeparator()
 
     def by_menu(self) -> dict[str, list[QAction]]:
-        """All actions by menu, for the sheet."""
+        """All actions by menu, for the shortcut sheet."""
         return {name: [self.by_id[row.id] for row in ACTIONS if row.menu == name] for name in MENUS}
 
     def tools(self) -> list[QAction]:

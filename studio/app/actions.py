@@ -92,7 +92,7 @@ def _clip_shared(bench: Workbench) -> bool:
 
 @dataclass(frozen=True)
 class Action:
-    """One thing the user can do. ``checked`` makes it a switch; ``tool`` puts it on the toolbar."""
+    """Action of the user. ``checked`` makes it a switch; ``tool`` adds it to the toolbar."""
 
     id: str
     menu: str
@@ -200,7 +200,7 @@ CLIP = (
 
 
 def _adding(kind: str, shown: KindInfo) -> Action:
-    """The action that adds a constraint of a kind; a position is what C adds."""
+    """Action that adds a constraint of a kind; C adds a position."""
     name, keys = ("add_constraint", ("C",)) if kind == "position" else (f"add_{kind}", ())
     return Action(name, "Constraint", shown.action, adder(kind), keys, shown.hint, _ready)
 

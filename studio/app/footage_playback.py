@@ -1,4 +1,4 @@
-"""Reference footage in step with the playhead: the frame of the moment in its panel."""
+"""Reference footage in step with the playhead: the present frame in its panel."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from studio.panels.footage_view import NO_FOOTAGE_HINT, FootageView
 
 
 class FootagePlayback(QObject):
-    """Follows the playhead while the panel is seen; files are found once a session."""
+    """Follows the playhead while the panel is visible; files are searched once a session."""
 
     def __init__(self, bench: Workbench, parent: QObject) -> None:
         super().__init__(parent)
@@ -32,7 +32,7 @@ class FootagePlayback(QObject):
         self.frames.failed.connect(self._refuse)
 
     def close(self) -> None:
-        """End the reading."""
+        """Stop reading."""
         self.frames.close()
 
     def _footage(self) -> Footage | None:

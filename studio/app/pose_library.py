@@ -1,4 +1,4 @@
-"""The pose library in the window: poses of the active body are saved, and applied as keys of a manual correction."""
+"""Pose library in the window: poses of the active body are saved, and applied as keys of a manual correction."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -22,7 +22,7 @@ NO_POSE = (
 
 
 class PoseLibrary:
-    """Stands between the panel, the files and the document."""
+    """Connection of the panel, the files and the document."""
 
     def __init__(self, bench: Workbench, folder: Path | None = None) -> None:
         self._bench, self._folder = bench, folder or library_folder() / "poses"
@@ -35,7 +35,7 @@ class PoseLibrary:
         self._list()
 
     def save(self) -> None:
-        """Save the pose of the active performer at the playhead; its name is asked in the list."""
+        """Save the pose of the active performer at the playhead; its name is typed in the list."""
         _, shown = self._shown()
         motion = shown.motion
         pose = local_pose(motion.morphology.layout, motion.rotations[shown.row], _hips_height(shown))
@@ -43,7 +43,7 @@ class PoseLibrary:
         self.panel.edit_name(self._list(write_pose(self._folder, name, pose).path))
 
     def apply(self, row: int) -> None:
-        """Key a correction of the active performer at the playhead that brings the chosen part to a pose."""
+        """Set a key of a correction of the active performer at the playhead that brings the chosen part to a pose."""
         document, saved, (performer_id, shown) = self._bench.document, self._saved[row], self._shown()
         time, region, fraction = document.playhead.time, str(self.panel.region.value), self.panel.fraction
         correction = document.project.corrections.get(correction_at(document, performer_id, time) or "")
@@ -60,7 +60,7 @@ class PoseLibrary:
         set_pose(document, performer_id, time, keyed, hips, text=f"Apply pose {saved.name}")
 
     def rename(self, row: int, name: str) -> None:
-        """Give a pose another name; an empty one or that of another pose is refused."""
+        """Rename a pose; an empty name or that of another pose is refused."""
         saved = self._saved[row]
         taken = {each.name for each in self._saved if each is not saved}
         path = saved.path
@@ -77,14 +77,14 @@ class PoseLibrary:
         self._list()
 
     def _list(self, current: Path | None = None) -> int:
-        """List what the folder has; the row of ``current``."""
+        """List the folder's content; the row of ``current``."""
         self._saved, problems = read_poses(self._folder)
         row = next((place for place, each in enumerate(self._saved) if each.path == current), -1)
         self.panel.show_poses([each.name for each in self._saved], problems, row)
         return row
 
     def _shown(self) -> tuple[str, Posed]:
-        """The active performer's id and pose at the playhead."""
+        """Active performer's id and pose at the playhead."""
         document = self._bench.document
         key = document.active_performer_id or ""
         performer, motion = document.project.performers.get(key), self._bench.live.shown(key)

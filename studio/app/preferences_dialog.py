@@ -1,4 +1,4 @@
-"""The dialog of preferences: every change acts at once."""
+"""Dialog of preferences: every change is applied at once."""
 
 from collections.abc import Sequence
 
@@ -36,7 +36,7 @@ ACTION_ID = Qt.ItemDataRole.UserRole
 
 
 class PreferencesDialog(QDialog):
-    """Snapping steps, onion skins, activation, autosave, look, and keys in a table in which they are typed."""
+    """Snapping steps, onion skins, activation, autosave, theme, and keys in an editable table."""
 
     def __init__(self, bench: Workbench) -> None:
         super().__init__(bench.window)
@@ -114,7 +114,7 @@ class PreferencesDialog(QDialog):
         )
 
     def _typed(self, item: QTableWidgetItem) -> None:
-        """Give an action other keys, or say why they are none."""
+        """Assign other keys to an action, or report why they are invalid."""
         try:
             keys = keys_in(item.text())
         except ValueError as error:

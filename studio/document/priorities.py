@@ -1,4 +1,4 @@
-"""The order of a motion's constraints: edits of their priorities."""
+"""Edits of the priorities of a motion's constraints."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -14,7 +14,7 @@ def ties_of(constraints: Mapping[str, Constraint], order: Sequence[str]) -> list
 
 
 def ties_with_moved(constraints: Mapping[str, Constraint], order: Sequence[str], moved: str) -> list[bool]:
-    """The same once one was moved to its place in the order: between two of one priority it joins them."""
+    """``ties_of`` after one constraint was moved in the order: between two of equal priority it joins them."""
     place = order.index(moved)
     ties = ties_of(constraints, [key for key in order if key != moved])
     between = 0 < place < len(ties) and ties[place]
@@ -22,7 +22,7 @@ def ties_with_moved(constraints: Mapping[str, Constraint], order: Sequence[str],
 
 
 def put_priorities(document: Document, order: Sequence[str], ties: Sequence[bool], text: str) -> None:
-    """Give constraints the priorities of an order; one undo step. Raises StudioError for what contradicts itself."""
+    """Give constraints the priorities of an order; one undo step. Raises StudioError for conflicting constraints."""
     with document.group(text):
         for key, priority in zip(order, accumulate(int(not tied) for tied in ties), strict=True):
             constraint = document.project.constraints[key]

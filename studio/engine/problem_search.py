@@ -1,4 +1,4 @@
-"""Summary and problems of the stage, measured beside the window and kept up to date while somebody looks."""
+"""Summary and problems of the stage, measured in the background and kept up to date while shown."""
 
 import logging
 from functools import partial
@@ -18,7 +18,7 @@ REST_MS = 300
 
 
 class ProblemSearch(QObject):
-    """``rows`` and ``problems`` of the newest results that were measured."""
+    """Search whose ``rows`` and ``problems`` are those of the newest measured results."""
 
     found = Signal()
     """``rows`` and ``problems`` are new."""
@@ -43,7 +43,7 @@ class ProblemSearch(QObject):
         document.project_opened.connect(self._changed)
 
     def want(self, wanted: bool) -> None:
-        """Keep the summary up to date, or rest."""
+        """Turn keeping the summary up to date on or off."""
         self._wanted = wanted
         if wanted and not self._is_fresh:
             self._rest.start(0)
@@ -56,7 +56,7 @@ class ProblemSearch(QObject):
         return self._is_fresh
 
     def close(self) -> None:
-        """Wait for what is measured."""
+        """Wait for the running measurement."""
         self._rest.stop()
         self._number += 1
         self._pool.waitForDone()
@@ -68,7 +68,7 @@ class ProblemSearch(QObject):
             self._rest.start()
 
     def _source_came(self, _: str) -> None:
-        """A capture on its actor's own body may be there now, beside which peaks are measured."""
+        """Measure again, since a capture on its actor's own body is available for comparing peaks."""
         if self._lacks_source and not self._live.interactive:
             self._changed()
 
@@ -86,7 +86,7 @@ class ProblemSearch(QObject):
     def _work(
         self, number: int, project: Project, motions: dict[str, AdaptedMotion], sources: dict[str, AdaptedMotion]
     ) -> None:
-        """In a thread of its own."""
+        """Measure, in a thread of its own."""
         try:
             self._measured.emit(number, summary_of(project, motions, sources))
         except Exception as error:  # noqa: BLE001 - a thread has nobody above it; the sentence is shown

@@ -143,10 +143,9 @@ def constraint_records(
     request: AdaptRequest, adapted: AdaptedMotion, report: Report, by_frame: bool
 ) -> list[JsonObject]:
     """Record of each constraint: number of frames in which it is fully active and in which it is met, its worst
-    residual in the former, and for the frames in which it is not met the number blocked by each cause.
-
-    Contacts on its limb count as a cause as well. With ``by_frame`` also the residual and the cause in every frame,
-    null where there is none.
+    residual in the former, and for the frames in which it is not met the number blocked by each cause. Contacts on
+    its limb count as a cause as well. With ``by_frame`` also the residual and the cause in every frame, null if
+    there is none.
     """
     records = []
     frames = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)

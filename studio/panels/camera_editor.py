@@ -50,7 +50,7 @@ class CameraEditor(Editor[SavedCamera]):
         self.finish()
 
     def refresh(self) -> None:
-        """Show the camera as it is saved."""
+        """Show the saved camera."""
         camera = self.entity
         placement = camera.placement
         self._name.setText(camera.name)

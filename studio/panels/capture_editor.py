@@ -1,4 +1,4 @@
-"""A capture and its import report: what the file says, what was guessed and why, what was repaired."""
+"""Form of a capture with its import report: values of the file, guesses with their reasons, repairs."""
 
 from collections.abc import Callable
 from html import escape
@@ -25,7 +25,7 @@ UP_AXIS_CHOICES = tuple((axis, f"{axis} up") for axis in ("X", "Y", "Z", "-X", "
 
 
 class CaptureEditor(Editor[Capture]):
-    """Facts, guesses that can be overruled, repairs. Unit and axis need the file to be read again."""
+    """Facts, guesses that can be overruled, repairs. Another unit or axis reads the file again."""
 
     reimport_requested = Signal(str, object)
     """Capture id, {option: value}."""
@@ -91,7 +91,7 @@ class CaptureEditor(Editor[Capture]):
         self.column.addWidget(section)
 
     def refresh(self) -> None:
-        """Fetch facts, guesses and repairs."""
+        """Update facts, guesses and repairs."""
         capture: Capture | None = self.entity
         if capture is None:
             return
@@ -126,7 +126,7 @@ class CaptureEditor(Editor[Capture]):
         self._report = report
 
     def _make_report(self, capture: Capture) -> QWidget:
-        """The guesses with their reasons and what they offer, then the repairs, then what is odd."""
+        """Guesses with their reasons and choices, then the repairs, then warnings."""
         section = Section(f"Guessed · {len(capture.guesses)}")
         for guess in capture.guesses:
             section.add_wide(_guess_lines(guess))

@@ -1,4 +1,4 @@
-"""The body of a character: sliders for stature and every part, presets, back to the build."""
+"""Form of a character's body: sliders for stature and every part, presets, reset to the build."""
 
 from collections.abc import Callable
 from dataclasses import fields, replace
@@ -35,7 +35,7 @@ PRESETS: dict[str, Proportions] = {
 
 
 def measure_of(name: str, body: Morphology) -> float:
-    """Length in metres of the proportion that a slider sets."""
+    """Length in metres that is scaled by a proportion's slider."""
     lengths: dict[str, Callable[[], float]] = {
         "stature": lambda: body.stature,
         "trunk": lambda: body.spine_length,
@@ -58,7 +58,7 @@ def grip_words(grip: float) -> str:
 
 
 class BodySection(Section):
-    """All proportions of one character; every picture follows while a slider moves."""
+    """All proportions of one character; every view follows a moving slider."""
 
     def __init__(self, editor: Editor[Character | Performer], character_id: Callable[[], str]) -> None:
         super().__init__("Body")
@@ -101,7 +101,7 @@ class BodySection(Section):
         return slider
 
     def refresh(self) -> None:
-        """Fetch all lengths."""
+        """Update all lengths."""
         character = self._character
         self.refresh_now()
         self._blending.show_value(character.blending)
@@ -111,7 +111,7 @@ class BodySection(Section):
         self._odd.setVisible(bool(self._odd.text()))
 
     def refresh_now(self) -> None:
-        """Update the proportions of a body that grows to those at the playhead."""
+        """Update the proportions of a growing body to those at the playhead."""
         character = self._character
         held = character.proportions_at(self._growth.now)
         body = held.applied_to(character.build)
@@ -151,7 +151,7 @@ class BodySection(Section):
 
 
 class CharacterEditor(Editor[Character]):
-    """Form of a character that no performer plays."""
+    """Form of a character without a performer."""
 
     remap_requested = Signal(str, object, str)
     """Character id, {part: joint}, text of the undo step."""
@@ -170,7 +170,7 @@ class CharacterEditor(Editor[Character]):
         self.finish()
 
     def refresh(self) -> None:
-        """Fetch name and lengths."""
+        """Update name and lengths."""
         if self.entity is not None:
             self._name.setText(self.entity.name)
             self._body.refresh()

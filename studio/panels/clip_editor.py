@@ -173,7 +173,7 @@ class ClipEditor(Editor[Clip]):
         return float(speed_at(clip.speed, self._time_of(clip)))
 
     def _set_speed(self, number: float) -> None:
-        """Another speed; a key at the playhead where it is keyed."""
+        """Set the speed; as a key at the playhead if it is keyed."""
         self._change_speed(
             lambda clip: (
                 clip.speed.with_key(self._time_of(clip), number) if isinstance(clip.speed, KeyedNumber) else number
@@ -182,7 +182,7 @@ class ClipEditor(Editor[Clip]):
         )
 
     def _set_keyed(self, on: bool) -> None:
-        """Key the speed at the playhead, or let the one there hold for the whole clip."""
+        """Key the speed at the playhead, or make its value there that of the whole clip."""
         self._change_speed(
             lambda clip: KeyedNumber((self._time_of(clip),), (self._speed_of(clip),)) if on else self._speed_of(clip),
             "Key" if on else "Fix",

@@ -52,7 +52,7 @@ class ClipForm(QScrollArea):
 
     @property
     def label(self) -> ClipLabel:
-        """Label as the form shows it now."""
+        """Label in the present state of the form."""
         return self._steps[-1]
 
     def open(self, opened: "OpenedClip") -> None:
@@ -195,7 +195,7 @@ def _undoes(event: QEvent) -> bool:
 
 
 class Figures(QWidget):
-    """The body at the beginning of the cut, at the hit and at the end, seen so that the limb goes to the right."""
+    """Body at the beginning of the cut, at the hit and at the end, seen so that the limb moves to the right."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -214,7 +214,7 @@ class Figures(QWidget):
         self.update()
 
     def stress(self, mark: ClipMark | None) -> None:
-        """Show one of them stronger than the others; None for none."""
+        """Emphasise one of the figures; None for none."""
         self._stressed = mark
         self.update()
 

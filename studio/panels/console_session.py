@@ -1,4 +1,4 @@
-"""Python statements on a document of the window, run on another thread so that nothing freezes."""
+"""Python statements on a document of the window, run in another thread so that nothing freezes."""
 
 import ast
 import codeop
@@ -22,7 +22,7 @@ _WAIT = 0.1
 
 
 class WindowThread(QObject):
-    """The thread that made this object: other threads run functions on it and wait for the results."""
+    """Thread of the window: other threads run functions on it and wait for the results."""
 
     _asked = Signal(object)
 
@@ -67,7 +67,7 @@ class _Call(Generic[Result]):
 
 
 class OnWindowThread:
-    """A QObject of the window for another thread: its methods run where the window does."""
+    """Proxy of a QObject of the window for another thread: its methods run on the window's thread."""
 
     def __init__(self, target: QObject, thread: WindowThread) -> None:
         self._target, self._thread = target, thread
@@ -154,14 +154,14 @@ class ConsoleSession(QObject):
             return True
 
     def run(self, source: str) -> None:
-        """Run statements beside the window; ``ended`` tells when they are through. RuntimeError while others run."""
+        """Run statements in the background; ``ended`` is emitted afterwards. RuntimeError while others run."""
         if self._running is not None:
             raise RuntimeError("a statement is still running")
         self._running = threading.Thread(target=self._work, args=(source,), daemon=True, name="console")
         self._running.start()
 
     def stop(self) -> None:
-        """Raise KeyboardInterrupt in the statement that runs, at its next step in Python."""
+        """Raise KeyboardInterrupt in the running statement, at its next step in Python."""
         with self._stopping:
             if self._running is not None and self._running.ident is not None and self._stoppable:
                 _send(self._running.ident, ctypes.py_object(KeyboardInterrupt))
@@ -216,7 +216,7 @@ class ConsoleSession(QObject):
             output.write("".join(traceback.format_exception(type(error), error, frames)))
 
     def _execute(self, source: str) -> None:
-        """Run all statements; the value of a last expression is written and kept as ``_``."""
+        """Run all statements; the value of a last expression is printed and kept as ``_``."""
         if not self.namespace:
             self.namespace.update(self._beginning())
         tree = ast.parse(source, CONSOLE_FILE)
@@ -241,7 +241,7 @@ def _send(thread: int, error: object) -> None:
 
 
 class _Output(io.TextIOBase):
-    """Standard output that goes to a signal."""
+    """Standard output redirected to a signal."""
 
     def __init__(self, written: SignalInstance) -> None:
         self._written = written

@@ -65,7 +65,7 @@ class CorrectionEditor(Editor[Correction]):
         self.finish()
 
     def refresh(self) -> None:
-        """Fetch the correction."""
+        """Update the correction."""
         correction: Correction | None = self.entity
         if correction is None:
             return
@@ -81,7 +81,7 @@ class CorrectionEditor(Editor[Correction]):
         self._show_pose()
 
     def _show_joints(self, correction: Correction) -> None:
-        """A row of three angles for each part that is turned, and one for the hips."""
+        """Show a row of three angles for each rotated part, and one for the hips."""
         parts = (*correction.keys.parts, *((None,) if correction.keys.moves_hips else ()))
         if parts == self._shown_parts:
             return
@@ -148,7 +148,7 @@ class CorrectionEditor(Editor[Correction]):
             self._change("Rename", name=name)
 
     def _set_time(self, place: int, time: float) -> None:
-        """Set one time of the range; those in its way are pushed along."""
+        """Set one time of the range; the others are pushed along if necessary."""
         times = [*self.entity.activation.times]
         times[place] = time
         times[:place] = [min(each, time) for each in times[:place]]

@@ -1,4 +1,4 @@
-"""The parts of a form: section heads, labelled rows, number fields to type in or to drag, segments, sliders."""
+"""Parts of a form: section heads, labelled rows, number fields, segments, sliders."""
 
 from collections.abc import Callable, Iterable, Sequence
 
@@ -28,7 +28,7 @@ PER_CENT = 100.0
 
 
 def labelled(text: str, role: str) -> QLabel:
-    """A label in one of the style sheet's roles: head, title, second, hint, value."""
+    """Label with one of the style sheet's roles: head, title, second, hint, value."""
     label = Value(text) if role == "value" else QLabel(text.upper() if role == "head" else text)
     label.setProperty("role", role)
     if role == "head":
@@ -41,7 +41,7 @@ def labelled(text: str, role: str) -> QLabel:
 
 
 def short(name: str, among: QWidget) -> str:
-    """A name ``among`` other words of a form that must not become wider than it is."""
+    """Name shortened so that a form with other words ``among`` it does not become wider."""
     return among.fontMetrics().elidedText(name, Qt.TextElideMode.ElideRight, LONGEST_NAME)
 
 
@@ -49,7 +49,7 @@ class Value(QLabel):
     """Text that may be wider than the form: it is elided, and its tooltip shows all of it."""
 
     def minimumSizeHint(self) -> QSize:
-        """As narrow as the form."""
+        """Narrow size, so that it does not widen the form."""
         return QSize(0, super().minimumSizeHint().height())
 
     def paintEvent(self, event: QPaintEvent) -> None:
@@ -76,7 +76,7 @@ class Value(QLabel):
 
 
 class Section(QWidget):
-    """A head and under it rows of label and field, all on the same columns."""
+    """Head and rows of label and field below it, all on the same columns."""
 
     def __init__(self, title: str) -> None:
         super().__init__()
@@ -95,7 +95,7 @@ class Section(QWidget):
         column.addLayout(self._grid)
 
     def add_row(self, label: str, *fields: QWidget) -> QLabel:
-        """One row; fields share the width evenly and take the label as accessible name if they have none."""
+        """Add a row; fields share the width evenly and take the label as accessible name if they have none."""
         row = self._grid.rowCount()
         caption = labelled(label, "second")
         self._grid.addWidget(caption, row, 0)
@@ -111,7 +111,7 @@ class Section(QWidget):
         return caption
 
     def add_wide(self, widget: QWidget) -> None:
-        """A widget over the whole width."""
+        """Add a widget over the whole width."""
         self._grid.addWidget(widget, self._grid.rowCount(), 0, 1, 2)
 
 
@@ -120,9 +120,9 @@ def _stretches(widget: QWidget) -> bool:
 
 
 class NumberField(QDoubleSpinBox):
-    """A number with its unit: type it, step it with the arrow keys, or drag sideways to scrub.
+    """Number with its unit: type it, step it with the arrow keys, or drag sideways to scrub.
 
-    ``begun`` and ``ended`` frame every change, so that all of one drag can be one undo step.
+    ``begun`` and ``ended`` enclose every change, so that a drag is one undo step.
     """
 
     begun = Signal()
@@ -149,7 +149,7 @@ class NumberField(QDoubleSpinBox):
         self.valueChanged.connect(self._tell)
 
     def show_value(self, value: float) -> None:
-        """Show a value that comes from the document; nothing is emitted, and a drag is left alone."""
+        """Show a value of the document; nothing is emitted, and a drag is not disturbed."""
         if not self._scrubbing and round(value, self.decimals()) != self.value():  # the same would be painted again
             with QSignalBlocker(self):
                 self.setValue(value)
@@ -202,12 +202,12 @@ class NumberField(QDoubleSpinBox):
             self.ended.emit()
 
     def wheelEvent(self, event: QEvent) -> None:
-        """A wheel over a form scrolls the form; it never changes a number by accident."""
+        """Ignore the wheel, which scrolls the form and never changes a number by accident."""
         event.ignore()
 
 
 class Choice(QComboBox):
-    """A list of (value, text) to choose from; ``chosen`` comes only from the user."""
+    """List of (value, text) to choose from; ``chosen`` is emitted only for choices of the user."""
 
     value_chosen = Signal(object)
 
@@ -233,12 +233,12 @@ class Choice(QComboBox):
 
     @property
     def value(self) -> object:
-        """Value that is chosen now; None if nothing is chosen."""
+        """Chosen value; None if nothing is chosen."""
         place = self.currentIndex()
         return self._values[place] if place >= 0 else None
 
     def offer(self, items: Iterable[tuple[object, str]]) -> None:
-        """Replace the choices; nothing happens if they are the same."""
+        """Replace the choices; does nothing if they are the same."""
         items = list(items)
         shown = [(value, self.itemText(place)) for place, value in enumerate(self._values)]
         if items != shown:
@@ -257,9 +257,9 @@ class Choice(QComboBox):
             self.setCurrentIndex(self._values.index(value) if value in self._values else -1)
 
     def event(self, event: QEvent) -> bool:
-        """While it has the keyboard, the arrow keys open the list and do not walk through time.
+        """Open the list by the arrow keys while it has the focus.
 
-        Each step through a closed list would be an edit of its own, and some of them lose what the next would keep.
+        Each step through a closed list would be an edit of its own, and some lose values that the next one would keep.
         """
         if isinstance(event, QKeyEvent) and event.key() in (Qt.Key.Key_Up, Qt.Key.Key_Down):
             if event.type() == QEvent.Type.KeyPress:
@@ -296,12 +296,12 @@ class Segments(QWidget):
         self._group.idClicked.connect(lambda index: self.value_chosen.emit(self._values[index]))
 
     def show_value(self, value: object) -> None:
-        """Show the value that the document has."""
+        """Show the document's value."""
         self._group.button(self._values.index(value)).setChecked(True)
 
 
 def press_button(text: str, run: Callable[[], object] | None, role: str = "") -> QPushButton:
-    """A button that takes the keyboard only by Tab, so that Space goes on playing after a click."""
+    """Button that takes the focus only by Tab, so that Space goes on playing after a click."""
     button = QPushButton(literal(text))
     button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
     if role:

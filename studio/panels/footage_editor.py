@@ -1,4 +1,4 @@
-"""Form of reference footage: its name, when it begins, and how fast it is shown."""
+"""Form of reference footage: its name, start and speed."""
 
 from PySide6.QtWidgets import QLineEdit
 
@@ -10,7 +10,7 @@ from studio.panels.fields import NumberField, Section, labelled
 
 
 class FootageEditor(Editor[Footage]):
-    """Name, begin, rate, and what the file has."""
+    """Name, start and rate, and facts of the file."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -30,7 +30,7 @@ class FootageEditor(Editor[Footage]):
         self.finish()
 
     def refresh(self) -> None:
-        """Show the footage as it is."""
+        """Show the present footage."""
         footage = self.entity
         self._name.setText(footage.name)
         self._start.show_value(footage.start)

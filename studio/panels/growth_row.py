@@ -15,7 +15,7 @@ from studio.panels.fields import Section
 
 
 class GrowthRow(KeyRow):
-    """A box that says whether a character's proportions are keyed over the stage's time, and a row with the keys."""
+    """Check box for proportions that are keyed over the stage's time, and a row with the keys."""
 
     def __init__(
         self, editor: Editor[Character | Performer], section: Section, character_id: Callable[[], str]

@@ -1,4 +1,4 @@
-"""A label: the name of a moment or stretch of a motion."""
+"""Form of a label: the name of a moment or range of a motion."""
 
 from PySide6.QtWidgets import QLineEdit
 
@@ -26,7 +26,7 @@ class LabelEditor(Editor[Label]):
         self.finish()
 
     def refresh(self) -> None:
-        """Fetch the label."""
+        """Update the label."""
         if self.entity is not None:
             self._name.setText(self.entity.name)
             self._first.show_value(self.entity.first)

@@ -48,7 +48,7 @@ class LayerSection(Section):
         self.add_wide(labelled("Contacts of feet are those of the clips that have the legs.", "hint"))
 
     def refresh(self) -> None:
-        """Fetch everything; nothing is shown for a clip of a row."""
+        """Update everything; nothing is shown for a clip of a row."""
         layer = clip_edits.layer_of(self._editor.document.project, self._editor.entity_id)
         self.setVisible(layer is not None)
         if layer is None:

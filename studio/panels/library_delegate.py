@@ -27,7 +27,7 @@ HINT_PIXELS = 12
 
 
 class LibraryDelegate(QStyledItemDelegate):
-    """Quiet rows on a 4 px grid; the only colours are those of bodies and of constraint kinds."""
+    """Rows on a 4 px grid; only bodies and constraint kinds have colours."""
 
     def __init__(self, view: QAbstractItemView, thumbnails: Thumbnails) -> None:
         super().__init__(view)

@@ -1,4 +1,4 @@
-"""The rows of the library: heads, captures, bodies and constraints of a project, as plain values."""
+"""Rows of the library: heads, captures, bodies and constraints of a project, as plain values."""
 
 import unicodedata
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ Item = tuple[str, str]
 
 @dataclass(frozen=True)
 class LibraryRow:
-    """One line. A head has no item; a hint is a head in sentence case."""
+    """One row. A head has no item; a hint is a head in sentence case."""
 
     text: str
     detail: str = ""
@@ -29,9 +29,9 @@ class LibraryRow:
 
 
 def rows_of(project: Project, motion_id: str | None, search: str = "") -> list[LibraryRow]:
-    """All rows in their order; ``motion_id`` names the motion whose constraints are listed.
+    """All rows in their order; constraints are those of ``motion_id``.
 
-    With a ``search``, only rows whose names hold each of its words, and the heads above them.
+    With a ``search``, only rows whose names contain each of its words, and the heads above them.
     """
     sections = (
         ("Captures", _captures(project, motion_id), "Drop a capture here"),
@@ -57,7 +57,7 @@ def _holds(name: str, words: list[str]) -> bool:
 
 
 def _comparable(text: str) -> str:
-    """Text without its case, accents composed: files of macOS write them as marks of their own."""
+    """Text in lower case with composed accents, since file names of macOS have decomposed ones."""
     return unicodedata.normalize("NFKC", text).casefold()
 
 
@@ -93,7 +93,7 @@ def _bodies(project: Project) -> list[LibraryRow]:
 
 
 def _stature(character: Character) -> str:
-    """``1.66 m``, of one that grows ``1.20 – 1.94 m``."""
+    """``1.66 m``, or ``1.20 – 1.94 m`` for a growing character."""
     keyed = character.proportions
     if not isinstance(keyed, KeyedProportions):
         return f"{character.morphology.stature:.2f} m"
@@ -118,7 +118,7 @@ def _constraints(project: Project, motion_id: str | None) -> list[LibraryRow]:
 
 
 def _point(constraint: Constraint) -> str:
-    """The point, unless the name says it already."""
+    """Point of a constraint, unless its name contains it."""
     words = constraint.shown.about or point_words(constraint.point)
     return "" if words in constraint.name.lower() else words
 

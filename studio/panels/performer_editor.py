@@ -1,4 +1,4 @@
-"""A body on the stage: whether it is shown, where it stands, what it plays, and how it is built."""
+"""Form of a body on the stage: its visibility, placement, clips and build."""
 
 import math
 from collections.abc import Callable
@@ -74,7 +74,7 @@ class PerformerEditor(Editor[Performer]):
         self.finish()
 
     def concerns(self, collection: str, entity_id: str) -> bool:
-        """A performer is shown with its character and those that could take its place."""
+        """True also for characters: the form shows the performer's, and those that may replace it."""
         return super().concerns(collection, entity_id) or collection == "characters"
 
     def refresh(self) -> None:
@@ -122,7 +122,7 @@ class PerformerEditor(Editor[Performer]):
             self.change(f"Rename {self.entity.name}", name=name)
 
     def _recast(self, character_id: str) -> None:
-        """Another character takes the place, and gives it its name unless the user gave it one."""
+        """Replace the character; the performer takes its name unless the user has named it."""
         characters = self.document.project.characters
         new, old = characters[character_id], characters[self.entity.character_id]
         name = new.name if self.entity.name == old.name else self.entity.name

@@ -1,4 +1,4 @@
-"""The pose library's panel: saved poses, the part of the body they are applied to, and how far."""
+"""Panel of the pose library: saved poses, the part of the body to which they are applied, and the blend."""
 
 from collections.abc import Iterable, Sequence
 
@@ -12,7 +12,7 @@ NO_POSES = "No pose is saved yet. Save pose keeps the pose of the selected chara
 
 
 class PosePanel(QWidget):
-    """Signals carry the row of a pose in the list."""
+    """Panel whose signals carry the row of a pose in the list."""
 
     save_requested = Signal()
     apply_requested = Signal(int)
@@ -52,7 +52,7 @@ class PosePanel(QWidget):
 
     @property
     def fraction(self) -> float:
-        """Fraction of the way to the pose, from 0 to 1."""
+        """Weight of the pose in the blend, from 0 to 1."""
         return self._fraction
 
     def set_blend(self, fraction: float) -> None:
@@ -61,7 +61,7 @@ class PosePanel(QWidget):
         self.blend.show_value(fraction, f"{PER_CENT * fraction:.0f} %")
 
     def show_poses(self, names: Sequence[str], problems: Sequence[str], current: int = -1) -> None:
-        """List the names of poses, and the sentences of files that could not be read."""
+        """List the names of poses, and the sentences about unreadable files."""
         with QSignalBlocker(self.poses):
             self.poses.clear()
             for name in names:

@@ -1,4 +1,4 @@
-"""The poses of the motion library as a map: one figure a group of poses, lines between those that are alike."""
+"""Poses of the motion library as a map: one figure for each group of poses, lines between similar groups."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -33,8 +33,8 @@ class PoseGroup:
 
 
 class PoseMapView(QWidget):
-    """``looked_at`` tells the group under the mouse, -1 for none; ``chosen`` the one that was clicked; ``opened`` asks
-    for groups when it comes into sight.
+    """``looked_at`` is emitted with the group under the mouse, -1 for none; ``chosen`` with a clicked one; ``opened``
+    requests groups when the map becomes visible.
     """
 
     opened = Signal()
@@ -72,11 +72,11 @@ class PoseMapView(QWidget):
         self._arrange()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Look at the group under the mouse."""
+        """Highlight the group under the mouse."""
         self._look(self._at(event.position()))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Choose it."""
+        """Choose the group under the mouse."""
         found = self._at(event.position())
         if found >= 0 and event.button() == Qt.MouseButton.LeftButton:
             self._clicked = found
@@ -88,7 +88,7 @@ class PoseMapView(QWidget):
         self._look(-1)
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Ask for groups, now that the map is visible."""
+        """Request groups, since the map is visible now."""
         super().showEvent(event)
         self.opened.emit()
 

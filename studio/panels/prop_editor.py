@@ -37,7 +37,7 @@ RIGHT_HAND = BodyPoint(BodyPart.RIGHT_HAND)
 
 
 class PropEditor(Editor[Prop]):
-    """Shape, size, place on the stage; numbers are those at the playhead."""
+    """Shape, size, and position on the stage; numbers are those at the playhead."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -98,11 +98,11 @@ class PropEditor(Editor[Prop]):
         self._refresh_moment()
 
     def concerns(self, collection: str, entity_id: str) -> bool:
-        """True also for performers, which may hold the prop, and for constraints, which may keep bodies out of it."""
+        """True also for performers, which may hold the prop, and for constraints, which may make it an obstacle."""
         return super().concerns(collection, entity_id) or collection in ("performers", "constraints")
 
     def _resize(self, size: tuple[float, ...]) -> None:
-        """Resize the prop, and with it the constraints that keep bodies out of it."""
+        """Resize the prop, and the constraints that make it an obstacle."""
         text = f"Resize {self.entity.name}"
         with self.document.group(text, self.gesture):
             self._set("Resize", size=size)

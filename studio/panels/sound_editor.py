@@ -1,4 +1,4 @@
-"""Form of a sound track: its name and when it begins."""
+"""Form of a sound track: its name and start."""
 
 from PySide6.QtWidgets import QLineEdit
 
@@ -10,7 +10,7 @@ from studio.panels.fields import NumberField, Section, labelled
 
 
 class SoundEditor(Editor[SoundTrack]):
-    """Name, begin, and what was found in the file."""
+    """Name and start, and facts of the file."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -27,7 +27,7 @@ class SoundEditor(Editor[SoundTrack]):
         self.finish()
 
     def refresh(self) -> None:
-        """Show the sound as it is."""
+        """Show the present sound."""
         sound = self.entity
         self._name.setText(sound.name)
         self._start.show_value(sound.start)

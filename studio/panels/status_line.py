@@ -12,7 +12,7 @@ SECONDS_BEFORE_PERCENT = 10
 
 
 class ProgressLine(QWidget):
-    """The running job with its share, and a way to stop it."""
+    """Running job with its progress, and a button to stop it."""
 
     cancel_requested = Signal(int)
     message_posted = Signal(str, float)
@@ -105,7 +105,7 @@ class StatusLine(QStatusBar):
         self._show_journal()
 
     def tell(self, words: str) -> None:
-        """Show words on the item under the mouse."""
+        """Show a text about the item under the mouse."""
         self._told.setText(words)
 
     def _entity_changed(self, collection: str, _: str) -> None:

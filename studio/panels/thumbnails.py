@@ -1,4 +1,4 @@
-"""Small pictures of captures and characters, drawn beside the window and kept while the project is open."""
+"""Thumbnails of captures and characters, drawn in the background and kept while the project is open."""
 
 from collections.abc import Callable
 from contextlib import suppress
@@ -28,7 +28,7 @@ _POSES = ((0.2, -0.3, 70), (0.8, 0.3, 70), (0.5, 0.0, 255))
 
 
 class Thumbnails(QObject):
-    """Pictures by entity: None until one is drawn, then ``drawn`` is emitted."""
+    """Thumbnails by entity: None until one is drawn, then ``drawn`` is emitted."""
 
     drawn = Signal()
     _made = Signal(object, object)
@@ -43,7 +43,7 @@ class Thumbnails(QObject):
         document.project_opened.connect(self._pictures.clear)
 
     def of(self, collection: str, entity_id: str) -> QPixmap | None:
-        """Picture of a capture, a character or a performer; None where there is none, or none yet."""
+        """Thumbnail of a capture, a character or a performer; None if there is none, or none yet."""
         project = self._document.shown_project
         if collection == "performers" and entity_id in project.performers:
             collection, entity_id = "characters", project.performers[entity_id].character_id
@@ -55,7 +55,7 @@ class Thumbnails(QObject):
         return None
 
     def _picture(self, key: object, draw: Callable[[], QImage]) -> QPixmap | None:
-        """The picture of what ``key`` is shown by: poses or a skin, which outlive changes of names and lengths."""
+        """Thumbnail by ``key``: poses or a skin, which are kept when names and lengths change."""
         if id(key) in self._pictures:
             return self._pictures[id(key)][1]
         self._pictures[id(key)] = (key, None)  # the key is kept, so that its id stays its own
@@ -75,7 +75,7 @@ class Thumbnails(QObject):
 
 
 def character_picture(character: Character, size: int = THUMBNAIL_PIXELS) -> QImage:
-    """Front view of a character as its skin was bound, in the colours of its materials."""
+    """Front view of a character in its bind pose, in the colours of its materials."""
     skin = character.skin
     corners = skin.vertices.astype(np.float64)[skin.triangles]
     crossed = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -122,14 +122,14 @@ def capture_picture(capture: Capture, size: int = THUMBNAIL_PIXELS) -> QImage:
 
 
 def _colours(character: Character) -> FloatArray:
-    """(M, 3) colours of the materials from 0 to 255; that of the character where it has none."""
+    """(M, 3) colours of the materials from 0 to 255; the character's own if it has none."""
     look = character.skin.appearance
     names = [material.colour for material in look.materials] if look else [character.colour]
     return np.array([[int(name[place : place + 2], 16) for place in (1, 3, 5)] for name in names], dtype=np.float64)
 
 
 def _left_of(capture: Capture, places: FloatArray) -> FloatArray:
-    """(3,) level direction to the left of a body whose joints are at ``places`` (J, 3)."""
+    """(3,) horizontal direction to the left of a body whose joints are at ``places`` (J, 3)."""
     if capture.body_map is None:
         return np.array([0.0, 1.0, 0.0])
     left, right = (places[capture.body_map[part]] for part in (BodyPart.LEFT_THIGH, BodyPart.RIGHT_THIGH))

@@ -98,7 +98,7 @@ def _refuse(what: str) -> None:
 
 
 def try_edit(shown: RowContext, run: Callable[[], None]) -> None:
-    """Run what edits the document; why it cannot be is told in the window."""
+    """Run an edit of the document; the reason for a refusal is shown in the window."""
     try:
         run()
     except StudioError as error:

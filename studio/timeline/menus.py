@@ -1,4 +1,4 @@
-"""The menus of the timeline, by what lies under the mouse."""
+"""Menus of the timeline, by the part under the mouse."""
 
 from typing import TYPE_CHECKING
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def menu_at(canvas: "TrackCanvas", position: QPointF) -> QMenu | None:
-    """The menu of a place, or None where nothing can be done."""
+    """Menu at a position, or None if there are no actions."""
     if canvas.sheet is None:
         return None
     hit = canvas.hit(position)
@@ -89,7 +89,9 @@ def _offer_key(menu: QMenu, canvas: "TrackCanvas", hit: Hit) -> None:
 
 
 def _offer_contacts(menu: QMenu, canvas: "TrackCanvas", hit: Hit, position: QPointF) -> None:
-    """A contact of the line under the mouse there, and one of any other point there (at the playhead from a name)."""
+    """Add entries for a contact of the line under the mouse, and of any other point there (at the playhead from a
+    name).
+    """
     shown = canvas.shown
     if shown is None:
         return

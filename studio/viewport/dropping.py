@@ -1,4 +1,4 @@
-"""A strike that is dragged over the 3D view: the body under the mouse is selected, and plays it when it is let go."""
+"""Drop of a strike on the 3D view: the body under the mouse is selected, and plays it on release."""
 
 from typing import TYPE_CHECKING
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class StrikeDrops(QObject):
-    """``dropped`` tells which of the strikes that are listed fell on which performer."""
+    """Event filter; ``dropped`` is emitted with the index of the listed strike and the performer."""
 
     dropped = Signal(int, str)
 
@@ -25,7 +25,7 @@ class StrikeDrops(QObject):
         viewport.installEventFilter(self)
 
     def eventFilter(self, _: QObject, event: QEvent) -> bool:
-        """Take strikes, and leave files to the window."""
+        """Accept strikes, and leave files to the window."""
         place = strike_in(event.mimeData()) if isinstance(event, QDropEvent) else None  # so are entries and moves
         if place is None or not isinstance(event, QDropEvent):
             return False

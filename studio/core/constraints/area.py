@@ -93,7 +93,10 @@ class AreaConstraint(Constraint):
 
     @property
     def parts(self) -> tuple["AreaConstraint", ...]:
-        """Itself; where it keeps the ``whole`` body out, an area for each point of it. Legs have room under a table."""
+        """The constraint itself or, if it keeps the ``whole`` body out, an area for each point of the body.
+
+        Legs have room under a table.
+        """
         if not self.whole:
             return (self,)
         return tuple(
@@ -103,7 +106,7 @@ class AreaConstraint(Constraint):
         )
 
     def _grown(self, flesh: float, chain: Chain) -> dict[str, Any]:
-        """Shape and size of the same area ``flesh`` metres larger all round; a trunk leaves a table aside, as a box."""
+        """Shape and size of the area enlarged by ``flesh`` metres on all sides; for a trunk a table counts as a box."""
         if self.shape in (AreaShape.HALF_SPACE, AreaShape.MESH):
             return {}
         x, y, z = self.size

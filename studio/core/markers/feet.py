@@ -1,6 +1,6 @@
-"""The long axis of a foot: from its heel to between the heads of the first and fifth metatarsals.
+"""The long axis of a foot: from its heel to the middle of the heads of the first and fifth metatarsals.
 
-All places are (F, 3) by role, in axes that are fixed in space; NaN where a marker was not seen.
+All positions are (F, 3) by role, in axes that are fixed in space; NaN where a marker was not seen.
 """
 
 from collections.abc import Mapping
@@ -24,9 +24,9 @@ _SHORTEST, _USUAL = 0.13, 0.17
 
 
 def feet_axes(tracks: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-    """Toes and heels by role as they lie on the long axes of the feet, where markers beside the axes tell.
+    """Toes and heels by role, moved to the long axes of the feet where other markers show these.
 
-    Two markers that are too near each other to be heel and toe show a direction: they are drawn apart along it.
+    Two markers that are too near each other to be heel and toe only give the direction: they are moved apart along it.
     """
     found: dict[str, FloatArray] = {}
     for side in SIDE_WORDS:

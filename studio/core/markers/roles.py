@@ -1,4 +1,4 @@
-"""Roles: the places on a body where markers are put, whatever a marker set calls them."""
+"""Roles: positions of markers on a body, independent of the labels of a marker set."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ JOINTS = tuple(
 
 @dataclass(frozen=True)
 class MarkerRole:
-    """One place on the body, named by what lies under the skin there."""
+    """Position of a marker on the body, named by the anatomy under the skin there."""
 
     id: str
     words: str

@@ -12,9 +12,10 @@ from studio.core.mesh.volume import BodyVolume, fitted_volume
 
 @dataclass(frozen=True)
 class Character:
-    """A body that can perform. ``skin`` is bound to ``build``; ``colour`` is ``#RRGGBB``.
+    """Body that can perform.
 
-    Raises ValueError when the skin does not fit the build, or the colour is none.
+    ``skin`` is bound to ``build``; ``colour`` is ``#RRGGBB``. Raises ValueError if the skin does not fit the build, or
+    the colour is invalid.
     """
 
     name: str
@@ -37,13 +38,13 @@ class Character:
 
     @cached_property
     def morphology(self) -> Morphology:
-        """The measures in force: the build with its proportions, of one that grows those of its first key."""
+        """Current measures: the build with its proportions; for a growing body those of its first key."""
         keyed = self.proportions
         first = keyed.values[0] if isinstance(keyed, KeyedProportions) else keyed
         return first.applied_to(self.build)
 
     def body_over(self, begin: float, frame_rate: float, count: int) -> AnyMorphology:
-        """The measures in ``count`` frames of which the first is at ``begin`` seconds of the stage."""
+        """Measures in ``count`` frames, the first at ``begin`` seconds of the stage."""
         if isinstance(self.proportions, KeyedProportions):
             return grown(self.build, self.proportions, begin, frame_rate, count)
         return self.morphology
@@ -55,7 +56,7 @@ class Character:
 
     @property
     def shown_skin(self) -> SkinnedMesh:
-        """The skin with its hands as ``grip`` says."""
+        """Skin with the hands shaped by ``grip``."""
         return gripping(self.skin, self.grip)
 
     @cached_property

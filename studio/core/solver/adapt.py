@@ -34,7 +34,9 @@ def adapt(request: AdaptRequest, first: int = 0, last: int | None = None) -> Ada
 
 
 def grounded(request: AdaptRequest, standing: Standing | None = None) -> Standing:
-    """Grounded motion of ``request`` with its corrections below the constraints; ``standing`` is without, if known."""
+    """Grounded motion of ``request`` with its corrections below the constraints; ``standing`` is the same without
+    corrections, if known.
+    """
     standing = standing or standing_of(request)
     if not request.corrections:
         return standing
@@ -65,10 +67,10 @@ def hold(
 ) -> AdaptedMotion:
     """Solve ``constraints`` on a grounded motion, frames ``first`` to ``last`` (both included) (K05 section 9).
 
-    ``tracks`` cover the whole motion for all targets beyond the body itself; StudioError where one is missing.
-    ``bound`` lets a report solve without contacts or joint limits. Every frame is solved from its own pose alone; with
-    ``eased``, frames around acceleration peaks are smoothed in time (METHOD (36)). Frames without active constraints
-    nearby stay as they are.
+    ``tracks`` cover the whole motion for all targets outside the body; StudioError if one is missing. ``bound`` lets a
+    report solve without contacts or joint limits. Every frame is solved from its own pose alone; with ``eased``, frames
+    around acceleration peaks are smoothed in time (METHOD (36)). Frames without active constraints nearby are
+    unchanged.
     """
     count = standing.motion.frame_count
     window = slice(first, count if last is None else min(last + 1, count))
@@ -114,7 +116,7 @@ def _solved(
 
 
 def are_among(frames: slice, others: slice) -> bool:
-    """True if some frames are all among others."""
+    """True if all of some frames are among others."""
     return bool(others.start <= frames.start and frames.stop <= others.stop)
 
 

@@ -73,9 +73,7 @@ class SolvedWindow:
         bound: Bound,
         window: slice,
     ) -> None:
-        """``activations`` (C, F) and ``tracks`` of the whole motion; StudioError where a followed target
-        has no track.
-        """
+        """``activations`` (C, F) and ``tracks`` of the whole motion; StudioError if a followed target has no track."""
         body, footing = standing.morphology, standing.footing
         self.standing, self.window, self._asked = standing, window, (constraints, activations, tracks, bound)
         self._unsolved = standing.positions[window], standing.rotations[window]
@@ -335,7 +333,7 @@ class SolvedWindow:
 
 
 def targets_of(standing: Standing, constraints: Sequence[Constraint], window: slice, tracks: Tracks) -> Targets:
-    """Targets of the constraints that are known before anything is solved."""
+    """Targets of the constraints that are known before solving."""
     motion, body = standing.motion, standing.morphology.still
     known: dict[Follow | OwnPlace | Support, Track] = {}
     for constraint in constraints:

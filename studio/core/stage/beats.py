@@ -1,4 +1,4 @@
-"""Beats of a sound: the moments at which it sets in anew, found by spectral flux."""
+"""Beats of a sound: its onsets, found by spectral flux."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +39,7 @@ def beats_of(samples: FloatArray, rate: float) -> FloatArray:
 
 
 def _flux(samples: FloatArray, hop: int, window: int) -> FloatArray:
-    """(F,) growth of all magnitudes of the spectrum from one frame to the next."""
+    """(F,) increase of all magnitudes of the spectrum from one frame to the next."""
     frames = np.lib.stride_tricks.sliding_window_view(samples, window)[::hop]
     taper, before, found = np.hanning(window), np.zeros(window // 2 + 1), []
     for begin in range(0, len(frames), FLUX_BLOCK_FRAMES):

@@ -1,4 +1,4 @@
-"""A whole stage as binary FBX 7.4: a node for each performer with its joints and skin, a mesh for each prop."""
+"""Whole stage as binary FBX 7.4: a node for each performer with its joints and skin, a mesh for each prop."""
 
 from pathlib import Path
 
@@ -23,9 +23,9 @@ from studio.io.takes.exported_stage import ExportedProp, ExportedStage
 
 
 def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
-    """Write everybody and everything of a stage, on one clock, where it stands.
+    """Write all performers and props of a stage on one clock, at their positions.
 
-    As ``take_writer.write_take``. Raises StudioError when the file cannot be written.
+    As ``take_writer.write_take``. Raises StudioError if the file cannot be written.
     """
     document = FbxDocument(stage.name, stage.frame_rate, stage.frame_count)
     for number, take in enumerate(stage.takes):

@@ -1,4 +1,4 @@
-"""Files of sounds and footage that have moved: found by their name in folders that are known."""
+"""Files of sounds and footage that have moved: found by their name in known folders."""
 
 import os
 from collections.abc import Iterable
@@ -8,13 +8,13 @@ from studio.core.errors import StudioError
 
 
 class MediaMissing(StudioError):  # noqa: N818 - it names what is the case
-    """The file of a sound or of footage is nowhere where the studio looked."""
+    """File of a sound or of footage that was not found anywhere."""
 
 
 def find_media(source: str, name: str, folders: Iterable[Path]) -> Path:
-    """The file or folder ``source`` of the sound or footage ``name``, or one of its name in ``folders``.
+    """File or folder ``source`` of the sound or footage ``name``, or one of its name in ``folders``.
 
-    Raises MediaMissing where there is neither.
+    Raises MediaMissing if there is neither.
     """
     path = Path(source)
     # Unlike those of Path, this takes a name that no file can have, or a closed folder, for no file.

@@ -41,9 +41,9 @@ def read_sound(path: Path, alive: Callable[[], object] = lambda: None) -> SoundT
 
 
 def read_samples(path: Path, alive: Callable[[], object] = lambda: None) -> NDArray[np.int16]:
-    """Samples (N, 2) of a file as they are heard; they lie in a temporary file, so an hour takes no memory.
+    """Samples (N, 2) of a file for playback, in a temporary file, so that an hour needs no memory.
 
-    ``alive`` raises to break off. Raises StudioError.
+    ``alive`` may raise to cancel. Raises StudioError.
     """
     with tempfile.TemporaryFile() as decoded:
         _decode(path, decoded, ("-ac", str(HEARD_CHANNELS), "-ar", str(HEARD_RATE), "-f", "s16le"), alive)

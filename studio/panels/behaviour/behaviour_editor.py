@@ -1,4 +1,4 @@
-"""The form of a behaviour: its name, where it begins, and who plays it."""
+"""Form of a behaviour: its name, its start state, and its performers."""
 
 from PySide6.QtWidgets import QLineEdit, QListWidget
 
@@ -13,7 +13,7 @@ from studio.panels.fields import ROW_HEIGHT, Choice, Section, labelled, press_bu
 
 
 class BehaviourEditor(Editor[Behaviour]):
-    """A behaviour as a whole; its states are listed for who works without a mouse."""
+    """Form of a whole behaviour; its states are listed for use without a mouse."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -44,7 +44,7 @@ class BehaviourEditor(Editor[Behaviour]):
         self.finish()
 
     def concerns(self, collection: str, entity_id: str) -> bool:
-        """It names performers."""
+        """True also for performers, which the form names."""
         return super().concerns(collection, entity_id) or collection == "performers"
 
     def refresh(self) -> None:

@@ -55,7 +55,7 @@ class MannerSection(Section):
                 self._add_times()
 
     def show_manner(self, manner: Manner, project: Project) -> None:
-        """Show what the document says; it is of the kind that this was made for."""
+        """Show a manner of the document, of the kind for which this section was made."""
         self._manner = manner
         self._whom.show_whom(manner.whom, project, with_point=not isinstance(manner, KeepDistance))
         for name, field in self._numbers.items():

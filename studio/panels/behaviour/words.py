@@ -45,13 +45,13 @@ def _offset_words(point: BodyPoint) -> str:
 
 
 def point_choices() -> list[tuple[BodyPoint, str]]:
-    """Every point that has a name, those of fights first."""
+    """All named points, those of fights first."""
     joints = {BodyPoint(part, at_end=at_end): name for (part, at_end), name in POINT_NAMES.items()}
     return [(point, name.capitalize()) for point, name in {**NAMED, **joints}.items()]
 
 
 def whom_name(whom: Whom, project: Project) -> str:
-    """Name of the partner, performer or prop that is meant."""
+    """Name of the target: the partner, a performer or a prop."""
     match whom:
         case FollowPartner():
             return "partner"

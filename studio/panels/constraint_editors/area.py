@@ -1,4 +1,4 @@
-"""The form of a restricted area: its shape, place and size, and which side is allowed."""
+"""Form of a restricted area: its shape, position and size, and the allowed side."""
 
 import math
 
@@ -32,10 +32,10 @@ AREA_UP, METRE_SIZE = (0.0, 0.0, 1.0), (1.0, 1.0, 1.0)
 
 
 class AreaEditor(ConstraintEditor[AreaConstraint]):
-    """Only the numbers that the shape uses are shown."""
+    """Form of an area; only the numbers of its shape are shown."""
 
     def add_kind_rows(self, section: Section) -> None:
-        """Shape, side, centre, size, heading."""
+        """Add the rows of shape, side, centre, size and heading."""
         self._shape = Choice("Shape", SHAPE_CHOICES)
         self._shape.value_chosen.connect(self._set_shape)
         section.add_row("Shape", self._shape)
@@ -100,7 +100,7 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
         self._set("Resize", size=size)
 
     def _set_shape(self, shape: AreaShape) -> None:
-        """A half-space has a direction where the others have a size."""
+        """Set the shape; a half-space has a direction in place of a size."""
         old = self.entity.shape
         size = self.entity.size
         if shape is not old and AreaShape.HALF_SPACE in (shape, old):

@@ -15,12 +15,12 @@ WIDEST_MARGIN = 10.0
 
 
 class BalanceEditor(ConstraintEditor[BalanceConstraint]):
-    """The motion's own place, a given one, or the soles that stand."""
+    """Form of a balance: over the motion's own centre of mass, a position, or the support polygon."""
 
     has_point = False
 
     def add_kind_rows(self, section: Section) -> None:
-        """Over what, the place if it is given, the margin of a support, whether its height counts."""
+        """Add the rows of the target, its position, the margin of a support, and the height."""
         self._mode = Segments(
             "Centre of mass", [(OWN_BALANCE, "Source path"), (PLACE_BALANCE, "Target"), (SUPPORT_BALANCE, "Support")]
         )
@@ -53,7 +53,7 @@ class BalanceEditor(ConstraintEditor[BalanceConstraint]):
         self._vertical.setChecked(self.entity.vertical)
 
     def _set_mode(self, mode: str) -> None:
-        """A given place begins where the active body's centre of mass is now."""
+        """Set the target; a position begins at the active body's present centre of mass."""
         now = (mass_now(self) or (0.0, 0.0, 0.0))[:2]
         place = {OWN_BALANCE: None, PLACE_BALANCE: now, SUPPORT_BALANCE: Support()}[mode]
         self.change(f"Choose place of {self.entity.name}", place=place)

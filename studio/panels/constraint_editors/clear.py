@@ -10,7 +10,7 @@ ARM_CHOICES = ((Arms.BOTH, "Both"), (Arms.LEFT, "Left"), (Arms.RIGHT, "Right"))
 
 
 class ClearEditor(ConstraintEditor[ClearConstraint]):
-    """No point and no chain: it is about whole arms and moves nothing else."""
+    """Form without point and chain, since whole arms are constrained and nothing else moves."""
 
     has_point = has_chain = False
     kind_words = "keep clear"

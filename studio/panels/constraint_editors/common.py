@@ -33,7 +33,7 @@ ConstraintT_co = TypeVar("ConstraintT_co", bound=Constraint, covariant=True)
 
 
 class ConstraintEditor(Editor[ConstraintT_co], Generic[ConstraintT_co]):
-    """A constraint of any kind; a kind adds its own rows in ``add_kind_rows``."""
+    """Form of a constraint of any kind; a kind adds its own rows in ``add_kind_rows``."""
 
     has_point = True
     """True if the kind has a point; otherwise the rows of the point are not shown."""
@@ -110,14 +110,16 @@ class ConstraintEditor(Editor[ConstraintT_co], Generic[ConstraintT_co]):
         self.refresh_moment()
 
     def refresh_moment(self) -> None:
-        """Fetch what is another at another time: targets that are keyed or follow something."""
+        """Update the values that change over time: targets that are keyed or follow an object."""
 
     def _playhead_moved(self, _: float) -> None:
         if self.entity is not None and is_moving(self.entity):
             self.refresh_moment()
 
     def concerns(self, collection: str, entity_id: str) -> bool:
-        """Priorities are an order among all constraints; residuals name the performers, targets the props."""
+        """True also for other constraints, whose priorities are an order, performers, which residuals name, and props,
+        which targets name.
+        """
         return collection in ("constraints", "performers", "characters", "props")
 
     def _show_point(self, point: BodyPoint) -> None:

@@ -1,4 +1,4 @@
-"""Priorities as an order: the list of the motion's constraints, to be dragged; some may share a place by weight."""
+"""Priorities as an order: the list of the motion's constraints, to be dragged; some may share a priority by weight."""
 
 from PySide6.QtCore import QSignalBlocker, QSize, Qt
 from PySide6.QtGui import QKeyEvent
@@ -15,7 +15,7 @@ ID = Qt.ItemDataRole.UserRole
 
 
 class OrderList(QListWidget):
-    """Rows that the mouse drags, and Alt with the arrow keys moves."""
+    """Rows that are moved by dragging, and by Alt with the arrow keys."""
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         steps = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
@@ -25,7 +25,7 @@ class OrderList(QListWidget):
             super().keyPressEvent(event)
 
     def move_row(self, place: int, goal: int) -> None:
-        """Put a row elsewhere, as a drag would."""
+        """Move a row, as a drag would."""
         if 0 <= place < self.count() and 0 <= goal < self.count():
             parent = self.rootIndex()
             self.model().moveRow(parent, place, parent, goal + (1 if goal > place else 0))
@@ -33,7 +33,7 @@ class OrderList(QListWidget):
 
 
 class PrioritySection(Section):
-    """The first is kept exactly before anything is spent on the second."""
+    """Order of priorities: the first constraint is met exactly before the second one counts."""
 
     def __init__(self, editor: Editor[Constraint]) -> None:
         super().__init__("Priority")
@@ -56,7 +56,7 @@ class PrioritySection(Section):
         self._weight_name = self.add_row("Weight", self._weight)
 
     def refresh(self) -> None:
-        """Fetch the order."""
+        """Update the order."""
         project = self._editor.document.shown_project
         constraints = project.constraints_of(self._editor.entity.motion_id)
         places = project.places_of(self._editor.entity.motion_id)

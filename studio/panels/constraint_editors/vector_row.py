@@ -1,4 +1,4 @@
-"""Some numbers of one value of a constraint in one row: a target, a centre, a size."""
+"""Row of the components of one value of a constraint: a target, a centre, a size."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -13,7 +13,7 @@ VECTOR_LIMIT = 1000.0
 
 
 class VectorRow:
-    """A field for each of X, Y, Z, to type or to drag; ``put`` takes all of them when one is changed."""
+    """Field for each of X, Y, Z, to type or to drag; ``put`` is called with all of them when one is changed."""
 
     def __init__(
         self,
@@ -33,7 +33,7 @@ class VectorRow:
         self.caption: QLabel = section.add_row(f"{label}  {unit}".rstrip(), *self.fields)
 
     def show_values(self, values: Sequence[float]) -> None:
-        """Show the value that the document has."""
+        """Show the document's value."""
         self._values = list(values)
         for field, value in zip(self.fields, values, strict=True):
             field.show_value(value)
@@ -45,7 +45,7 @@ class VectorRow:
                 field.setMinimum(low)
 
     def set_visible(self, *visible: bool) -> None:
-        """Show the fields that mean something; the row goes with the last of them."""
+        """Show the fields that are used; the row is hidden without any."""
         for field, shown in zip(self.fields, visible, strict=True):
             field.setVisible(shown)
         self.caption.setVisible(any(visible))

@@ -1,4 +1,4 @@
-"""The plot: a curve a body, drawn by pyqtgraph into the tracks' picture."""
+"""Plot: a curve for each body, drawn by pyqtgraph into the timeline's picture."""
 
 from collections.abc import Callable
 from functools import partial
@@ -28,7 +28,7 @@ Known = tuple[Basis, Curve | None]
 
 
 class PlotPicture(QObject):
-    """A pyqtgraph plot that is never shown itself: it is drawn where the rows want it."""
+    """Hidden pyqtgraph plot that is rendered into the rows."""
 
     arrived = Signal()
     """A curve is there that took longer."""
@@ -55,9 +55,9 @@ class PlotPicture(QObject):
         self._order = 0
 
     def fetch(self, shown: RowContext) -> None:
-        """Take the newest results; of a body whose result is that of the last time, the curve of the last time.
+        """Update the curves of changed results.
 
-        Curves of long motions are made by a worker, and until then the last ones are shown.
+        Those of long motions are computed by a worker; the old ones are shown until then.
         """
         project, constraint_id = shown.project, plotted_constraint(shown)
         asked = CurveQuery(project, shown.subject, self.quantity, constraint_id)
@@ -108,7 +108,7 @@ class PlotPicture(QObject):
         raise error
 
     def paint(self, painter: QPainter, row: QRect, shown: RowContext) -> None:
-        """The curves over the axis' own stretch of time, so that they line up with the bars to the pixel."""
+        """Draw the curves over the axis' own range of time, aligned with the bars to the pixel."""
         area = row.adjusted(ROW_LABEL_WIDTH, 4, 0, -3)
         axis = shown.axis
         if self._widget.size() != area.size():
@@ -162,23 +162,23 @@ class PlotPicture(QObject):
         return self.quantity.value + name
 
     def words(self, shown: RowContext, value: float) -> str:
-        """A value that is drawn, with its unit."""
+        """Drawn value with its unit."""
         if self.quantity is not Quantity.ERROR:
             return f"{value:.2f} {self.quantity.unit(shown)}"
         measure = error_measure(shown)
         return measure.words(value / measure.factor)
 
     def nearest(self, row: QRect, seconds: float, y: float) -> tuple[Curve, float] | None:
-        """The curve that passes nearest to a height at a time, with its value there."""
+        """Curve nearest to a height at a time, with its value there."""
         values = [(curve, curve.at(seconds)) for curve in self.curves]
         return min(values, key=lambda pair: abs(self.y_of(row, pair[1]) - y), default=None)
 
     def forget(self) -> None:
-        """Keep nothing of results that are shown no more."""
+        """Drop the curves of results that are not shown any more."""
         self._known, self._asked, self.curves = {}, {}, []
 
     def close(self) -> None:
-        """Let go of the plot, once the worker has ended."""
+        """Release the plot, after the worker has ended."""
         if self._worker is not None:
             self._worker.close()
         self._widget.close()

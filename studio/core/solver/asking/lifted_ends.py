@@ -80,7 +80,7 @@ def lift_ends(
 
 
 def _may_rise(heights: FloatArray) -> bool:
-    """True if any of the ``heights`` (..., F) has a goal of its own, whatever they were before the constraints."""
+    """True if any of the ``heights`` (..., F) is below its goal, for any heights before the constraints."""
     return bool((heights < END_MARGIN).any())
 
 

@@ -29,7 +29,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Followed:
-    """A followed target: equal ones have equal tracks, and ``make`` computes them for a composite."""
+    """Followed target: equal ones have equal tracks, and ``make`` computes these for a composite."""
 
     follow: Follow
     depends_on: tuple[Any, ...]
@@ -90,7 +90,7 @@ def props_of(project: Project, performer_id: str) -> tuple[Prop, ...]:
 
 
 def in_order(project: Project, performer_ids: Iterable[str]) -> tuple[tuple[str, ...], ...]:
-    """These performers and all whom they follow, leaders first, dependency cycles together."""
+    """These performers and all that they follow, leaders first, dependency cycles together."""
     leaders: dict[str, set[str]] = {}
     waiting = list(performer_ids)
     while waiting:
@@ -138,10 +138,10 @@ def tracks_followed_by(
     constraints: Iterable[Constraint] | None = None,
     own: AdaptedMotion | None = None,
 ) -> tuple[Followed, ...] | None:
-    """All followed targets of a performer beyond its own body; None while a leader's result is missing.
+    """All followed targets of a performer outside its own body; None while a leader's result is missing.
 
-    Those of its own ``circle`` are left out, with their props: they are solved together. Of some ``constraints``, or of
-    all. A prop in its own hands follows its grounded motion, ``own`` if that is known.
+    Those of its own ``circle`` are left out, with their props, because they are solved together. For some
+    ``constraints``, or for all. A prop in its own hands follows its grounded motion, ``own`` if that is known.
     """
     performer, others = project.performers[performer_id], {*circle} - {performer_id}
     found: dict[Follow, Followed] = {}
@@ -168,7 +168,7 @@ def tracks_followed_by(
 
 
 def tracks_of(followed: Iterable[Followed], composite: Composite) -> Tracks:
-    """Tracks of followed targets; may take a while."""
+    """Tracks of followed targets; may take seconds."""
     return {each.follow: each.make(composite) for each in followed}
 
 
@@ -260,9 +260,9 @@ def leader_track(
 def concerning(
     constraint: Constraint, performer_id: str, playing: Collection[str], props: Mapping[str, Prop]
 ) -> Constraint | None:
-    """The constraint as it concerns one performer among those ``playing``; None where it does not.
+    """Constraint as it applies to one performer among those ``playing``; None if it does not.
 
-    See ``asked_of``. A prop that is always in the performer's own hand is a point of that hand.
+    See ``asked_of``. A prop that is always in the performer's own hand becomes a point of that hand.
     """
     changes: dict[str, Any] = {}
     for name, value in vars(constraint).items():

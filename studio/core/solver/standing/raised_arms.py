@@ -1,4 +1,4 @@
-"""Arms kept above the ground: longer ones would put hands and elbows into it (METHOD 6)."""
+"""Arms kept above the ground: hands and elbows of longer arms would be below it (METHOD 6)."""
 
 from typing import NamedTuple
 
@@ -71,12 +71,14 @@ def raise_arms(
 
 
 def _angles(line: FloatArray, now: FloatArray, then: FloatArray) -> FloatArray:
-    """Angles (F,) in radians about unit vectors ``line`` from ``now`` to ``then``, all (F, 3), both across it."""
+    """Angles (F,) in radians about unit vectors ``line`` from ``now`` to ``then``, all (F, 3), both perpendicular to
+    it.
+    """
     return np.asarray(np.arctan2(np.sum(np.cross(now, then) * line, axis=1), np.sum(now * then, axis=1)))
 
 
 def _outright(now: FloatArray) -> FloatArray:
-    """Fraction (F,) of its rotation for an elbow at ``now`` (F, 3) from its arm's line."""
+    """Fraction (F,) of its rotation for an elbow at ``now`` (F, 3) from the line of its arm; small near the line."""
     wide = np.sum(now**2, axis=1)
     return np.asarray(wide / (wide + STRAIGHT_ELBOW**2))
 
@@ -197,8 +199,8 @@ def _across(displacements: FloatArray, line: FloatArray) -> FloatArray:
 
 
 def _displacements_out(elbows: FloatArray, shoulders: FloatArray, out: FloatArray, ground: Ground) -> FloatArray:
-    """Displacements (F, 3) of ``elbows`` out of the ground, about their ``shoulders``, all (F, 3): away from where they
-    hang, and increasingly ``out`` from the body with depth.
+    """Displacements (F, 3) of ``elbows`` out of the ground, about their ``shoulders``, all (F, 3): away from their
+    hanging position, and increasingly ``out`` from the body with depth.
     """
     upper = elbows - shoulders
     lengths = np.maximum(np.linalg.norm(upper, axis=1), 1e-9)
