@@ -99,8 +99,8 @@ def _follow(renderer: "subprocess.Popen[bytes]", progress: Progress) -> None:
     if code:
         reason = f": {last}" if code > 0 and last else ""
         raise StudioError(
-            f"What draws the film crashed at '{text}'{reason}. Nothing was written. Choose a smaller size or update the"
-            " driver of the graphics card."
+            f"The renderer of the film crashed at '{text}'{reason}. Nothing was written. Choose a smaller size or"
+            " update the driver of the graphics card."
         )
 
 

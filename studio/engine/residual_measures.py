@@ -4,6 +4,10 @@ import math
 from dataclasses import dataclass
 
 from studio.core.constraints.base import Constraint
+from studio.document.length_units import length_text
+
+WITH_DECIMAL = 9.95
+"""Amount in millimetres or degrees below which a decimal is shown."""
 
 
 @dataclass(frozen=True)
@@ -24,9 +28,10 @@ class Measure:
     def words(self, amount: float) -> str:
         """Amount as text: ``0.4 mm``, ``42 mm``, ``1.20 m``; ``0.4°``, ``42°``."""
         value = amount * self.factor
-        if self.sign == " mm" and value >= 1000.0:
-            return f"{amount:.2f} m"
-        return f"{value:.1f}{self.sign}" if value < 9.95 else f"{value:.0f}{self.sign}"
+        decimals = 1 if value < WITH_DECIMAL else 0
+        if self is LENGTH_MEASURE:
+            return length_text(amount, "m", 2) if value >= 1000.0 else length_text(amount, "mm", decimals)
+        return f"{value:.{decimals}f}{self.sign}"
 
     def weight(self, amount: float) -> float:
         """Badness of an amount relative to its visible tolerance: compares lengths with angles."""

@@ -66,7 +66,7 @@ class ContactEditor(Editor[ContactInterval]):
         return super().concerns(collection, entity_id) or collection == "performers"
 
     def _ask(self, scope: Scope) -> None:
-        text = f"Ask {contact_words(self.entity.point).lower()} contacts of others"
+        text = f"Change scope of {contact_words(self.entity.point).lower()} contacts"
         contact_id = ask_contact_of(self.document, self.entity_id, scope, text)
         self.document.selection.set(("contacts", contact_id))
 

@@ -23,7 +23,7 @@ class GrowthRow(KeyRow):
         self._character_id = character_id
         self._over_time = QCheckBox("keyed over time")
         self._over_time.setAccessibleName("Body is keyed over time")
-        self._over_time.setToolTip("The body grows from key to key: what a slider says is a key at the playhead.")
+        self._over_time.setToolTip("The body grows from key to key: a slider sets a key at the playhead.")
         self._over_time.clicked.connect(self._toggle)
         section.add_row("Measures", self._over_time)
         super().__init__(editor, section, "proportions")

@@ -29,7 +29,7 @@ class ReferenceFigure(QWidget):
         super().__init__()
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self.setAccessibleName("Reference pose")
-        self.setToolTip("The body at ease as it is understood: if sides, front or up are wrong, correct the body map")
+        self.setToolTip("Reference pose as interpreted: if sides, front or up are wrong, correct the body map")
         self._points = _standing(capture, body_map)
         self._chains = _chains(capture, body_map)
 

@@ -37,7 +37,7 @@ def keyed_speed(random: Random, near: float) -> Speed:
 
 
 def commands(random: Random, document: EditedProject) -> list[Callable[[], object]]:
-    """What may be done to the clips of a project now."""
+    """Edits that are possible on the clips of a project at present."""
     project = document.project
     if not project.clips:
         return [lambda: clip_edits.add_clip(document, ["one"], random.choice(NAMES))]

@@ -193,6 +193,8 @@ GREATEST_DRIFT = 0.04
 """Metres by which the ground of a capture may rise above its usual low."""
 HOVERING_HEIGHT = 0.025
 """Metres above the lowest that it comes to while it is near the ground at which a point is in the air."""
+SINKING_SPEED = 0.1
+"""Metres a second below which a point above that is on ground, or under skin, that gives way."""
 ON_THE_FLOOR = 0.12
 """Metres that one foot's usual low may lie above the other's; higher, and it never stands."""
 
@@ -244,14 +246,14 @@ def detect_contacts(soles: FloatArray, frame_rate: float, first_frame: int = 0) 
     for side, name in enumerate(("left", "right")):
         heights, reach = tracks[:, side, :, 2], round(DRIFT_WINDOW * frame_rate)
         near = [_near(heights[:, end], lows[side, end], reach) & on_the_floor[side, end] for end in range(3)]
-        down = [_come_down(heights[:, end], near[end], reach) for end in range(3)]
+        speeds = np.array([point_speeds(tracks[:, side, end], near[end], frame_rate) for end in range(3)])
+        down = [_come_down(heights[:, end], speeds[end], near[end], reach) for end in range(3)]
         down[1] = down[2] = down[1] | down[2]  # toes that roll over one end are not in the air
         stands = [
-            _stands(tracks[:, side, end], near[end] & down[end], *speeds, frame_rate)
-            for end, speeds in enumerate((HEEL_SPEEDS, TOE_SPEEDS, TOE_SPEEDS))
+            _stands(tracks[:, side, end], near[end] & down[end], *limits, frame_rate)
+            for end, limits in enumerate((HEEL_SPEEDS, TOE_SPEEDS, TOE_SPEEDS))
         ]
-        speeds = np.array([point_speeds(tracks[:, side, end], near[end], frame_rate) for end in (1, 2)])
-        rests = stands[0] & near[1] & (speeds < REST_SPEED).all(axis=0)
+        rests = stands[0] & near[1] & (speeds[1:] < REST_SPEED).all(axis=0)
         heel, toe = _without_pivots(stands[0], stands[1] | stands[2] | rests, tracks[:, side], frame_rate)
         middle = tracks[:, side, :2].mean(axis=1)  # of heel and ball: a foot that turns on the spot goes nowhere
         for kind, standing in (("heel", heel), ("toe", toe)):
@@ -267,15 +269,19 @@ def _near(heights: FloatArray, low: float, reach: int) -> NDArray[np.bool_]:
     return np.asarray(heights < np.clip(lowest(heights, reach), low, low + GREATEST_DRIFT) + HEIGHT_MARGIN)
 
 
-def _come_down(heights: FloatArray, near: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
+def _come_down(heights: FloatArray, speeds: FloatArray, near: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
     """(F,) true where a point that is ``near`` the ground (F,) is about as low as it gets before it rises again.
 
-    A foot that is lowered or raised slowly is in the air until it is down.
+    A foot that is lowered or raised slowly is in the air until it is down, unless it sinks no faster than soles do
+    under their load.
     """
-    down = near.copy()
+    low = near.copy()
     for first, last in spans_of(near):
         span = slice(first, last + 1)
-        down[span] = heights[span] < lowest(heights[span], reach) + HOVERING_HEIGHT
+        low[span] = heights[span] < lowest(heights[span], reach) + HOVERING_HEIGHT
+    down = low.copy()
+    for first, last in spans_of(near & (low | (speeds < SINKING_SPEED))):
+        down[first : last + 1] = low[first : last + 1].any()
     return down
 
 

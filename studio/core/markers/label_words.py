@@ -47,9 +47,10 @@ PART_WORDS: tuple[tuple[str, str], ...] = (
         r"f?mth?5|fm5|mh5|mtp5|5(th)?.?(meta?|metatarsal|mt|mh|mtp)|5th|vmh?|d5m|fl|(toe|forefoot|foot|ft).?(out|l|lat)|fifth.?met.*|metatarsal.?5",
     ),
     ("met", r"met\d*|mt"),
+    ("big_toe", r"(big|great|1st|first).?toe\d?|(toe|foot).?(tip|end|nail)|hal(lux)?|hlx|dp1|gros.?orteil"),
     (
         "toe",
-        r"toe|(toe|foot).?tip|toe.?base|metatarsal.?[23]|foot.?index|to|toes|big.?toe|hal(lux)?|hlx|f?mth?[23]|fm[23]|mh[23]|[23](nd|rd)?.?(met(atarsal)?|mt|mh|mtp)|2nd|smh?|"
+        r"toe|toe.?base|metatarsal.?[23]|foot.?index|to|toes|f?mth?[23]|fm[23]|mh[23]|[23](nd|rd)?.?(met(atarsal)?|mt|mh|mtp)|2nd|smh?|"
         r"foo\d*|fore.?foot|ball|second.?met.*|orteil",
     ),
     ("foot", r"ft\d*|foot\d*"),

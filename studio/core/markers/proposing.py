@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.markers.feet import TOES
 from studio.core.markers.label_words import initials_of, side_and_part
 from studio.core.markers.marker_map import MarkerMap, seen_labels
 from studio.core.markers.roles import ROLE, SIDE_WORDS
@@ -233,7 +234,7 @@ def _sort_foot_clusters(found: _Found, forward: FloatArray) -> None:
     for side, foot in feet.items():
         names = {marker.label: without_side(marker.label, side) for marker in foot}
         low = [marker for marker in foot if not width or np.mean(high[names[marker.label]]) < _LOW * width]
-        if len(low) > 1 and not {(side, part) for part in ("toe", "inner_toe", "outer_toe")} & found.keys():
+        if len(low) > 1 and not {(side, part) for part in TOES} & found.keys():
             low.sort(key=lambda marker: float(np.mean(ahead[names[marker.label]])))
             found[side, "heel"], found[side, "toe"] = [low[0]], [low[-1]]
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.markers.feet import TOES
 from studio.core.markers.joint_centres import joint_centres
 from studio.core.markers.marker_map import MarkerMap, middles, role_markers, stored_centres
 from studio.core.markers.measures import find_measures
@@ -35,8 +36,8 @@ _LINKS = (
     ("thigh", ("shank",)),
     ("shank", ("heel",)),
     ("ankle", ("heel",)),
-    ("heel", ("toe", "inner_toe", "outer_toe")),
-    ("ankle", ("toe", "inner_toe", "outer_toe")),
+    ("heel", TOES),
+    ("ankle", TOES),
     ("shoulder", ("elbow", "inner_elbow", "upper_arm")),
     ("elbow", ("wrist", "outer_wrist", "forearm")),
     ("wrist", ("hand",)),
@@ -95,16 +96,23 @@ def _leftward(tracks: Tracks) -> FloatArray:
     forward = [
         normalized(front - back)
         for one, other in _FRONT_AND_BACK
-        if (front := _middle(tracks, one)) is not None and (back := _middle(tracks, other)) is not None
+        if (front := middle_of(tracks, one)) is not None and (back := middle_of(tracks, other)) is not None
     ]
-    high = next((each for name in _HIGH if (each := _middle(tracks, name)) is not None), None)
-    low = next((each for name in _LOW if (each := _middle(tracks, name)) is not None), None)
+    high, low = high_and_low(tracks)
     if not forward or high is None or low is None:
         return np.full((1, 3), np.nan)
     return normalized(np.cross(high - low, np.nansum(forward, axis=0)))
 
 
-def _middle(tracks: Tracks, name: str) -> FloatArray | None:
+def high_and_low(tracks: Tracks) -> tuple[FloatArray | None, FloatArray | None]:
+    """Places (F, 3) in the middle of the body, one high and one low on it; None for one that has no markers."""
+    high, low = (
+        next((each for name in names if (each := middle_of(tracks, name)) is not None), None) for names in (_HIGH, _LOW)
+    )
+    return high, low
+
+
+def middle_of(tracks: Tracks, name: str) -> FloatArray | None:
     """Mean of left and right markers, which does not depend on their order."""
     if name in tracks:
         return tracks[name]

@@ -14,6 +14,7 @@ from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
 from studio.core.markers.body_axes import HEAD_MARKERS
+from studio.core.markers.ends import EXCHANGEABLE, exchanged_ends, exchanged_on_limbs
 from studio.core.markers.force_plates import plate_loads, plates_height
 from studio.core.markers.label_words import side_and_part
 from studio.core.markers.marker_map import MarkerMap, seen_labels
@@ -244,6 +245,7 @@ def _body_guesses(
             Confidence.of(-float(np.median(every)), -_SKIN, -0.5 * _SKIN),
         ),
         *_side_guesses(take),
+        *_end_guesses(take),
     ]
     if solved.resting:
         guesses.append(_not_shown(take, used, solved.resting))
@@ -295,6 +297,28 @@ def _side_guesses(take: MarkerTake) -> list[Guess]:
     shown = ", ".join(labels[:_SHOWN]) + (f" and {len(labels) - _SHOWN} more" if len(labels) > _SHOWN else "")
     reason = f"{shown} carry the name of one side and move with the other: their labels are swapped, and put right."
     return [Guess("sides", "left and right exchanged", reason, Confidence.LIKELY)]
+
+
+def _end_guesses(take: MarkerTake) -> list[Guess]:
+    """Places of one side that carry each other's names, or labels that the map has put right."""
+    ends = exchanged_ends(take.trial, take.marker_map, take.subject)
+    limbs = exchanged_on_limbs(take.trial, take.marker_map, take.subject)
+    if there := sorted({*ends, *limbs}):
+        shown = ", ".join(role.replace("_", " ") for role in there)
+        reason = f"The markers at {shown} lie as if their labels were exchanged. Check the map under Markers."
+        return [Guess("places", "as the map says", reason, Confidence.DOUBTFUL)]
+    labels = sorted(
+        label
+        for role, own in take.marker_map.markers.items()
+        for label in own
+        if (said := side_and_part(label)) is not None
+        and frozenset((said[1], role.removeprefix("left_").removeprefix("right_"))) in EXCHANGEABLE
+    )
+    if not labels:
+        return []
+    shown = ", ".join(labels[:_SHOWN]) + (f" and {len(labels) - _SHOWN} more" if len(labels) > _SHOWN else "")
+    reason = f"{shown} lie at each other's places all through the take: their labels are exchanged, and put right."
+    return [Guess("places", "exchanged labels put right", reason, Confidence.LIKELY)]
 
 
 def _not_shown(take: MarkerTake, used: MarkerMap, resting: Sequence[str]) -> Guess:

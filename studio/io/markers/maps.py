@@ -10,6 +10,7 @@ from typing import Any
 from platformdirs import user_data_path
 
 from studio.core.errors import StudioError
+from studio.core.markers.ends import exchanged_ends, exchanged_on_limbs, with_roles
 from studio.core.markers.marker_map import MarkerMap, seen_labels
 from studio.core.markers.proposing import propose_map
 from studio.core.markers.sides import exchanged_places, with_exchanged
@@ -25,7 +26,7 @@ _ADRIFT = ("thigh", "shank", "upper_arm", "forearm", "hip")
 
 
 def find_map(trial: Trial, subject: str = "") -> MarkerMap:
-    """Map of a trial's markers, with sides corrected that are exchanged through the whole trial.
+    """Map of a trial's markers, with sides and ends of limbs corrected that are exchanged through the whole trial.
 
     A map of the user's if it can track a body, else the bundled one that explains most markers, completed by a
     proposal; else a proposal.
@@ -36,7 +37,9 @@ def find_map(trial: Trial, subject: str = "") -> MarkerMap:
         return own
     proposed, known = propose_map(trial, subject), _best(_shipped_maps(), labels)
     found = proposed if known is None else _completed(known, proposed)
-    return with_exchanged(found, exchanged_places(trial, found, subject))
+    found = with_roles(found, exchanged_ends(trial, found, subject))
+    found = with_exchanged(found, exchanged_places(trial, found, subject))
+    return with_roles(found, exchanged_on_limbs(trial, found, subject))
 
 
 def _best(maps: Iterable[MarkerMap], labels: Sequence[str]) -> MarkerMap | None:

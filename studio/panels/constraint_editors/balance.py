@@ -31,7 +31,7 @@ class BalanceEditor(ConstraintEditor[BalanceConstraint]):
         self._margin = self.bind(NumberField("Margin", "cm", 0.0, WIDEST_MARGIN, 0.5, 1), self._set_margin)
         self._margin_caption = section.add_row("Margin", self._margin)
         self._vertical = QCheckBox("its height too")
-        self._vertical.setAccessibleName("The height of the centre of mass is asked too")
+        self._vertical.setAccessibleName("Constrain the height of the centre of mass too")
         self._vertical.clicked.connect(self._set_vertical)
         section.add_row("Holds", self._vertical)
 

@@ -49,7 +49,7 @@ class PrioritySection(Section):
         self.add_wide(self._list)
         self._tied = QCheckBox("Same priority as above")
         self._tied.setObjectName("tie")
-        self._tied.setToolTip("Neither goes before the other: where both cannot be had, they share by weight.")
+        self._tied.setToolTip("Equal priorities: if both cannot be met, they share by weight.")
         self._tied.toggled.connect(self._tie)
         self.add_wide(self._tied)
         self._weight = editor.bind(NumberField("Weight among equals", "", 0.1, 10.0, 0.1, 2), self._set_weight)
@@ -94,7 +94,7 @@ class PrioritySection(Section):
         before = list(self._editor.document.project.constraints_of(self._editor.entity.motion_id))
         current = self._list.currentItem()
         moved = _moved([current.data(ID)] if current else [], before, order) or self._editor.entity_id
-        ties = ties_with_moved(constraints, order, moved)
+        ties = ties_with_moved(constraints, order, {moved})
         self._put_places(order, ties, f"Reorder priority of {constraints[moved].name}")
 
     def _tie(self, tied: bool) -> None:

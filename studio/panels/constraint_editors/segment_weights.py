@@ -49,7 +49,7 @@ class SegmentWeights(QWidget):
             field = self._editor.bind(weight_field(f"Own weight of {part.label}"), partial(self.put, part))
             remove = press_button("−", partial(self._remove, part))
             remove.setAccessibleName(f"Remove own weight of {part.label}")
-            remove.setToolTip("It moves as its group again.")
+            remove.setToolTip("Use the weight of its group again.")
             remove.setFixedWidth(30)
             self._rows[part] = labelled(part.label, "second"), field, remove
             for column, widget in enumerate(self._rows[part]):

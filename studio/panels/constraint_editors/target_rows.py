@@ -260,7 +260,7 @@ class TargetRows:
     def _known_now(self) -> Any:
         now = self.now()
         if now is None:
-            raise ValueError("Where the target is now is not known yet. Wait until the body is adapted.")
+            raise ValueError("The present target is not known yet. Wait until the body is adapted.")
         return now
 
     def _known_moment(self) -> TargetContext:
@@ -285,7 +285,7 @@ class TargetRows:
             point, seconds = target.point, moment.pose.seconds
         own = moment.own_place(point, _full(now), seconds)
         if own is None:
-            raise ValueError("Where each body has it is not known yet. Wait until the bodies are adapted.")
+            raise ValueError("Its position on each body is not known yet. Wait until the bodies are adapted.")
         return own
 
     def _attached(self, follow: FollowProp, now: Any, moment: TargetContext | None) -> Place | Turn:

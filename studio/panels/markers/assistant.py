@@ -101,12 +101,12 @@ class MarkerAssistant(QWidget):
         there = self.marker_map.among(self._labels())
         parts = [word for word, has in (("legs", there.has_legs()), ("arms", there.has_arms())) if has]
         if len(parts) == 2:
-            return "Legs and arms can be followed."
+            return "Legs and arms can be tracked."
         if parts:
             other = "arms" if parts == ["legs"] else "legs"
-            return f"The {parts[0]} can be followed; the {other} will stand in a plain rest."
+            return f"The {parts[0]} can be tracked; the {other} stay in a rest pose."
         lacking, more = there.lacking()[:4], len(there.lacking()) > 4
-        return f"No body can be followed yet. Still missing: {', '.join(lacking)}{' and others' if more else ''}."
+        return f"No body can be tracked yet. Still missing: {', '.join(lacking)}{' and others' if more else ''}."
 
     def choose_role(self, role: str) -> None:
         """Choose a position: show its markers, and assign the next clicked one to it."""
