@@ -33,7 +33,7 @@ VISIBLE_MISS = 0.005
 """Residual in metres below which a miss is invisible."""
 POSE_HOLD_SECONDS = 0.5
 """Seconds for which a pose is held when a takeover from it is tried."""
-TRIED_SECONDS = 1.0
+TRIED_SECONDS = 5.0
 """Seconds of the motion before a strike that are solved with it when it is tried."""
 EASED_IN = 0.6
 """Fraction of the time to the hit in which the clip blends in."""
