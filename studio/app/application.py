@@ -23,6 +23,7 @@ from studio.app.workbench import Workbench
 from studio.document import colours
 from studio.document.document import Document
 from studio.document.file_lock import journal_folder
+from studio.document.length_units import use_lengths
 from studio.engine.background_tasks import TaskRunner
 from studio.engine.live_adaptation import LiveAdaptation
 from studio.startup.kernel_warm_up import WarmUp
@@ -52,8 +53,9 @@ def main(argv: Sequence[str] | None = None, warm_up: WarmUp | None = None) -> No
 
 
 def apply_look(preferences: Preferences) -> None:
-    """Apply theme and scale before the application is made, because Qt reads the scale once."""
+    """Apply theme, units and scale before the application is made, because Qt reads the scale once."""
     colours.use_theme(preferences.theme)
+    use_lengths(preferences.lengths)
     if preferences.interface_scale != 100:
         os.environ.setdefault("QT_SCALE_FACTOR", str(preferences.interface_scale / 100.0))
 

@@ -26,6 +26,7 @@ class FootagePlayback(QObject):
         document.entity_changed.connect(self._follow_edit)
         document.selection.changed.connect(self._refresh)
         document.project_opened.connect(self._forget)
+        bench.media_relinked.connect(self._try_again)
         self.view.opened.connect(self._refresh)
         self.frames.frame_ready.connect(self._refresh)
         self.frames.failed.connect(self._refuse)
@@ -83,6 +84,11 @@ class FootagePlayback(QObject):
 
     def _forget(self) -> None:
         self._found.clear()
+        self._refresh()
+
+    def _try_again(self, path: str) -> None:
+        self._found.pop(path, None)
+        self.frames.try_again(Path(path))
         self._refresh()
 
     def _refuse(self, path: str, sentence: str) -> None:

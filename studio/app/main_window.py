@@ -112,6 +112,7 @@ class MainWindow(QMainWindow):
         for note in (self.recovery, self.question, self.tour_strip, self.strip):
             note.raise_()
         viewport.strike_drops.dropped.connect(self.striking.play)
+        viewport.pose_drops.dropped.connect(self.pose_library.apply_to)
         LibraryDrops(viewport, ("captures", *BODIES)).dropped.connect(self.library.open_item)
         viewport.covered_below = self._covered_below
         self.bench.set_viewport(viewport)

@@ -7,6 +7,7 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QDockWidget, QWidget
 
 from studio.core.errors import StudioError
+from studio.document.mnemonics import literal
 from studio.io import plug_ins
 
 if TYPE_CHECKING:
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 def add_panel_actions(window: "MainWindow") -> None:
     """Add an entry to the menu *View* of the main window for each panel of a package, without loading it."""
     for offer in plug_ins.offers(plug_ins.PANELS_GROUP):
-        action = QAction(f"{offer.name.replace('_', ' ').capitalize()} panel", window)
+        action = QAction(literal(f"{offer.name.replace('_', ' ').capitalize()} panel"), window)
         action.setToolTip(f"Added by {offer.package}")
         action.triggered.connect(lambda _=False, offer=offer: show_plug_in(window, offer))
         window.actions_by_id.menus["View"].addAction(action)

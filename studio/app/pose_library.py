@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from pathlib import Path
 
+from PySide6.QtGui import QIcon, QPixmap
+
 from studio.app.workbench import Workbench
 from studio.cli.arguments import library_folder
 from studio.core.errors import StudioError
@@ -13,6 +15,7 @@ from studio.document.correction_edits import correction_at, set_pose
 from studio.engine.performance import Posed, pose_of
 from studio.library.saved_poses import SavedPose, delete_pose, read_poses, rename_pose, write_pose
 from studio.panels.pose_list import PosePanel
+from studio.panels.thumbnails import pose_picture
 
 HIPS_REGIONS = ("Whole body", "Legs")
 """Regions with which the height of the hips is applied."""
@@ -59,6 +62,11 @@ class PoseLibrary:
         hips = wanted.hips if region in HIPS_REGIONS else None
         set_pose(document, performer_id, time, keyed, hips, text=f"Apply pose {saved.name}")
 
+    def apply_to(self, row: int, performer_id: str) -> None:
+        """Select a performer and apply a pose to it."""
+        self._bench.document.selection.set(("performers", performer_id))
+        self._try(lambda: self.apply(row))
+
     def rename(self, row: int, name: str) -> None:
         """Rename a pose; an empty name or that of another pose is refused."""
         saved = self._saved[row]
@@ -80,7 +88,8 @@ class PoseLibrary:
         """List the folder's content; the row of ``current``."""
         self._saved, problems = read_poses(self._folder)
         row = next((place for place, each in enumerate(self._saved) if each.path == current), -1)
-        self.panel.show_poses([each.name for each in self._saved], problems, row)
+        listed = [(each.name, QIcon(QPixmap.fromImage(pose_picture(each.pose)))) for each in self._saved]
+        self.panel.show_poses(listed, problems, row)
         return row
 
     def _shown(self) -> tuple[str, Posed]:

@@ -76,7 +76,8 @@ def groups_of(made: "PoseMap", library: "Library") -> "list[PoseGroup]":
         clips: list[LibraryClip] = [library.clips[each] for each in made.clips_of(number, library.table)]
         words = f"{counts[number]} poses, {len(clips)} clip{'' if len(clips) == 1 else 's'}"
         forward = np.array([across[1], -across[0]]) / max(float(np.linalg.norm(across)), 1e-9)
-        groups.append(PoseGroup(pose, forward, places[number], tuple(made.links[number].tolist()), words))
+        names = tuple(dict.fromkeys(clip.name for clip in clips))
+        groups.append(PoseGroup(pose, forward, places[number], tuple(made.links[number].tolist()), words, names))
     return groups
 
 

@@ -9,6 +9,7 @@ from PySide6.QtGui import QKeySequence
 
 from studio.app.settings import Settings
 from studio.document import colours
+from studio.document.length_units import LENGTH_CHOICES
 from studio.resources_folder import resources_folder
 from studio.viewport.onion_skins import OnionSkins
 from studio.viewport.snap_steps import SnapSteps
@@ -25,7 +26,11 @@ WHOLE_NUMBERS = (
     ("interface_scale", 50, 300),
 )
 FITTED, WHOLE_CLIP_ACTIVATION = "fitted", "whole_clip"
-CHOICES: Mapping[str, tuple[str, ...]] = {"activation": (FITTED, WHOLE_CLIP_ACTIVATION), "theme": tuple(colours.THEMES)}
+CHOICES: Mapping[str, tuple[str, ...]] = {
+    "activation": (FITTED, WHOLE_CLIP_ACTIVATION),
+    "theme": tuple(colours.THEMES),
+    "lengths": tuple(LENGTH_CHOICES),
+}
 
 
 @dataclass(frozen=True)
@@ -47,6 +52,8 @@ class Preferences:
     activation: str = FITTED
     """Activation of a new constraint: fitted to the motion, or the whole clip."""
     theme: str = "dark"
+    lengths: str = "usual"
+    """Units of lengths: metres, centimetres and millimetres as usual for what is shown, or one for all."""
     interface_scale: int = 100
     """Percent."""
     key_map: str = STUDIO_KEYS

@@ -32,6 +32,7 @@ ONION_NUMBERS = (
     ("onion_step", "Every", "frames"),
 )
 ACTIVATIONS = ((FITTED, "While the point stays still"), (WHOLE_CLIP_ACTIVATION, "For the whole clip"))
+LENGTHS = (("usual", "m, cm and mm"), ("m", "Metres"), ("cm", "Centimetres"), ("in", "Inches"))
 ACTION_ID = Qt.ItemDataRole.UserRole
 
 
@@ -60,6 +61,7 @@ class PreferencesDialog(QDialog):
         look = Section("Appearance, after restart")
         self._add_choice(look, "theme", "Theme", [(name, name.capitalize()) for name in CHOICES["theme"]])
         self._add_whole(look, "interface_scale", "Scale", "%")
+        self._add_choice(look, "lengths", "Lengths", LENGTHS)
         keys = Section("Keys")
         self.map = Choice("Key map", [(key, name) for key, (name, _) in key_maps().items()])
         self.map.show_value(bench.preferences.key_map)

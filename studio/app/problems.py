@@ -11,7 +11,7 @@ from types import TracebackType
 import platformdirs
 from PySide6.QtCore import QObject, Signal
 
-from studio.core.errors import StudioError
+from studio.core.errors import INTERNAL_ERROR, StudioError
 
 LOG_BYTES = 1_000_000
 _log = logging.getLogger("studio")
@@ -39,7 +39,7 @@ def sentence_of(error: BaseException) -> str:
     if isinstance(error, StudioError):
         return str(error)
     what = f"{type(error).__name__}: {error}".rstrip(": ")
-    return f"An internal error occurred: {what}. Your work is in the journal; the details are in {log_file()}."
+    return f"An {INTERNAL_ERROR} occurred: {what}. Your work is in the journal; the details are in {log_file()}."
 
 
 class ProblemHooks(QObject):

@@ -110,6 +110,7 @@ def ask_media(bench: Workbench, collection: str, source: str) -> None:
         with bench.document.group(f"Relink {Path(source).name}"):
             for key, each in linked.items():
                 bench.document.replace(collection, key, each, f"Relink {each.name}")
+        bench.media_relinked.emit(str(path))
 
     ask_file(bench, f"File {Path(source).name}", MEDIA_FILTERS[collection], chosen)
 

@@ -37,6 +37,7 @@ class SoundPlayback(QObject):
         self._playhead.changed.connect(self._follow_playhead)
         self._playhead.playing_changed.connect(self._follow_playing)
         bench.document.project_opened.connect(self._samples.clear)
+        bench.media_relinked.connect(lambda path: self._samples.pop(path, None))
 
     def set_muted(self, muted: bool) -> None:
         """Mute or unmute."""

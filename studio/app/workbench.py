@@ -28,6 +28,8 @@ class Workbench(QObject):
 
     message_posted = Signal(UserMessage)
     """UserMessage that the window shows, whoever it comes from; an empty one takes the last away."""
+    media_relinked = Signal(str)
+    """Path of a file from which sounds or footage are read from now on, as if it was never tried before."""
     views_changed = Signal()
 
     def __init__(self, document: Document, live: LiveAdaptation, runner: TaskRunner, settings: Settings) -> None:

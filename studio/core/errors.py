@@ -1,5 +1,8 @@
 """Errors whose message is meant for the user."""
 
+INTERNAL_ERROR = "internal error"
+"""Words in every message about a fault of the program, by which tests know one."""
+
 
 class StudioError(Exception):
     """Error that the user can understand and act on.

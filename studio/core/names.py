@@ -25,6 +25,11 @@ def readable(text: str) -> str:
     return text.encode(errors="surrogateescape").decode(errors="replace")
 
 
+def tags_in(text: str) -> tuple[str, ...]:
+    """Tags in a text, separated by commas, without repetitions."""
+    return tuple(dict.fromkeys(word.strip() for word in text.split(",") if word.strip()))
+
+
 def counted(number: int, thing: str, things: str = "") -> str:
     """Number and noun, such as ``1 character``, ``3 characters``; ``things`` is the plural, by default with an s."""
     return f"{number} {thing if number == 1 else things or f'{thing}s'}"

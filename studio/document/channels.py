@@ -18,6 +18,7 @@ from studio.core.curves.retiming import FASTEST_CLIP, SLOWEST_CLIP
 from studio.core.curves.tangents import HEAVIEST, LIGHTEST, Tangent, TangentMode, Tangents, tangents_of
 from studio.core.rotations import from_euler, from_matrix, to_euler
 from studio.document.keyed_fields import Keyed, KeyedField
+from studio.document.length_units import shown_unit
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -63,7 +64,10 @@ def channels_of(field: KeyedField, keyed: Keyed) -> tuple[Channel, ...]:
     """Channels of a field; of measures only those that change, or else the stature."""
     match keyed:
         case KeyedPlace():
-            return tuple(Channel(field, place, name, "m") for place, name in enumerate(AXIS_NAMES))
+            metre = shown_unit("m")
+            return tuple(
+                Channel(field, place, name, metre.symbol, metre.factor) for place, name in enumerate(AXIS_NAMES)
+            )
         case KeyedOwnPlace():
             return tuple(Channel(field, place, name, "leg lengths") for place, name in enumerate(AXIS_NAMES))
         case KeyedTurn():
@@ -73,7 +77,8 @@ def channels_of(field: KeyedField, keyed: Keyed) -> tuple[Channel, ...]:
                 return (Channel(field, 0, field.name, "°", DEGREES_PER_RADIAN),)
             if field.collection == "clips":
                 return (Channel(field, 0, field.name, "×", baseline=0.0),)
-            return (Channel(field, 0, field.name, "m"),)
+            metre = shown_unit("m")
+            return (Channel(field, 0, field.name, metre.symbol, metre.factor),)
         case KeyedProportions():
             changing = np.flatnonzero(np.ptp(keyed.points, axis=0) > 0.0).tolist() or [0]
             names = [each.name for each in fields(Proportions)]

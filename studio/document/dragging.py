@@ -1,4 +1,4 @@
-"""Data of drags between views: a row of the library by its entity, a strike by its index in the list."""
+"""Data of drags between views: a row of the library by its entity, strikes and poses by their index in a list."""
 
 import json
 
@@ -7,6 +7,9 @@ from PySide6.QtCore import QMimeData
 CAPTURE = "application/x-morpho-studio-capture"
 LIBRARY_ITEM = "application/x-morpho-studio-library-item"
 STRIKE = "application/x-morpho-studio-strike"
+"""Kind of a drag of a strike that a search has found."""
+POSE = "application/x-morpho-studio-pose"
+"""Kind of a drag of a saved pose."""
 
 
 def carried_capture(capture_id: str) -> QMimeData:
@@ -37,13 +40,13 @@ def capture_in(content: QMimeData) -> str | None:
     return bytes(content.data(CAPTURE).data()).decode() if content.hasFormat(CAPTURE) else None
 
 
-def carried_strike(place: int) -> QMimeData:
-    """Data of a drag of a strike that a search has found."""
+def carried_row(kind: str, row: int) -> QMimeData:
+    """Data for dragging an item of a list of this kind."""
     content = QMimeData()
-    content.setData(STRIKE, str(place).encode())
+    content.setData(kind, str(row).encode())
     return content
 
 
-def strike_in(content: QMimeData) -> int | None:
-    """Index in the list of the dragged strike, or None."""
-    return int(bytes(content.data(STRIKE).data())) if content.hasFormat(STRIKE) else None
+def row_in(kind: str, content: QMimeData) -> int | None:
+    """Index in the list of the dragged item, or None for another kind."""
+    return int(bytes(content.data(kind).data())) if content.hasFormat(kind) else None

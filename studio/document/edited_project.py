@@ -174,6 +174,13 @@ class EditedProject(QObject):
         self._gesture += 1
         return self._gesture
 
+    def take_back(self, gesture: int) -> None:
+        """Undo the step of a gesture for good, if it is the newest one."""
+        newest = self.undo_stack.command(self.undo_stack.index() - 1)
+        if isinstance(newest, ReplaceValue) and newest.gesture == gesture:
+            newest.vanishes = True
+            self.undo_stack.undo()
+
     @property
     def active_performer_id(self) -> str | None:
         """Selected performer, else a visible one that plays a selected clip, or to which a selected entity applies.

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 from PySide6.QtCore import QObject, Qt, Signal, SignalInstance
 
-from studio.core.errors import StudioError
+from studio.core.errors import INTERNAL_ERROR, StudioError
 
 Result = TypeVar("Result")
 CLOSE_WAIT_SECONDS = 0.25
@@ -146,6 +146,6 @@ class TaskRunner(QObject):
             task.on_error(sentence)
         except Exception as fault:  # noqa: BLE001 - told to the user and logged with its stack
             _log.exception("%s failed", task.title)
-            self.failed.emit(number, f"{task.title} failed (internal error: {type(fault).__name__}: {fault}).")
+            self.failed.emit(number, f"{task.title} failed ({INTERNAL_ERROR}: {type(fault).__name__}: {fault}).")
         else:
             self.finished.emit(number, result)

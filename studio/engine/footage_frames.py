@@ -73,6 +73,13 @@ class FootageFrames(QObject):
             self._thread.start()
         return found
 
+    def try_again(self, path: Path) -> None:
+        """Read a file anew that is another one by now, or could not be read."""
+        with self._changed:
+            self._refused.discard(path)
+            self._bytes -= sum(self._kept.pop(key).nbytes for key in [key for key in self._kept if key[0] == path])
+            self._changed.notify()
+
     def close(self) -> None:
         """End the thread, and the process from which it reads."""
         with self._changed:

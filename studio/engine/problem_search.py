@@ -1,15 +1,18 @@
 """Summary and problems of the stage, measured in the background and kept up to date while shown."""
 
+import logging
 from functools import partial
 
 from PySide6.QtCore import QObject, QThreadPool, QTimer, Signal
 
+from studio.core.errors import INTERNAL_ERROR
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Project
 from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.engine.quality_summary import FoundProblem, SummaryRow, problems_in, summary_of
 
+_log = logging.getLogger(__name__)
 REST_MS = 300
 """Milliseconds without a new result after which the stage is measured."""
 
@@ -87,6 +90,7 @@ class ProblemSearch(QObject):
         try:
             self._measured.emit(number, summary_of(project, motions, sources))
         except Exception as error:  # noqa: BLE001 - a thread has nobody above it; the sentence is shown
+            _log.exception("The summary of problems failed")
             self._measured.emit(number, error)
 
     def _take(self, number: int, result: tuple[SummaryRow, ...] | Exception) -> None:
@@ -94,7 +98,7 @@ class ProblemSearch(QObject):
             return
         self._is_fresh, self._asked = True, False
         if isinstance(result, Exception):
-            self.failed.emit(f"The summary of problems failed (internal error: {result}). Nothing was changed.")
+            self.failed.emit(f"The summary of problems failed ({INTERNAL_ERROR}: {result}). Nothing was changed.")
             return
         self.rows, self.problems = result, problems_in(result)
         self.found.emit()

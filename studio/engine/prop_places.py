@@ -189,7 +189,7 @@ def in_hand(pose: PropPose, performer_id: str, point: BodyPoint, holder: Posed) 
 def between_hands(
     prop: Prop, performer_id: str, holder: Posed, *, heading: float | None = None, lift: float | None = None
 ) -> Carried:
-    """Hold that carries a prop in both hands: between them if they are in front of the body, else moved to the front.
+    """Hold that carries a prop in both hands: between them if they are in front of the body, else steady before it.
 
     With a ``heading`` (radians on the stage) the prop faces the nearest of the four quarter turns from the chest's
     heading. With a ``lift`` it stays at the hands of the motion, that many metres above their middle.
@@ -204,10 +204,10 @@ def between_hands(
     else:
         track = carried_track(held, known.positions[:], known.rotations[:], body)
         ways = np.einsum("fji,fj->fi", track.rotations, track.places - known.positions[:, 0]) / body.leg_length
-        ahead, aside, up = ways.mean(axis=0).tolist()
+        ahead, _, up = ways.mean(axis=0).tolist()
         needed = CARRIED_AHEAD + prop.size[turned % 2] / 2 / body.leg_length
         if ahead < needed:
-            held = replace(held, offset=(needed - ahead, -aside, max(CARRIED_HEIGHT - up, 0.0)))
+            held = replace(held, offset=(needed, 0.0, max(CARRIED_HEIGHT, up)), steady=True)
     return replace(held, heading=wrapped(turned * math.pi / 2))
 
 

@@ -16,16 +16,17 @@ from studio.core.solver.performers.stage import asked_of
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Project
 from studio.engine.performance import stage_time
-from studio.engine.residual_measures import LENGTH_MEASURE, PEAK, Measure
+from studio.engine.residual_measures import LENGTH_MEASURE, PEAK, SKATE, Measure
 from studio.engine.residuals import worst_residual
 
 FloatArray = NDArray[np.float64]
 
 WHOLE_MOTION = "Whole motion"
-ASPECTS = ("residual", "slide", "penetration", "peak")
+ASPECTS = ("residual", "slide", "skate", "penetration", "peak")
 ASPECT_HINTS = {
     "residual": "Worst error while fully active",
     "slide": "Farthest that a standing heel, toe, hand, knee or seat has moved since its contact began",
+    "skate": "Farthest that a foot goes along the ground, standing or not, while it is near it and slower than a swing",
     "penetration": "Deepest that a standing point or the sole of a foot is below the ground",
     "peak": "Highest angular acceleration of a limb, beside the highest of the same limb in the capture",
 }
@@ -145,7 +146,7 @@ def _tracks(
 ) -> dict[str, tuple[FloatArray, Measure]]:
     """(F,) values and measure of each aspect except residuals, NaN where unknown."""
     from studio.core.quality.contact_tracks import contact_tracks  # not before a result is there: they load kernels
-    from studio.core.quality.metrics import swing_depths
+    from studio.core.quality.metrics import skate_distances, swing_depths
 
     performer = project.performers[performer_id]
     ground = project.ground.seen_from(performer.position, performer.heading)
@@ -155,6 +156,7 @@ def _tracks(
     depths = np.concatenate([-heights, swing_depths(motion, contacts, ground)])
     tracks = {
         "slide": (np.fmax.reduce(slides, axis=0), LENGTH_MEASURE),
+        "skate": (skate_distances(motion, ground).max(axis=0), SKATE),
         "penetration": (np.maximum(np.fmax.reduce(depths, axis=0), 0.0), LENGTH_MEASURE),
     }
     source = sources.get(performer.clips[0].motion_id)

@@ -1,5 +1,6 @@
 """Command palette: every action by a few letters of its name. And the sheet of all shortcuts."""
 
+import re
 from collections.abc import Iterable, Sequence
 
 from PySide6.QtCore import QEvent, QObject, QSize, Qt
@@ -31,7 +32,7 @@ PALETTE_KEYS = {*ROW_STEPS, Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Esca
 
 def plain_text(action: QAction) -> str:
     """Text of an action without its mnemonic mark and ellipsis."""
-    return action.text().replace("&", "").removesuffix("…")
+    return re.sub("&(.)", r"\1", action.text()).removesuffix("…")
 
 
 def lasting_text(action: QAction) -> str:

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from typing import Generic, Protocol, TypeVar, cast
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QVBoxLayout, QWidget
+from PySide6.QtWidgets import QLineEdit, QVBoxLayout, QWidget
 
 from studio.core.changed_records import with_fields
 from studio.core.errors import StudioError
@@ -141,6 +141,29 @@ class Editor(QWidget, Generic[EditedT_co]):
         self.column.addStretch(1)
         self.refresh()
         self.tell_together()
+
+
+class EntityNameField(QLineEdit):
+    """Field for the name of an editor's entity."""
+
+    def __init__(self, editor: Editor[Named], kind: str = "") -> None:
+        super().__init__()
+        self._editor, self._kind = editor, kind
+        self.editingFinished.connect(self._rename)
+
+    def show_name(self) -> None:
+        """Show the name of the entity, unless another one is being typed."""
+        if not self.hasFocus() or not self.isModified():
+            self.setText(self._editor.entity.name)
+
+    def _rename(self) -> None:
+        self.setModified(False)
+        entity, name = self._editor.entity, self.text().strip()
+        if entity is None:
+            return  # a field that is left is read once more when its entity is gone
+        if name and name != entity.name:
+            self._editor.change(f"Rename {self._kind}{entity.name}", name=name)
+        self.show_name()
 
 
 class PlainEditor(Editor[Entity]):

@@ -11,12 +11,17 @@ from PySide6.QtWidgets import (
     QGridLayout,
     QHBoxLayout,
     QLabel,
+    QLineEdit,
     QPushButton,
     QSizePolicy,
     QToolTip,
     QVBoxLayout,
     QWidget,
 )
+
+from studio.core.names import tags_in
+from studio.document.length_units import shown_unit
+from studio.document.mnemonics import literal
 
 FIELD_LABEL_WIDTH, LONGEST_NAME = 84, 110
 ROW_HEIGHT = 26
@@ -113,6 +118,11 @@ class Section(QWidget):
         self._grid.addWidget(widget, self._grid.rowCount(), 0, 1, 2)
 
 
+def with_unit(caption: str, unit: str) -> str:
+    """Caption of a row whose fields leave out their unit, with the unit that is shown."""
+    return f"{caption}  {shown_unit(unit).symbol}".rstrip()
+
+
 def _stretches(widget: QWidget) -> bool:
     return widget.sizePolicy().horizontalPolicy() is not QSizePolicy.Policy.Fixed
 
@@ -127,14 +137,15 @@ class NumberField(QDoubleSpinBox):
     edited = Signal(float)
     ended = Signal()
 
-    def __init__(self, name: str, unit: str, low: float, high: float, step: float, decimals: int = 2) -> None:
+    def __init__(
+        self, name: str, unit: str, low: float, high: float, step: float, decimals: int = 2, *, suffix: bool = True
+    ) -> None:
         super().__init__()
+        self._low, self._high, self._step, self._usual_decimals = low, high, step, decimals
+        self._suffix, self._factor = suffix, 1.0
         self.setAccessibleName(name)
         self.setToolTip(f"{name}. Drag sideways to change, click to type.")
-        self.setRange(low, high)
-        self.setSingleStep(step)
-        self.setDecimals(decimals)
-        self.setSuffix(f" {unit}" if unit else "")
+        self.set_unit(unit)
         self.setKeyboardTracking(False)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setMinimumWidth(36)
@@ -146,13 +157,31 @@ class NumberField(QDoubleSpinBox):
         self.lineEdit().setCursor(Qt.CursorShape.SizeHorCursor)
         self.valueChanged.connect(self._tell)
 
+    def set_unit(self, unit: str) -> None:
+        """Set the unit of the values; the shown unit is that of the preferences."""
+        shown = shown_unit(unit)
+        self._factor = shown.factor
+        with QSignalBlocker(self):
+            self.setDecimals(max(self._usual_decimals + shown.added_decimals, 0))
+            self.setRange(self._low * shown.factor, self._high * shown.factor)
+            self.setSingleStep(float(f"{self._step * shown.factor:.1g}") if shown.factor != 1.0 else self._step)
+            self.setSuffix(f" {shown.symbol}" if self._suffix and unit else "")
+
+    def set_least(self, low: float) -> None:
+        """Allow no value below ``low``."""
+        self._low = low
+        with QSignalBlocker(self):
+            self.setMinimum(low * self._factor)
+
     def show_value(self, value: float) -> None:
         """Show a value of the document; nothing is emitted, and a drag is not disturbed."""
+        value *= self._factor
         if not self._scrubbing and round(value, self.decimals()) != self.value():  # the same would be painted again
             with QSignalBlocker(self):
                 self.setValue(value)
 
     def _tell(self, value: float) -> None:
+        value /= self._factor
         if self._scrubbing:
             self.edited.emit(value)
         else:
@@ -271,6 +300,32 @@ class Choice(QComboBox):
         event.ignore()
 
 
+class TagField(QLineEdit):
+    """Field for tags, separated by commas; ``tags_edited`` is emitted only for edits by the user."""
+
+    tags_edited = Signal(tuple)
+
+    def __init__(self, examples: str, about: str) -> None:
+        super().__init__()
+        self._tags: tuple[str, ...] = ()
+        self.setAccessibleName("Tags")
+        self.setPlaceholderText(examples)
+        self.setToolTip(f"Your own tags, separated by commas; {about}")
+        self.editingFinished.connect(self._read)
+
+    def show_tags(self, tags: tuple[str, ...]) -> None:
+        """Show the document's tags, unless others are being typed."""
+        self._tags = tags
+        if not self.hasFocus() or tags_in(self.text()) != tags:
+            self.setText(", ".join(tags))
+            self.setCursorPosition(0)
+
+    def _read(self) -> None:
+        tags = tags_in(self.text())
+        if tags != self._tags:
+            self.tags_edited.emit(tags)
+
+
 class Segments(QWidget):
     """Two to four exclusive buttons in one row."""
 
@@ -300,7 +355,7 @@ class Segments(QWidget):
 
 def press_button(text: str, run: Callable[[], object] | None, role: str = "") -> QPushButton:
     """Button that takes the focus only by Tab, so that Space goes on playing after a click."""
-    button = QPushButton(text)
+    button = QPushButton(literal(text))
     button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
     if role:
         button.setProperty("role", role)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields
 from studio.core.grounds import Bumps, HeightMap, Slope, Steps, SurfaceMesh
 from studio.core.grounds.ground import Ground
 from studio.document.document import Document
+from studio.document.length_units import PER_METRE, length_text
 from studio.engine.live_interface import Live
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section, labelled
@@ -31,13 +32,15 @@ class GroundSlider:
     words: str
     low: float
     high: float
-    unit: str = " m"
+    unit: str = "m"
     scale: float = 1.0
     decimals: int = 2
     whole: bool = False
 
     def reading(self, value: float) -> str:
         """Value as text."""
+        if self.unit in PER_METRE:
+            return length_text(value, self.unit, self.decimals)
         return f"{value * self.scale:.{self.decimals}f}{self.unit}"
 
 
@@ -49,13 +52,13 @@ MEASURES: dict[type[Ground], tuple[GroundSlider, ...]] = {
         DIRECTION_SLIDER,
     ),
     Steps: (
-        GroundSlider("rise", "Rise", -0.30, 0.30, " cm", 100.0, 1),
-        GroundSlider("tread", "Tread", 0.20, 0.60, " cm", 100.0, 1),
+        GroundSlider("rise", "Rise", -0.30, 0.30, "cm", decimals=1),
+        GroundSlider("tread", "Tread", 0.20, 0.60, "cm", decimals=1),
         GroundSlider("count", "Steps", 1, 40, "", decimals=0, whole=True),
         DIRECTION_SLIDER,
     ),
     Bumps: (
-        GroundSlider("amplitude", "Amplitude", 0.0, 0.30, " cm", 100.0, 1),
+        GroundSlider("amplitude", "Amplitude", 0.0, 0.30, "cm", decimals=1),
         GroundSlider("wavelength", "Wavelength", 0.4, 4.0),
         GroundSlider("seed", "Seed", 0, 50, "", decimals=0, whole=True),
     ),

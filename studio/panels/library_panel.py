@@ -133,7 +133,7 @@ class SearchField(QLineEdit):
 
     def __init__(self) -> None:
         super().__init__()
-        self.setPlaceholderText("Search names")
+        self.setPlaceholderText("Search names and tags")
         self.setAccessibleName("Search library")
         self.setClearButtonEnabled(True)
 

@@ -1,11 +1,9 @@
 """Form of a sound track: its name and start."""
 
-from PySide6.QtWidgets import QLineEdit
-
 from studio.core.stage.sound_track import SoundTrack
 from studio.document.document import Document
 from studio.engine.live_interface import Live
-from studio.panels.editor import Editor
+from studio.panels.editor import Editor, EntityNameField
 from studio.panels.fields import NumberField, Section, labelled
 
 
@@ -15,8 +13,7 @@ class SoundEditor(Editor[SoundTrack]):
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Sound")
-        self._name = QLineEdit()
-        self._name.editingFinished.connect(self._rename)
+        self._name = EntityNameField(self)
         section.add_row("Name", self._name)
         field = NumberField("Begins at", "s", -1e5, 1e5, 0.01, 3)
         self._start = self.bind(field, lambda value: self.change(f"Move {self.entity.name}", start=value))
@@ -29,11 +26,6 @@ class SoundEditor(Editor[SoundTrack]):
     def refresh(self) -> None:
         """Show the present sound."""
         sound = self.entity
-        self._name.setText(sound.name)
+        self._name.show_name()
         self._start.show_value(sound.start)
         self._found.setText(f"{len(sound.beats)} beats in {sound.end - sound.start:.2f} s of {sound.source}")
-
-    def _rename(self) -> None:
-        name = self._name.text().strip()
-        if self.entity is not None and name and name != self.entity.name:
-            self.change(f"Rename {self.entity.name}", name=name)

@@ -6,7 +6,7 @@ from PySide6.QtCore import QEvent, QMimeData, QObject, Qt, Signal
 from PySide6.QtGui import QHideEvent
 from PySide6.QtWidgets import QHBoxLayout, QListWidget, QListWidgetItem, QSizePolicy, QVBoxLayout, QWidget
 
-from studio.document.dragging import STRIKE, carried_strike
+from studio.document.dragging import STRIKE, carried_row
 from studio.panels.fields import FIELD_ICON_PX, Choice, Section, Segments, labelled, press_button
 from studio.panels.two_lines import TwoLines
 
@@ -162,4 +162,4 @@ class Results(QListWidget):
 
     def mimeData(self, items: Sequence[QListWidgetItem]) -> QMimeData:
         """Index of the dragged result."""
-        return carried_strike(self.row(items[0]))
+        return carried_row(STRIKE, self.row(items[0]))

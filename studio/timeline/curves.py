@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyLayout
 from studio.core.captures.contacts import ContactInterval
+from studio.core.grounds.ground import Ground
 from studio.core.quality.motion_measures import ADDED_MEASURES, MotionMeasure
 from studio.core.solver.performers.rows import timing_of
 from studio.core.solver.request import AdaptedMotion
@@ -35,6 +36,7 @@ class Quantity(StrEnum):
     RIGHT_FOOT_SPEED = "Right foot speed"
     KNEE_SPEED = "Knee speed"
     SLIDE = "Contact sliding"
+    SKATE = "Foot skating"
     OFF_SUPPORT = "Centre of mass off support"
     ERROR = "Error"
 
@@ -42,12 +44,13 @@ class Quantity(StrEnum):
         """Unit of the drawn values: a residual has that of the constraint."""
         if self is Quantity.ERROR:
             return error_measure(shown).sign.strip()
-        return {Quantity.KNEE_SPEED: "°/s", Quantity.SLIDE: "mm", Quantity.OFF_SUPPORT: "mm"}.get(self, "m/s")
+        lengths = dict.fromkeys((Quantity.SLIDE, Quantity.SKATE, Quantity.OFF_SUPPORT), "mm")
+        return {Quantity.KNEE_SPEED: "°/s", **lengths}.get(self, "m/s")
 
     @property
     def asks_document(self) -> bool:
         """True if it depends on more than the poses: on contacts, the ground or a constraint."""
-        return self in (Quantity.ERROR, Quantity.SLIDE, Quantity.OFF_SUPPORT)
+        return self in (Quantity.ERROR, Quantity.SLIDE, Quantity.SKATE, Quantity.OFF_SUPPORT)
 
 
 @dataclass(frozen=True)
@@ -151,6 +154,8 @@ class CurveQuery:
                 return speeds
             case Quantity.SLIDE:
                 return self._slide(performer_id, adapted)
+            case Quantity.SKATE:
+                return self._skate(performer_id, adapted)
             case Quantity.OFF_SUPPORT:
                 return self._beyond_support(adapted)
         strip = strip_of(self.project, performer_id, adapted, self.constraint_id) if self.constraint_id else None
@@ -165,10 +170,19 @@ class CurveQuery:
         """(F,) slide in millimetres of the contact point that has moved most since its contact began."""
         from studio.core.quality.contact_tracks import contact_tracks  # as above
 
-        performer = self.project.performers[performer_id]
-        ground = self.project.ground.seen_from(performer.position, performer.heading)
-        slides, _ = contact_tracks(adapted, self._contacts(adapted), ground)
+        slides, _ = contact_tracks(adapted, self._contacts(adapted), self._ground(performer_id))
         return np.asarray(1000.0 * np.nan_to_num(slides).max(axis=0))
+
+    def _skate(self, performer_id: str, adapted: AdaptedMotion) -> FloatArray:
+        """(F,) millimetres that the foot that skates farther has gone since it came near the ground."""
+        from studio.core.quality.metrics import skate_distances  # as above
+
+        return np.asarray(1000.0 * skate_distances(adapted, self._ground(performer_id)).max(axis=0))
+
+    def _ground(self, performer_id: str) -> Ground:
+        """The stage's ground in the space of a body's motion."""
+        performer = self.project.performers[performer_id]
+        return self.project.ground.seen_from(performer.position, performer.heading)
 
     def _beyond_support(self, adapted: AdaptedMotion) -> FloatArray:
         """(F,) distance in millimetres of the centre of mass from the support polygon; 0 inside, and in flight."""

@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QMenu
 
 from studio.core.captures.contacts import CONTACT_POINTS, ContactPoint, Touch, contact_point
 from studio.document.key_edits import delete_keys
+from studio.document.length_units import shown_unit
 from studio.timeline import edits
 from studio.timeline.clip_actions import offer_clip, offer_motions
 from studio.timeline.curve_menu import offer_curves
@@ -57,7 +58,7 @@ def menu_at(canvas: "TrackCanvas", position: QPointF) -> QMenu | None:
 
 def _offer_quantities(menu: QMenu, canvas: "TrackCanvas", shown: RowContext) -> None:
     for quantity in plotted_quantities():
-        action = menu.addAction(f"{quantity.value} ({quantity.unit(shown)})")
+        action = menu.addAction(f"{quantity.value} ({shown_unit(quantity.unit(shown)).symbol})")
         action.setCheckable(True)
         action.setChecked(quantity == canvas.picture.plot.quantity)
         action.triggered.connect(lambda _, chosen=quantity: canvas.set_quantity(chosen))

@@ -18,7 +18,7 @@ from PySide6.QtWidgets import QToolTip, QWidget
 
 from studio.core.captures.contacts import contact_point
 from studio.document.document import Document
-from studio.document.dragging import capture_in, strike_in
+from studio.document.dragging import STRIKE, capture_in, row_in
 from studio.engine.live_interface import Live
 from studio.timeline import edits
 from studio.timeline.clip_actions import add_clip, try_edit
@@ -176,11 +176,11 @@ class TrackCanvas(TrackView):
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
         """Accept captures of the library, and strikes; files are left to the window."""
-        event.setAccepted(self._dropped(event) is not None or strike_in(event.mimeData()) is not None)
+        event.setAccepted(self._dropped(event) is not None or row_in(STRIKE, event.mimeData()) is not None)
 
     def dragMoveEvent(self, event: QDragMoveEvent) -> None:
         """Accept as on entering, strikes only over rows of clips; the start of the clip is shown."""
-        motion_id, strike = self._dropped(event), strike_in(event.mimeData()) is not None
+        motion_id, strike = self._dropped(event), row_in(STRIKE, event.mimeData()) is not None
         event.setAccepted(self._clip_row(event) is not None if strike else motion_id is not None)
         if event.isAccepted() and self.sheet is not None:
             time = self._dropped_at(event)
@@ -189,7 +189,7 @@ class TrackCanvas(TrackView):
 
     def dropEvent(self, event: QDropEvent) -> None:
         """Add a clip from there on, in the row under the mouse; outside all rows, at the end of the active one."""
-        motion_id, strike, row = self._dropped(event), strike_in(event.mimeData()), self._clip_row(event)
+        motion_id, strike, row = self._dropped(event), row_in(STRIKE, event.mimeData()), self._clip_row(event)
         event.setAccepted(motion_id is not None or (strike is not None and row is not None))
         self.message_posted.emit("")
         if strike is not None and row is not None:

@@ -67,6 +67,14 @@ def paint_box(painter: QPainter, box: QRectF) -> None:
     painter.drawRect(box)
 
 
+def paint_focus(painter: QPainter, area: QRect) -> None:
+    """A thin edge: the keys are meant for the rows."""
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
+    painter.setPen(hairline(colours.SELECTED_CONTROL))
+    painter.setBrush(Qt.BrushStyle.NoBrush)
+    painter.drawRect(area.adjusted(0, 0, -1, -1))
+
+
 def paint_prompt(painter: QPainter, area: QRect, text: str, share: float | None = None) -> None:
     """Draw the line with the next step, or with a running task and its progress, while there is no content."""
     painter.fillRect(area, QColor(colours.PANEL))

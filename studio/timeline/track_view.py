@@ -312,6 +312,8 @@ class TrackView(QWidget):
             track_overlay.paint_box(painter, self.gesture.box)
         if self.gesture is not None and self.gesture.mark is not None:
             track_overlay.paint_mark(painter, sheet.shown, self.gesture.mark, self.mouse, self.rect())
+        if self.hasFocus():
+            track_overlay.paint_focus(painter, self.rect())
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Lay out everything again."""

@@ -153,6 +153,10 @@ class Canvas(QWidget):
                 painter.drawImage(self.rect(), self._image)
                 if self.sight.is_plain:  # else nothing on the stage is where one eye's camera says
                     self.paint_over(painter)
+                if self.hasFocus():
+                    painter.setPen(QColor(colours.STAGE_SELECTED_CONTROL))
+                    painter.setBrush(Qt.BrushStyle.NoBrush)
+                    painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
 
     def sizeHint(self) -> QSize:
         """Smallest useful size."""

@@ -6,6 +6,7 @@ from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtWidgets import QGraphicsOpacityEffect, QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
 
 from studio.document import colours
+from studio.document.mnemonics import literal
 
 CHIP_MARGIN = 8
 """Pixels between a chip and the view's edge."""
@@ -26,7 +27,7 @@ class Chip(QPushButton):
     """Clickable label."""
 
     def __init__(self, text: str, name: str, clicked: Callable[[], object], parent: QWidget, extra: str = "") -> None:
-        super().__init__(text, parent)
+        super().__init__(literal(text), parent)
         self.setObjectName(name.replace(" ", "_").lower())
         self.setAccessibleName(name)
         self.setToolTip(name)
@@ -45,8 +46,8 @@ class Chip(QPushButton):
 
     def say(self, text: str) -> None:
         """Set the text; does nothing if it is the same."""
-        if text != self.text():
-            self.setText(text)
+        if literal(text) != self.text():
+            self.setText(literal(text))
             self.adjustSize()
 
 

@@ -7,6 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from studio.document.document import Document
+from studio.document.length_units import length_text
 from studio.engine.live_interface import Live
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.gizmo import GIZMO_AXES, Gizmo, moved_axes
@@ -117,7 +118,7 @@ class MoveDrag(EditDrag):
             place = np.where(free, np.round(place / step) * step, place)
         changes = zip(GIZMO_AXES, (place - begin).tolist(), free, strict=True)
         self.words = "   ".join(
-            f"{axis.upper()} {100.0 * change:+.1f} cm" for axis, change, is_free in changes if is_free
+            f"{axis.upper()} {length_text(change, 'cm', 1, '+')}" for axis, change, is_free in changes if is_free
         )
         stage = self._zero + axes.T @ place
         self._movable.move(self._movable.placement.to_motion(stage), self._number)

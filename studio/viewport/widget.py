@@ -18,6 +18,7 @@ from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.stage.saved_camera import CameraPlacement
 from studio.document import colours
 from studio.document.document import Document
+from studio.document.dragging import POSE, STRIKE
 from studio.engine.empty_stage import empty_words
 from studio.engine.live_interface import Live
 from studio.engine.moments import TargetContext
@@ -29,7 +30,7 @@ from studio.viewport.camera import VIEWS, FloatArray, OrbitCamera
 from studio.viewport.canvas import Canvas
 from studio.viewport.chips import Chips
 from studio.viewport.corrected_joint import CorrectedJoint
-from studio.viewport.dropping import StrikeDrops
+from studio.viewport.dropping import BodyDrops
 from studio.viewport.follow_camera import FollowCamera
 from studio.viewport.framing import selected_points
 from studio.viewport.gizmo import ARROW_PIXELS, GIZMO_AXES, Space, arrow_pixels
@@ -98,7 +99,8 @@ class Viewport(Canvas):
         self._posed_in = document.project
         self._follower, self._newcomers = FollowCamera(), Newcomers()
         self._pace = Pace()
-        self.preview, self.strike_drops = Preview(self), StrikeDrops(self, document)
+        self.preview = Preview(self)
+        self.strike_drops, self.pose_drops = (BodyDrops(self, document, kind) for kind in (STRIKE, POSE))
         self._problem: Problem | None = None
         self._glide = Glide(self.set_camera, self)
         self._turntable = Turntable(self._turn, self)

@@ -9,7 +9,7 @@ from studio.app.file_dialogs import ask_file
 from studio.app.workbench import Workbench
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.errors import StudioError
-from studio.document.priorities import shift_priority
+from studio.document.priorities import shift_priorities
 from studio.io.meshes.mesh_file import SUFFIXES, MeshFile, read_mesh
 from studio.panels.message_strip import Lifetime
 
@@ -76,10 +76,14 @@ def shift(step: int) -> Callable[[Workbench], None]:
     """Function that moves the selected constraint up (-1) or down (1) in its motion's order."""
 
     def run(bench: Workbench) -> None:
-        key = selected_constraint(bench)
-        if key is None:
+        constraints = bench.document.project.constraints
+        chosen = [key for key in bench.document.selection.of("constraints") if key in constraints]
+        if not chosen:
             raise StudioError("Select a constraint first: its priority changes then.")
-        shift_priority(bench.document, key, step)
+        if not shift_priorities(bench.document, chosen, step):
+            subject = constraints[chosen[0]].name if len(chosen) == 1 else "What is selected"
+            place = "first" if step < 0 else "last"
+            bench.say(f"{subject} is {place} in the order of priorities already.", until=Lifetime.SELECTED)
 
     return run
 

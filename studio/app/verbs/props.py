@@ -21,6 +21,7 @@ from studio.core.stage.holding import HAND_REACH_SECONDS, THIN, grips, quarters,
 from studio.core.stage.project import Performer, Project
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.document.document import Document
+from studio.document.length_units import length_text, shown_unit
 from studio.engine.grasps import Grasp, captured_grasp, chest_heading, grasp_at, grasp_near
 from studio.engine.performance import Posed, motion_time, posed_performers
 from studio.engine.prop_places import (
@@ -68,7 +69,8 @@ def choose(bench: Workbench) -> None:
 
 
 def _words(shape: PropShape) -> str:
-    return " × ".join(f"{side:g}" for side in NEW_PROP_SIZES[shape]) + " m"
+    metre = shown_unit("m")
+    return " × ".join(f"{side * metre.factor:.3g}" for side in NEW_PROP_SIZES[shape]) + f" {metre.symbol}"
 
 
 def add_shape(bench: Workbench, shape: PropShape) -> None:
@@ -301,15 +303,16 @@ def _in_reach(
     beyond = float(np.linalg.norm(pose.place[:2] - holder.points[0, :2])) - max(prop.size[:2]) / 2
     if beyond <= PROP_REACH * holder.motion.body.leg_length:
         return prop, ""
+    far = length_text(beyond, "m", 1)
     if prop.holds:
         whom = holder.performer.name
-        return prop, f"{prop.name} is {beyond:.1f} m away: the hands of {whom} do not reach it. Bring {whom} closer."
+        return prop, f"{prop.name} is {far} away: the hands of {whom} do not reach it. Bring {whom} closer."
     nearer = _ahead(document, prop, holder)
     if isinstance(prop.position, KeyedPlace) and isinstance(nearer.position, tuple):
         nearer = replace(prop, position=prop.position.with_key(begin, nearer.position))
     elif not lies:
-        return prop, f"{prop.name} is {beyond:.1f} m away: the hands do not reach it. Move it closer."
-    words = f"{prop.name} was {beyond:.1f} m away, beyond reach: it was moved ahead of {holder.performer.name}."
+        return prop, f"{prop.name} is {far} away: the hands do not reach it. Move it closer."
+    words = f"{prop.name} was {far} away, beyond reach: it was moved ahead of {holder.performer.name}."
     return nearer, words
 
 

@@ -15,8 +15,10 @@ Speed = float | KeyedNumber
 
 SLOWEST_CLIP, FASTEST_CLIP = 0.1, 10.0
 """Times as fast as it was captured that a clip plays at least and at most, also between keys."""
-RETIMING_STEP = 1.0 / 240.0
-"""Seconds of the motion between the nodes of a table; between two nodes time is linear."""
+RETIMING_STEP, MOST_RETIMING_STEPS = 1.0 / 240.0, 2**14
+"""Seconds of the motion between the nodes of a table, between which time is linear. Between keys that are farther apart
+than so many steps (68 s) the steps are longer: a key far away costs no memory.
+"""
 
 
 def check_speed(speed: Speed) -> None:
@@ -69,8 +71,9 @@ def scaled_speed(speed: Speed, factor: float) -> Speed:
 @lru_cache(maxsize=256)
 def _table(speed: KeyedNumber) -> tuple[FloatArray, FloatArray]:
     """Seconds of the motion (N,) from the first key to the last one, and the playback seconds (N,) until then."""
-    count = max(round((speed.times[-1] - speed.times[0]) / RETIMING_STEP), 1)
-    nodes = np.unique(np.concatenate([np.linspace(speed.times[0], speed.times[-1], count + 1), speed.times]))
+    counts = np.clip(np.round(np.diff(speed.times) / RETIMING_STEP), 1, MOST_RETIMING_STEPS).astype(int).tolist()
+    stretches = zip(speed.times[:-1], speed.times[1:], counts, strict=True)
+    nodes = np.concatenate([*(np.linspace(*each, endpoint=False) for each in stretches), speed.times[-1:]])
     slowness = 1.0 / speed_at(speed, nodes)
     middle = 1.0 / speed_at(speed, (nodes[1:] + nodes[:-1]) / 2.0)
     steps = np.diff(nodes) * (slowness[:-1] + 4.0 * middle + slowness[1:]) / 6.0  # Simpson

@@ -6,6 +6,7 @@ from functools import cached_property
 
 from studio.core.body.growth import KeyedProportions, grown
 from studio.core.body.morphology import AnyMorphology, Morphology, Proportions
+from studio.core.curves.tangents import SPARSE
 from studio.core.mesh.skin import Blending, SkinnedMesh, gripping
 from studio.core.mesh.volume import BodyVolume, fitted_volume
 
@@ -27,6 +28,8 @@ class Character:
     blending: Blending = Blending.LINEAR
     grip: float = 0.0
     """Hands from open (-1) over at ease (0) to fists (1)."""
+    tags: tuple[str, ...] = field(default=(), metadata=SPARSE)
+    """Words of the user by which the library finds it."""
 
     def __post_init__(self) -> None:
         if not re.fullmatch(r"#[0-9A-Fa-f]{6}", self.colour):

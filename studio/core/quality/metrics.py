@@ -75,14 +75,19 @@ def swing_depths(adapted: AdaptedMotion, contacts: Sequence[ContactInterval], gr
 
 
 def body_heights(adapted: AdaptedMotion, ground: Ground) -> FloatArray:
-    """Heights (F,) in metres of the lowest point of the body, of its joints and soles, above the ground along its
-    normal; negative below it, with or without contacts. Within 5 mm of a riser or an edge a point counts as beside
-    it.
+    """Heights (F,) in metres of the lowest point of the body (``point_heights``)."""
+    return np.asarray(point_heights(adapted, ground).min(axis=1))
+
+
+def point_heights(adapted: AdaptedMotion, ground: Ground) -> FloatArray:
+    """Heights (F, N) in metres of the joints of the body, then of its soles, above the ground along its normal;
+    negative below it, whatever stands.
+
+    Within 5 mm of a riser or an edge a point counts as beside it.
     """
     soles = np.concatenate(_sole_points(adapted), axis=1)
     points = np.concatenate([adapted.positions[:], soles], axis=1)
-    heights = (points[..., 2] - worn_height(ground, points)) * ground.normal_at(points)[..., 2]
-    return np.asarray(heights.min(axis=1))
+    return np.asarray((points[..., 2] - worn_height(ground, points)) * ground.normal_at(points)[..., 2])
 
 
 def skate_distances(adapted: AdaptedMotion, ground: Ground) -> FloatArray:

@@ -29,10 +29,11 @@ def beats_of(samples: FloatArray, rate: float) -> FloatArray:
     mean = (sums[last] - sums[first]) / (last - first)
     strong = np.flatnonzero((flux > FLUX_FACTOR * mean) & (flux > LEAST_FLUX_PART * flux.max()))
     apart = round(LEAST_APART_SECONDS / FLUX_HOP_SECONDS)
-    found: list[int] = []
+    found, near_another = [], np.zeros(len(flux), dtype=bool)
     for place in strong[np.argsort(-flux[strong], kind="stable")].tolist():
-        if all(abs(place - other) >= apart for other in found):
+        if not near_another[place]:
             found.append(place)
+            near_another[max(place - apart + 1, 0) : place + apart] = True
     # The spectrum grows most where a sound that sets in comes to the middle of the window.
     return np.sort(np.maximum(((np.array(found) - 0.5) * hop - window / 2) / rate, 0.0))
 

@@ -66,6 +66,20 @@ def local_pose(layout: BodyLayout, rotations: FloatArray, hips_height: float) ->
     return LocalPose({part: _vector(_product(own[_segments(layout, part)])) for part in BodyPart}, hips_height)
 
 
+def posed_rotations(layout: BodyLayout, pose: LocalPose) -> FloatArray:
+    """World rotations (S, 3, 3) of the segments of a body in ``pose`` that faces along X."""
+    rotations = np.tile(np.eye(3), (layout.segment_count, 1, 1))
+    for part in BodyPart:
+        segments = _segments(layout, part)
+        rotations[segments] = _matrix(np.array(pose.rotations[part]) / max(len(segments), 1))
+    if layout.spine_count == 2:  # the thorax makes the rotation of the missing abdomen
+        thorax = layout.segment(BodyPart.THORAX)
+        rotations[thorax] = _matrix(pose.rotations[BodyPart.ABDOMEN]) @ rotations[thorax]
+    for segment, parent in enumerate(layout.parent_segments()[1:], 1):
+        rotations[segment] = rotations[parent] @ rotations[segment]
+    return rotations
+
+
 def turns_to(
     layout: BodyLayout,
     rotations: FloatArray,

@@ -19,6 +19,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import Follow, FollowPerformer, FollowProp
 from studio.core.constraints.scope import Scope, meant_for, narrowest
 from studio.core.constraints.target import follows_of
+from studio.core.curves.tangents import SPARSE
 from studio.core.grounds.ground import Ground
 from studio.core.mesh.character import Character
 from studio.core.plausible import PLACE_RANGE, TURN_RANGE
@@ -53,6 +54,8 @@ class Motion:
 
     name: str
     capture_id: str
+    tags: tuple[str, ...] = field(default=(), metadata=SPARSE)
+    """Words of the user by which the library finds it."""
 
 
 @dataclass(frozen=True)

@@ -73,9 +73,10 @@ class InHand(Hold):
 @dataclass(frozen=True)
 class Carried(Hold):
     """Hold between both hands of a performer, at their positions in the motion before constraints; it rotates with the
-    chest. ``offset`` is from the middle of the hands, ahead, to the left and up of the chest, in leg lengths;
-    ``heading`` is its rotation about Z from the chest's heading, radians, which acts after its ``tilt``. Constraints
-    that keep the hands on the prop do not move it, so that any size can be held.
+    chest. ``offset`` is from the middle of the hands, or from the hips if it is ``steady``, ahead, to the left and
+    up of the chest, in leg lengths; ``heading`` is its rotation about Z from the chest's heading, radians, which
+    acts after its ``tilt``. Constraints that keep the hands on the prop do not move it, so that any size can be
+    held.
     """
 
     kind: ClassVar[str] = "carried"
@@ -83,6 +84,8 @@ class Carried(Hold):
     offset: Vector = (0.0, 0.0, 0.0)
     heading: float = 0.0
     tilt: Quaternion = field(default=UNTURNED, metadata=SPARSE)
+    steady: bool = field(default=False, metadata=SPARSE)
+    """True where the motion's hands hold nothing: gestures do not swing the prop."""
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -77,6 +77,8 @@ class ReplaceValue(QUndoCommand):
         # A strong one closes a cycle through the stack's C++ side, which crashes the garbage collector.
         self._document_step = WeakMethod(show)
         self.edits, self.gesture = edits, gesture
+        self.vanishes = False
+        """The command leaves the stack as it is undone, and cannot be redone."""
         self._verb = "edit"
 
     def redo(self) -> None:
@@ -87,6 +89,7 @@ class ReplaceValue(QUndoCommand):
     def undo(self) -> None:
         """Restore the old values."""
         self._show(reverted(self.edits), "undo")
+        self.setObsolete(self.vanishes)
 
     def _show(self, edits: tuple[Edit, ...], verb: str) -> None:
         step = self._document_step()

@@ -1,5 +1,6 @@
 """Files of sounds and footage that have moved: found by their name in known folders."""
 
+import os
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -16,7 +17,8 @@ def find_media(source: str, name: str, folders: Iterable[Path]) -> Path:
     Raises MediaMissing if there is neither.
     """
     path = Path(source)
-    found = next((each for each in (path, *(folder / path.name for folder in folders)) if each.exists()), None)
+    # Unlike those of Path, this takes a name that no file can have, or a closed folder, for no file.
+    found = next((each for each in (path, *(folder / path.name for folder in folders)) if os.path.exists(each)), None)
     if found is None:
         raise MediaMissing(f"The file {path.name} of {name} cannot be found. Relink it.")
     return found

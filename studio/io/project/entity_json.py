@@ -14,6 +14,7 @@ import numpy as np
 
 from studio.core.body.morphology import Proportions
 from studio.core.captures.contacts import ContactInterval, ContactPoint
+from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import UNTURNED
 from studio.core.constraints.kinds import CONSTRAINT_KINDS
@@ -28,7 +29,7 @@ from studio.io.project.value_json import Array, Json, MemberCodec, UnknownKind, 
 
 PROJECT_SCHEMA = 2
 ENTITY_SCHEMAS = {
-    **dict.fromkeys(COLLECTIONS, 1), "characters": 3, "performers": 2, "constraints": 4, "contacts": 3, "props": 5,
+    **dict.fromkeys(COLLECTIONS, 1), "characters": 3, "performers": 2, "constraints": 5, "contacts": 3, "props": 6,
 }  # fmt: skip
 """A higher number tells an older version that it would misread what it knows by that name."""
 MEMBER_NAME = re.compile(r"(captures|characters)/[0-9a-f]{64}\.npy")
@@ -90,10 +91,14 @@ def _schema_of(collection: str, entity: Entity) -> int:
     """Lowest schema that can hold an entity, so that a contact with the ground, a constant body or keys without
     tangents are written as in earlier versions.
     """
+    if isinstance(entity, Prop) and any(isinstance(hold, Carried) and hold.steady for hold in entity.holds):
+        return ENTITY_SCHEMAS[collection]
     if isinstance(entity, Prop) and (entity.tilt != UNTURNED or any(_is_tilted(hold) for hold in entity.holds)):
+        return 5
+    if isinstance(entity, AreaConstraint) and entity.margin:
         return ENTITY_SCHEMAS[collection]
     if isinstance(entity, Constraint | Character | Prop) and _has_curves(entity):
-        return 4 if isinstance(entity, Prop) else ENTITY_SCHEMAS[collection]
+        return 3 if isinstance(entity, Character) else 4
     if isinstance(entity, Constraint):
         return 3
     if isinstance(entity, ContactInterval) and isinstance(entity.point, ContactPoint):

@@ -14,6 +14,7 @@ from studio.core.stage.project import Project
 from studio.document import colours
 from studio.document.behaviour_commands import BehaviourEdit, edit_behaviour, state_key, transition_key
 from studio.document.document import Document
+from studio.document.mnemonics import literal
 from studio.document.selection import Item
 from studio.panels.behaviour import diagram_drags
 from studio.panels.behaviour.diagram_items import Arrow, Box, StateItem, TransitionItem, bow_of
@@ -272,7 +273,7 @@ class Diagram(QGraphicsView):
             self.select(item)
         menu = QMenu(self)
         for text, run in self._choices(place):
-            menu.addAction(text).triggered.connect(lambda _=False, run=run: run())
+            menu.addAction(literal(text)).triggered.connect(lambda _=False, run=run: run())
         menu.exec(event.globalPos())
 
     def _choices(self, place: QPointF) -> list[tuple[str, Callable[[], object]]]:

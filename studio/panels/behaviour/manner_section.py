@@ -65,7 +65,7 @@ class MannerSection(Section):
         if isinstance(manner, KeepDistance):
             self._legs.show_value(manner.legs)
             for field in self._numbers.values():
-                field.setSuffix(f" {manner.gap.unit}")
+                field.set_unit(manner.gap.unit)
         if isinstance(manner, Meet):
             whole = manner.activation == WHOLE_CLIP
             with QSignalBlocker(self._always):

@@ -94,7 +94,7 @@ class PrioritySection(Section):
         before = list(self._editor.document.project.constraints_of(self._editor.entity.motion_id))
         current = self._list.currentItem()
         moved = _moved([current.data(ID)] if current else [], before, order) or self._editor.entity_id
-        ties = ties_with_moved(constraints, order, moved)
+        ties = ties_with_moved(constraints, order, {moved})
         self._put_places(order, ties, f"Reorder priority of {constraints[moved].name}")
 
     def _tie(self, tied: bool) -> None:

@@ -16,6 +16,7 @@ from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.constraints.target import Place, Turn, own_place_of, with_own_place
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
+from studio.document.mnemonics import literal
 from studio.engine.moments import TargetContext
 from studio.engine.performance import motion_time, stage_time
 from studio.engine.point_names import POINT_NAMES, point_words
@@ -157,7 +158,7 @@ class TargetRows:
         for widget in (self._apart, self._apart_caption):
             widget.setVisible(shown)
         if own is not None and performer is not None:
-            self._apart.setText(f"{short(performer.name, self._apart)} has its own")
+            self._apart.setText(literal(f"{short(performer.name, self._apart)} has its own"))
             self._apart.setAccessibleName(f"{performer.name} has an offset of its own")
             self._apart.setChecked(document.active_performer_id in dict(own.own))
 

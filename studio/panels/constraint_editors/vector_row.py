@@ -3,11 +3,10 @@
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from PySide6.QtCore import QSignalBlocker
 from PySide6.QtWidgets import QLabel
 
 from studio.panels.editor import Editor
-from studio.panels.fields import NumberField, Section
+from studio.panels.fields import NumberField, Section, with_unit
 
 VECTOR_LIMIT = 1000.0
 
@@ -27,10 +26,19 @@ class VectorRow:
         self._values: list[float] = [0.0] * len(axes)
         self._put = put
         self.fields = [
-            editor.bind(NumberField(f"{label} {axis}", "", -VECTOR_LIMIT, VECTOR_LIMIT, 0.01, 3), partial(self._set, k))
+            editor.bind(
+                NumberField(f"{label} {axis}", unit, -VECTOR_LIMIT, VECTOR_LIMIT, 0.01, 3, suffix=False),
+                partial(self._set, k),
+            )
             for k, axis in enumerate(axes)
         ]
-        self.caption: QLabel = section.add_row(f"{label}  {unit}".rstrip(), *self.fields)
+        self.caption: QLabel = section.add_row(with_unit(label, unit), *self.fields)
+
+    def set_unit(self, label: str, unit: str) -> None:
+        """Show numbers of another meaning, with another caption."""
+        self.caption.setText(with_unit(label, unit))
+        for field in self.fields:
+            field.set_unit(unit)
 
     def show_values(self, values: Sequence[float]) -> None:
         """Show the document's value."""
@@ -41,8 +49,7 @@ class VectorRow:
     def set_least(self, low: float) -> None:
         """Allow no number below ``low``."""
         for field in self.fields:
-            with QSignalBlocker(field):
-                field.setMinimum(low)
+            field.set_least(low)
 
     def set_visible(self, *visible: bool) -> None:
         """Show the fields that are used; the row is hidden without any."""

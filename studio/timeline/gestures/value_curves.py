@@ -19,7 +19,7 @@ from studio.timeline.tracks.value_curves import (
 
 LOCK = 5.0
 """Pixels below which a drag does not change time, or value, so that a hand need not be exact."""
-SNAP_STEPS = {"m": 0.01, "°": 5.0, "×": 0.01}
+SNAP_STEPS = {"m": 0.01, "cm": 1.0, "in": 0.5, "°": 5.0, "×": 0.01}
 """Steps to which values snap with Ctrl, by unit."""
 FINE_KEY_DRAG = 0.1
 Modifier = Qt.KeyboardModifier

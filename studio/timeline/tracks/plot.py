@@ -9,6 +9,7 @@ from PySide6.QtGui import QColor, QPainter
 from PySide6.QtWidgets import QWidget
 
 from studio.document import colours
+from studio.document.length_units import shown_unit
 from studio.engine.scheduler import SolveScheduler
 from studio.timeline.curves import Curve, CurveQuery, Plotted, Quantity, error_measure, plotted_constraint, seen_curve
 from studio.timeline.shown import ROW_LABEL_WIDTH, RowContext, label_area
@@ -147,13 +148,16 @@ class PlotPicture(QObject):
             return
         paint_label(painter, QRect(0, row.top() + 4, ROW_LABEL_WIDTH - 44, 20), self.title(shown), colours.TEXT)
         count = len(self.curves)
-        note = f"{self.quantity.unit(shown)} · {count} {'body' if count == 1 else 'bodies'}"
+        unit = shown_unit(self.quantity.unit(shown))
+        note = f"{unit.symbol} · {count} {'body' if count == 1 else 'bodies'}"
         paint_label(painter, QRect(0, row.top() + 22, ROW_LABEL_WIDTH, 18), note, colours.TEXT_THIRD, 11)
         painter.setFont(font(10))
         painter.setPen(QColor(colours.TEXT_THIRD))
         for value in (0.0, self.top) if self.curves else ():
             place = QRect(area.right() - 60, round(self.y_of(row, value)) - 8, 54, 16)
-            painter.drawText(place, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, _figure(value))
+            painter.drawText(
+                place, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, _figure(unit.factor * value)
+            )
 
     def title(self, shown: RowContext) -> str:
         """``Foot speed`` or ``Error: Kick target``."""
@@ -164,7 +168,8 @@ class PlotPicture(QObject):
     def words(self, shown: RowContext, value: float) -> str:
         """Drawn value with its unit."""
         if self.quantity is not Quantity.ERROR:
-            return f"{value:.2f} {self.quantity.unit(shown)}"
+            unit = shown_unit(self.quantity.unit(shown))
+            return f"{value * unit.factor:.2f} {unit.symbol}"
         measure = error_measure(shown)
         return measure.words(value / measure.factor)
 

@@ -24,7 +24,7 @@ SAMPLE = 2.0
 """Pixels between the points of a curve."""
 CURVE_FRAME_MARGIN = 0.12
 """Parts of the height left free above and below framed curves."""
-LEAST_SPAN = {"m": 0.05, "°": 5.0, "×": 0.05, "": 1.0}
+LEAST_SPAN = {"m": 0.05, "cm": 5.0, "in": 2.0, "°": 5.0, "×": 0.05, "": 1.0}
 """The least difference of values that is framed, by unit."""
 CHANNEL_COLOURS = {
     "x": "#E4706A",

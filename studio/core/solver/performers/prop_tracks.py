@@ -204,8 +204,8 @@ def carried_track(held: Carried, positions: FloatArray, rotations: FloatArray, b
     ends = [point_indices(BodyPoint(part, at_end=end), layout)[0] for part in CARRYING_HANDS for end in (False, True)]
     chest = rotations[:, layout.segment(BodyPart.THORAX), :, 0]
     heading = np.arctan2(chest[:, 1], chest[:, 0])
-    middle = positions[:, ends].mean(axis=1)
-    places = middle + body.leg_length * turned_by(heading) @ np.array(held.offset)
+    origin = positions[:, 0] if held.steady else positions[:, ends].mean(axis=1)
+    places = origin + body.leg_length * turned_by(heading) @ np.array(held.offset)
     return Track(places, turned_by(heading + held.heading) @ to_matrix(np.array(held.tilt)))
 
 

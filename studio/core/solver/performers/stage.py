@@ -14,9 +14,11 @@ from studio.core.constraints.follow import Follow, FollowBody, FollowPerformer, 
 from studio.core.constraints.objections import objection
 from studio.core.constraints.target import follows_of, own_place_of, with_own_place
 from studio.core.curves.keyed import Keys
+from studio.core.mesh.character import Character
 from studio.core.normalized.compose import Composite
 from studio.core.rotations import multiply, to_matrix
 from studio.core.solver.asking.tracks import OwnPath, Track, Tracks
+from studio.core.solver.asking.whole_body import areas_of
 from studio.core.solver.performers.rows import ClipConstraint, timing_of
 from studio.core.solver.request import AdaptedMotion, Unasked
 from studio.core.stage.placement import Placement
@@ -49,17 +51,24 @@ def asked_of(project: Project, performer_id: str) -> tuple[ClipConstraint, ...]:
 
 
 def _asked_of(project: Project, performer_id: str) -> tuple[ClipConstraint, ...]:
-    clips, playing = project.performers[performer_id].clips, _playing(project)
+    performer, playing = project.performers[performer_id], _playing(project)
     asked = [
         ClipConstraint(key, part, place, repeat)
-        for place, clip in enumerate(clips)
+        for place, clip in enumerate(performer.clips)
         for key, constraint in project.constraints_for(performer_id, clip).items()
         if constraint.enabled
         and (concerned := concerning(constraint, performer_id, playing, project.props)) is not None
         for repeat in range(clip.repeats)
-        for part in (concerned.parts if isinstance(concerned, AreaConstraint) else (concerned,))
+        for part in _parts_of(concerned, project.characters[performer.character_id])
     ]
     return tuple(sorted(asked, key=lambda each: each.constraint.priority))
+
+
+def _parts_of(constraint: Constraint, character: Character) -> tuple[Constraint, ...]:
+    """The constraint itself; of an area that a whole body keeps out of, one for each of its points."""
+    if not (isinstance(constraint, AreaConstraint) and constraint.whole):
+        return (constraint,)
+    return areas_of(constraint, character.morphology, character.volume)
 
 
 def _playing(project: Project) -> Collection[str]:
