@@ -25,7 +25,8 @@ from studio.io.markers.capture import capture_of_take
 from studio.io.markers.unit import in_believable_unit
 from studio.io.project.project_file import read_project, write_project
 from studio.io.up_axis import FILE_AXES
-from tests.core.markers.made import made_trial
+from tests.core.markers.made import made_body, made_trial
+from tests.core.markers.made import turned as made_turn
 from tests.io.test_c3d import FILES
 from tests.io.trials import same
 
@@ -55,6 +56,17 @@ def test_points_without_names_open_as_bare_markers_and_say_what_to_do(captures: 
     trial = capture.markers.trial
     positions = joint_world(capture.skeleton, capture.poses)[0]
     np.testing.assert_allclose(positions[:, 1, 2], trial.points[:, 0, 2], atol=1e-12)
+
+
+@pytest.mark.parametrize("axis", ["x", "y"])
+def test_legs_alone_show_that_a_camera_is_tilted_by_25_degrees(tmp_path: Path, axis: str) -> None:
+    above = ("shoulder", "elbow", "wrist", "head", "neck", "collar", "breastbone")
+    roles = [role for role in made_body()[0] if role != "back" and not any(word in role for word in above)]
+    trial, _ = made_trial(tuple(roles))
+    turn = made_turn(axis, np.radians([25.0]))[0]
+    write_c3d(tmp_path / "t.c3d", trial.with_points(trial.points @ turn))
+    direction = np.array(load_capture(tmp_path / "t.c3d").up_axis.split(), dtype=float)
+    assert np.degrees(np.arccos(direction @ turn[2])) < 6.0
 
 
 def test_labels_that_were_exchanged_are_put_right_and_reported(tmp_path: Path) -> None:

@@ -18,6 +18,7 @@ from studio.core.markers.ends import EXCHANGEABLE, exchanged_ends, exchanged_on_
 from studio.core.markers.force_plates import plate_loads, plates_height
 from studio.core.markers.label_words import side_and_part
 from studio.core.markers.marker_map import MarkerMap, seen_labels
+from studio.core.markers.measures import has_pelvis, pelvis_frame
 from studio.core.markers.proposing import PROPOSED
 from studio.core.markers.roles import ROLE, SIDE_WORDS
 from studio.core.markers.sides import exchanged_places
@@ -43,6 +44,8 @@ _SKIN = 0.025
 """Metres by which a joint is off most of the time where it is no more the skin that moves (at most 0.017 in trials)."""
 _CALIBRATED = 0.035
 """Metres of the floor from zero by feet that are told from markers on them within which it is at zero."""
+_TRUNK_OF_LEG = 0.6
+"""Length of a trunk, from hips to shoulders, in that of a leg."""
 _LEG = (0.2, 2.1)
 """Metres of a leg, or twice an arm, from hip to ankle within which a unit is believed."""
 
@@ -155,7 +158,7 @@ def _limb_length(joints: Mapping[str, FloatArray]) -> float:
 def _up_axis(followed: FollowedBody, options: ImportOptions, guesses: list[Guess]) -> str:
     if options.up_axis is not None:
         return axis_called(options.up_axis)
-    joints, first = followed.joints, followed.first_frame
+    joints, first = _with_a_trunk(followed), followed.first_frame
     if "left_hip" in joints and "left_shoulder" in joints:
         guess = guess_up_axis(_points(joints, first), C3D_USE)
     else:
@@ -171,6 +174,15 @@ def _up_axis(followed: FollowedBody, options: ImportOptions, guesses: list[Guess
         guess = Guess("up axis", best, f"Through the trial the {high}s are above the {low}s along {best}.", confidence)
     guesses.append(guess)
     return guess.value
+
+
+def _with_a_trunk(followed: FollowedBody) -> Mapping[str, FloatArray]:
+    """Joint centres by name; shoulders without markers stand over their hips as the pelvis does."""
+    joints = followed.joints
+    if "left_hip" not in joints or "left_shoulder" in joints or not has_pelvis(followed.tracks):
+        return joints
+    trunk = _TRUNK_OF_LEG * _limb_length(joints) * pelvis_frame(followed.tracks)[1][..., 2]
+    return {**joints, **{f"{side}_shoulder": joints[f"{side}_hip"] + trunk for side in SIDE_WORDS}}
 
 
 def _points(joints: Mapping[str, FloatArray], first: int) -> BodyPoints:
