@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numba
 import numpy as np
 import pytest
 from llvmlite.binding import ffi
@@ -80,7 +81,14 @@ def test_a_kernel_can_be_called_by_kernels_first_and_then_by_python() -> None:
     assert row_of(4.0, 1).tolist() == [8.0]
 
 
-OWN = linked.KernelPart, linked.KernelProgram, linked.KernelPipeline, linked.PartCompiler, linked.Kernel
+OWN = (
+    linked.KernelPostProcessor,
+    linked.KernelPart,
+    linked.KernelProgram,
+    linked.KernelPipeline,
+    linked.PartCompiler,
+    linked.Kernel,
+)
 
 
 @pytest.mark.parametrize("own", OWN)
@@ -122,6 +130,17 @@ def test_what_two_kernels_call_of_numpy_is_compiled_once(monkeypatch) -> None:
         ramp(2)
         ramp.recompile()  # it may have come from the cache
     assert compiled.count((np.empty, (types.UniTuple(types.int64, 2),))) <= 1
+
+
+def test_what_others_compile_in_object_mode_still_knows_its_variables() -> None:
+    @numba.jit(forceobj=True, looplift=False)
+    def total(numbers):
+        found = {}
+        for number in numbers:
+            found[number] = number
+        return sum(found.values())
+
+    assert total([1, 2, 4]) == 7
 
 
 def test_nobody_is_told_of_every_call_of_the_compiler_below() -> None:

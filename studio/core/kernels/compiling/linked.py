@@ -14,7 +14,18 @@ from functools import cache
 from typing import Any
 
 from llvmlite.binding import ffi  # type: ignore[import-untyped]
-from numba.core import compiler, compiler_machinery, config, sigutils, typed_passes, types, typing, untyped_passes
+from numba.core import (
+    compiler,
+    compiler_machinery,
+    config,
+    postproc,
+    sigutils,
+    transforms,
+    typed_passes,
+    types,
+    typing,
+    untyped_passes,
+)
 from numba.core.codegen import CodeLibrary, JITCodeLibrary
 from numba.core.dispatcher import _FunctionCompiler  # type: ignore[attr-defined]
 from numba.core.registry import CPUDispatcher
@@ -43,6 +54,28 @@ _SETTLED: dict[tuple[str, bool], Any] = {}
 
 for _listener in tuple(ffi.lib._lock._cblist):  # of numba's, told of every call of LLVM: a twentieth of compiling
     ffi.unregister_lock_callback(*_listener)
+
+
+class KernelPostProcessor(postproc.PostProcessor):
+    """Steps after a change of a kernel's code.
+
+    Numba also finds the variables alive at the entry of each block, seven times for each kernel; only generators and
+    object mode read them.
+    """
+
+    def run(self, emit_dels: bool = False, extend_lifetimes: bool = False) -> None:
+        """Update the order of the blocks; with ``emit_dels`` add the deletion of each variable after its last use."""
+        code = self.func_ir
+        if code.is_generator or not isinstance(ConfigStack.top_or_none(), SharedFlags):
+            super().run(emit_dels, extend_lifetimes)
+            return
+        code.blocks = transforms.canonicalize_cfg(code.blocks)
+        code.variable_lifetime, code.generator_info = postproc.VariableLifetime(code.blocks), None
+        if emit_dels:
+            self._insert_var_dels(extend_lifetimes=extend_lifetimes)
+
+
+postproc.PostProcessor = KernelPostProcessor  # type: ignore[misc]
 
 
 class KernelPart(JITCodeLibrary):
